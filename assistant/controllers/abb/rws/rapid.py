@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import Final
 from urllib.parse import unquote_to_bytes
 
@@ -10,7 +11,7 @@ from assistant.controllers import rules
 from assistant.controllers.abb.rws.answers import Row
 from assistant.controllers.abb.rws.files import Files
 from assistant.controllers.abb.rws.mastership import Mastership
-from assistant.controllers.abb.rws.session import Session
+from assistant.controllers.abb.rws.session import NotNow, Session
 from assistant.controllers.states import TaskState
 from assistant.program.diagnostics import Refused
 
@@ -108,7 +109,20 @@ class Rapid:
     def _load_module(self, path: str, task: str, doing: str) -> None:
         form = {"modulepath": self._files.path(path), "replace": "true"}
         state = f"`{task}` holds its old module"
-        self._mastership.ask("load module", doing=doing, state=state, form=form, at={"task": task})
+        try:
+            self._mastership.ask(
+                "load module", doing=doing, state=state, form=form, at={"task": task}
+            )
+        except NotNow as error:  # most often two modules have a name in common, such as `main`
+            loaded = ", ".join(f"`{name}`" for name in self.modules(task))
+            if not loaded:
+                raise
+            cure = (
+                f"loaded there: {loaded}; if one of them has a name in common with it, as `main`, "
+                "start a program (.pgf) of its own instead, which replaces them, or take that "
+                "module out first, on the FlexPendant or by `unload` of the session"
+            )
+            raise NotNow(*(replace(finding, cure=cure) for finding in error.findings)) from None
 
     def unload(self, module: str, task: str = "") -> None:
         where = self.task(task)

@@ -24,6 +24,8 @@ UNCHANGED: Final = "nothing was changed by that"
 UNLESS: Final = ", unless the controller did it before the line was cut"
 FAREWELL: Final = 2.0
 """Seconds that logging a lost session out may take at most."""
+MOST_PAGES: Final = 1000
+"""Pages of an answer after which it is taken for garbage."""
 STATUS: Final = {
     404: "there is no such resource",
     405: "the controller does not do that",
@@ -39,6 +41,10 @@ class NotThere(Refused):
 
 class NoMastership(Refused):
     """The session has not the mastership that the operation needs."""
+
+
+class NotNow(Refused):
+    """The programs are in no state for the operation."""
 
 
 class NoLongerThere(Refused):
@@ -164,8 +170,12 @@ class Session:
         while found[-1].next and sum(len(page.rows) for page in found) < enough:
             following = found[-1].next  # written beside the one that names it
             address = following if following.startswith("/") else urljoin(address, following)
+            if not re.match("/(?!/)", address):  # the password goes to no other host
+                raise self.garbled(doing, f"the next page is `{following}`")
             if address in seen:
                 break
+            if len(seen) >= MOST_PAGES:
+                raise self.garbled(doing, f"more than {MOST_PAGES} pages")
             seen.add(address)
             found.append(self._asked(operation, address, None, doing, UNCHANGED))
         return found
@@ -306,6 +316,8 @@ class Session:
             kind = NoLongerThere
         if number == codes.NO_MASTERSHIP:
             kind = NoMastership
+        if number == codes.NOT_NOW:
+            kind = NotNow
         if number is None:
             reply = f"HTTP {status}, {said or STATUS.get(status, 'without a text')}"
             return kind(rules.REFUSED(place=place, doing=doing, reply=reply, state=state))

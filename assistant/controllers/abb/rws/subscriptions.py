@@ -7,6 +7,7 @@ Nothing is ever sent into it: RWS 2.0 hangs up on a client that does, pings amon
 from __future__ import annotations
 
 import re
+import socket
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
@@ -127,16 +128,22 @@ def _resource(session: Session, signals: Signals, name: str) -> tuple[str, str]:
 
 
 def _channel(session: Session, path: str, stack: ExitStack) -> ClientConnection:
-    """The WebSocket of a group, at the controller's address as this computer knows it."""
+    """The WebSocket of a group, at the controller's address as this computer knows it.
+
+    Its socket is made here: so no redirection takes the cookies of the session to another host.
+    """
     from websockets.exceptions import WebSocketException
     from websockets.sync.client import connect
     from websockets.typing import Subprotocol
 
     scheme = "wss" if session.dialect.secure else "ws"
+    place = session.address.host, session.address.port
     try:
+        line = socket.create_connection(place, timeout=session.timeout)
         return stack.enter_context(
             connect(
                 f"{scheme}://{session.authority}{path}",
+                sock=line,
                 ssl=session.trust,
                 subprotocols=[Subprotocol(session.dialect.subprotocol)],
                 additional_headers={"Cookie": session.cookie},
@@ -149,7 +156,7 @@ def _channel(session: Session, path: str, stack: ExitStack) -> ClientConnection:
                 max_size=LARGEST,
             )
         )
-    except (WebSocketException, OSError, EOFError) as error:
+    except (WebSocketException, OSError, EOFError, ValueError) as error:
         reason = str(error) or type(error).__name__
         raise session.refusal(
             "tell of events", reason, "look at the state again and again instead"

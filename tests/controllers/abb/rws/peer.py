@@ -227,7 +227,7 @@ class _Handler(BaseHTTPRequestHandler):
             given = peer.answers.get(f"{self.command} {path.partition('?')[0]}")
         if given is None and path.startswith("/rw/mastership/"):
             given = self._mastership(path, cookie)
-        if path.startswith("/poll/"):
+        if given is None and path.startswith("/poll/"):
             self._poll()
             return
         if given is None and path.startswith("/fileservice/"):

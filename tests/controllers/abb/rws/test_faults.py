@@ -60,7 +60,7 @@ OLD = b"MODULE Seam\nPERS num reg1:=0;\nPROC main()\nENDPROC\nENDMODULE\n"
 NEW = OLD + b"! and what follows it\n" * 20
 TIMEOUT = 2.0
 SLACK = 3.0
-"""Seconds beside the time-outs of a request and of the farewell, for a busy computer."""
+"""Seconds in which a program that a cut line has started ends, on a busy computer."""
 
 
 def conversation(client, module):
@@ -76,9 +76,11 @@ def conversation(client, module):
 
 
 def speak(peer, **options):
-    """The conversation through a proxy; the finding's codes, and the bytes that passed."""
+    """The conversation through a proxy; the finding's codes, and the bytes that passed.
+
+    Nothing is waited for that never comes: without an answer it ends by a finding or not at all.
+    """
     with Cutting(peer.port, **options) as proxy:
-        began = time.monotonic()
         try:
             with peer.connect(port=proxy.port, timeout=TIMEOUT) as client:
                 conversation(client, "Seam" if isinstance(peer, Virtual) else "user")
@@ -87,8 +89,6 @@ def speak(peer, **options):
             codes = [finding.code for finding in error.findings]
         else:
             codes = []
-        took = time.monotonic() - began
-        assert took < 3 * TIMEOUT + SLACK
         return codes, proxy.passed, proxy.pieces
 
 
@@ -162,20 +162,26 @@ def test_a_line_that_is_cut_anywhere(peer, capsys):
     _, length, _ = speak(peer)
     check(peer, [])
     places = cuts(length)
-    cut_at(peer, places)
+    assert cut_at(peer, places) >= {"CN201", "CN204"}
     # Sessions that are cut for good stay until their time is over: 70 at most.
     for_good = places[::12]
-    cut_at(peer, for_good, again=False, reset=True)
+    assert "CN204" in cut_at(peer, for_good, again=False, reset=True)
     with capsys.disabled():
         sys.stdout.write(f"\n{len(places)} cuts of {length} bytes, {len(for_good)} for good\n")
-    assert len(places) > 450
+    assert places[:300] == list(range(places[0], places[0] + 300)) and places[-1] > length - 97
 
 
 def test_an_answer_that_is_late(peer, monkeypatch):
     monkeypatch.setitem(globals(), "TIMEOUT", 0.3)
     for which in (0, 9, 33):
-        codes, _, _ = speak(peer, answers=late(which, 5.0))
-        assert codes and set(codes) <= {"CN201", "CN204", "CN221"}, which
+        with (
+            Cutting(peer.port, answers=late(which, 5.0)) as proxy,
+            pytest.raises(Lost) as lost,
+            peer.connect(port=proxy.port, timeout=TIMEOUT) as client,
+        ):
+            conversation(client, "user")
+        codes = [finding.code for finding in lost.value.findings]
+        assert codes[0] in ("CN201", "CN204") and set(codes[1:]) <= {"CN221"}, which
         check(peer, codes)
 
 

@@ -224,3 +224,63 @@ def test_what_a_new_session_may_not_give_back_is_told(peer):
     ):
         client.load("seam.mod")
     assert codes(refused) == ["CN204", "CN221"]
+
+
+@contextlib.contextmanager
+def stranger():
+    """Another host, and what it hears."""
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        listener.setblocking(False)
+        yield listener
+
+        with pytest.raises(BlockingIOError):
+            listener.accept()
+
+
+def the_log_is(peer, page):
+    peer.answers = {k: v for k, v in peer.answers.items() if "/elog" not in k}
+    peer.answers["GET /rw/elog/0"] = page
+
+
+def test_a_redirection_is_not_followed(peer):
+    with stranger() as other, peer.connect() as client:
+        place = f"http://127.0.0.1:{other.getsockname()[1]}/x"
+        peer.answers["GET /rw/iosystem/signals"] = (307, "", {"Location": place})
+        with pytest.raises(Refused, match="HTTP 307"):
+            client.inputs([])
+
+
+@pytest.mark.parametrize("link", ["http://127.0.0.1:{}/x", "x:@127.0.0.1:{}/x", "//127.0.0.1:{}/x"])
+def test_no_next_page_is_looked_for_on_another_host(peer, link):
+    """`http://host:80` with `x:@other/` behind it would be a user of that name on the other."""
+    with stranger() as other, peer.connect() as client:
+        place = link.format(other.getsockname()[1])
+        page = f'{{"_links":{{"next":{{"href":"{place}"}}}},"state":[]}}'
+        the_log_is(peer, page)
+        with pytest.raises(Refused) as refused:
+            client.log()
+        assert codes(refused) == ["CN222"]
+
+
+def test_pages_that_never_end_are_given_up(peer, monkeypatch):
+    monkeypatch.setattr("assistant.controllers.abb.rws.session.MOST_PAGES", 5)
+    count = iter(range(1000))
+
+    def page(_):
+        return f'{{"_links":{{"next":{{"href":"?start={next(count)}"}}}},"state":[]}}'
+
+    the_log_is(peer, page)
+    with peer.connect() as client, pytest.raises(Refused) as refused:
+        client.log()
+    assert codes(refused) == ["CN222"]
+
+
+def test_events_are_not_looked_for_on_another_host(peer):
+    with stranger() as other, peer.connect() as client:
+        scheme = {"rws": "ws", "rwss": "wss"}[peer.scheme]
+        place = f"{scheme}://127.0.0.1:{other.getsockname()[1]}/poll/1"
+        peer.answers["POST /subscription"] = (201, "", {"Location": place})
+        peer.answers["GET /poll/1"] = (307, "", {"Location": place})
+        with pytest.raises(Refused) as refused, client.subscribe(["motors"]):
+            pass
+        assert codes(refused) == ["CN209"]

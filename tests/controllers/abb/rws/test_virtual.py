@@ -42,6 +42,18 @@ def test_a_module_with_errors_is_not_loaded(loaded):
     assert loaded.modules() == ("Seam",) and not loaded.state().right
 
 
+def test_a_second_main_is_refused_with_what_to_do(loaded):
+    loaded.write("two.mod", b"MODULE Two\nPROC main()\nENDPROC\nENDMODULE\n")
+    with pytest.raises(Refused) as refused:
+        loaded.load("two.mod")
+    cure = refused.value.findings[0].cure
+    assert codes(refused) == ["CN301"] and "`Seam`" in cure and ".pgf" in cure
+    loaded.unload("Seam")
+    loaded.load("two.mod")
+    assert loaded.modules() == ("Two",) and not loaded.state().right
+    loaded.unload("Two")
+
+
 def test_running(loaded):
     loaded.motors(True)
     loaded.start("T_ROB1", forever=True)
