@@ -1,6 +1,7 @@
 """Poses exchanged with the printed RAPID module, which the interpreter runs, over a file server."""
 
 import csv
+import math
 import socket
 import threading
 
@@ -140,6 +141,41 @@ def test_poses_that_are_none_are_never_sent(robot, programs):
         exchange.stop()
     robot.ended()
     assert moves(robot) == []
+
+
+def test_columns_that_are_none_are_never_sent(robot, programs):
+    ragged, words, flat = [[1, 2, 3], [1, 2]], ["1,5"], [1, 2, 3]
+    with PoseExchange(programs) as exchange:
+        here = exchange.current_pose().pose
+        for places in (ragged, words, flat, [[10**400, 0, 0]]):
+            with pytest.raises(Refused) as refused:
+                exchange.follow((places, [here.quaternion]))
+            assert codes(refused) == ["CN511"]
+        for configuration in [(0, 0), (0, 0, math.nan, 0), (0, 0, 0, 10**400), ("0", 0, 0, 0)]:
+            with pytest.raises(Refused) as refused:
+                exchange.move_to(here.offset(z=5.0), configuration=configuration)
+            assert codes(refused) == ["CN511"]
+        exchange.stop()
+    robot.ended()
+    assert moves(robot) == []
+
+
+@pytest.mark.parametrize("word", ["ok", "incomplete"])
+def test_an_old_answer_to_nobody_is_not_taken_for_a_new_one(robot, programs, word):
+    rows = "[1,2,3]\n[1,0,0,0]\n[0,0,0,0]\n[9E9,9E9,9E9,9E9,9E9,9E9]\n0"
+    (robot.home / "exchange_answer.txt").write_text(f"0\n{word}\n{rows}\nEND 0")
+    with PoseExchange(programs) as exchange:
+        assert exchange.current_pose().pose.position == pytest.approx((420.0, 60.0, 400.0))
+
+
+def test_a_request_that_is_refused_half_way_is_taken_back(robot, programs):
+    """A folder of its name: the request stands in its place already when that is refused."""
+    with PoseExchange(programs) as exchange:
+        here = exchange.current_pose().pose
+        (robot.home / "exchange_request.txt").mkdir()
+        with pytest.raises(Refused):
+            exchange.move_to(here.offset(z=5.0))
+        assert not (robot.home / "exchange_request.txt").is_file()
 
 
 def test_a_check_is_asked_before_anything_is_sent(robot, programs):

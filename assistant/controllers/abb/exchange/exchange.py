@@ -38,6 +38,9 @@ Progress = Callable[[int, int, Answer], None]
 
 UNIT: Final = 1e-3
 """How far the length of a quaternion may be from 1; it is made a unit one."""
+LARGEST_CONFIGURATION: Final = 99_999_999
+"""cfx of arms that have several digits; cf1, cf4 and cf6 are quarters of a turn."""
+_ROWS: Final = "state positions (n, 3) in mm and quaternions (n, 4)"
 FARTHEST: Final = 100_000.0
 """mm that a coordinate has at most: beyond, it is no place of a robot."""
 
@@ -190,6 +193,9 @@ class PoseExchange:
 
     def _move(self, pose: Pose, configuration: Configuration | None, through: bool) -> Answer:
         word: Word = "pass" if through else "move"
+        if configuration is not None and not _is_configuration(configuration):
+            reason = f"its configuration is {configuration!r:.60}"
+            raise Refused(_bad(0, reason, "state four whole numbers: cf1, cf4, cf6, cfx"))
         if not self._in_step or self._number == messages.LARGEST_NUMBER:
             self.current_pose()  # the robot counts from the number of such a request
         return self._ask(word, pose, configuration, self._longest)
@@ -201,14 +207,16 @@ class PoseExchange:
         if self.ended:
             raise Refused(rules.ENDED(place=str(self.programs.address), reason=self.ended))
         self._number = _next(self._number)
+        if not self._in_step:
+            self._forget_unread()
         number, began, self._in_step = self._number, time.perf_counter(), False
-        self._put("request", messages.request(number, word, pose, configuration))
+        self._hand_over(messages.request(number, word, pose, configuration))
         handed, looks = time.perf_counter(), 0
         while True:
             looking, looks = time.perf_counter(), looks + 1
             data = self._look("answer")
             answer = None if data is None else messages.parse(data)
-            if answer is not None and answer.number in (number, messages.UNREAD):
+            if answer is not None and messages.is_of(answer, number):
                 break
             if time.perf_counter() - handed > longest:
                 self._unanswered(number, word, longest)
@@ -221,6 +229,24 @@ class PoseExchange:
         self._in_step = True
         add(self.recording, time.monotonic() - self._begin, answer, self.spent, pose)
         return answer
+
+    def _forget_unread(self) -> None:
+        """Removes an old answer that does not name its request: it would be taken for the next."""
+        data = self._look("answer")
+        answer = None if data is None else messages.parse(data)
+        if answer is not None and answer.number == messages.UNREAD:
+            self._remove("answer")
+
+    def _hand_over(self, data: bytes) -> None:
+        """Puts a request there; where that is refused half-way, it is taken back."""
+        try:
+            self._put("request", data)
+        except common.Lost:
+            raise
+        except Refused as error:
+            if self._taken_back() is False and self._look("request") is None:
+                error.add_note("the request may have been taken, and the robot may move")
+            raise
 
     def _unanswered(self, number: int, word: Word, seconds: float) -> None:
         """Takes the request back, if it still lies there, so that nothing carries it out later."""
@@ -285,8 +311,7 @@ class PoseExchange:
 
     def _checked(self, positions: ArrayLike, quaternions: ArrayLike) -> tuple[Floats, Floats]:
         """Columns of poses that may be sent; raises Refused for the first that must not."""
-        place = np.asarray(positions, dtype=np.float64).reshape(-1, 3)
-        turn = np.asarray(quaternions, dtype=np.float64).reshape(-1, 4)
+        place, turn = _columns(positions, 3), _columns(quaternions, 4)
         if len(place) != len(turn):
             reason = f"there are {len(place)} positions and {len(turn)} quaternions"
             raise Refused(_bad(min(len(place), len(turn)), reason, "state both for each pose"))
@@ -335,6 +360,29 @@ class PoseExchange:
 
     def _pause(self) -> None:
         threading.Event().wait(self._poll)
+
+
+def _columns(rows: ArrayLike, width: int) -> Floats:
+    """Rows of so many numbers; raises Refused for others."""
+    try:
+        found = np.asarray(rows, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise Refused(_bad(0, f"it is no row of numbers ({error})", _ROWS)) from None
+    if found.size == 0:
+        return found.reshape(0, width)
+    if found.ndim != 2 or found.shape[1] != width:
+        raise Refused(_bad(0, f"its columns are of the shape {found.shape}", _ROWS))
+    return found
+
+
+def _is_configuration(given: Sequence[float]) -> bool:
+    """Whether these are the four whole numbers of a robtarget."""
+    return len(given) == 4 and all(
+        isinstance(one, (int, float, np.integer))
+        and abs(one) <= LARGEST_CONFIGURATION
+        and one == int(one)
+        for one in given
+    )
 
 
 def _next(number: int) -> int:

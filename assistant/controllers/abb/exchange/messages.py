@@ -27,6 +27,8 @@ UNREAD: Final = 0
 """Number of the answer to a request whose own number could not be read."""
 _NUMBERS: Final = re.compile(r"\[(.*)\]")
 _ANSWER_LINES: Final = 8
+LONGEST: Final = 4096
+"""Bytes of an answer; each of its lines has 80 at most, as a RAPID string has."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,8 +64,15 @@ def stop_request(number: int) -> bytes:
     return f"{number}\nEND {number}\n".encode("ascii")
 
 
+def is_of(answer: Answer, number: int) -> bool:
+    """Whether it answers that request; what could not be read has not been carried out either."""
+    return answer.number == number or (answer.number == UNREAD and answer.word != "ok")
+
+
 def parse(data: bytes) -> Answer | None:
     """The answer that a file is, None for one that is not whole or says something else."""
+    if len(data) > LONGEST:
+        return None
     lines = data.decode("latin-1").replace("\r", "").split("\n")[:_ANSWER_LINES]
     if len(lines) < _ANSWER_LINES or lines[-1] != f"END {lines[0]}":
         return None

@@ -33,7 +33,7 @@ REASONS: Final = {
         "state another configuration, or none",
     ),
     "number": (
-        "another exchange has sent requests in between",
+        "another exchange has sent requests in between, or its program was started anew",
         "let one program at a time exchange poses with a robot",
     ),
     "incomplete": (
