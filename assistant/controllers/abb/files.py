@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import re
 from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path as FilePath
 from typing import Final
 
@@ -131,11 +133,17 @@ class FileSession(RapidFiles, ABC):
     def _put(self, name: str, data: bytes, *, compared: bool) -> None:
         checked_name(name)
         temporary, state = TEMPORARY.format(name=name), f"`{name}` there is as it was"
-        try:
+        with self._discarding(temporary):
             self.store(temporary, data, f"storing `{name}`", state)
             if compared:
                 self._compare(name, data, self.retrieve(temporary, state), state)
             self.replace(temporary, name)
+
+    @contextmanager
+    def _discarding(self, temporary: str) -> Iterator[None]:
+        """Deletes a file whose transfer is refused, as long as there is a connection."""
+        try:
+            yield
         except rules.Lost:
             raise
         except Refused:

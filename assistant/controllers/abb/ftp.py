@@ -61,17 +61,6 @@ class Ftp(FtpSession):
             with self.during(f"deleting `{name}`", f"`{name}` is still there"):
                 self.session.delete(name)
 
-    def _take(self, name: str) -> None:
-        """Gives a file that is whole under its temporary name its own."""
-        temporary = TEMPORARY.format(name=name)
-        try:
-            self.replace(temporary, name)
-        except rules.Lost:
-            raise
-        except Refused:
-            self.discard(temporary)
-            raise
-
     def look(self, name: str) -> bytes | None:
         """A file without asking first whether it is there; None if it cannot be read now."""
         checked_name(name)
@@ -118,7 +107,9 @@ class Ftp(FtpSession):
         """
         checked_name(name)
         ftp_resuming.upload(self, name, data)
-        self._take(name)
+        temporary = TEMPORARY.format(name=name)
+        with self._discarding(temporary):
+            self.replace(temporary, name)
 
     def tree(self, folder: str = "") -> tuple[ftp_folders.Entry, ...]:
         """All files and folders below a folder, `HOME:` or one of the address for ""."""

@@ -204,6 +204,19 @@ class Loop:
         self._rows = list(map(tuple, rows.tolist()))
         self._told = self._rows[0]
 
+    def _check_silence(self, heard: float, cause: Failed | None) -> None:
+        """Raises Failed if nothing new has come for too long."""
+        silent = time.monotonic() - heard
+        if silent > self._settings.timeout:
+            raise cause or Failed(rules.SILENT, seconds=silent, **self._progress())
+
+    def _check_sense(self, packet: bytes, count: int, heard: float, cause: Failed | None) -> None:
+        """Raises Failed if too many packets in a row made no sense, or for too long."""
+        settings = self._settings
+        if time.monotonic() - heard > settings.timeout or count >= settings.garbled:
+            sample = packet[:12].hex(" ")
+            raise cause or Failed(rules.GARBLED, count=count, sample=sample, **self._progress())
+
     def _follow(self) -> None:
         link, wire, settings, result = self._link, self._wire, self._settings, self.result
         cycle, receive = link.cycle, wire.receive
@@ -220,9 +233,7 @@ class Loop:
         while hold:
             got = receive(lapse)
             if got is None:
-                silent = time.monotonic() - heard
-                if silent > settings.timeout:
-                    raise cause or Failed(rules.SILENT, seconds=silent, **self._progress())
+                self._check_silence(heard, cause)
                 self._rate = 0.0
                 self._ask_again()
                 continue
@@ -231,16 +242,11 @@ class Loop:
             if measured is None:
                 nonsense += 1
                 result.garbled += 1
-                if time.monotonic() - heard > settings.timeout or nonsense >= settings.garbled:
-                    sample = packet[:12].hex(" ")
-                    progress = self._progress()
-                    raise cause or Failed(rules.GARBLED, count=nonsense, sample=sample, **progress)
+                self._check_sense(packet, nonsense, heard, cause)
                 continue
             if self._is_repeated(measured, arrival):
                 result.repeated += 1
-                silent = time.monotonic() - heard
-                if silent > settings.timeout:
-                    raise cause or Failed(rules.SILENT, seconds=silent, **self._progress())
+                self._check_silence(heard, cause)
                 continue
             if measured.stopped:
                 raise cause or Failed(rules.STOPPED, reason=measured.stopped, **self._progress())
