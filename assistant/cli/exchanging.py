@@ -16,7 +16,9 @@ from assistant.program.diagnostics import Refused, Severity, error, warning
 
 if TYPE_CHECKING:
     from assistant.controllers.abb.exchange import Answer, PoseExchange
+    from assistant.program.geometry import Target
     from assistant.program.path import Path as Poses
+    from assistant.program.statements import Motion
 
 BAD_LIST: Final = error("CL261", "`{given}` is not {wanted}", "write numbers with commas between")
 NO_POSES: Final = error(
@@ -186,18 +188,20 @@ def _bar(total: int) -> Iterator[Callable[[], None]]:
 
 
 def _poses(source: Path) -> Poses:
-    """The one path of a table; raises Refused if there is not one."""
+    """The one path of a table, of one pose too; raises Refused if there is not one."""
     from assistant import sources
-    from assistant.program.statements import Follow
+    from assistant.program.expressions import Name
+    from assistant.program.statements import Follow, Move
 
     reading = sources.read(source)
     print_findings(reading.findings)
-    found = [
-        statement.path
-        for procedure in reading.program.procedures
-        for statement in procedure.body
-        if isinstance(statement, Follow)
-    ]
+    found: list[Poses] = []
+    for statement in (one for procedure in reading.program.procedures for one in procedure.body):
+        match statement:
+            case Follow(path):
+                found.append(path)
+            case Move(target=Name(name), motion=motion):
+                found.append(_of_one(reading.program.targets[name], motion))
     if len(found) != 1 or not len(found[0]):
         raise Refused(NO_POSES(path=str(source), name=source.name, found=len(found)))
     path = found[0]
@@ -213,6 +217,23 @@ def _poses(source: Path) -> Poses:
                 )
             )
     return path
+
+
+def _of_one(target: Target, motion: Motion) -> Poses:
+    from assistant.program.path import Path as Rows
+    from assistant.program.path import configuration_row
+
+    return Rows.of(
+        "pose",
+        target.pose.position,
+        target.pose.quaternion,
+        configurations=[configuration_row(target.configuration)],
+        external=[target.external],
+        speeds=(motion.speed,),
+        blends=(motion.blend,),
+        tools=(motion.tool,),
+        frames=(motion.frame,),
+    )
 
 
 def _configurations(path: Poses) -> list[tuple[int, int, int, int]] | None:

@@ -109,6 +109,15 @@ def test_poses_are_followed_recorded_and_drawn(capsys, robot, tmp_path):
     assert status == 0 and json.loads(out)["poses"] == 4
 
 
+def test_a_table_of_one_pose_is_followed(capsys, robot, tmp_path):
+    table = tmp_path / "one.csv"
+    table.write_text("x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z\n420,60,395,0,0,1,0\n")
+    given = [robot.controller.address, table, "--yes", "--format", "json"]
+    status, out, err = run(capsys, "exchange", "follow", *given)
+    assert status == 0, err
+    assert json.loads(out)["poses"] == 1
+
+
 def test_nothing_moves_that_nobody_confirmed(capsys, robot, tmp_path):
     table = poses(tmp_path / "way.npy")
     status, _, err = run(capsys, "exchange", "follow", robot.controller.address, table)
