@@ -64,6 +64,7 @@ def run_follow(cell: str, trajectory: str, options: Options) -> int:
         if robot is None:
             raise Refused(NO_ROBOT(name=there.one.name), exit_status=2)
         session = there.controller if mode.operates else there.session
+        mode.check(session, options.wishes)
         position = session.position() if isinstance(session, Controller) else None
         period = options.interval or mode.period
         led = led_along(trajectory, robot, position, period, options.speed)

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from assistant.controllers import rules
+from assistant.controllers.address import SCHEMES
 from assistant.controllers.controller import Controller, Programs
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Diagnostic, Refused
@@ -90,6 +91,12 @@ class Done:
 
 
 Run = Callable[[Programs, Led, Wishes, Progress], Done]
+Check = Callable[[Programs, Wishes], None]
+"""Raises Refused for a controller that cannot be led that way, or that not all is known of."""
+
+
+def _anywhere(session: Programs, wishes: Wishes) -> None:
+    """A way that takes any address."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,13 +104,14 @@ class Mode:
     """A way to lead an arm.
 
     period: seconds between the moments that it is given. operates: whether the session must be
-    one that operates the controller.
+    one that operates the controller. check: is asked before anybody confirms.
     """
 
     title: str
     run: Run
     period: float
     operates: bool = True
+    check: Check = _anywhere
 
 
 def _limits(led: Led) -> Limits:
@@ -177,13 +185,46 @@ STEP_MORE: Final = 0.1
 """Degrees that the arm may have moved since the points were worked out."""
 
 
+def _lines(session: Programs, wishes: Wishes) -> tuple[str, str]:
+    """Targets of the control line and of the status line; raises Refused."""
+    from assistant.controllers.mitsubishi.data_link.streams import stream_to
+
+    address, named = session.address, wishes.lines
+    if SCHEMES[address.scheme].device and (len(named) < 2 or address.host in named):
+        reason = "its address is a serial line, which tells no host and stays in use"
+        raise _not_here(session, reason, "name two other lines of data, the control line first")
+    usual = (f"{address.host}:{CONTROL_PORT}", f"{address.host}:{STATUS_PORT}")
+    control, status = (*named, *usual[len(named) :])
+    for target in named:
+        stream_to(target)
+    if control == status:
+        raise _not_here(session, "both lines of data are the same", "name two lines")
+    return control, status
+
+
+def _has_lines(session: Programs, wishes: Wishes) -> None:
+    _lines(session, wishes)
+
+
+def _on_network(session: Programs, wishes: Wishes) -> None:  # noqa: ARG001 - as of each way
+    """Raises Refused for an address that packets do not get to."""
+    if SCHEMES[session.address.scheme].device:
+        reason = "its address is a serial line, and packets go over the network"
+        raise _not_here(session, reason, "give its address on the network, `melfa://host`")
+
+
+def _not_here(session: Programs, reason: str, cure: str) -> Refused:
+    place, what = str(session.address), "lead the arm this way"
+    finding = rules.NOT_HERE(place=place, address=place, what=what, reason=reason, cure=cure)
+    return Refused(finding, exit_status=2)
+
+
 def _data_link(session: Programs, led: Led, wishes: Wishes, progress: Progress) -> Done:
     """Joint positions on one line, the status on another; the programs are installed."""
     from assistant.controllers.mitsubishi.control_mode import ControlMode
 
-    controller, host = _operated(session), session.address.host
-    usual = (f"{host}:{CONTROL_PORT}", f"{host}:{STATUS_PORT}")
-    control, status = (*wishes.lines, *usual[len(wishes.lines) :])
+    control, status = _lines(session, wishes)
+    controller = _operated(session)
     limits = led.numbered(led.limits.T, np.nan).T
     limits[np.isnan(limits[:, 0])] = (-1.0, 1.0)
     points = led.numbered(led.joints, np.nan)
@@ -210,6 +251,7 @@ def _mxt(session: Programs, led: Led, wishes: Wishes, progress: Progress) -> Don
     from assistant.controllers.mitsubishi.mxt import client
     from assistant.controllers.mitsubishi.mxt.program import program
 
+    _on_network(session, wishes)
     controller, host = _operated(session), session.address.host
     text = program(_own_address(host)).encode("ascii")
     _install(controller, MXT_PROGRAM, text, wishes.replace)
@@ -268,7 +310,7 @@ def _operated(session: Programs) -> Controller:
 
 MODES: Final[Mapping[str, Mode]] = {
     "exchange": Mode("poses by files, one after the other", _exchange, 0.5, operates=False),
-    "data-link": Mode("joint positions on a line of data", _data_link, 0.1),
-    "mxt": Mode("joints cycle by cycle", _mxt, 0.01),
+    "data-link": Mode("joint positions on a line of data", _data_link, 0.1, check=_has_lines),
+    "mxt": Mode("joints cycle by cycle", _mxt, 0.01, check=_on_network),
     "egm": Mode("joints cycle by cycle, as a program asks for them", _egm, 0.01, operates=False),
 }

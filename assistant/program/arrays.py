@@ -6,7 +6,7 @@ numpy goes along a row of few numbers several times slower than down as many col
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -14,6 +14,20 @@ Ints = NDArray[np.int64]
 Rows = NDArray[np.intp]
 """Places in other columns."""
 Truths = NDArray[np.bool_]
+
+
+def reals(values: ArrayLike) -> Floats:
+    """An array of numbers as someone gave them, of his own; raises ValueError if they are none.
+
+    Complex numbers are none: numpy would leave out a part of each.
+    """
+    try:
+        given = np.asarray(values)
+        if np.iscomplexobj(given):
+            raise ValueError("it holds complex numbers")
+        return np.array(given, dtype=np.float64, order="C")
+    except (TypeError, OverflowError) as error:
+        raise ValueError(str(error)) from None
 
 
 def norms(vectors: Floats) -> Floats:

@@ -154,6 +154,18 @@ def test_what_is_refused_before_anything_moves(capsys, cr, here):
         assert cr.names() == ()
 
 
+def test_packets_do_not_go_over_a_serial_line(capsys, here, tmp_path):
+    """Nobody is asked to confirm what cannot be."""
+    (here / "way.csv").write_text(FIVE, encoding="utf-8")
+    with VirtualCr(serial=True) as controller:
+        address = f"melfa-serial://{controller.serial_path}?parity=none&stop=1"
+        table = f'address = "{address}"\nrobot = "rv-2aj"\ntimeout = 5\n'
+        (tmp_path / "assistant.toml").write_text(f"[controllers.cell1]\n{table}", encoding="utf-8")
+        for by, cure in (("mxt", "melfa://"), ("data-link", "two other lines")):
+            status, _, said = run(capsys, "follow", "cell1", "way.csv", "--by", by)
+            assert (status, "CN209" in said, cure in said) == (2, True, True), said
+
+
 def test_without_a_robot_no_trajectory_is_followed(capsys, cr, here, tmp_path):
     project = tmp_path / "assistant.toml"
     project.write_text(project.read_text().replace("robot =", "#"))

@@ -30,6 +30,10 @@ TOLD_EACH: Final = 0.1
 ENDINGS: Final = 2
 """Packets that end the control, if the first one is not answered."""
 WRAP: Final = 1 << 32
+HUSH: Final = 4
+"""Cycles without a packet behind which nothing of an earlier motion is taken to come."""
+SAME: Final = 1e-3
+"""Degrees, mm or pulses between two places that are told of an arm that stands."""
 ONE: Final = 0
 FIRST: Final = 1
 SECOND: Final = 2
@@ -73,9 +77,13 @@ class Failed(Exception):
 
 
 class Stop:
-    """Whether the loop is asked to bring the arm to rest."""
+    """Whether the loop is to bring the arm to rest; who runs it may look elsewhere, too."""
 
     asked = False
+
+    def look(self) -> Rule | None:
+        """What to say of it, None as long as it goes on; called in each cycle."""
+        return rules.INTERRUPTED if self.asked else None
 
 
 def columns(job: Job, link: Link) -> tuple[str, ...]:
@@ -128,14 +136,18 @@ class Loop:
         """Where the arm is, once the controller speaks; raises Failed if it does not.
 
         Of one that speaks first a packet counts when it follows another: an earlier run may have
-        left one on its way, which tells where the arm was then.
+        left one on its way, which tells where the arm was then. One that only answers has to tell
+        the same place twice.
         """
         before: int | None = None
         each, left = self._settings.lapse * self._link.cycle, self._settings.first
         reason = f"nothing came within {left:g} s"
+        seen: Row = ()
+        if not self._link.speaks_first:
+            self._wire.hush(HUSH * self._link.cycle)
         while left > 0.0:
-            if self._stop.asked:
-                raise Failed(rules.INTERRUPTED, done=0, rows=len(self._job.rows))
+            if (why := self._stop.look()) is not None:
+                raise Failed(why, done=0, rows=len(self._job.rows))
             if not self._link.speaks_first:
                 self._send(self._link.hello(self._count))
             got = self._wire.receive(min(each, left))
@@ -159,10 +171,14 @@ class Loop:
                 self._send(self._link.command(measured.values, self._count))
             elif measured.stopped:
                 raise Failed(rules.NO_ANSWER, **_unanswered(address, measured.stopped))
-            else:
-                if self._link.speaks_first:
-                    self._last, self._counts = measured.counter, measured.counter is not None
+            elif self._link.speaks_first or _agree(seen, measured.values):
+                self._last = measured.counter
+                self._counts = self._link.speaks_first and measured.counter is not None
                 return measured
+            else:  # it may tell of an earlier motion, and come late
+                left -= self._link.cycle
+                seen = measured.values
+                reason = "it tells of another place each time"
         if self._wire.refused:
             reason = "nothing listens on that port"
         if self.result.garbled:
@@ -224,8 +240,7 @@ class Loop:
         most = [settings.lag * speed + settings.slack for speed in self._job.speeds]
         hold = 1 + round(settings.settle / cycle)
         last, nonsense, cause = len(self._rows) - 1, 0, None
-        while receive(0.0) is not None:
-            pass  # what came while the soft start was worked out
+        wire.hush(0.0 if link.speaks_first else cycle)  # what came meanwhile, or is still to come
         if not link.speaks_first:
             self._send(link.command(self._told, self._count))
         began = told = self._sent = wire.now()
@@ -250,8 +265,9 @@ class Loop:
                 continue
             if measured.stopped:
                 raise cause or Failed(rules.STOPPED, reason=measured.stopped, **self._progress())
-            if self._stop.asked and cause is None:
-                cause = Failed(rules.INTERRUPTED, **self._progress())
+            why = self._stop.look()
+            if why is not None and cause is None:
+                cause = Failed(why, **self._progress())
             heard, nonsense = time.monotonic(), 0
             if heard - answered > pause:
                 self._rate = 0.0  # the arm was left without a command, and stands by now
@@ -292,10 +308,10 @@ class Loop:
         """Whether a packet came before, or is one more than was asked for."""
         counter, before = measured.counter, self._last
         if counter is not None:
-            ahead = (counter - before) % WRAP if before is not None else 1
+            ahead = (counter - before) % WRAP if before is not None else 0
             if self._counts and (ahead == 0 or ahead > WRAP // 2):
                 return True
-            self._counts = self._counts or ahead not in (0, None)
+            self._counts = self._counts or ahead != 0  # one that stays as it is says nothing
             self._last = counter
         if self._extra == FIRST:
             self._extra = SECOND
@@ -345,6 +361,13 @@ class Loop:
                     return
             except OSError:
                 continue
+
+
+def _agree(one: Row, two: Row) -> bool:
+    """Whether an arm that stands has told the same place twice."""
+    if not one:
+        return False
+    return all(abs(a - b) <= SAME for a, b in zip(one, two, strict=True))
 
 
 def _unanswered(address: str, reason: str) -> dict[str, str | float]:

@@ -11,9 +11,10 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import asdict, dataclass, is_dataclass
 from pathlib import Path as FilePath
-from typing import Final
+from typing import IO, Final
 
 import numpy as np
 
@@ -30,6 +31,8 @@ PATIENCE: Final = 20.0
 """Seconds beyond its own time-outs without a word of it after which the process is told to stop."""
 GRACE: Final = 30.0
 """Seconds more after which it is killed; it ends earlier than that whatever the controller does."""
+BEAT: Final = 0.2
+"""Seconds from sign to sign that this process lives; see `Settings.alive`."""
 LOOK: Final = 0.05
 """Seconds from look to look whether to stop."""
 
@@ -128,6 +131,9 @@ def _run(
         lines: queue.Queue[str | None] = queue.Queue()
         reader = threading.Thread(target=_read, args=(worker.stdout, lines), daemon=True)
         reader.start()
+        quiet = threading.Event()
+        beating = threading.Thread(target=_beat, args=(worker.stdin, quiet), daemon=True)
+        beating.start()
         last: dict[str, object] = {}
         until, asked = time.monotonic() + patience, False
         try:
@@ -149,8 +155,9 @@ def _run(
                     break
                 if over or (stop is not None and stop.is_set() and not asked):
                     asked, until = True, time.monotonic() + GRACE
-                    worker.stdin.close()
+                    _silence(worker, quiet, beating)
         finally:
+            _silence(worker, quiet, beating)
             _close(worker)
             reader.join(GRACE)
             worker.stdout.close()
@@ -159,11 +166,25 @@ def _run(
     return last, why[-1] if why else "its process ended without a word"
 
 
+def _beat(stdin: IO[str], quiet: threading.Event) -> None:
+    """Tells the process that this one lives, until that is over or nobody listens."""
+    with suppress(OSError):
+        while not quiet.wait(BEAT):
+            os.write(stdin.fileno(), b"\n")
+
+
+def _silence(
+    worker: subprocess.Popen[str], quiet: threading.Event, beating: threading.Thread
+) -> None:
+    """Ends stdin of the process."""
+    assert worker.stdin is not None
+    quiet.set()
+    beating.join()
+    worker.stdin.close()
+
+
 def _close(worker: subprocess.Popen[str]) -> None:
     """The process ends by itself once stdin ends; else it is killed."""
-    assert worker.stdin is not None
-    if not worker.stdin.closed:
-        worker.stdin.close()
     try:
         worker.wait(GRACE)
     except subprocess.TimeoutExpired:

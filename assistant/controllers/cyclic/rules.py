@@ -66,6 +66,12 @@ GARBLED = error(
     "held and the control ended",
     "check that nothing else sends to this port",
 )
+LEFT = error(
+    "CN718",
+    "the program that asked for the motion gave no sign of life any more, {done} of {rows} points "
+    "in; the arm was brought to rest on its way and the control ended",
+    "do not stop (Ctrl-Z) or overload that program; start from where the arm is",
+)
 PRIORITY = warning(
     "CN721",
     "the loop ran with the priority of any other program: {reason}",
@@ -78,6 +84,16 @@ MISSED = warning(
 )
 ERRORS: Final = {
     rule.code: rule
-    for rule in (NOT_SOFT, NO_ANSWER, SILENT, STOPPED, NOT_THERE, INTERRUPTED, BROKEN, GARBLED)
+    for rule in (
+        NOT_SOFT,
+        NO_ANSWER,
+        SILENT,
+        STOPPED,
+        NOT_THERE,
+        INTERRUPTED,
+        LEFT,
+        BROKEN,
+        GARBLED,
+    )
 }
 """What the loop's own process can end with, by code."""

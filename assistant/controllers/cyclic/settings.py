@@ -22,9 +22,13 @@ class Settings:
     approach: what the soft start may go at most, degrees of a joint or mm (degrees) of a pose.
     softness: part of the limits that it uses. lag: seconds that the arm may be behind its command,
     at the speeds of the limits; inf to follow whatever it says. slack: degrees or mm beside that.
-    settle: seconds for which the last point is held. wait: `block` in the kernel for a packet, or
-    `spin`, which takes a whole core at ordinary priority: the kernel takes it from a real-time loop
-    for 50 ms of each second. real_time: whether to ask for real-time priority.
+    settle: seconds for which the last point is held. wait: `block` in the kernel for a packet;
+    `spin`, which takes a whole core at ordinary priority, as the kernel takes it from a real-time
+    loop for 50 ms of each second; or `mixed`, which blocks until a third of a cycle before the
+    packet is due and then spins: a processor that sleeps, that of a virtual machine above all, may
+    wake up late. real_time: whether to ask for real-time priority, and processors that stay awake.
+    alive: seconds without a sign of life of the program that asked for the motion, which Ctrl-Z
+    stops, after which the arm is brought to rest.
     end: whether to end the control behind the last point; else the controller waits for more.
     """
 
@@ -37,8 +41,9 @@ class Settings:
     lag: float = 0.25
     slack: float = 1.0
     settle: float = 0.05
-    wait: Literal["block", "spin"] = "block"
+    wait: Literal["mixed", "block", "spin"] = "mixed"
     real_time: bool = True
+    alive: float = 2.0
     end: bool = True
 
     @property
@@ -57,6 +62,7 @@ class Settings:
             "lag": (0.0, float("inf")),
             "slack": (0.0, float("inf")),
             "settle": (0.0, 60.0),
+            "alive": (0.5, 60.0),
         }
         for name, (least, most) in ranges.items():
             value = getattr(self, name)
@@ -65,6 +71,6 @@ class Settings:
             if not least <= value <= most:
                 reason = f"it is a number from {least:g} to {most:g}"
                 raise Refused(BAD_SETTING(name=name, value=value, reason=reason), exit_status=2)
-        if self.wait not in ("block", "spin"):
-            reason = "it is block or spin"
+        if self.wait not in ("mixed", "block", "spin"):
+            reason = "it is mixed, block or spin"
             raise Refused(BAD_SETTING(name="wait", value=self.wait, reason=reason), exit_status=2)

@@ -9,7 +9,7 @@ from typing import Final, Literal
 import numpy as np
 
 from assistant.controllers.cyclic.rules import BAD_LIMITS
-from assistant.program.arrays import Floats, norms
+from assistant.program.arrays import Floats, norms, reals
 from assistant.program.diagnostics import Refused
 
 Kind = Literal["joints", "poses"]
@@ -62,12 +62,12 @@ class Limits:
     def columns(self, kind: Kind, width: int) -> tuple[Floats, Floats]:
         """Speeds and accelerations (k,) for rows of that kind; Refused if they do not fit."""
         count = width if kind == "joints" else 2
-        speeds = np.array(self.speeds, dtype=np.float64)
-        rises = (
-            speeds / TO_FULL_SPEED
-            if self.accelerations is None
-            else np.array(self.accelerations, dtype=np.float64)
-        )
+        try:
+            speeds = reals(self.speeds)
+            given = self.accelerations
+            rises = speeds / TO_FULL_SPEED if given is None else reals(given)
+        except ValueError as error:
+            raise Refused(BAD_LIMITS(reason=error), exit_status=2) from None
         for what, values in (("speeds", speeds), ("accelerations", rises)):
             if values.shape != (count,):
                 reason = f"{values.size} {what} for {count} {_of(kind)}"
@@ -107,7 +107,7 @@ def names(kind: Kind, width: int) -> tuple[str, ...]:
 
 def checked(rows: Sequence[Sequence[float]] | Floats) -> Floats:
     """Rows as (n, c) finite floats; raises ValueError with what is wrong."""
-    values = np.ascontiguousarray(rows, dtype=np.float64)
+    values = reals(rows)
     if values.ndim != 2 or not len(values) or not values.shape[1]:
         raise ValueError(f"its shape is {values.shape}, not (points, columns)")
     if not np.isfinite(values).all():

@@ -18,7 +18,7 @@ from assistant.controllers.cyclic.curve import Curve
 from assistant.controllers.cyclic.rules import BAD_SETTING, BAD_TRAJECTORY
 from assistant.controllers.cyclic.space import POSE_COLUMNS, Kind, Limits, checked, sizes
 from assistant.program import rotations
-from assistant.program.arrays import Floats
+from assistant.program.arrays import Floats, reals
 from assistant.program.diagnostics import Refused
 from assistant.program.expressions import Name
 from assistant.program.geometry import BASE
@@ -108,12 +108,12 @@ def _made(
         values = checked(rows)
         if times is None:
             return Trajectory(kind, values)
-        at = np.ascontiguousarray(times, dtype=np.float64)
+        at = reals(times)
         if at.shape != (len(values),):
             raise ValueError(f"{len(values)} points but times of shape {at.shape}")
         if not np.isfinite(at).all() or not (np.diff(at) >= LEAST_TIME).all():
             raise ValueError("its times do not rise from point to point")
-    except (TypeError, ValueError) as error:
+    except ValueError as error:
         raise Refused(BAD_TRAJECTORY(reason=error), exit_status=2) from None
     return Trajectory(kind, values, at - at[0])
 

@@ -14,6 +14,9 @@ from assistant.controllers.cyclic.link import Endpoint
 
 BIGGEST: Final = 2048
 """Bytes of a packet that are read; longer ones make no sense here."""
+MOST_DROPPED: Final = 1000
+SHORTEST: Final = 0.001
+"""Seconds for which it is worth while to block."""
 _STAMP: Final = 35
 """SO_TIMESTAMPNS of Linux on machines of 64 bits (asm-generic/socket.h): the kernel stamps each
 packet as it arrives."""
@@ -25,12 +28,15 @@ _ROOM: Final = 64
 class Wire:
     """A UDP socket to one controller; a context manager. Raises OSError.
 
+    spin: seconds before a packet is due, `cycle` behind the last one, from which on it is looked
+    for without pause until as long after; 0 to block in the kernel all the time, inf never to.
     refused: whether the other side said that nothing listens on that port.
     """
 
-    def __init__(self, endpoint: Endpoint, *, spin: bool = False) -> None:
+    def __init__(self, endpoint: Endpoint, *, spin: float = 0.0, cycle: float = 0.0) -> None:
         self._endpoint = endpoint
-        self._spin = spin
+        self._spin, self._cycle = spin, cycle
+        self._came = 0.0
         self._host = None if endpoint.host is None else socket.gethostbyname(endpoint.host)
         self.stamped = self.refused = False
         self._open()
@@ -93,17 +99,23 @@ class Wire:
             except ConnectionRefusedError:
                 self.refused = True
             except BlockingIOError:
-                left = until - time.monotonic()
-                if left <= 0.0:
+                now = time.monotonic()
+                if now >= until:
                     return None
-                if not self._spin:
-                    self._wait(left)
+                self._pause(now, until)
                 continue
             else:
                 if self._is_heard(sender):
+                    self._came = time.monotonic()
                     return packet, self._arrival(data)
             if seconds and time.monotonic() >= until:  # however much others send
                 return None
+
+    def hush(self, seconds: float) -> None:
+        """Drops what comes until nothing has come for that long, at most `MOST_DROPPED`."""
+        for _ in range(MOST_DROPPED):
+            if self.receive(seconds) is None:
+                return
 
     def _is_heard(self, sender: tuple[str, int]) -> bool:
         """Whether it is the peer, or becomes it; packets from before it did may wait here still."""
@@ -133,8 +145,17 @@ class Wire:
                 return float(seconds + 1e-9 * nanoseconds)
         return self.now()
 
-    def _wait(self, seconds: float) -> None:
+    def _pause(self, now: float, until: float) -> None:
+        """Blocks until a packet comes or there is a reason to look again."""
+        due = self._came + self._cycle
+        if now >= due + self._spin:
+            self._wait(until - now)
+        elif (rest := min(until, due - self._spin) - now) >= SHORTEST:
+            self._wait(rest, early=True)
+
+    def _wait(self, seconds: float, *, early: bool = False) -> None:
+        """early: not a moment longer; the kernel counts in ms here."""
         if self._poll is not None:
-            self._poll.poll(max(1.0, 1e3 * seconds))
+            self._poll.poll(int(1e3 * seconds) if early else max(1.0, 1e3 * seconds))
         else:
             select.select([self._socket], [], [], seconds)

@@ -2,7 +2,8 @@
 
 FOLDER holds `job.json` and `rows.npy`; `samples.npz` is written there. A line of JSON on stdout
 tells now and then where the arm is; the last one what came of it. When stdin ends, which it also
-does when the process that started this one is gone, the arm is brought to rest.
+does when the process that started this one is gone, or when nothing comes there for a while, as
+that one is stopped, the arm is brought to rest.
 """
 
 from __future__ import annotations
@@ -14,15 +15,22 @@ import os
 import signal
 import sys
 import threading
+import time
 from pathlib import Path as FilePath
+from typing import Final
 
 import numpy as np
 
+from assistant.controllers.cyclic import rules
 from assistant.controllers.cyclic.link import Endpoint, Link
 from assistant.controllers.cyclic.loop import Job, Loop, Row, Stop, columns
 from assistant.controllers.cyclic.scheduling import real_time
 from assistant.controllers.cyclic.settings import Settings
 from assistant.controllers.cyclic.wire import Wire
+from assistant.program.diagnostics import Rule
+
+SPUN: Final = 1.0 / 3.0
+"""Part of a cycle before a packet is due, and after, in which it is looked for without pause."""
 
 
 def main(folder: FilePath) -> None:
@@ -36,17 +44,17 @@ def main(folder: FilePath) -> None:
     limits = (tuple(described["speeds"]), tuple(described["rises"]))
     job = Job(described["kind"], rows, limits[0], limits[1], settings)
     endpoint = Endpoint(**described["endpoint"])
-    stop = Stop()
-    threading.Thread(target=_watch, args=(stop,), daemon=True).start()
+    stop = Watched(settings.alive)
     try:
-        wire = Wire(endpoint, spin=settings.wait == "spin")
+        spin = {"block": 0.0, "mixed": link.cycle * SPUN, "spin": float("inf")}[settings.wait]
+        wire = Wire(endpoint, spin=spin, cycle=link.cycle)
     except OSError as error:
         reason = error.strerror or str(error)
         said = {"code": "CN711", "fields": {"address": str(endpoint), "reason": reason}}
         print(json.dumps(said), flush=True)  # noqa: T201
         return
     _set_blocking(False)
-    with wire, real_time(settings.real_time and settings.wait == "block") as (priority, refused):
+    with wire, real_time(settings.real_time and settings.wait != "spin") as (priority, refused):
         loop = Loop(link, wire, job, stop, _tell)
         result = loop.run(str(endpoint))
         measured = "kernel" if wire.stamped else "program"
@@ -73,10 +81,36 @@ def _set_blocking(blocking: bool) -> None:
         os.set_blocking(1, blocking)
 
 
-def _watch(stop: Stop) -> None:
-    while os.read(0, 4096):  # `sys.stdin` would be locked when the process ends
-        pass
-    stop.asked = True
+class Watched(Stop):
+    """Asked by the end of stdin, or when nothing has come there for `alive` seconds.
+
+    The loop itself looks: another thread would have the interpreter when a packet comes, at the
+    priority of any other program. Where a pipe cannot be read so, a thread has to do.
+    """
+
+    def __init__(self, alive: float) -> None:
+        self._alive, self._heard, self._over = alive, time.monotonic(), False
+        self._threaded = sys.platform == "win32"
+        if self._threaded:
+            threading.Thread(target=self._listen, daemon=True).start()
+        else:
+            os.set_blocking(0, False)
+
+    def look(self) -> Rule | None:
+        if not self._threaded:
+            with contextlib.suppress(BlockingIOError):
+                self._take(os.read(0, 4096))  # `sys.stdin` would be locked when the process ends
+        if self._over:
+            return rules.INTERRUPTED
+        return rules.LEFT if time.monotonic() - self._heard > self._alive else None
+
+    def _take(self, said: bytes) -> bool:
+        self._heard, self._over = time.monotonic(), not said
+        return bool(said)
+
+    def _listen(self) -> None:
+        while self._take(os.read(0, 4096)):
+            pass
 
 
 def _tell(seconds: float, row: float, values: Row) -> None:

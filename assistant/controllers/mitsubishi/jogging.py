@@ -27,8 +27,11 @@ from assistant.program.diagnostics import Refused
 
 LIMITS: Final = "MEJAR"
 """Parameter of the least and the most of each joint, degrees (mm of a linear axis)."""
+LEAST_STEP: Final = 0.01
 MOST_STEP: Final = 100.0
-"""Degrees or mm of one jog."""
+"""Degrees or mm of one jog; places are written with two decimals."""
+LEAST_SPEED: Final = 1.0
+"""Percent: what the joint override of a program is given at least."""
 LOOK: Final = 0.05
 """Seconds between two looks at the arm."""
 STILL: Final = 40
@@ -89,10 +92,10 @@ def _sensible(asked: Jog, axis: str) -> None:
         raise values.bad(asked.axis, "an axis", "there is none of that name", "J1 … J8, X … C")
     if asked.frame not in ("base", "tool"):
         raise values.bad(asked.frame, "a frame", "there is none of that name", "base or tool")
-    if not math.isfinite(asked.by) or not 0 < abs(asked.by) <= MOST_STEP:
-        reason = f"one jog goes up to {MOST_STEP:g} mm or degrees"
-        raise values.bad(asked.by, "a step", reason, "a smaller one that is not 0")
-    if not 0 < asked.speed <= operating.MOST_PERCENT:
+    if not math.isfinite(asked.by) or not LEAST_STEP <= abs(asked.by) <= MOST_STEP:
+        reason = f"one jog goes {LEAST_STEP:g} to {MOST_STEP:g} mm or degrees"
+        raise values.bad(asked.by, "a step", reason, "one of that size")
+    if not LEAST_SPEED <= asked.speed <= operating.MOST_PERCENT:
         raise values.bad(asked.speed, "a speed", "it is a percentage", "1 to 100")
 
 

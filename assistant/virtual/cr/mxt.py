@@ -101,6 +101,7 @@ class MxtControl:
     answers_end: whether the command that ends it is answered, which the manual leaves open.
     halted: whether the operation is stopped, so that packets are neither heard nor answered.
     faults: number of a reply, from 1 on → what befalls it. short: packets of 64 bytes.
+    counts: whether answers are numbered.
     """
 
     def __init__(
@@ -116,6 +117,7 @@ class MxtControl:
         answers_end: bool = True,
         faults: Mapping[int, Fault] | None = None,
         short: bool = False,
+        counts: bool = True,
         record: bool = True,
         halted: Callable[[], bool] = lambda: False,
     ) -> None:
@@ -125,7 +127,7 @@ class MxtControl:
         self._signals = signals or Bits()
         self._faults = dict(faults or {})
         self._size = layout.SHORT if short else PACKET.itemsize
-        self._record = record
+        self._record, self._counts = record, counts
         self.result = MxtEnd()
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._socket.bind((host, port))
@@ -261,7 +263,7 @@ class MxtControl:
         if wanted in (1, 2):
             reply["IoData"] = self._signals.read(wanted, int(packet["BitTop"]))
         reply["TCount"] = result.missed & 0xFFFF
-        reply["CCount"] = result.replies & 0xFFFFFFFF
+        reply["CCount"] = result.replies & 0xFFFFFFFF if self._counts else 0
         for i in (1, 2, 3):
             more = int(packet[f"RecvType{i}"])
             reply[f"RecvType{i}"] = more

@@ -2,6 +2,7 @@
 
 import socket
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -37,20 +38,20 @@ def ran(text, port, motion=None):
     return kernel.run()
 
 
-def led(port, trajectory, limits):
+def led(port, trajectory, limits, settings):
     link = Egm(trajectory.kind, trajectory.rows.shape[1])
     speeds, rises = limits.columns(trajectory.kind, trajectory.rows.shape[1])
     rows = resampled(trajectory, limits, link.cycle)
-    job = Job(trajectory.kind, rows, tuple(speeds), tuple(rises), QUICK)
+    job = Job(trajectory.kind, rows, tuple(speeds), tuple(rises), settings)
     with Wire(Endpoint("127.0.0.1", 0, "", port)) as wire:
         return Loop(link, wire, job, Stop(), lambda *_: None).run("here")
 
 
-def both(text, trajectory, limits, motion=None):
+def both(text, trajectory, limits, motion=None, settings=QUICK):
     port = free_port()
     with ThreadPoolExecutor() as pool:
         run = pool.submit(ran, text, port, motion)
-        done = led(port, trajectory, limits)
+        done = led(port, trajectory, limits, settings)
         return done, run.result()
 
 
@@ -87,7 +88,7 @@ POSES = """MODULE Led
         EGMSetupUC ROB_1,egmArm,"default","UCdevice"\\Pose;
         EGMActPose egmArm\\Tool:=tool0\\WObj:=wobj0,peNone,EGM_FRAME_WOBJ,peNone,EGM_FRAME_WOBJ
             \\x:=egmNear\\y:=egmNear\\z:=egmNear;
-        EGMRunPose egmArm,EGM_STOP_HOLD\\x\\y\\z\\rx\\ry\\rz\\CondTime:=0.15;
+        EGMRunPose egmArm,EGM_STOP_HOLD\\x\\y\\z\\rx\\ry\\rz\\CondTime:=0.4;
         EGMStop egmArm,EGM_STOP_HOLD;
         EGMReset egmArm;
     ENDPROC
@@ -98,7 +99,8 @@ ENDMODULE
 def test_a_tool_is_led_from_a_program():
     turn = (0.0, 0.0, 1.0, 0.0)
     way = Trajectory.of_poses([(450, 0, 500), (456, 3, 500)], [turn, turn])
-    done, run = both(POSES, way, Limits((250.0, 90.0), (2500.0, 900.0)))
+    held = replace(QUICK, settle=20.0)  # until the controller ends it
+    done, run = both(POSES, way, Limits((250.0, 90.0), (2500.0, 900.0)), settings=held)
     assert done.code in ("", "CN712", "CN713")  # it may end before the last point was held
     assert run.ended == "end", run.message
     flange = [event.flange for event in run.events if isinstance(event, Moved)][-1]

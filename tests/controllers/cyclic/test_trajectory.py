@@ -170,3 +170,11 @@ def test_limits_that_cannot_hold_are_refused(limits, cycle, code):
     with pytest.raises(Refused) as refused:
         resampled(Trajectory.of_joints([[0.0, -10.0], [1.0, 10.0]]), limits, cycle)
     assert [one.code for one in refused.value.findings] == [code]
+
+
+@pytest.mark.parametrize("wrong", [1j, np.complex64(1), "one", None])
+def test_what_is_no_real_number_is_refused(wrong):
+    for rows, times in (([[0.0, wrong]], None), ([[0.0], [1.0]], [0.0, wrong])):
+        with pytest.raises(Refused) as refused:
+            Trajectory.of_joints(np.array(rows) if times is None else rows, times)
+        assert [one.code for one in refused.value.findings] == ["CN701"]

@@ -104,7 +104,14 @@ def test_no_more_points_wait_than_may_run_on():
 @pytest.mark.parametrize(
     ("joints", "code"),
     [
-        *(([], "CN622"), ([1, 2], "CN622"), ([(0,) * 5], "CN622"), (points(math.nan), "CN621")),
+        *(
+            ([], "CN622"),
+            ([1, 2], "CN622"),
+            ([(1, 2), (3,)], "CN622"),
+            ([(1j,) * 6], "CN622"),
+            ([(0,) * 5], "CN622"),
+            (points(math.nan), "CN621"),
+        ),
         *((points(0, math.inf), "CN622"), (points(0, math.nan), "CN622")),
         *((points(0, 150.001), "CN621"), (points(-151), "CN621"), (points(0, 30), "CN623")),
     ],

@@ -121,7 +121,7 @@ def test_an_answer_that_comes_twice_is_the_next_record():
     assert told == [0, 1, 2, 2, 3]
 
 
-def controlled(cut_control=None, cut_status=None, answers=None, again=False):
+def controlled(cut_control=None, cut_status=None, answers=None, again=False, patience=1.0):
     """Data link control mode over lines that are cut; what it says, and how the run ended."""
     with tcp() as (com1, control), tcp() as (com2, status):
         lines = {"COM1:": com1, "COM2:": com2}
@@ -132,10 +132,10 @@ def controlled(cut_control=None, cut_status=None, answers=None, again=False):
                 Cutting(ports[1], cut=cut_status, again=again, answers=answers) as two,
             ):
                 targets = [f"127.0.0.1:{proxy.port}" for proxy in (one, two)]
-                links = [DataLink(target, timeout=1.0) for target in targets]
+                links = [DataLink(target, timeout=patience) for target in targets]
                 with (
                     pytest.raises(Lost) as lost,
-                    ControlMode(None, *links, limits=LIMITS, silence=1.0) as mode,
+                    ControlMode(None, *links, limits=LIMITS, silence=patience) as mode,
                 ):
                     mode.follow(points(*range(0, 150, 5)))
                     raise AssertionError("it was not cut")
@@ -155,7 +155,7 @@ def test_a_cut_status_line_is_connected_to_again_and_all_stops(place):
 
 
 def test_both_lines_that_are_cut_are_no_reason_to_run_on():
-    code, waiting, _ = controlled(cut_control=100, cut_status=2000, again=True)
+    code, waiting, _ = controlled(cut_control=100, cut_status=2000, again=True, patience=10.0)
     assert (code, waiting) == ("CN614", False)
 
 

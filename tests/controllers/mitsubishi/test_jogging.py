@@ -76,6 +76,7 @@ def test_jogging_an_arm_of_six_axes():
     [
         *(Jog("J9", 1), Jog("J4", 1), Jog("C", 1), Jog("X;", 1), Jog("J1", 0), Jog("J1", 500)),
         *(Jog("J1", float("nan")), Jog("J1", 1, speed=0), Jog("J1", 1, speed=101)),
+        *(Jog("J1", 1, speed=1e-9), Jog("J1", 1, speed=float("nan")), Jog("J1", 1e-9)),
         Jog("X", 5, "Tool"),  # which is not what it is called, and not the base
     ],
 )

@@ -300,14 +300,15 @@ def test_slots_run_side_by_side_and_one_begins_with_the_power(controller, wire):
 @pytest.fixture
 def stopped(wire):
     """A program that was stopped in the middle of a motion."""
-    load(wire, "SEAM", "10 MOV P1", "20 SPD 20", "30 MVS P2", "40 END", NEAR, AWAY)
     stop_on_the_way(wire)
     return wire
 
 
 def stop_on_the_way(wire):
-    """Runs SEAM until it is caught between its places; a busy machine may come too late."""
-    for _ in range(20):
+    """Runs SEAM until it is caught between its places; a busy machine needs a slow arm for that."""
+    for attempt in range(20):
+        speed = max(20 * 0.7**attempt, 0.1)
+        load(wire, "SEAM", "10 MOV P1", f"20 SPD {speed:.2f}", "30 MVS P2", "40 END", NEAR, AWAY)
         assert wire.ask("1;1;RUNSEAM;1") == "QoK"
         wait_for(lambda: state(wire)[1] == "30" or not runs(wire))
         wait_for(lambda: place(wire)["Y"] > 1.0 or not runs(wire))

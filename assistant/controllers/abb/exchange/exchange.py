@@ -26,7 +26,7 @@ from assistant.controllers.abb.exchange.recording import FIELDS, Spent, add
 from assistant.controllers.controller import Programs
 from assistant.controllers.recording import Recording
 from assistant.program import rotations
-from assistant.program.arrays import Floats
+from assistant.program.arrays import Floats, reals
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import Pose
 from assistant.program.path import Kind, Path
@@ -365,8 +365,8 @@ class PoseExchange:
 def _columns(rows: ArrayLike, width: int) -> Floats:
     """Rows of so many numbers; raises Refused for others."""
     try:
-        found = np.asarray(rows, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError) as error:
+        found = reals(rows)
+    except ValueError as error:
         raise Refused(_bad(0, f"it is no row of numbers ({error})", _ROWS)) from None
     if found.size == 0:
         return found.reshape(0, width)

@@ -7,13 +7,13 @@ from numpy.typing import ArrayLike
 
 from assistant.controllers.mitsubishi.data_link import rules
 from assistant.controllers.mitsubishi.data_link.records import AXES, DECIMALS
-from assistant.program.arrays import Floats
+from assistant.program.arrays import Floats, reals
 from assistant.program.diagnostics import Refused
 
 
 def limits_of(limits: ArrayLike) -> Floats:
     """(k, 2) lowest and highest degrees of each axis; raises Refused if they are none."""
-    rows = np.array(limits, dtype=np.float64)
+    rows = _numbers(limits, "the limits")
     if rows.ndim != 2 or rows.shape[1:] != (2,) or not 0 < len(rows) <= AXES:
         raise _bad(
             f"the limits have the shape {rows.shape}", "give (low, high) in degrees for each axis"
@@ -29,7 +29,7 @@ def checked(joints: ArrayLike, limits: Floats, most_step: float | None) -> Float
     limits: (k, 2). most_step: degrees that an axis may turn from one point to the next.
     Raises Refused before anything is sent.
     """
-    points = np.array(joints, dtype=np.float64)
+    points = _numbers(joints, "the points")
     if points.ndim != 2 or len(points) == 0 or points.shape[1] != len(limits):
         reason = f"it has the shape {points.shape}, the arm {len(limits)} axes"
         raise _bad(reason, "give a row for each point, with an angle for each axis")
@@ -70,6 +70,13 @@ def check_steps(points: Floats, most: float, first: int = 2) -> None:
                 most=most,
             )
         )
+
+
+def _numbers(given: ArrayLike, what: str) -> Floats:
+    try:
+        return reals(given)
+    except ValueError as error:
+        raise _bad(f"{what} are no table of numbers: {error}", "give rows of numbers") from None
 
 
 def _bad(reason: str, cure: str) -> Refused:

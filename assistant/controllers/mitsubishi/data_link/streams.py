@@ -93,7 +93,10 @@ class _Tcp:
     def receive(self, timeout: float) -> bytes:
         peer = self._connected()
         with selectors.DefaultSelector() as selector:  # another thread may set the time-out to send
-            selector.register(peer, selectors.EVENT_READ)
+            try:
+                selector.register(peer, selectors.EVENT_READ)
+            except ValueError:
+                raise ConnectionError("it was closed here") from None
             if not selector.select(timeout):
                 raise TimeoutError
         data = peer.recv(AT_ONCE)
@@ -204,10 +207,13 @@ class Serial:
         port, end = self._opened(), time.monotonic() + timeout
         if timeout <= 0 and not port.in_waiting:
             raise TimeoutError
-        while not (data := bytes(port.read(1))):
-            if time.monotonic() >= end:
-                raise TimeoutError
-        return data + bytes(port.read(port.in_waiting))
+        try:
+            while not (data := bytes(port.read(1))):
+                if time.monotonic() >= end:
+                    raise TimeoutError
+            return data + bytes(port.read(port.in_waiting))
+        except TypeError:  # of pyserial, whose port another thread has closed meanwhile
+            raise ConnectionError("it was closed here") from None
 
     def close(self) -> None:
         if self._port is not None:

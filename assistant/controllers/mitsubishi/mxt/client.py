@@ -21,7 +21,7 @@ from assistant.controllers.cyclic.rules import BROKEN, NO_ANSWER
 from assistant.controllers.cyclic.wire import Wire
 from assistant.controllers.mitsubishi.mxt.link import ADDED, Mode, MxtLink, Watched
 from assistant.controllers.mitsubishi.mxt.packet import COMMAND_TYPES, DATA
-from assistant.controllers.mitsubishi.mxt.rules import BAD_SETTING, WRONG_KIND
+from assistant.controllers.mitsubishi.mxt.rules import BAD_SETTING, WRONG_KIND, require
 from assistant.program.diagnostics import Refused
 from assistant.program.path import Path
 
@@ -70,20 +70,20 @@ class Mxt:
         settings: Settings | None = None,
         local_port: int = 0,
     ) -> None:
-        _checked("mode", mode, mode in COMMAND_TYPES, "it is pose, joint or pulse")
-        _checked("watched", watched, watched in ADDED, f"it is one of {', '.join(ADDED)}")
-        _checked("port", port, 0 < port < 65536, "it is a number from 1 to 65535")
-        _checked("local_port", local_port, 0 <= local_port < 65536, "it is 0 or a port")
-        _checked("cycle", cycle, 0.001 <= cycle <= 0.1, "it is seconds, 0.0035 or 0.00711")
-        _checked("axes", axes, 1 <= axes <= 8, "a packet has room for 1 to 8")
-        _checked("sliding", sliding, set(sliding) <= set(range(1, axes + 1)), "axes are from 1 on")
-        _checked("also", also, len(also) <= 3 and set(also) <= set(DATA), "three types, 1 to 11")
-        _checked("also", also, not (short and also), "short packets carry one type only")
+        require("mode", mode, mode in COMMAND_TYPES, "it is pose, joint or pulse")
+        require("watched", watched, watched in ADDED, f"it is one of {', '.join(ADDED)}")
+        require("port", port, 0 < port < 65536, "it is a number from 1 to 65535")
+        require("local_port", local_port, 0 <= local_port < 65536, "it is 0 or a port")
+        require("cycle", cycle, 0.001 <= cycle <= 0.1, "it is seconds, 0.0035 or 0.00711")
+        require("axes", axes, 1 <= axes <= 8, "a packet has room for 1 to 8")
+        require("sliding", sliding, set(sliding) <= set(range(1, axes + 1)), "axes are from 1 on")
+        require("also", also, len(also) <= 3 and set(also) <= set(DATA), "three types, 1 to 11")
+        require("also", also, not (short and also), "short packets carry one type only")
         first, mask, word = outputs or (inputs or 0, 0, 0)
         numbers = all(0 <= value <= 0xFFFF for value in (first, mask, word, *flags))
-        _checked("outputs", (first, mask, word), numbers, "numbers from 0 to 65535")
+        require("outputs", (first, mask, word), numbers, "numbers from 0 to 65535")
         same = outputs is None or inputs is None or outputs[0] == inputs
-        _checked("inputs", inputs, same, "a packet names one first signal for both")
+        require("inputs", inputs, same, "a packet names one first signal for both")
         self._link = MxtLink(
             mode,
             cycle,
@@ -137,6 +137,7 @@ class Mxt:
         """Has the controller tell where the arm is; why it did not, "" if it did."""
         left = self._settings.timeout
         each = self._settings.lapse * self._link.cycle
+        wire.hush(self._link.cycle)  # answers to what was asked before
         while left > 0.0:
             wire.send(self._link.hello(self._count))
             self._count += 1
@@ -170,7 +171,7 @@ class Mxt:
             raise Refused(WRONG_KIND(kind=led.kind, mode=self._link.mode), exit_status=2)
         width = led.rows.shape[1]
         if led.kind == "joints":
-            _checked("axes", self._link.axes, width == self._link.axes, f"it has {width} columns")
+            require("axes", self._link.axes, width == self._link.axes, f"it has {width} columns")
         bounds = limits or self._limits
         if bounds is None:
             refusal = BAD_SETTING(name="limits", value=None, reason="nothing moves without them")
@@ -214,8 +215,3 @@ class Mxt:
             reason = error.strerror or str(error)
             refusal = NO_ANSWER(address=self._endpoint, reason=reason)
             raise Refused(refusal, exit_status=2) from None
-
-
-def _checked(name: str, value: object, right: bool, reason: str) -> None:
-    if not right:
-        raise Refused(BAD_SETTING(name=name, value=value, reason=reason), exit_status=2)

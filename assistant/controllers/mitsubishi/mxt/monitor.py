@@ -21,7 +21,7 @@ from typing import Final, Self
 
 import numpy as np
 
-from assistant.controllers.mitsubishi.mxt.rules import BAD_SETTING, MONITOR_SILENT, NO_MONITOR
+from assistant.controllers.mitsubishi.mxt.rules import MONITOR_SILENT, NO_MONITOR, require
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Refused
 
@@ -143,14 +143,14 @@ class Monitor:
         timeout: float = 2.0,
     ) -> None:
         unknown = sorted(set(types) - set(TYPES))
-        _checked("types", unknown, not unknown, f"known are {', '.join(TYPES)}")
+        require("types", unknown, not unknown, f"known are {', '.join(TYPES)}")
         right = 1 <= len(types) <= MOST_TYPES and len(set(types)) == len(types)
-        _checked("types", tuple(types), right, "a packet has room for four different ones")
-        _checked("port", port, 0 < port < 65536, "it is a number from 1 to 65535")
-        _checked("local_port", local_port, 0 <= local_port < 65536, "it is 0 or a port")
+        require("types", tuple(types), right, "a packet has room for four different ones")
+        require("port", port, 0 < port < 65536, "it is a number from 1 to 65535")
+        require("local_port", local_port, 0 <= local_port < 65536, "it is 0 or a port")
         signals = 0 <= inputs <= 32767 and 0 <= outputs <= 32767
-        _checked("inputs, outputs", (inputs, outputs), signals, "numbers from 0 to 32767")
-        _checked("timeout", timeout, 0.0 < timeout <= 3600.0, "it is seconds above 0")
+        require("inputs, outputs", (inputs, outputs), signals, "numbers from 0 to 32767")
+        require("timeout", timeout, 0.0 < timeout <= 3600.0, "it is seconds above 0")
         self._host, self._port, self._types = host, port, tuple(types)
         self._local_port, self._timeout = local_port, timeout
         self._signals = (inputs, outputs)
@@ -289,8 +289,3 @@ class Monitor:
             return  # there is no way to the controller, whose packets go nowhere then
         finally:
             self._socket.close()
-
-
-def _checked(name: str, value: object, right: bool, reason: str) -> None:
-    if not right:
-        raise Refused(BAD_SETTING(name=name, value=value, reason=reason), exit_status=2)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from assistant.program.diagnostics import error
+from assistant.program.diagnostics import Refused, error
 
 BAD_SETTING: Final = error(
     "CN731",
@@ -27,3 +27,9 @@ MONITOR_SILENT: Final = error(
     "look at the controller and the cable; another program may have asked for the data, which the "
     "controller sends to the last one only",
 )
+
+
+def require(name: str, value: object, right: bool, reason: str) -> None:
+    """Raises Refused for a setting that is not right. reason: what it is, if it is."""
+    if not right:
+        raise Refused(BAD_SETTING(name=name, value=value, reason=reason), exit_status=2)

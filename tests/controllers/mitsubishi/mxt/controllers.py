@@ -16,7 +16,7 @@ from assistant.virtual.cr.mxt_arm import MxtArm
 ARM = robots.get("rv-4frl")
 CYCLE = 0.002
 LIMITS = Limits(tuple(ARM.speeds), tuple(20.0 * ARM.speeds))
-PATIENT = Settings(timeout=30.0, lapse=1000, softness=0.5)
+PATIENT = Settings(timeout=30.0, lapse=1000, softness=0.5, alive=60.0)
 """A busy machine may stop for a while where nothing is to be seen of that."""
 FAULTY = Settings(timeout=30.0, softness=0.5)
 

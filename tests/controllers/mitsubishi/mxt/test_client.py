@@ -25,6 +25,7 @@ from tests.controllers.mitsubishi.mxt.controllers import (
     controller,
     joints,
 )
+from tests.virtual.cr.waiting import wait_for
 
 GIVEN = {"cycle": CYCLE, "limits": LIMITS, "settings": PATIENT}
 
@@ -69,7 +70,7 @@ def test_a_stop_from_outside():
 
 
 def test_an_emergency_stop_in_the_middle():
-    settings = Settings(timeout=0.1, softness=0.5)
+    settings = Settings(timeout=0.3, lapse=100, softness=0.5)
     with controller(faults={80: "stop"}) as control:
         mxt = Mxt("127.0.0.1", port=control.port, **{**GIVEN, "settings": settings})
         with mxt, pytest.raises(Ended) as ended:
@@ -168,10 +169,12 @@ def test_a_loop_that_is_killed_is_told_and_the_control_ended():
 
 ORPHAN = """
 import sys
+from dataclasses import replace
 from assistant.controllers.mitsubishi.mxt import Mxt
-from tests.controllers.mitsubishi.mxt.test_client import ARM, GIVEN, Limits, Trajectory
+from tests.controllers.mitsubishi.mxt.test_client import ARM, GIVEN, PATIENT, Limits, Trajectory
 
-with Mxt("127.0.0.1", port=int(sys.argv[1]), **GIVEN) as mxt:
+settings = {"settings": replace(PATIENT, alive=2.0)}
+with Mxt("127.0.0.1", port=int(sys.argv[1]), **GIVEN | settings) as mxt:
     away = Trajectory.of_joints([ARM.home, ARM.home + 40.0])
     slow = Limits(tuple(ARM.speeds * 0.05), tuple(ARM.speeds * 2.0))
     mxt.follow(away, slow, watch=lambda now: print("led", flush=True))
@@ -179,15 +182,19 @@ with Mxt("127.0.0.1", port=int(sys.argv[1]), **GIVEN) as mxt:
 
 
 @pytest.mark.slow
-def test_the_arm_is_brought_to_rest_when_who_asked_for_it_is_gone():
-    with MxtProcess(cycle=CYCLE) as virtual:
-        command = [sys.executable, "-c", ORPHAN, str(virtual.port)]
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP])
+def test_the_arm_is_brought_to_rest_when_who_asked_for_it_is_gone(how):
+    """Killed, or stopped as Ctrl-Z does."""
+    with controller() as control:
+        command = [sys.executable, "-c", ORPHAN, str(control.port)]
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as asking:
-            assert asking.stdout.readline() == "led\n"
-            asking.kill()
-        virtual._process.wait(10)
-    assert virtual.result["reason"] == "end"
-    moved = np.abs(np.diff(np.array(virtual.result["track"]), axis=0)) / CYCLE / ARM.speeds
+            try:
+                assert asking.stdout.readline() == "led\n"
+                asking.send_signal(how)
+                wait_for(lambda: control.result.reason == "end", 20.0)
+            finally:
+                asking.kill()
+    moved = np.abs(np.diff(np.array(control.result.track), axis=0)) / CYCLE / ARM.speeds
     assert moved.max() <= 1.0
     assert moved[-3:].max() < 1e-3
-    assert virtual.result["joints"][0] < ARM.home[0] + 39.0
+    assert control.result.joints[0] < ARM.home[0] + 39.0
