@@ -23,6 +23,8 @@ TEMPORARY: Final = "~{name}"
 """Name of a file until it is whole; keeps the suffix, so that a server may look into it."""
 MOST_FOLDERS: Final = 32
 """How deep folders are looked into."""
+MOST_ENTRIES: Final = 100_000
+"""Files and folders after which a tree is taken for one that never ends."""
 
 DEVICE: Final = re.compile(r"(con|prn|aux|nul|(com|lpt)[0-9])(\..*)?", re.IGNORECASE)
 """Devices of Windows, whatever follows the dot (learn.microsoft.com, "Naming Files")."""

@@ -14,7 +14,7 @@ from pathlib import Path as FilePath
 from typing import Final, Literal
 
 from assistant.controllers import folders, rules
-from assistant.controllers.abb.files import MOST_FOLDERS, told_name
+from assistant.controllers.abb.files import MOST_ENTRIES, MOST_FOLDERS, told_name
 from assistant.controllers.abb.ftp_resuming import read_whole
 from assistant.controllers.abb.ftp_session import FtpSession
 from assistant.program.diagnostics import Refused
@@ -118,6 +118,9 @@ def _walk(session: FtpSession, top: str, below: str, depth: int, found: list[Ent
     """Gathers what is in a folder, which the session is in, and in those inside of it."""
     if depth > MOST_FOLDERS:
         reason = f"folders are more than {MOST_FOLDERS} deep"
+        raise Refused(rules.FILE_NAME(place=below, name=below, reason=reason))
+    if len(found) > MOST_ENTRIES:
+        reason = f"there are more than {MOST_ENTRIES} files and folders"
         raise Refused(rules.FILE_NAME(place=below, name=below, reason=reason))
     inner = []
     for entry in _entries(session):

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Final, NoReturn, Self
 
 from assistant.controllers import folders, rules
 from assistant.controllers.abb.files import (
+    MOST_ENTRIES,
     MOST_FOLDERS,
     FileSession,
     checked_name,
@@ -27,7 +28,7 @@ from assistant.controllers.abb.files import (
 from assistant.controllers.address import Address
 from assistant.controllers.credentials import Credentials
 from assistant.controllers.os_errors_in_words import reason_of
-from assistant.controllers.pace import Pace
+from assistant.controllers.pace import LEAST, Pace
 from assistant.program.diagnostics import Refused
 
 if TYPE_CHECKING:
@@ -129,13 +130,14 @@ class Sftp(FileSession):
         folder: below that of the address, "" for itself. Links are left out.
         """
         start = f"{checked_path(folder)}/" if folder else ""
-        found: list[str] = []
-        with self._during("listing the folder", UNTOUCHED, LISTING) as (files, _):
-            _walk(files, start, "", 0, found)
+        entries: dict[str, bool] = {}
+        with self._during("listing the folder", UNTOUCHED, LISTING) as (files, pace):
+            _walk(files, pace, start, "", 0, entries)
+        found = sorted(path for path, is_file in entries.items() if is_file)
         with folders.appearing(into, KIND) as new:
-            for path in sorted(found):
+            for path in found:
                 folders.put(new, path, self.retrieve(start + path, UNTOUCHED))
-        return tuple(sorted(found))
+        return tuple(found)
 
     def _trust(self, ssh: SSHClient) -> None:
         """What the host's key is compared with."""
@@ -326,16 +328,23 @@ def _bytes(files: SFTPClient, name: str, pace: Pace) -> bytes:
     return bytes(data)
 
 
-def _walk(files: SFTPClient, start: str, below: str, depth: int, found: list[str]) -> None:
-    """Gathers the files in a folder and in those inside of it."""
+def _walk(
+    files: SFTPClient, pace: Pace, start: str, below: str, depth: int, found: dict[str, bool]
+) -> None:
+    """Gathers what is in a folder and in those inside of it, with whether it is a file."""
     if depth > MOST_FOLDERS:
         raise OSError(errno.ELOOP, f"folders are more than {MOST_FOLDERS} deep")
-    for entry in files.listdir_attr(start + below or "."):
+    if len(found) > MOST_ENTRIES:
+        raise OSError(errno.ELOOP, f"there are more than {MOST_ENTRIES} files and folders")
+    entries = files.listdir_attr(start + below or ".")
+    pace.moved(LEAST)  # each folder has its own time
+    for entry in entries:
         path, mode = f"{below}{told_name(entry.filename)}", entry.st_mode or 0
         if stat.S_ISDIR(mode):
-            _walk(files, start, f"{path}/", depth + 1, found)
+            found[path] = False
+            _walk(files, pace, start, f"{path}/", depth + 1, found)
         elif stat.S_ISREG(mode):
-            found.append(path)
+            found[path] = True
 
 
 def _keep_quiet() -> None:

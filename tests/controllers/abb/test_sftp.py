@@ -215,3 +215,12 @@ def test_a_fingerprint_is_a_part_of_an_address(server):
             parse(f"sftp://user@omnicore?fingerprint={wrong}")
         assert codes(refused) == ["CN101"]
     assert "user@" in str(address)
+
+
+def test_a_tree_that_never_ends_is_given_up(server, tmp_path, monkeypatch):
+    monkeypatch.setattr("assistant.controllers.abb.sftp.MOST_ENTRIES", 5)
+    for number in range(9):
+        (server.root / f"folder{number}" / "inside").mkdir(parents=True)
+    with server.client() as client, pytest.raises(Refused) as refused:
+        client.fetch_folder("", tmp_path / "here")
+    assert codes(refused) == ["CN205"] and not (tmp_path / "here").exists()

@@ -93,14 +93,16 @@ def _row(item: ElementTree.Element) -> Row:
     )
 
 
-def _spans(item: ElementTree.Element) -> Iterator[tuple[str, str]]:
+def _spans(item: ElementTree.Element, depth: int = 0) -> Iterator[tuple[str, str]]:
     """Values below an element, but those of list items inside it."""
+    if depth > DEEPEST:
+        raise ValueError("it is nested too deep")
     for below in item:
         name = _local(below)
         if name == "span":
             yield below.get("class", ""), "".join(below.itertext()).strip()
         elif name not in ("li", "a"):
-            yield from _spans(below)
+            yield from _spans(below, depth + 1)
 
 
 def _local(element: ElementTree.Element) -> str:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from assistant.controllers import rules
-from assistant.controllers.abb.files import first_difference
+from assistant.controllers.abb.files import MOST_ENTRIES, first_difference
 from assistant.controllers.abb.rws.session import NotThere, Session
 from assistant.program.diagnostics import Refused
 
@@ -67,11 +67,13 @@ class Files:
 
     def tree(self, folder: str) -> Iterator[tuple[str, int | None]]:
         """All files below a folder with their sizes, relative to it."""
-        waiting = [""]
+        waiting, count = [""], 0
         while waiting:
             below = waiting.pop()
             for found in self.listing(f"{folder}/{below}".rstrip("/")):
-                name = f"{below}{found.name}"
+                name, count = f"{below}{found.name}", count + 1
+                if count > MOST_ENTRIES:
+                    raise self._session.garbled(f"listing `{folder}`", f"{count} entries")
                 if not found.folder:
                     yield name, found.size
                 elif name.count("/") < DEEPEST:

@@ -284,3 +284,23 @@ def test_events_are_not_looked_for_on_another_host(peer):
         with pytest.raises(Refused) as refused, client.subscribe(["motors"]):
             pass
         assert codes(refused) == ["CN209"]
+
+
+HTML = '<html xmlns="http://www.w3.org/1999/xhtml">'
+NO_ANSWERS = [
+    f'<!DOCTYPE x [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;&a;">]>{HTML}&b;</html>',
+    f'{HTML}<li class="rap-task-li">{"<div>" * 3000}{"</div>" * 3000}</li></html>',
+    '{"a":' * 100_000,
+    f"{HTML}<ul>",
+]
+
+
+@pytest.mark.parametrize("body", NO_ANSWERS)
+def test_bombs_and_halves_are_no_answers(peer, body):
+    peer.answers = {
+        question: body if question.startswith("GET /rw/rapid/tasks") else answer
+        for question, answer in peer.answers.items()
+    }
+    with peer.connect() as client, pytest.raises(Refused) as refused:
+        client.modules()
+    assert codes(refused) == ["CN222"]
