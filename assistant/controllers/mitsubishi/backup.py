@@ -2,7 +2,7 @@
 
 identity.json             what the controller is
 parameters.txt            the changed ones, `NAME=value` each, sorted
-programs/NAME.prg         as the controller lists it: steps, then positions
+programs/NAME.prg         as the controller lists it: steps, then positions; NAME_ for CON, NUL …
 variables/NAME.txt        the other variables of that program, where it has any
 variables/externals.txt   variables that belong to no program
 backup.json               hashes of the other files
@@ -11,6 +11,7 @@ backup.json               hashes of the other files
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from pathlib import Path as FilePath
@@ -24,6 +25,10 @@ from assistant.controllers.mitsubishi.session import Session
 KIND: Final = "melfa"
 IDENTITY: Final = "identity.json"
 PARAMETERS: Final = "parameters.txt"
+DEVICE: Final = re.compile(r"CON|PRN|AUX|NUL|(?:COM|LPT)[0-9]")
+"""Names that stand for devices in Windows, where no file can have them ("Naming Files, Paths, and
+Namespaces" of Microsoft)."""
+AFTER_DEVICE: Final = "_"
 EXTERNALS: Final = "variables/externals.txt"
 
 
@@ -42,11 +47,21 @@ def backup(session: Session, folder: str | FilePath) -> tuple[str, ...]:
 
 
 def program_file(name: str) -> str:
-    return f"programs/{name}.prg"
+    return f"programs/{_stem(name)}.prg"
 
 
 def variable_file(name: str) -> str:
-    return f"variables/{name}.txt"
+    return f"variables/{_stem(name)}.txt"
+
+
+def _stem(name: str) -> str:
+    """What a file of a program is called, in every system."""
+    return f"{name}{AFTER_DEVICE}" if DEVICE.fullmatch(name) else name
+
+
+def program_of(file: str) -> str:
+    """The program that a file is of."""
+    return FilePath(file).stem.removesuffix(AFTER_DEVICE)
 
 
 def without_secrets(names: Iterable[str]) -> list[str]:

@@ -32,6 +32,8 @@ LANGUAGES: Final = {
 NO_PROGRAM: Final = 4140
 MOST_PROGRAMS: Final = 100_000
 """Entries after which a folder that never ends is taken for a fault."""
+MOST_DIGITS: Final = 15
+"""Of a size in bytes."""
 MOST_LINES: Final = 100_000
 """Answers after which a program that never ends is taken for one: steps go up to 32767."""
 
@@ -47,11 +49,15 @@ class Entry:
 
 
 def entries(session: Session) -> tuple[Entry, ...]:
-    """All programs by name."""
+    """All programs by name; raises rules.Lost for a list that does not end."""
     doing = "listing the programs"
     found: dict[str, Entry] = {}
+    told: set[str] = set()
     text = session.ask("PDIRTOP", doing=doing).text
     for index in range(1, MOST_PROGRAMS):
+        if text in told:
+            session.garbled(doing, text)
+        told.add(text)
         fields = text.split(";")
         name, _, suffix = fields[0].partition(".")
         if name and (suffix.upper() in LANGUAGES or not suffix):
@@ -59,6 +65,8 @@ def entries(session: Session) -> tuple[Entry, ...]:
         text = session.ask(f"PDIR{index}", doing=doing).text
         if not text.strip("; "):
             break
+    else:
+        session.garbled(doing, text)
     return tuple(found[name] for name in sorted(found))
 
 
@@ -68,7 +76,7 @@ def _entry(name: str, fields: list[str], *, first: bool) -> Entry:
     size = fields[1] if len(fields) > 1 else ""
     return Entry(
         name,
-        int(size) if size.isdecimal() else None,
+        int(size) if size.isdecimal() and len(size) <= MOST_DIGITS else None,
         time_of(fields[2]) if len(fields) > 2 else None,
         rest[0].strip() if rest else "",
     )

@@ -25,7 +25,7 @@ from assistant.controllers.mitsubishi.backup import (
     assignments,
     parameter_text,
     program_file,
-    variable_file,
+    program_of,
     variable_text,
 )
 from assistant.controllers.mitsubishi.kept_back import why_left_out
@@ -33,7 +33,9 @@ from assistant.controllers.mitsubishi.parameter_files import Kind
 from assistant.controllers.mitsubishi.session import Session
 from assistant.program.diagnostics import Refused
 
-FILE: Final = re.compile(r"(programs|variables)/([A-Z0-9]{1,12}|externals)\.(?:prg|txt)")
+FILE: Final = re.compile(
+    r"programs/[A-Z0-9]{1,12}_?\.prg|variables/(?:[A-Z0-9]{1,12}_?|externals)\.txt"
+)
 BEFORE: Final = "before"
 
 
@@ -162,8 +164,8 @@ def _chosen(name: str, only: Sequence[str]) -> bool:
 def _programs(session: Session, files: Mapping[str, bytes], only: Sequence[str]) -> Iterator[Item]:
     there = programs.names(session)
     for file, data in files.items():
-        name = FilePath(file).stem
-        if file != program_file(name) or not _chosen(file, only):
+        name = program_of(file)
+        if not file.startswith("programs/") or not _chosen(file, only):
             continue
         before = programs.listed(session, name) if name in there else None
         if before is None or listing.listed(before) != listing.listed(data):
@@ -192,9 +194,9 @@ def _variables(
 ) -> Iterator[Item]:
     there = programs.names(session)
     for file, data in files.items():
-        name = FilePath(file).stem
+        name = program_of(file)
         shared = file == EXTERNALS
-        if not _chosen(file, only) or not (shared or file == variable_file(name)):
+        if not _chosen(file, only) or not (shared or file.startswith("variables/")):
             continue
         lines = (
             variables.externals(session)

@@ -72,6 +72,18 @@ def test_nothing_differs_right_after_a_backup(cell, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["cell"]
 
 
+def test_a_program_called_as_a_device_is_a_file_in_every_system(cell, tmp_path):
+    _, client = cell
+    client.write("CON", b"10 M1=1\r\n20 END\r\n")
+    client.backup(tmp_path / "cell")
+    assert (tmp_path / "cell/programs/CON_.prg").is_file()
+    client.write("CON", b"10 END\r\n")
+    restoring = client.restore(tmp_path / "cell")
+    assert [*restoring.changes] == ["programs/CON_.prg"] and restoring.left_out == {}
+    restoring.apply()
+    assert client.read("CON").splitlines()[0] == b"10 M1=1"
+
+
 def change(client):
     """Makes the controller another one."""
     client.write("SEAM", b"10 END\r\n")

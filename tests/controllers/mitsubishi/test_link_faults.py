@@ -138,6 +138,26 @@ def test_an_answer_that_comes_twice(controller, tmp_path, which):
 # ------------------------------------------------------------------------- the operation right
 
 
+def test_a_list_of_programs_that_repeats_itself_is_given_up(controller):
+    """Nor is a size of thousands of digits a number."""
+    said = []
+
+    def repeat(_, data):
+        if data.startswith(b"QoKTHERE."):
+            said.append(data.replace(b";", b";" + b"9" * 6000, 1))
+        return [(0.0, said[0] if said else data)]
+
+    with connect(controller.address) as client:
+        client.write("THERE", b"10 END\r\n")
+    with (
+        Cutting(controller.port, answers=repeat) as proxy,
+        connect(f"melfa://127.0.0.1:{proxy.port}", timeout=5) as client,
+        pytest.raises(Lost) as lost,
+    ):
+        client.names()
+    assert codes(lost.value)[0] == "CN302"
+
+
 class Keeping(socketserver.ThreadingTCPServer):
     """A controller that keeps the operation right when a line is cut, until CNTLOFF comes.
 
