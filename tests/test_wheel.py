@@ -5,8 +5,11 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import sysconfig
 import venv
 from pathlib import Path
+
+import pytest
 
 PROJECT = Path(__file__).parent.parent
 
@@ -19,13 +22,22 @@ def run(*command: object, cwd: Path) -> str:
     return done.stdout
 
 
-def test_a_sample_compiles_from_the_installed_wheel(tmp_path):
+@pytest.mark.parametrize(
+    "dependencies", ["of these tests", pytest.param("of its own", marks=pytest.mark.slow)]
+)
+def test_a_sample_compiles_from_the_installed_wheel(tmp_path, dependencies):
     run(sys.executable, "-m", "build", "--wheel", "--outdir", tmp_path, PROJECT, cwd=tmp_path)
     (wheel,) = tmp_path.glob("*.whl")
     venv.create(tmp_path / "empty")
     scripts = tmp_path / "empty" / ("Scripts" if sys.platform == "win32" else "bin")
     pip = (sys.executable, "-m", "pip", "--python", scripts / "python")
-    run(*pip, "install", "--quiet", "--no-compile", wheel, cwd=tmp_path)
+    if dependencies == "of its own":
+        run(*pip, "install", "--quiet", wheel, cwd=tmp_path)
+    else:
+        run(*pip, "install", "--quiet", "--no-compile", "--no-deps", wheel, cwd=tmp_path)
+        where = "import site; print(site.getsitepackages()[0])"
+        site = Path(run(scripts / "python", "-c", where, cwd=tmp_path).strip())
+        (site / "these.pth").write_text(sysconfig.get_path("purelib") + "\n")
     answer = run(
         scripts / "robot-assistant",
         "compile",

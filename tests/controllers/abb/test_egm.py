@@ -23,7 +23,7 @@ from assistant.virtual.irc5.egm import CYCLE, NO_DATA, Guidance, VirtualEgm
 HERE = (0.0, 10.0, -20.0, 0.0, 30.0, 0.0)
 POSE = (400.0, 0.0, 600.0, 1.0, 0.0, 0.0, 0.0)
 LIMITS = Limits((120.0,) * 6, (800.0,) * 6)
-QUICK = Settings(opening=20.0, settle=0.3, timeout=0.4, softness=1.0, real_time=False)
+QUICK = Settings(opening=20.0, settle=0.3, timeout=0.8, softness=1.0, real_time=False, wait="block")
 SPEEDS = (200.0,) * 6
 
 
@@ -141,7 +141,7 @@ def test_numbers_that_are_none_are_no_place():
 
 def test_an_arm_follows_a_trajectory(tmp_path):
     """When nothing more is sent, the controller sees that as its time-out."""
-    report, virtual = guided(to(6.0, 3.0), comm_timeout=0.3)
+    report, virtual = guided(to(6.0, 3.0), comm_timeout=1.0)
     assert report.done == report.rows > 20
     assert virtual.guidance.ended == "silent" and virtual.events == [NO_DATA]
     assert virtual.guidance.values == pytest.approx((3.0, *HERE[1:]), abs=1e-3)
@@ -153,7 +153,9 @@ def test_an_arm_follows_a_trajectory(tmp_path):
 
 @pytest.mark.slow
 def test_a_controller_may_end_as_the_arm_has_converged():
-    settings = Settings(opening=20.0, settle=5.0, timeout=0.4, softness=1.0, real_time=False)
+    settings = Settings(
+        opening=20.0, settle=5.0, timeout=0.4, softness=1.0, real_time=False, wait="block"
+    )
     report, virtual = guided(to(6.0, 3.0), settings=settings, within=0.02, cond_time=0.2)
     assert report.done == report.rows and virtual.guidance.ended == "converged"
     assert virtual.events == [] and virtual.guidance.values[0] == pytest.approx(3.0, abs=0.02)

@@ -25,7 +25,7 @@ RAPID = languages.get("rapid")
 ROBOT = robots.get("irb1200-7-0.7")
 GUIDED = (Path(__file__).parents[3] / "samples" / "rapid" / "guided.mod").read_text()
 START = (0.0, 10.0, -20.0, 0.0, 30.0, 0.0)
-QUICK = Settings(opening=20.0, settle=0.2, timeout=0.4, softness=1.0, real_time=False)
+QUICK = Settings(opening=20.0, settle=0.2, timeout=0.4, softness=1.0, real_time=False, wait="block")
 
 
 def ran(text, port, motion=None):

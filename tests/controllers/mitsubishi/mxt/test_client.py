@@ -30,6 +30,7 @@ from tests.virtual.cr.waiting import wait_for
 GIVEN = {"cycle": CYCLE, "limits": LIMITS, "settings": PATIENT}
 
 
+@pytest.mark.slow
 def test_two_trajectories_in_one_control(tmp_path):
     seen = []
     with MxtProcess(cycle=CYCLE) as virtual, Mxt("127.0.0.1", port=virtual.port, **GIVEN) as mxt:

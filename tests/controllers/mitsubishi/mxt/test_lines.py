@@ -42,7 +42,7 @@ SEEDS = [1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(2, 30
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize("counts", [True, False])
+@pytest.mark.parametrize("counts", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_packets_that_are_lost_doubled_swapped_and_of_others(seed, counts):
     """The arm never goes faster than its limits, two rows a cycle least of all."""
     trajectory = joints()
