@@ -71,6 +71,21 @@ def fitting(value: e.Expression) -> e.Expression:
     return e.Number(abs(int(value.value)) % 256) if isinstance(value, e.Number) else value
 
 
+def whole(value: e.Expression) -> e.Expression:
+    """The value; a number without fraction, which no register of an output holds."""
+    if isinstance(value, e.Unary) and value.operator == "-":
+        return e.Unary("-", whole(value.operand))
+    return e.Number(int(value.value)) if isinstance(value, e.Number) else value
+
+
+def waits_for_signal(condition: e.Expression) -> bool:
+    """Whether the wait for it is read as `WaitSignal`, which the programs have as well."""
+    match condition:
+        case e.Binary("=", e.Name("sensor" | "dial"), e.Number() | e.Unary("-", e.Number())):
+            return True
+    return False
+
+
 values = st.recursive(
     st.one_of(
         *(elements, numbers),
@@ -94,6 +109,7 @@ conditions = st.recursive(
     ),
     max_leaves=3,
 )
+awaited = conditions.filter(lambda c: not waits_for_signal(c))
 seconds = st.sampled_from([e.Number(2), e.Number(0.25), e.Name("limit")])
 
 
@@ -139,8 +155,8 @@ simple = st.one_of(
     st.builds(p.Wait, st.sampled_from([e.Number(0.5), e.Name("limit")])),
     st.builds(p.WaitSignal, st.just("ok"), st.sampled_from([e.Truth(True), e.Number(0)])),
     st.builds(p.WaitSignal, st.just("ok"), st.just(e.Truth(True)), seconds),
-    st.builds(p.WaitUntil, conditions),
-    st.builds(p.WaitUntil, conditions.filter(lambda c: "larger" not in repr(c)), seconds),
+    st.builds(p.WaitUntil, awaited),
+    st.builds(p.WaitUntil, awaited.filter(lambda c: "larger" not in repr(c)), seconds),
     st.builds(p.StartTimer, st.sampled_from(["lap", "timer_3"])),
     st.builds(
         p.Assign,
@@ -157,7 +173,7 @@ simple = st.one_of(
         st.sampled_from([e.Truth(True), e.Number(0)]),
         st.sampled_from([None, e.Number(0.25)]),
     ),
-    st.builds(p.SetSignal, st.just("level"), values),
+    st.builds(p.SetSignal, st.just("level"), values.map(whole)),
     st.builds(p.SetSignal, st.sampled_from(["mode", "answer"]), values.map(fitting)),
     st.builds(p.Gripper, st.sampled_from(["open", "close"]), st.integers(1, 8)),
     st.builds(p.SetAcceleration, st.just(e.Number(50)), st.just(e.Number(80))),
