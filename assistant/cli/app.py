@@ -298,16 +298,34 @@ def deploy(
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Only show what would change.")
     ] = False,
-    backup: Annotated[
+    replace: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME",
+            help="Program to replace although no deployment left it as it is; * for all.",
+        ),
+    ] = None,
+    files_only: Annotated[
+        bool,
+        typer.Option(
+            "--files-only", help="Replace files though what was taught in memory is not seen."
+        ),
+    ] = False,
+    task: Annotated[str, typer.Option(help="Task whose memory counts; default the first.")] = "",
+    load: Annotated[
+        bool, typer.Option("--load", help="Also load modules that are not loaded yet.")
+    ] = False,
+    history: Annotated[
         Path | None,
-        typer.Option(help="Folder that keeps what was on the controller."),
+        typer.Option(help="Folder of the deployments; default .robot-assistant/deployments."),
     ] = None,
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Install programs on a controller, read them back and compare. Never starts motion."""
-    from assistant.cli.deploying import run_deploy
+    from assistant.cli.deploying import Wishes, run_deploy
 
-    raise typer.Exit(run_deploy(files, to, dry_run, backup, format))
+    wishes = Wishes(task, load, tuple(replace or ()), files_only, history)
+    raise typer.Exit(run_deploy(files, to, dry_run, wishes, format))
 
 
 for command in (*on_controllers.COMMANDS, *on_arms.COMMANDS):

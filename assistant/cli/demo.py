@@ -104,7 +104,7 @@ def _installed(
 
     paths = write_files(compiled.files, output)
     say(f"  written: {', '.join(str(path) for path in paths)}")
-    done = deploy.deploy(deploy.plan(paths, controller), backup=output / "backup")
+    done = deploy.deploy(deploy.plan(paths, controller), history=output / "backup")
     if not done.ok:
         raise Refused(*done.findings)
     say(f"  {done.summary}")

@@ -28,6 +28,8 @@ class Programs(Protocol):
     """Names of the languages whose programs it takes."""
     lists: tuple[str, ...]
     """Suffixes of files that name the files of a program; they go last, when those are there."""
+    memory_apart: bool
+    """Whether what runs was loaded from a file, and what is taught changes only what is loaded."""
 
     def __enter__(self) -> Self: ...
 

@@ -1,18 +1,33 @@
-"""Installs programs on controllers: plan, back up, upload, verify; all of them or none.
+"""Installs programs on controllers, so that it can always be taken back.
 
 plan = deploy.plan(["out/seam.mod"], controller)
 deployment = deploy.deploy(plan)
+deploy.rollback(controller)
 """
 
-from assistant.deploy.deployment import Deployment, FileState, deploy
-from assistant.deploy.plan import Change, Plan, PlannedFile, plan
+from assistant.deploy.deployment import deploy
+from assistant.deploy.finishing import resume, rollback
+from assistant.deploy.held import Held
+from assistant.deploy.journal import Journal, Step, journals, place_of
+from assistant.deploy.outcome import Deployment, FileState
+from assistant.deploy.plan import EVERY, Change, Plan, PlannedFile, plan
+from assistant.deploy.record import Record
 
 __all__ = [
+    "EVERY",
     "Change",
     "Deployment",
     "FileState",
+    "Held",
+    "Journal",
     "Plan",
     "PlannedFile",
+    "Record",
+    "Step",
     "deploy",
+    "journals",
+    "place_of",
     "plan",
+    "resume",
+    "rollback",
 ]

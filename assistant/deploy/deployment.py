@@ -1,203 +1,185 @@
-"""Carrying out a plan: all files are on the controller and verified, or none is changed."""
+"""Carrying out a plan: all programs are on the controller and verified, or none is changed."""
 
 from __future__ import annotations
 
-import enum
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path as FilePath
 
-from assistant.controllers import Address, Programs
 from assistant.controllers.rules import Lost
 from assistant.deploy import rules
-from assistant.deploy.backup import keep
-from assistant.deploy.plan import Change, Plan, PlannedFile
-from assistant.program.diagnostics import Diagnostic, Refused, has_errors
-
-
-class FileState(enum.StrEnum):
-    """What a file on the controller is after a deployment."""
-
-    SAME = "same"
-    """It was already what was to be sent."""
-    INSTALLED = "installed"
-    """Sent, read back and found equal."""
-    UNTOUCHED = "untouched"
-    """Still what it was before."""
-    PUT_BACK = "put back"
-    """Was changed, and is again what it was before (or gone, if it was new)."""
-    UNKNOWN = "unknown"
-    """Could not be put back or not be read: somebody has to look."""
-
-
-@dataclass(frozen=True, slots=True)
-class Deployment:
-    """What became of a plan.
-
-    states: state of each planned file, by its name on the controller. backup: the folder with
-    what was there before, None if nothing was to be changed.
-    """
-
-    address: Address
-    states: dict[str, FileState]
-    findings: tuple[Diagnostic, ...] = ()
-    backup: FilePath | None = None
-
-    @property
-    def ok(self) -> bool:
-        done = (FileState.SAME, FileState.INSTALLED)
-        return not has_errors(self.findings) and all(s in done for s in self.states.values())
-
-    @property
-    def summary(self) -> str:
-        """One sentence on the state of the controller."""
-        states = list(self.states.values())
-        unknown = [name for name, state in self.states.items() if state is FileState.UNKNOWN]
-        if unknown:
-            return f"{', '.join(unknown)} on {self.address}: not in a known state; do not start it"
-        if not self.ok:
-            return f"every program on {self.address} is what it was before"
-        installed = states.count(FileState.INSTALLED)
-        same = states.count(FileState.SAME)
-        return f"{installed} installed and verified, {same} already there on {self.address}"
-
-
-Progress = Callable[[PlannedFile], None]
-"""Is told each file before it is sent."""
+from assistant.deploy.carrying import PATIENCE, Carrying, Progress
+from assistant.deploy.claiming import alone_here, claim, unclaim
+from assistant.deploy.held import Digests
+from assistant.deploy.journal import Entry, Journal, Step, create, journals, place_of
+from assistant.deploy.outcome import Deployment, FileState
+from assistant.deploy.plan import Change, Plan
+from assistant.deploy.record import Record, new_record
+from assistant.deploy.site import RECORD, UNDER_WAY, Site
+from assistant.program.diagnostics import Diagnostic, Refused
 
 
 def deploy(
-    plan: Plan, *, backup: str | FilePath | None = None, progress: Progress | None = None
+    plan: Plan,
+    *,
+    history: str | FilePath | None = None,
+    files_only: bool = False,
+    progress: Progress | None = None,
+    patience: float = PATIENCE,
 ) -> Deployment:
-    """Writes the plan's changes to its controller, reads each back, and compares.
+    """Brings the plan's changes to its controller, reads each back, and compares.
 
-    What was there is kept in the backup folder first. If any file fails, every file that was
-    changed is put back (after Ctrl-C as well); the findings say what happened, nothing is
-    raised for it. A plan
-    whose controller has changed meanwhile changes nothing. Never starts motion.
-    backup: see `backup.keep`.
+    What was there is kept in the history first, see `journal`. If any program fails, every one
+    that was changed is put back (after Ctrl-C as well); the findings say what happened, nothing
+    is raised for it. A plan with conflicts, or whose controller has changed meanwhile, changes
+    nothing; neither does one that would replace a running program. Never starts motion.
+    files_only: whether programs may be replaced whose taught points this session cannot see.
+    patience: seconds for which what cannot be put back is tried again.
     """
-    run = _Run(plan)
-    if not plan.changes:
-        return run.done()
-    try:
-        with plan.controller:
-            run.check_unchanged()
-            run.backup = keep(plan.address, plan.changes, backup)
-            run.install(progress)
-    except Refused as refusal:
-        run.findings += refusal.findings
-    return run.done()
+    return _Run(plan, place_of(plan.address, history), patience).done(files_only, progress)
 
 
 class _Run:
-    """One deployment under way."""
+    """One deployment under way. place: of its controller in the history."""
 
-    def __init__(self, plan: Plan) -> None:
-        self.plan = plan
-        self.controller: Programs = plan.controller
+    def __init__(self, plan: Plan, place: FilePath, patience: float) -> None:
+        self.plan, self.place, self.patience = plan, place, patience
+        self.site = plan.site
         self.findings: list[Diagnostic] = []
-        self.backup: FilePath | None = None
+        self.journal: Journal | None = None
         self.states = {
             file.name: FileState.SAME if file.change is Change.SAME else FileState.UNTOUCHED
             for file in plan.files
         }
 
-    def done(self) -> Deployment:
-        return Deployment(self.plan.address, self.states, tuple(self.findings), self.backup)
+    def done(self, files_only: bool, progress: Progress | None) -> Deployment:
+        plan = self.plan
+        try:
+            self._check_decided(files_only)
+            if plan.changes:
+                with alone_here(self.place), self.site:
+                    self._check_unchanged()
+                    self._check_at_rest()
+                    self._install(progress)
+        except Refused as refusal:
+            self.findings += refusal.findings
+        folder = self.journal.folder if self.journal else None
+        return Deployment(plan.address, self.states, tuple(self.findings), folder)
 
-    def check_unchanged(self) -> None:
+    def _check_decided(self, files_only: bool) -> None:
+        """Raises Refused if somebody has to decide first, or an earlier deployment is open."""
+        refused = [rules.UNDECIDED(place=f.name, name=f.name) for f in self.plan.conflicts]
+        replaced = [f for f in self.plan.changes if f.change is Change.CHANGED]
+        if self.site.blind and replaced and not files_only:
+            refused.append(rules.BLIND(place=str(self.plan.address), name=replaced[0].name))
+        refused += [
+            rules.STILL_OPEN(place=str(one.folder), name=one.record.name)
+            for one in journals(self.place)
+            if one.open
+        ]
+        if refused:
+            raise Refused(*refused)
+
+    def _check_unchanged(self) -> None:
         """Raises Refused if the controller is not what the plan saw."""
+        if self.site.identity() != self.plan.identity:
+            raise Refused(rules.ANOTHER(place=str(self.plan.address)))
         changed = [
             rules.CHANGED_SINCE(place=file.name, name=file.name)
             for file in self.plan.files
-            if not self._is_before(file)
+            if not self.site.same(self.site.held(file.name, file.data), file.before)
         ]
         if changed:
             raise Refused(*changed)
 
-    def install(self, progress: Progress | None) -> None:
-        begun: list[PlannedFile] = []
-        try:
-            for file in self.plan.changes:
-                if progress is not None:
-                    progress(file)
-                begun.append(file)
-                self.states[file.name] = FileState.UNKNOWN
-                self.controller.write(file.name, file.data)
-                self._verify(file)
-                self.states[file.name] = FileState.INSTALLED
-        except Refused as refusal:
-            self.findings += refusal.findings
-            self._put_back(begun, connected=not isinstance(refusal, Lost))
-        except KeyboardInterrupt:
-            name = begun[-1].name if begun else ""
-            self.findings.append(rules.INTERRUPTED(place=name, name=name))
-            self._put_back(begun, connected=False)  # an answer may still be on its way
-        except BaseException:
-            self._put_back(begun, connected=False)
-            raise
+    def _check_at_rest(self) -> None:
+        """Raises Refused if a program that would be replaced is running."""
+        busy = [
+            rules.RUNNING(place=file.name, name=file.name)
+            for file in self.plan.changes
+            if self.site.runs(file.name, file.before)
+        ]
+        if busy:
+            raise Refused(*busy)
 
-    def _verify(self, file: PlannedFile) -> None:
-        back = self.controller.read(file.name)
-        sent = self.controller.stored(file.data)
-        read = self.controller.stored(back or b"")
-        if sent != read:
-            raise Refused(_altered(file.name, sent, read))
+    def _install(self, progress: Progress | None) -> None:
+        entries = [file.entry for file in self.plan.changes]
+        done = carry_out(self.site, self.place, self._record(), entries, self.patience, progress)
+        self.journal = done.journal
+        self.states |= done.states
+        self.findings += done.findings
 
-    def _put_back(self, begun: list[PlannedFile], *, connected: bool) -> None:
-        """Every file that was begun becomes what it was, the last one first."""
-        for file in reversed(begun):
-            try:
-                if not connected:
-                    self._reconnect()
-                    connected = True
-                touched = self._restore(file)
-            except Refused as refusal:
-                connected = connected and not isinstance(refusal, Lost)
-                self.findings += refusal.findings
-                self.findings.append(self._not_put_back(file))
-                self.states[file.name] = FileState.UNKNOWN
-            else:
-                self.states[file.name] = FileState.PUT_BACK if touched else FileState.UNTOUCHED
-                if touched:
-                    rule = rules.REMOVED if file.before is None else rules.PUT_BACK
-                    self.findings.append(rule(place=file.name, name=file.name))
-
-    def _reconnect(self) -> None:
-        self.controller.__exit__(None, None, None)
-        self.controller.__enter__()
-
-    def _restore(self, file: PlannedFile) -> bool:
-        """Whether there was anything to put back; raises Refused if it failed."""
-        if self._is_before(file):
-            return False
-        if file.before is None:
-            self.controller.remove(file.name)
-        else:
-            self.controller.write(file.name, file.before)
-        if not self._is_before(file):
-            raise Refused()
-        return True
-
-    def _is_before(self, file: PlannedFile) -> bool:
-        now = self.controller.read(file.name)
-        if now is None or file.before is None:
-            return now is file.before
-        return self.controller.stored(now) == self.controller.stored(file.before)
-
-    def _not_put_back(self, file: PlannedFile) -> Diagnostic:
-        old = f"what it was is in `{self.backup}`" if file.before is not None else "it was new"
-        return rules.NOT_PUT_BACK(place=file.name, name=file.name, backup=old)
+    def _record(self) -> Record:
+        plan = self.plan
+        begun = new_record(str(plan.address), plan.identity, self.site.task)
+        programs: Mapping[str, Digests] = plan.record.programs if plan.record else {}
+        planned = {file.name: self.site.digests(file.after) for file in plan.files}
+        return replace(begun, programs={**programs, **planned})
 
 
-def _altered(name: str, sent: bytes, read: bytes) -> Diagnostic:
-    """The finding with the first line that differs."""
-    left, right = (data.split(b"\r\n") for data in (sent, read))
-    shorter = min(len(left), len(right))
-    at = next((i for i in range(shorter) if left[i] != right[i]), shorter)
-    shown = [
-        repr(lines[at].decode("latin-1")[:60]) if at < len(lines) else "nothing"
-        for lines in (left, right)
-    ]
-    return rules.ALTERED(place=name, row=at + 1, name=name, sent=shown[0], read=shown[1])
+def carry_out(
+    site: Site,
+    place: FilePath,
+    record: Record,
+    entries: Sequence[Entry],
+    patience: float,
+    progress: Progress | None = None,
+) -> Carrying:
+    """Brings programs to a controller, with a journal; what fails is put back.
+
+    The findings of what comes back say what failed. Raises Refused if nothing could be begun.
+    """
+    claim(site, record)
+    try:
+        journal = create(place, record, entries)
+        if site.disk is not None:
+            site.controller.write(UNDER_WAY, journal.packed())
+    except BaseException:
+        _abandon(site, place, record)
+        raise
+    carrying = Carrying(site, journal, patience)
+    try:
+        carrying.forward(journal.entries, progress)
+        settle(site, journal)
+    except Refused as refusal:
+        carrying.findings += refusal.findings
+        take_back(carrying, connected=not isinstance(refusal, Lost))
+    except KeyboardInterrupt:
+        name = next(reversed(carrying.states), "")
+        carrying.findings.append(rules.INTERRUPTED(place=name, name=name))
+        take_back(carrying, connected=False)  # an answer may still be on its way
+    except BaseException:
+        take_back(carrying, connected=False)
+        raise
+    return carrying
+
+
+def _abandon(site: Site, place: FilePath, record: Record) -> None:
+    """Ends a deployment before anything was changed."""
+    with suppress(Refused):
+        for journal in journals(place):
+            if journal.record.name == record.name:
+                journal.add(Step.TAKEN_BACK)
+    with suppress(Refused):
+        unclaim(site)
+
+
+def settle(site: Site, journal: Journal) -> None:
+    """Ends a deployment whose programs are all there."""
+    if site.disk is not None:
+        site.controller.write(RECORD, journal.record.written())
+    journal.add(Step.DONE)
+    unclaim(site)
+
+
+def take_back(carrying: Carrying, *, connected: bool) -> None:
+    """Puts back what was begun; others stay off the controller if that could not be done."""
+    journal = carrying.journal
+    with suppress(Refused):  # a full disk here is no reason to leave the controller as it is
+        journal.add(Step.TAKING_BACK)
+    begun = [entry for entry in journal.entries if entry.name in carrying.states]
+    if carrying.back(reversed(begun), connected=connected):
+        with suppress(Refused):
+            journal.add(Step.TAKEN_BACK)
+            unclaim(carrying.site)

@@ -5,14 +5,20 @@ from __future__ import annotations
 import difflib
 import enum
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 from typing import Final
 
 from assistant import languages
 from assistant.controllers import Address, Programs
+from assistant.controllers.states import Identity
 from assistant.deploy import rules
+from assistant.deploy.held import NOTHING, Held
+from assistant.deploy.journal import Entry
+from assistant.deploy.record import Record
+from assistant.deploy.remembering import last_record
+from assistant.deploy.site import Site, of_deployments
 from assistant.languages import Tree
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
 from assistant.program.text import decode, read_bytes
@@ -22,76 +28,196 @@ ENCODINGS: Final = ("utf-8", "latin-1")
 
 
 class Change(enum.StrEnum):
-    """What a deployment does to one file on the controller."""
+    """What a deployment does to one program on the controller."""
 
     NEW = "new"
     CHANGED = "changed"
     SAME = "same"
+    CONFLICT = "conflict"
+    """It is not what a deployment left there: nothing is done before somebody decides."""
 
 
 @dataclass(frozen=True, slots=True)
 class PlannedFile:
-    """A file to install.
+    """A program to install.
 
     path: the local file. name: on the controller. data: what is sent. before: what the
-    controller has, None if nothing. findings: of the language's parser, no errors among them.
+    controller has. after: what it is to have. diff: from its file to what is sent. taught: from
+    what was loaded to what is in memory now, "" if that is the same. findings: of the language's
+    parser, no errors among them.
     """
 
     path: str
     name: str
     change: Change
     data: bytes = field(repr=False)
-    before: bytes | None = field(repr=False)
+    before: Held
+    after: Held
     diff: str = field(repr=False, default="")
+    taught: str = field(repr=False, default="")
     findings: tuple[Diagnostic, ...] = ()
+
+    @property
+    def entry(self) -> Entry:
+        return Entry(self.name, self.before, self.after)
 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """What a deployment would do; nothing has been changed yet."""
+    """What a deployment would do; nothing has been changed yet.
+
+    identity: of the controller, None where the session cannot tell. record: of the last
+    deployment, None if none is known. foreign: what is there and not ours; never touched. left:
+    ours of an earlier deployment, and not planned any more; not touched either.
+    """
 
     address: Address
     files: tuple[PlannedFile, ...]
-    controller: Programs = field(repr=False, compare=False)
+    site: Site = field(repr=False, compare=False)
+    identity: Identity | None = None
+    record: Record | None = None
+    foreign: tuple[str, ...] = ()
+    left: tuple[str, ...] = ()
+    notes: tuple[Diagnostic, ...] = ()
 
     @property
     def changes(self) -> tuple[PlannedFile, ...]:
         """The files that would be written."""
-        return tuple(file for file in self.files if file.change is not Change.SAME)
+        return tuple(f for f in self.files if f.change in (Change.NEW, Change.CHANGED))
+
+    @property
+    def conflicts(self) -> tuple[PlannedFile, ...]:
+        return tuple(file for file in self.files if file.change is Change.CONFLICT)
 
     @property
     def findings(self) -> tuple[Diagnostic, ...]:
-        return tuple(finding for file in self.files for finding in file.findings)
+        return (*self.notes, *(finding for file in self.files for finding in file.findings))
 
 
-def plan(files: Sequence[str | FilePath], controller: Programs) -> Plan:
+EVERY: Final = "*"
+"""In place of the names of programs: all of them."""
+
+
+def plan(
+    files: Sequence[str | FilePath],
+    controller: Programs,
+    *,
+    task: str = "",
+    load: bool = False,
+    replace: Collection[str] = (),
+    history: str | FilePath | None = None,
+) -> Plan:
     """Compares local programs with what is on the controller; changes nothing.
 
-    Every file is parsed first: a program with errors is never sent. Raises Refused (Unreadable
-    for files that cannot be read) with everything that keeps the files from being deployed.
+    Every file is parsed first: a program with errors is never sent. task: that modules are loaded
+    in, "" for the first. load: whether modules that are not loaded yet are to be. replace: names
+    of programs that may be replaced although no deployment left them there as they are, `EVERY`
+    for all. history: see `journal.place_of`. Raises Refused (Unreadable for files that cannot be
+    read) with everything that keeps the files from being deployed.
     """
     if not files:
         raise Refused(rules.NO_FILES())
     data = {str(file): read_bytes(file) for file in files}
     ordered = sorted(data, key=lambda path: path.lower().endswith(controller.lists))
     names = _names(ordered, controller)
-    with controller:
+    site = Site(controller, task)
+    with site:
         # Only a session knows which version of a language the controller takes.
         notes = _looked_at({path: data[path] for path in ordered}, controller)
         errors = [finding for found in notes.values() if has_errors(found) for finding in found]
         if errors:
             raise Refused(*errors)
-        planned = tuple(
-            _planned(path, names[path], data[path], controller, notes[path]) for path in ordered
-        )
-    return Plan(controller.address, planned, controller)
+        there = [name for name in controller.names() if not of_deployments(name)]
+        record, told = last_record(site, history)
+        look = _Looking(site, record, load, replace)
+        planned = tuple(look.at(path, names[path], data[path], notes[path]) for path in ordered)
+        identity = site.identity()
+    ours = {name.lower() for name in (record.programs if record else ())}
+    meant = {name.lower() for name in names.values()}
+    return Plan(
+        controller.address,
+        planned,
+        site,
+        identity,
+        record,
+        tuple(name for name in there if name.lower() not in ours | meant),
+        tuple(name for name in there if name.lower() in ours - meant),
+        (*told, *look.notes),
+    )
 
 
-def difference(name: str, before: bytes | None, after: bytes) -> str:
-    """A unified diff of two versions of a program, "" if there is none."""
+class _Looking:
+    """Finds out what a deployment would do to each program."""
+
+    def __init__(
+        self, site: Site, record: Record | None, load: bool, replace: Collection[str]
+    ) -> None:
+        self.site, self.load = site, load
+        self.replace = {name.lower() for name in replace}
+        programs = record.programs if record else {}
+        self.known = {name.lower(): left for name, left in programs.items()}
+        self.record = record
+        self.notes: list[Diagnostic] = []
+
+    def at(
+        self, path: str, name: str, data: bytes, findings: tuple[Diagnostic, ...]
+    ) -> PlannedFile:
+        before = self.site.held(name, data)
+        loads = self.site.memory is not None and not self.site.is_list(name)
+        in_memory = loads and (self.load or before.loaded is not None)
+        after = Held(data, data if in_memory else None)
+        now, wanted = self.site.forms(before), self.site.forms(after)
+        change = self._change(name, before, after)
+        diff = "" if change is Change.SAME else difference(name, now.file, wanted.file or b"")
+        taught = ""
+        if before.loaded is not None and before.file is not None:
+            taught = self._taught(name, before)
+        return PlannedFile(path, name, change, data, before, after, diff, taught, findings)
+
+    def _change(self, name: str, before: Held, after: Held) -> Change:
+        if self.site.same(before, after):
+            return Change.SAME
+        if before == NOTHING:
+            return Change.NEW
+        reason = self._not_ours(name, before)
+        if reason is None:
+            return Change.CHANGED
+        if self.replace & {EVERY, name.lower()}:
+            self.notes.append(rules.REPLACED(place=name, name=name, reason=reason))
+            return Change.CHANGED
+        self.notes.append(rules.CONFLICT(place=name, name=name, reason=reason))
+        return Change.CONFLICT
+
+    def _not_ours(self, name: str, before: Held) -> str | None:
+        """Why a program is not what a deployment left there, None if it is."""
+        left = self.known.get(name.lower())
+        if left is None or self.record is None:
+            return "it was not put there by a deployment that is known here"
+        there = self.site.digests(before)
+        since = f"since the deployment `{self.record.name}` of {self.record.who}"
+        if there.file != left.file:
+            return f"its file was changed {since}"
+        if there.loaded != left.loaded:
+            return f"its module in memory was changed {since}"
+        return None
+
+    def _taught(self, name: str, before: Held) -> str:
+        """What is in memory otherwise than in the file."""
+        memory = self.site.memory
+        assert memory is not None and before.file is not None and before.loaded is not None
+        file, loaded = (memory.stored_in_memory(x) for x in (before.file, before.loaded))
+        labels = (f"{name} (its file)", f"{name} (in memory)")
+        return difference(name, file, loaded, labels)
+
+
+def difference(
+    name: str, before: bytes | None, after: bytes, labels: tuple[str, str] | None = None
+) -> str:
+    """A unified diff of two versions of a program, "" if there is none. labels: of the two."""
     left, right = _shown(before or b""), _shown(after)
-    origin = f"{name} (on the controller)" if before is not None else "/dev/null"
-    lines = difflib.unified_diff(left, right, origin, f"{name} (to be sent)", lineterm="")
+    one, other = labels or (f"{name} (on the controller)", f"{name} (to be sent)")
+    origin = one if before is not None else "/dev/null"
+    lines = difflib.unified_diff(left, right, origin, other, lineterm="")
     return "".join(f"{line}\n" for line in lines)
 
 
@@ -158,15 +284,3 @@ def _language(path: str, data: bytes, controller: Programs) -> str | Diagnostic 
     if other is None:
         return rules.UNKNOWN_LANGUAGE(path=path, address=address, taken=taken)
     return rules.WRONG_LANGUAGE(path=path, address=address, taken=taken, given=other.title)
-
-
-def _planned(
-    path: str, name: str, data: bytes, controller: Programs, notes: tuple[Diagnostic, ...]
-) -> PlannedFile:
-    before = controller.read(name)
-    there = None if before is None else controller.stored(before)
-    wanted = controller.stored(data)
-    same = Change.SAME if there == wanted else Change.CHANGED
-    change = same if there is not None else Change.NEW
-    diff = "" if change is Change.SAME else difference(name, there, wanted)
-    return PlannedFile(path, name, change, data, before, diff, notes)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from assistant.program.diagnostics import Severity, error, info
+from assistant.program.diagnostics import Severity, error, info, warning
 
 ERROR: Final = Severity.ERROR
 
@@ -35,11 +35,70 @@ ALTERED = error(
     "{row}: sent {sent}, read {read})",
     "check the line and the controller's version of the language",
 )
-NO_BACKUP = error(
+NO_HISTORY = error(
     "DP203",
-    "the backup in `{folder}` could not be written: {reason}; nothing was changed on the "
-    "controller",
-    "choose another folder or make room",
+    "the deployments in `{folder}` cannot be kept or read: {reason}",
+    "make room, choose another folder with `--history`, or mend the file",
+)
+UNDECIDED = error(
+    "DP204",
+    "`{name}` on the controller is not what a deployment left there; nothing was changed",
+    "look at the difference, then bring the change home with `--pull`, or drop it with "
+    "`--replace {name}`",
+)
+BLIND = error(
+    "DP205",
+    "over this connection it cannot be seen what was taught in `{name}` since it was loaded, nor "
+    "whether it runs; nothing was changed",
+    "deploy over Robot Web Services (`rws://`, `rwss://`), or say `--files-only` if only the files "
+    "count",
+)
+RUNNING = error("DP206", "`{name}` is running; nothing was changed", "stop it, and deploy again")
+ANOTHER = error(
+    "DP207",
+    "{place} is another controller than the plan was made for; nothing was changed",
+    "look which one is at that address, and plan again",
+)
+STILL_OPEN = error(
+    "DP208",
+    "the deployment `{name}` was interrupted and is neither finished nor taken back",
+    "finish it with `deploy --resume`, or take it back with `rollback`",
+)
+BUSY_HERE = error(
+    "DP209", "another process of this computer deploys to that controller", "wait until it is done"
+)
+BUSY_THERE = error(
+    "DP210",
+    "the controller is held by the deployment `{name}` that {who} began at {time}",
+    "wait until it is done; if it died, finish it with `deploy --resume` or take it back with "
+    "`rollback`, there or here",
+)
+CHANGED_BETWEEN = error(
+    "DP211",
+    "`{name}` on the controller is neither what was there before the deployment nor what it "
+    "brought; nothing was changed by this run",
+    "look at it; `--replace {name}` puts the program of the deployment in its place",
+)
+NOTHING_OPEN = error(
+    "DP212", "no deployment to {place} was interrupted", "deploy, or see `deployments`"
+)
+NO_DEPLOYMENT = error(
+    "DP213", "there is no deployment {number} to {place} in the history", "see `deployments`"
+)
+BAD_RECORD = warning(
+    "DP221",
+    "`{name}` cannot be trusted as the record of a deployment: {reason}",
+    "programs that are there count as somebody else's until the next deployment",
+)
+CONFLICT = warning(
+    "DP222",
+    "`{name}` is not replaced: {reason}",
+    "bring the change home with `--pull`, or drop it with `--replace {name}`",
+)
+REPLACED = warning(
+    "DP223",
+    "`{name}` is replaced as was asked for: {reason}",
+    "what was there is kept in the history",
 )
 PUT_BACK = info("DP301", "`{name}` on the controller is again what it was before")
 REMOVED = info("DP302", "`{name}`, which was new, is off the controller again")

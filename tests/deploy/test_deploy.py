@@ -5,9 +5,9 @@ import socket
 
 import pytest
 
+from assistant import deploy as deploying
 from assistant.controllers import connect
-from assistant.deploy import Change, FileState, deploy, plan
-from assistant.deploy.backup import keep
+from assistant.deploy import EVERY, Change, FileState
 from assistant.program.diagnostics import Refused, Severity, Unreadable
 from assistant.virtual.cr import VirtualCr
 from assistant.virtual.irc5 import VirtualIrc5
@@ -50,7 +50,7 @@ class Irc5Site:
         """The next file of more than a few hundred bytes does not fit."""
         self.controller.stop()
         self.controller = VirtualIrc5(
-            self.controller.folder, password=self.controller.password, quota=800
+            self.controller.folder, password=self.controller.password, quota=9000
         )
         self.controller.start()
 
@@ -117,6 +117,15 @@ def files(site, tmp_path):
     return paths
 
 
+def plan(files, controller):
+    """A plan that replaces what no deployment put there, as these tests do at the beginning."""
+    return deploying.plan(files, controller, replace=[EVERY])
+
+
+def deploy(planned, **options):
+    return deploying.deploy(planned, files_only=True, patience=0.0, **options)
+
+
 def on_controller(site):
     return [site.text(name) for name in site.names]
 
@@ -144,33 +153,37 @@ def test_a_deployment_installs_verifies_and_keeps_a_backup(site, files, tmp_path
     seen = []
     planned = plan(files, site.client())
     deployment = deploy(
-        planned, backup=tmp_path / "kept", progress=lambda file: seen.append(file.name)
+        planned, history=tmp_path / "kept", progress=lambda file: seen.append(file.name)
     )
     assert deployment.ok and deployment.findings == ()
+    assert codes(planned.notes) == ["DP223"]
     a, b, c = site.names
     assert deployment.states == {
         a: FileState.INSTALLED, b: FileState.SAME, c: FileState.INSTALLED,
     }  # fmt: skip
     assert seen == [a, c]
     assert on_controller(site) == [site.source(name, 2) for name in site.names]
-    assert deployment.backup == tmp_path / "kept" / "0001"
-    assert (deployment.backup / a).read_bytes().decode() == before[0]
-    index = json.loads((deployment.backup / "backup.json").read_text())
-    assert index["programs"][c] is None and len(index["programs"][a]) == 64
+    assert deployment.folder == tmp_path / "kept" / planned.address.label / "0001"
+    assert (deployment.folder / f"before/1-{a}").read_bytes().decode() == before[0]
+    kept = json.loads((deployment.folder / "programs.json").read_text())
+    assert [row["before"]["file"] for row in kept] == [f"before/1-{a}", None]
+    record = json.loads((deployment.folder / "record.json").read_text())
+    assert set(record["programs"]) == set(site.names)
     assert "2 installed" in deployment.summary
 
 
 def test_doing_it_again_changes_nothing(site, files, tmp_path):
     client = site.client()
-    assert deploy(plan(files, client), backup=tmp_path / "kept").ok
-    again = deploy(plan(files, client), backup=tmp_path / "kept")
-    assert again.ok and set(again.states.values()) == {FileState.SAME} and again.backup is None
-    assert [f.name for f in (tmp_path / "kept").iterdir()] == ["0001"]
+    assert deploy(plan(files, client), history=tmp_path / "kept").ok
+    again = deploy(plan(files, client), history=tmp_path / "kept")
+    assert again.ok and set(again.states.values()) == {FileState.SAME} and again.folder is None
+    kept = tmp_path / "kept" / client.address.label
+    assert [f.name for f in kept.iterdir() if f.is_dir()] == ["0001"]
 
 
 def test_a_failure_puts_everything_back(site, files, tmp_path):
     before = on_controller(site)
-    rows = ["    ! " + "x" * 60] * 20
+    rows = ["    ! " + "x" * 60] * 140
     long = site.source(site.names[2], 2)
     if site.names == CrSite.names:
         long += "".join(f"{n} DLY 1.25\r\n" for n in range(100, 2000, 10))
@@ -178,7 +191,7 @@ def test_a_failure_puts_everything_back(site, files, tmp_path):
         long = long.replace("ENDPROC", "\r\n".join(rows) + "\r\n  ENDPROC")
     files[2].write_bytes(long.encode())
     site.no_room()
-    deployment = deploy(plan(files, site.client()), backup=tmp_path / "kept")
+    deployment = deploy(plan(files, site.client()), history=tmp_path / "kept")
     assert not deployment.ok
     a, b, c = site.names
     assert deployment.states == {
@@ -196,7 +209,7 @@ def test_a_restart_in_the_middle_puts_everything_back(site, files, tmp_path):
         if file.name == site.names[2]:
             site.restart()
 
-    deployment = deploy(plan(files, site.client()), backup=tmp_path / "kept", progress=progress)
+    deployment = deploy(plan(files, site.client()), history=tmp_path / "kept", progress=progress)
     assert not deployment.ok and FileState.UNKNOWN not in deployment.states.values()
     assert on_controller(site) == before
     assert codes(deployment.findings) == ["CN204", "DP301"]
@@ -208,14 +221,14 @@ def test_a_controller_that_stays_away_leaves_an_unknown_state(site, files, tmp_p
             site.controller.stop()
 
     old = site.text(site.names[0])
-    deployment = deploy(plan(files, site.client()), backup=tmp_path / "kept", progress=progress)
+    deployment = deploy(plan(files, site.client()), history=tmp_path / "kept", progress=progress)
     assert not deployment.ok
     a, _, c = site.names
     assert deployment.states[a] == deployment.states[c] == FileState.UNKNOWN
     assert "do not start" in deployment.summary
     lost = [f for f in deployment.findings if f.code == "DP303"]
-    assert len(lost) == 2 and any(str(deployment.backup) in f.message for f in lost)
-    assert (deployment.backup / a).read_bytes().decode() == old
+    assert len(lost) == 2 and any(str(deployment.folder) in f.message for f in lost)
+    assert (deployment.folder / f"before/1-{a}").read_bytes().decode() == old
 
 
 def test_an_interruption_puts_everything_back(site, files, tmp_path):
@@ -225,7 +238,7 @@ def test_an_interruption_puts_everything_back(site, files, tmp_path):
         if file.name == site.names[2]:
             raise KeyboardInterrupt
 
-    deployment = deploy(plan(files, site.client()), backup=tmp_path / "kept", progress=progress)
+    deployment = deploy(plan(files, site.client()), history=tmp_path / "kept", progress=progress)
     assert not deployment.ok and on_controller(site) == before
     assert codes(deployment.findings)[0] == "DP304"
 
@@ -234,15 +247,16 @@ def test_a_plan_is_not_carried_out_over_somebody_elses_change(site, files, tmp_p
     planned = plan(files, site.client())
     site.put(site.names[0], site.source(site.names[0], 7))
     before = on_controller(site)
-    deployment = deploy(planned, backup=tmp_path / "kept")
+    deployment = deploy(planned, history=tmp_path / "kept")
     assert not deployment.ok and codes(deployment.findings) == ["DP201"]
-    assert on_controller(site) == before and not (tmp_path / "kept").exists()
+    assert on_controller(site) == before
+    assert list((tmp_path / "kept").rglob("journal.jsonl")) == []
 
 
 def test_a_backup_that_cannot_be_written_stops_it(site, files, tmp_path):
     before = on_controller(site)
     (tmp_path / "kept").write_text("a file where a folder should be")
-    deployment = deploy(plan(files, site.client()), backup=tmp_path / "kept")
+    deployment = deploy(plan(files, site.client()), history=tmp_path / "kept")
     assert not deployment.ok and codes(deployment.findings) == ["DP203"]
     assert on_controller(site) == before
 
@@ -257,7 +271,7 @@ def test_nobody_there(site, files):
     assert codes(refused.value.findings) == ["CN201"]
     deployment = deploy(planned)
     assert not deployment.ok and codes(deployment.findings) == ["CN201"]
-    assert deployment.backup is None and "is what it was before" in deployment.summary
+    assert deployment.folder is None and "is what it was before" in deployment.summary
     assert on_controller(site) == before
 
 
@@ -332,7 +346,7 @@ def test_modules_go_before_the_program_file_that_names_them(tmp_path):
     with VirtualIrc5(tmp_path / "home") as irc5:
         planned = plan([program, module], connect(irc5.address, password=irc5.password))
         assert [f.name for f in planned.files] == ["seam.mod", "a.pgf"]
-        assert deploy(planned, backup=tmp_path / "kept").ok
+        assert deploy(planned, history=tmp_path / "kept").ok
 
 
 def test_what_comes_back_otherwise_is_put_back(tmp_path):
@@ -349,7 +363,7 @@ def test_what_comes_back_otherwise_is_put_back(tmp_path):
     with VirtualCr(report=mischief) as controller:
         with connect(controller.address) as client:
             client.write("A", PROGRAM.format(1).encode())
-        deployment = deploy(plan([file], connect(controller.address)), backup=tmp_path / "kept")
+        deployment = deploy(plan([file], connect(controller.address)), history=tmp_path / "kept")
         assert not deployment.ok and codes(deployment.findings) == ["DP202", "DP301"]
         finding = deployment.findings[0]
         assert "OVRD 50" in finding.message and "OVRD 100" in finding.message
@@ -363,10 +377,10 @@ def test_a_server_that_alters_a_byte_is_caught(tmp_path):
     file.write_bytes(text)
     old = MODULE.format("A", "main", 1).encode()
     with FtpPeer({"a.mod": old}, alter=lambda data: data.replace(b"2;", b"9;")) as peer:
-        deployment = deploy(plan([file], peer.connect()), backup=tmp_path / "kept")
+        deployment = deploy(plan([file], peer.connect()), history=tmp_path / "kept")
         assert not deployment.ok and codes(deployment.findings) == ["CN206"]
         assert deployment.states == {"a.mod": FileState.UNTOUCHED}
-        assert peer.files == {"a.mod": old}
+        assert peer.files["a.mod"] == old
 
 
 def test_a_program_somebody_edits_stops_the_rest(tmp_path):
@@ -379,7 +393,7 @@ def test_a_program_somebody_edits_stops_the_rest(tmp_path):
         planned = plan(files, connect(controller.address))
         with Wire(controller.port) as other:
             other.ask("1;1;LOAD=B")
-            deployment = deploy(planned, backup=tmp_path / "kept")
+            deployment = deploy(planned, history=tmp_path / "kept")
         assert not deployment.ok and controller.names() == ()
         assert deployment.states["A"] is FileState.PUT_BACK
         assert deployment.states["C"] is FileState.UNTOUCHED
@@ -394,9 +408,12 @@ def test_the_default_backup_folder_is_numbered_and_one_for_each_controller(
     for value in (2, 3, 4):
         files[0].write_bytes(site.source(site.names[0], value).encode())
         assert deploy(plan(files[:1], client)).ok
-    root = tmp_path / ".robot-assistant" / "backup" / client.address.label
-    assert sorted(f.name for f in root.iterdir()) == ["0001", "0002", "0003"]
-    kept = [(root / n / site.names[0]).read_bytes().decode() for n in ("0001", "0002", "0003")]
+    root = tmp_path / ".robot-assistant" / "deployments" / client.address.label
+    assert sorted(f.name for f in root.iterdir() if f.is_dir()) == ["0001", "0002", "0003"]
+    kept = [
+        (root / n / f"before/1-{site.names[0]}").read_bytes().decode()
+        for n in ("0001", "0002", "0003")
+    ]
     assert kept == [site.source(site.names[0], value) for value in (1, 2, 3)]
 
 
@@ -405,10 +422,11 @@ def test_no_motion_is_ever_asked_for(tmp_path):
     file = tmp_path / "a.prg"
     file.write_text(PROGRAM.format(2), newline="")
     with VirtualCr(report=told.append) as controller:
-        assert deploy(plan([file], connect(controller.address)), backup=tmp_path / "kept").ok
+        assert deploy(plan([file], connect(controller.address)), history=tmp_path / "kept").ok
     sent = {line.split(";", 2)[2].split("'")[0][:4] for line in told}
     assert sent <= {
-        "OPEN", "PDIR", "NEW", "LOAD", "ECLR", "EMDA", "SAVE", "LIST", "CLOS",
+        *("OPEN", "PDIR", "NEW", "LOAD", "ECLR", "EMDA", "SAVE", "LIST", "CLOS"),
+        *("STAT", "PNRR", "ERRO"),
     }  # fmt: skip
 
 
@@ -418,18 +436,11 @@ def test_what_a_plan_shows_holds_no_password(site, files):
     assert password not in repr(planned)
 
 
-def test_a_backup_survives_a_name_that_is_taken(tmp_path, site, files):
-    planned = plan(files, site.client())
-    folders = [keep(planned.address, planned.changes, tmp_path / "kept") for _ in range(3)]
-    assert len(set(folders)) == 3
-    assert all((folder / "backup.json").is_file() for folder in folders)
-
-
 def test_severities_of_what_was_undone_do_not_hide_the_cause(tmp_path):
     file = tmp_path / "a.prg"
     file.write_text(PROGRAM.format(2), newline="")
     with VirtualCr(capacity=10) as controller:
-        deployment = deploy(plan([file], connect(controller.address)), backup=tmp_path / "kept")
+        deployment = deploy(plan([file], connect(controller.address)), history=tmp_path / "kept")
         assert deployment.findings[0].severity is Severity.ERROR
         assert "4110" in deployment.findings[0].message and controller.names() == ()
 

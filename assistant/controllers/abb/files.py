@@ -82,11 +82,21 @@ def told_names(names: Collection[str]) -> tuple[str, ...]:
     return tuple(sorted(names))
 
 
+MODULE: Final = re.compile(rb"^[ \t]*MODULE[ \t]+([A-Za-z]\w{0,31})\b", re.I | re.M | re.A)
+
+
+def module_name(data: bytes) -> str | None:
+    """Name of the module that a file's text begins, None if it begins none."""
+    found = MODULE.search(data)
+    return found[1].decode() if found else None
+
+
 class RapidFiles:
     """What every client of an ABB controller answers about programs, which are files there."""
 
     languages: tuple[str, ...] = ("rapid",)
     lists: tuple[str, ...] = (".pgf",)
+    memory_apart: bool = True
 
     def name_for(self, file_name: str | FilePath) -> str:
         return checked_name(FilePath(file_name).name)

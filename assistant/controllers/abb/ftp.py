@@ -62,6 +62,26 @@ class Ftp(FtpSession):
             with self.during(f"deleting `{name}`", f"`{name}` is still there"):
                 self.session.delete(name)
 
+    def claim(self, name: str) -> bool:
+        """Makes a folder; False if there is one. Of many clients the server lets one do it."""
+        checked_name(name)
+        try:
+            with self.during(f"making the folder `{name}`", "nothing was changed by that"):
+                self.session.mkd(name)
+        except rules.Lost:
+            raise
+        except Refused:
+            if self._has(name):
+                return False
+            raise
+        return True
+
+    def release(self, name: str) -> None:
+        """Removes an empty folder; nothing happens if there is none."""
+        if self._has(checked_name(name)):
+            with self.during(f"removing the folder `{name}`", f"`{name}` is still there"):
+                self.session.rmd(name)
+
     def look(self, name: str) -> bytes | None:
         """A file without asking first whether it is there; None if it cannot be read now."""
         checked_name(name)

@@ -121,6 +121,29 @@ class Sftp(FileSession):
     def remove(self, name: str) -> None:
         self.take_away(name)
 
+    def claim(self, name: str) -> bool:
+        """Makes a folder; False if there is one. Of many clients the server lets one do it."""
+        checked_name(name)
+        try:
+            with self._during(f"making the folder `{name}`", UNTOUCHED) as (files, _):
+                files.mkdir(name)
+        except rules.Lost:
+            raise
+        except Refused:
+            if name in self.names():
+                return False
+            raise
+        return True
+
+    def release(self, name: str) -> None:
+        """Removes an empty folder; nothing happens if there is none."""
+        if checked_name(name) in self.names():
+            with self._during(f"removing the folder `{name}`", f"`{name}` is still there") as (
+                files,
+                _,
+            ):
+                files.rmdir(name)
+
     def fetch_folder(self, folder: str, into: str | FilePath) -> tuple[str, ...]:
         """Fetches a whole folder into a new one, which appears when all is there; its files.
 

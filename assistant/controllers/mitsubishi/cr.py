@@ -43,6 +43,7 @@ class Cr:
     """
 
     lists: tuple[str, ...] = ()
+    memory_apart: bool = False
 
     def __init__(
         self,

@@ -24,6 +24,7 @@ class FtpPeer:
         login=True, tls=False,
     ):  # fmt: skip
         self.files = dict(files)
+        self.folders: set[str] = set()
         self.password = "correct horse"
         self.certificate = None
         self.encrypted = set()
@@ -32,6 +33,10 @@ class FtpPeer:
         self._listing, self._login = listing, login
         self._context = None
         self._tls = tls
+
+    @property
+    def names(self):
+        return [*self.files, *sorted(self.folders)]
 
     def __enter__(self):
         if self._tls:
@@ -167,7 +172,7 @@ class _Conversation:
             self.data.close()
             return self.say("550 permission denied")
         with self.channel() as channel:
-            channel.sendall("".join(f"{name}\r\n" for name in self.peer.files).encode())
+            channel.sendall("".join(f"{name}\r\n" for name in self.peer.names).encode())
         return self.say("226 done")
 
     def do_retr(self, argument):
@@ -207,3 +212,12 @@ class _Conversation:
     def do_dele(self, argument):
         gone = self.peer.files.pop(argument, None) is not None
         self.say("250 ok" if gone else "550 not found")
+
+    def do_mkd(self, argument):
+        taken = argument in self.peer.folders
+        self.peer.folders.add(argument)
+        self.say("550 file exists" if taken else f'257 "{argument}" made')
+
+    def do_rmd(self, argument):
+        self.peer.folders.discard(argument)
+        self.say("250 ok")

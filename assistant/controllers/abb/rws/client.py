@@ -12,7 +12,7 @@ from pathlib import Path as FilePath
 from typing import Final, Self
 
 from assistant.controllers import rules
-from assistant.controllers.abb.files import RapidFiles, checked_name
+from assistant.controllers.abb.files import RapidFiles, checked_name, module_name
 from assistant.controllers.abb.rws import events, remote, watching
 from assistant.controllers.abb.rws.answers import Answer
 from assistant.controllers.abb.rws.backup import back_up
@@ -95,6 +95,32 @@ class Rws(RapidFiles):
 
     def remove(self, name: str) -> None:
         self._files.remove(self._path(name))
+
+    def claim(self, name: str) -> bool:
+        """Makes a folder; False if there is one. Of many clients the controller lets one do it."""
+        return self._files.claim(self.address.folder, checked_name(name))
+
+    def release(self, name: str) -> None:
+        self.remove(name)
+
+    def loaded(self, data: bytes, task: str = "") -> bytes | None:
+        """The module of a file's text as it is in memory; see `abilities.Memory`."""
+        name = module_name(data)
+        there = self.modules(task) if name is not None else ()
+        found = next((one for one in there if name is not None and one.lower() == name.lower()), "")
+        return self.module_text(found, task) if found else None
+
+    def take_in(self, name: str, task: str = "") -> None:
+        self._rapid.take_in(self._path(name), task)
+
+    def put_out(self, data: bytes, task: str = "") -> None:
+        name = module_name(data)
+        if name is not None and self.loaded(data, task) is not None:
+            self.unload(name, task)
+
+    def stored_in_memory(self, text: bytes) -> bytes:
+        """Lines without the blanks at their ends, which controllers do not keep."""
+        return b"\n".join(line.rstrip() for line in text.strip().splitlines())
 
     def identify(self) -> Identity:
         return self._panel.identify(self._system)

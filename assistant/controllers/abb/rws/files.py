@@ -156,6 +156,23 @@ class Files:
             at=self._at(parent),
         )
 
+    def claim(self, parent: str, name: str) -> bool:
+        """Makes a folder in one that there is; False if there is one of that name already."""
+        try:
+            self._session.ask(
+                "make folder",
+                doing=f"making the folder `{name}`",
+                form={"fs-newname": name},
+                at=self._at(parent),
+            )
+        except rules.Lost:
+            raise
+        except Refused:
+            if any(found.name.lower() == name.lower() for found in self.listing(parent)):
+                return False
+            raise
+        return True
+
     def _there(self, folder: str) -> tuple[Found, ...]:
         try:
             return self.listing(folder)

@@ -106,6 +106,12 @@ class Rapid:
         """Loads a module in the place of the one of its name; nothing is moved to main."""
         self._load_module(path, task, f"loading `{path}` into `{task}`")
 
+    def take_in(self, path: str, task: str) -> None:
+        """The same for those who have not looked whether programs stand still."""
+        where = self.task(task)
+        self._stopped(f"loading `{path}` into `{where}`")
+        self.load_module(path, where)
+
     def _load_module(self, path: str, task: str, doing: str) -> None:
         form = {"modulepath": self._files.path(path), "replace": "true"}
         state = f"`{task}` holds its old module"

@@ -1,0 +1,43 @@
+"""What some controllers can do beside `Programs`; ask with isinstance.
+
+`Disk`: programs are files, and other files may stand beside them. `Memory`: what runs was loaded
+from a file, and what is taught is changed there, not in the file.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol, runtime_checkable
+
+
+@runtime_checkable
+class Disk(Protocol):
+    """A controller that keeps any file beside its programs; `read` and `write` take its name."""
+
+    def claim(self, name: str) -> bool:
+        """Makes a folder of that name; False if there is one: of many, only one succeeds."""
+
+    def release(self, name: str) -> None:
+        """Removes an empty folder; nothing happens if there is none."""
+
+
+@runtime_checkable
+class Memory(Protocol):
+    """A controller whose tasks hold modules that were loaded from files.
+
+    task: its name, "" for the first one. data: text of a module's file, which names the module.
+    """
+
+    def loaded(self, data: bytes, task: str = "") -> bytes | None:
+        """The module of a file as it is in memory, with the values that its data have now.
+
+        None if no module of that name is loaded.
+        """
+
+    def take_in(self, name: str, task: str = "") -> None:
+        """Loads the file in place of its module, or beside the others; nothing is started."""
+
+    def put_out(self, data: bytes, task: str = "") -> None:
+        """Takes the module of a file out of memory; nothing happens if it is not loaded."""
+
+    def stored_in_memory(self, text: bytes) -> bytes:
+        """The form in which two texts of a module in memory are compared."""

@@ -1,0 +1,115 @@
+"""The record of a deployment: who put which programs on which controller, with their digests.
+
+The controller keeps the last one beside its programs if it has a disk; each stands in the history
+of the computer that deployed. Its own digest tells a record that was changed or cut.
+"""
+
+from __future__ import annotations
+
+import getpass
+import hashlib
+import json
+import secrets
+import socket
+import subprocess
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from datetime import UTC, datetime
+from pathlib import Path as FilePath
+from typing import Any, Final
+
+from assistant.controllers.states import Identity
+from assistant.deploy import rules
+from assistant.deploy.held import Digests
+from assistant.program.diagnostics import Refused
+
+FORMAT: Final = 1
+LONGEST: Final = 1_000_000
+"""Bytes of a record that is looked at."""
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """What a deployment left on a controller.
+
+    name: of the deployment, in the order of time. commit: of the project's repository, "" where
+    there is none. programs: all that are ours there, those of earlier deployments among them.
+    robot, controller, serial: as the controller told, "" for what it did not tell.
+    """
+
+    name: str
+    address: str
+    time: str
+    who: str
+    commit: str = ""
+    robot: str = ""
+    controller: str = ""
+    serial: str = ""
+    task: str = ""
+    programs: Mapping[str, Digests] = field(default_factory=dict)
+
+    def written(self) -> bytes:
+        """As JSON, with the digest of all the rest."""
+        content = {"format": FORMAT, **asdict(self)}
+        return _text({**content, "digest": _digest(content)}).encode()
+
+
+def new_record(address: str, identity: Identity | None, task: str = "") -> Record:
+    """A record that begins now and here; without programs."""
+    now = datetime.now(UTC)
+    told = identity or Identity()
+    return Record(
+        f"{now:%Y%m%dT%H%M%SZ}-{secrets.token_hex(3)}",
+        address,
+        now.isoformat(timespec="seconds"),
+        f"{_user()}@{socket.gethostname()}",
+        commit_of(FilePath.cwd()),
+        told.robot,
+        told.controller,
+        told.serial,
+        task,
+    )
+
+
+def read_record(data: bytes, place: str) -> Record:
+    """The record of a file; raises Refused if it is damaged."""
+    try:
+        if len(data) > LONGEST:
+            raise ValueError("it is too long")
+        content = json.loads(data)
+        told = content.pop("digest")
+        if content.get("format") != FORMAT:
+            raise ValueError("it is of another version of this program")
+        if told != _digest(content):
+            raise ValueError("it was changed after it was written")
+        del content["format"]
+        programs = {name: Digests(**two) for name, two in content.pop("programs").items()}
+        return Record(**content, programs=programs)
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
+        reason = str(error) or type(error).__name__
+        raise Refused(rules.BAD_RECORD(place=place, name=place, reason=reason)) from None
+
+
+def commit_of(folder: FilePath) -> str:
+    """Of the repository around a folder, with `-dirty` if it has changes; "" if there is none."""
+    command = ["git", "describe", "--always", "--abbrev=40", "--dirty", "--exclude=*"]
+    try:
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=10)  # noqa: S603
+    except (OSError, subprocess.TimeoutExpired):
+        return ""
+    return done.stdout.strip() if done.returncode == 0 else ""
+
+
+def _user() -> str:
+    try:
+        return getpass.getuser()
+    except (OSError, KeyError):  # a container may have no name for its user
+        return "somebody"
+
+
+def _text(content: Mapping[str, Any]) -> str:
+    return json.dumps(content, indent=2, sort_keys=True) + "\n"
+
+
+def _digest(content: Mapping[str, Any]) -> str:
+    return hashlib.sha256(_text(content).encode()).hexdigest()

@@ -1,0 +1,132 @@
+"""A controller as deployments see it: what it has of each program, and how that is changed."""
+
+from __future__ import annotations
+
+from pathlib import Path as FilePath
+from typing import Final, Self
+
+from assistant.controllers import Address, Controller, Programs
+from assistant.controllers.abilities import Disk, Memory
+from assistant.controllers.states import Identity
+from assistant.deploy.held import Digests, Held, digest
+
+RECORD: Final = "robot-assistant.json"
+"""Beside the programs on a disk: what the last deployment left there."""
+UNDER_WAY: Final = "robot-assistant.zip"
+"""The last deployment itself, with what was there before."""
+CLAIM: Final = "robot-assistant.lock"
+"""A folder that is there while somebody deploys."""
+CLAIMANT: Final = "robot-assistant.claim.json"
+"""Who that is."""
+OURS: Final = frozenset({RECORD, UNDER_WAY, CLAIM, CLAIMANT})
+"""What deployments keep on a disk beside the programs."""
+
+
+def of_deployments(name: str) -> bool:
+    """Whether it is no program, but kept there by deployments, or a rest of a transfer."""
+    return name.lower().strip("~") in OURS or name.startswith("~") or name.endswith("~")
+
+
+class Site:
+    """A controller with what a deployment asks of it; a context manager, which connects.
+
+    task: whose memory counts, "" for the first one.
+    """
+
+    def __init__(self, controller: Programs, task: str = "") -> None:
+        self.controller = controller
+        self.task = task
+        self.memory = controller if isinstance(controller, Memory) else None
+        self.disk = controller if isinstance(controller, Disk) else None
+
+    def __enter__(self) -> Self:
+        self.controller.__enter__()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.controller.__exit__(*error)
+
+    def reconnect(self) -> None:
+        """A new session in place of one that is lost or out of step."""
+        self.controller.__exit__(None, None, None)
+        self.controller.__enter__()
+
+    @property
+    def address(self) -> Address:
+        return self.controller.address
+
+    @property
+    def blind(self) -> bool:
+        """Whether taught points are in a memory that this session cannot see."""
+        return self.controller.memory_apart and self.memory is None
+
+    def identity(self) -> Identity | None:
+        """Which controller it is, None where the session cannot tell."""
+        return self.controller.identify() if isinstance(self.controller, Controller) else None
+
+    def runs(self, name: str, held: Held) -> bool:
+        """Whether a program runs now; False where the session cannot tell.
+
+        What a task with a memory runs may be any of the modules that it holds.
+        """
+        if not isinstance(self.controller, Controller):
+            return False
+        running = [task for task in self.controller.state().tasks if task.running]
+        if self.memory is not None:
+            here = [task for task in running if self.task in ("", task.name)]
+            return held.loaded is not None and bool(here)
+        return any(FilePath(name).stem.lower() == task.program.lower() for task in running)
+
+    def held(self, name: str, data: bytes | None = None) -> Held:
+        """What is there of a program. data: of its file, if it may be loaded without one."""
+        file = self.controller.read(name)
+        text = file if file is not None else data
+        if self.memory is None or text is None or self.is_list(name):
+            return Held(file)
+        return Held(file, self.memory.loaded(text, self.task))
+
+    def is_list(self, name: str) -> bool:
+        """Whether it is a file that only names others."""
+        return name.lower().endswith(self.controller.lists)
+
+    def forms(self, held: Held) -> Held:
+        """The forms in which it is compared."""
+        file = None if held.file is None else self.controller.stored(held.file)
+        loaded = held.loaded
+        if self.memory is not None and loaded is not None:
+            loaded = self.memory.stored_in_memory(loaded)
+        return Held(file, loaded)
+
+    def same(self, one: Held, other: Held) -> bool:
+        return self.forms(one) == self.forms(other)
+
+    def digests(self, held: Held) -> Digests:
+        forms = self.forms(held)
+        return Digests(digest(forms.file), digest(forms.loaded))
+
+    def put(self, name: str, wanted: Held) -> None:
+        """Makes that the controller's; done again after an interruption, it ends the same.
+
+        What memory is to have is loaded from a file first, and the file that is to stay is
+        written last.
+        """
+        now = self.held(name, wanted.file or wanted.loaded)
+        if self.memory is not None:
+            self._put_in_memory(self.memory, name, now, wanted)
+            now = self.held(name, wanted.file or wanted.loaded)
+        if self.forms(Held(now.file)) == self.forms(Held(wanted.file)):
+            return
+        if wanted.file is None:
+            self.controller.remove(name)
+        else:
+            self.controller.write(name, wanted.file)
+
+    def _put_in_memory(self, memory: Memory, name: str, now: Held, wanted: Held) -> None:
+        before, after = self.forms(now).loaded, self.forms(wanted).loaded
+        if before == after:
+            return
+        if wanted.loaded is None:
+            memory.put_out(now.loaded or b"", self.task)
+        else:
+            self.controller.write(name, wanted.loaded)
+            memory.take_in(name, self.task)
