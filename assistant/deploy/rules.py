@@ -56,7 +56,7 @@ BLIND = error(
 RUNNING = error("DP206", "`{name}` is running; nothing was changed", "stop it, and deploy again")
 ANOTHER = error(
     "DP207",
-    "{place} is another controller than the plan was made for; nothing was changed",
+    "it is another controller than the plan was made for; nothing was changed",
     "look which one is at that address, and plan again",
 )
 STILL_OPEN = error(
@@ -79,11 +79,9 @@ CHANGED_BETWEEN = error(
     "brought; nothing was changed by this run",
     "look at it; `--replace {name}` puts the program of the deployment in its place",
 )
-NOTHING_OPEN = error(
-    "DP212", "no deployment to {place} was interrupted", "deploy, or see `deployments`"
-)
+NOTHING_OPEN = error("DP212", "no deployment to it was interrupted", "deploy, or see `deployments`")
 NO_DEPLOYMENT = error(
-    "DP213", "there is no deployment {number} to {place} in the history", "see `deployments`"
+    "DP213", "there is no deployment {number} to it in the history", "see `deployments`"
 )
 BAD_RECORD = warning(
     "DP221",
@@ -109,4 +107,15 @@ NOT_PUT_BACK = error(
 )
 INTERRUPTED = error(
     "DP304", "the deployment was interrupted while `{name}` was written", "run it again"
+)
+NO_CANARY = error("DP401", "no controller of this deployment is called `{name}`", "write {known}")
+NOT_BEGUN = warning(
+    "DP402",
+    "the deployment to `{name}` was not begun: it was interrupted before",
+    "run it again; what is done already is left as it is",
+)
+NOT_BEGUN_AFTER = warning(
+    "DP403",
+    "the deployment to `{name}` was not begun: `{failed}` failed before",
+    "mend that, and run it again; what is done already is left as it is",
 )
