@@ -78,18 +78,18 @@ def print_findings(findings: Iterable[Diagnostic], *, explained: bool = False) -
         head = Text(finding.code, style=STYLES[finding.severity])
         head.append(f" {finding.severity}", style=STYLES[finding.severity])
         if where := finding.where():
-            head.append(f" {_visible(where)}", style="bold")
-        head.append(f": {_visible(finding.message)}", style="default")
+            head.append(f" {visible(where)}", style="bold")
+        head.append(f": {visible(finding.message)}", style="default")
         screen.print(head)
         if finding.excerpt is not None and finding.line is not None:
             number = f"{finding.line:>6} | "
             excerpt, column = _window(finding.excerpt, finding.column)
-            screen.print(Text(number + _visible(excerpt), style="dim"))
+            screen.print(Text(number + visible(excerpt), style="dim"))
             if column is not None:
                 width = _width(finding, len(excerpt) - column + 1)
                 screen.print(" " * (len(number) + column - 1) + "^" * width)
         if finding.cure:
-            screen.print(Text(f"       = {_visible(finding.cure)}", style="green"))
+            screen.print(Text(f"       = {visible(finding.cure)}", style="green"))
     if explained:
         some = sorted(codes)[:MOST_EXPLAINED]
         screen.print(
@@ -115,7 +115,7 @@ def _window(line: str, column: int | None) -> tuple[str, int | None]:
     return f"{before}{shown}{after}", None if column is None else column - start + len(before)
 
 
-def _visible(text: str) -> str:
+def visible(text: str) -> str:
     """Text from outside without control characters that would steer the terminal."""
     return "".join(c if c.isprintable() or c == " " else "�" for c in text.replace("\t", " "))
 

@@ -107,10 +107,11 @@ class Halt:
     """Asked for by whoever wants an end in order, a handler of a signal for instance.
 
     No more cells are begun then. Those under way take back what they changed, as soon as the
-    program is there that they were sending.
+    program is there that they were sending. noticed: called once, in the thread that waits.
     """
 
     asked: bool = False
+    noticed: Callable[[], None] = lambda: None
 
 
 def deploy_to_all(
@@ -265,10 +266,14 @@ def _failed(outcome: Outcome, error: Exception) -> Outcome:
 def _wait(under_way: Sequence[Future[Made]], halt: Halt) -> None:
     """Until all are done; an interruption is an end in order for them, and is raised then."""
     interrupted: BaseException | None = None
+    noticed = halt.asked
     while True:
         try:
             if not wait(under_way, timeout=LOOKS).not_done:
                 break
+            if halt.asked and not noticed:
+                noticed = True
+                halt.noticed()
         except KeyboardInterrupt as caught:
             halt.asked, interrupted = True, caught
     if interrupted is not None:

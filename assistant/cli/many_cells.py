@@ -1,0 +1,166 @@
+"""Deployments to many controllers: carried out, and told as a table, as JSON and as JUnit XML."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from types import FrameType
+from typing import TYPE_CHECKING, Final
+
+from assistant.cli.compiling import working
+from assistant.cli.moving import ENDS
+from assistant.cli.presentation import Format, console, print_findings, print_json, say, visible
+from assistant.findings.formats import finding_record
+
+if TYPE_CHECKING:
+    from assistant.deploy import Cell, Halt, Outcome, Rollout
+
+PARALLEL: Final = 4
+"""As `deploy.PARALLEL`, which is not imported for the help alone."""
+STYLES: Final = {"done": "green", "failed": "bold red", "not begun": "yellow"}
+
+
+@dataclass(frozen=True, slots=True)
+class Manner:
+    """How many are deployed to; see `deploy.deploy_to_all`. junit: file of the report."""
+
+    canary: str = ""
+    parallel: int = PARALLEL
+    junit: Path | None = None
+
+
+def run_many(
+    cells: Sequence[Cell],
+    manner: Manner,
+    history: Path | None,
+    files_only: bool,
+    format: Format,
+) -> int:
+    """Deploys to all, and tells what became of each; the report is written in any case."""
+    from assistant.deploy import deploy_to_all
+
+    with working(f"installing on {len(cells)} controllers"), ended_in_order() as halt:
+        rollout = deploy_to_all(
+            cells,
+            canary=manner.canary,
+            parallel=manner.parallel,
+            history=history,
+            files_only=files_only,
+            halt=halt,
+        )
+    if format is Format.JSON:
+        print_json(answer(rollout))
+    else:
+        show(rollout)
+    if manner.junit is not None:
+        write_junit(rollout, manner.junit)
+    return rollout.status
+
+
+@contextmanager
+def ended_in_order() -> Iterator[Halt]:
+    """Meanwhile Ctrl-C, and whatever else ends this program from outside, asks for an end in order.
+
+    Nothing is interrupted where it stands: every deployment takes back what it changed, which is
+    over within the time-outs of its connection. Asking twice makes no difference.
+    """
+    from assistant.deploy import Halt
+
+    halt = Halt(noticed=lambda: console().print("ending in order: what was begun is taken back"))
+    if threading.current_thread() is not threading.main_thread():
+        yield halt
+        return
+
+    def asked(number: int, frame: FrameType | None) -> None:
+        del number, frame
+        halt.asked = True
+
+    wanted = [getattr(signal, name) for name in ("SIGINT", *ENDS) if hasattr(signal, name)]
+    before = {number: signal.signal(number, asked) for number in wanted}
+    try:
+        yield halt
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def write_junit(rollout: Rollout, path: Path) -> None:
+    """The file appears whole, or the one that is there stays; raises Refused."""
+    from assistant.cli.junit import junit
+    from assistant.compiler.output import write_files
+
+    write_files({path.name: junit(rollout)}, path.parent)
+
+
+def answer(rollout: Rollout) -> dict[str, object]:
+    """The JSON of a rollout."""
+    return {
+        "ok": rollout.ok,
+        "summary": rollout.summary,
+        "controllers": [_record(one) for one in rollout.outcomes],
+    }
+
+
+def _record(one: Outcome) -> dict[str, object]:
+    states = one.deployment.states if one.deployment else {}
+    notes = one.plan.findings if one.plan else ()
+    folder = one.deployment.folder if one.deployment else None
+    return {
+        "name": one.name,
+        "address": str(one.address),
+        "state": str(one.state),
+        "seconds": round(one.seconds, 3),
+        "files": [
+            {
+                "file": file.path,
+                "name": file.name,
+                "change": str(file.change),
+                "state": str(states[file.name]) if file.name in states else None,
+            }
+            for file in (one.plan.files if one.plan else ())
+        ],
+        "kept in": str(folder) if folder else None,
+        "findings": [finding_record(finding) for finding in (*notes, *one.findings)],
+    }
+
+
+def show(rollout: Rollout) -> None:
+    """Findings of each, a table on a terminal and a line each elsewhere, and a sentence on all."""
+    for one in rollout.outcomes:
+        findings = (*(one.plan.findings if one.plan else ()), *one.findings)
+        if findings:
+            console().print(f"{visible(one.name)} ({visible(str(one.address))})", style="bold")
+            print_findings(findings)
+    rows = [_row(one) for one in rollout.outcomes]
+    if sys.stdout.isatty():
+        _table(rows)
+    else:
+        for name, address, state, what in rows:
+            say(f"{name}: {state}; {what} ({address})")
+    say(visible(rollout.summary))
+
+
+def _row(one: Outcome) -> tuple[str, str, str, str]:
+    """Name, address, state, and what is there of its programs."""
+    if one.deployment is None:
+        what = "nothing was changed"
+    else:
+        states = [str(state) for state in one.deployment.states.values()]
+        what = ", ".join(f"{states.count(state)} {state}" for state in dict.fromkeys(states))
+    return visible(one.name), visible(str(one.address)), str(one.state), what or "no programs"
+
+
+def _table(rows: Sequence[tuple[str, str, str, str]]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table("controller", "address", "result", "programs", box=None, pad_edge=False)
+    for name, address, state, what in rows:
+        table.add_row(Text(name), Text(address), Text(state, style=STYLES[state]), Text(what))
+    Console(highlight=False, emoji=False).print(table)
