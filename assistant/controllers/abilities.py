@@ -33,6 +33,21 @@ class Memory(Protocol):
         None if no module of that name is loaded.
         """
 
+    def module(self, data: bytes) -> str | None:
+        """Name of the module that a file's text is, None if it is none."""
+
+    def modules(self, task: str = "") -> tuple[str, ...]:
+        """Names of all modules that are loaded in a task."""
+
+    def module_text(self, module: str, task: str = "") -> bytes:
+        """Of a loaded module, as `loaded` gives it; raises Refused if it is kept secret."""
+
+    def task_named(self, task: str) -> str:
+        """The name of a task as the controller has it, that of the first one if none is named."""
+
+    def homes(self, module: str) -> tuple[str, ...]:
+        """Names of the tasks in which a module of that name is loaded."""
+
     def take_in(self, name: str, task: str = "") -> None:
         """Loads the file in place of its module, or beside the others; nothing is started."""
 
@@ -40,4 +55,4 @@ class Memory(Protocol):
         """Takes the module of a file out of memory; nothing happens if it is not loaded."""
 
     def stored_in_memory(self, text: bytes) -> bytes:
-        """The form in which two texts of a module in memory are compared."""
+        """The form in which it is seen whether a text would have to be loaded anew."""

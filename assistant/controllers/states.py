@@ -33,12 +33,16 @@ class Fault:
 
 @dataclass(frozen=True, slots=True)
 class TaskState:
-    """A task or slot. program: what is loaded in it, "" for nothing. line: that is next."""
+    """A task or slot. program: what is loaded in it, "" for nothing. line: that is next.
+
+    background: whether it runs behind the others, which do not mind when it is changed.
+    """
 
     name: str
     program: str = ""
     line: int | None = None
     running: bool = False
+    background: bool = False
 
 
 @dataclass(frozen=True, slots=True)

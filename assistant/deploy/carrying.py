@@ -43,7 +43,7 @@ class Carrying:
                 progress(entry)
             self.journal.add(Step.WRITING, entry.name)
             self.states[entry.name] = FileState.UNKNOWN
-            self.site.put(entry.name, entry.after)
+            self.site.put(entry.name, entry.after, entry.before)
             self._verify(entry)
             self.journal.add(Step.VERIFIED, entry.name)
             self.states[entry.name] = FileState.INSTALLED
@@ -115,7 +115,7 @@ class Carrying:
     def _restore(self, entry: Entry) -> bool:
         if self.site.same(self._now(entry), entry.before):
             return False
-        self.site.put(entry.name, entry.before)
+        self.site.put(entry.name, entry.before, entry.after)
         if not self.site.same(self._now(entry), entry.before):
             raise Refused()
         return True

@@ -16,6 +16,7 @@ from assistant.deploy.journal import Entry, Journal, Step, create, journals, pla
 from assistant.deploy.outcome import Deployment, FileState
 from assistant.deploy.plan import Change, Plan
 from assistant.deploy.record import Record, new_record
+from assistant.deploy.resting import check_at_rest, pointers_lost, tasks
 from assistant.deploy.site import RECORD, UNDER_WAY, Site
 from assistant.program.diagnostics import Diagnostic, Refused
 
@@ -60,7 +61,7 @@ class _Run:
             if plan.changes:
                 with alone_here(self.place), self.site:
                     self._check_unchanged()
-                    self._check_at_rest()
+                    check_at_rest(self.site, [file.entry for file in plan.changes])
                     self._install(progress)
         except Refused as refusal:
             self.findings += refusal.findings
@@ -93,16 +94,6 @@ class _Run:
         if changed:
             raise Refused(*changed)
 
-    def _check_at_rest(self) -> None:
-        """Raises Refused if a program that would be replaced is running."""
-        busy = [
-            rules.RUNNING(place=file.name, name=file.name)
-            for file in self.plan.changes
-            if self.site.runs(file.name, file.before)
-        ]
-        if busy:
-            raise Refused(*busy)
-
     def _install(self, progress: Progress | None) -> None:
         entries = [file.entry for file in self.plan.changes]
         done = carry_out(self.site, self.place, self._record(), entries, self.patience, progress)
@@ -130,6 +121,7 @@ def carry_out(
 
     The findings of what comes back say what failed. Raises Refused if nothing could be begun.
     """
+    stood = tasks(site)
     claim(site, record)
     try:
         journal = create(place, record, entries)
@@ -152,6 +144,8 @@ def carry_out(
     except BaseException:
         take_back(carrying, connected=False)
         raise
+    with suppress(Refused):  # what became of a lost line is said already
+        carrying.findings += pointers_lost(site, stood)
     return carrying
 
 

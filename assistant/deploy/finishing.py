@@ -12,11 +12,13 @@ from assistant.deploy.carrying import PATIENCE, Carrying
 from assistant.deploy.claiming import alone_here, claim, claimant
 from assistant.deploy.deployment import carry_out, settle, take_back
 from assistant.deploy.held import Digests, Held
+from assistant.deploy.identifying import check_same
 from assistant.deploy.journal import Entry, Journal, Step, journals, place_of, unpack
 from assistant.deploy.outcome import Deployment, FileState
 from assistant.deploy.plan import EVERY
 from assistant.deploy.record import new_record
 from assistant.deploy.remembering import last_record
+from assistant.deploy.resting import check_at_rest
 from assistant.deploy.site import UNDER_WAY, Site
 from assistant.program.diagnostics import Diagnostic, Refused
 
@@ -131,11 +133,8 @@ def _open(site: Site, place: FilePath) -> Journal | None:
 
 def _checked(site: Site, journal: Journal, replace: Collection[str], patience: float) -> Carrying:
     """Raises Refused if it is another controller, or somebody has changed programs meanwhile."""
-    identity, record = site.identity(), journal.record
-    if identity is not None:
-        told = (identity.robot, identity.controller, identity.serial)
-        if told != (record.robot, record.controller, record.serial):
-            raise Refused(rules.ANOTHER(place=str(site.address)))
+    check_same(site.identity(), journal.record, str(site.address))
+    check_at_rest(site, journal.entries)
     carrying = Carrying(site, journal, patience)
     allowed = {name.lower() for name in replace}
     asked = (
@@ -163,6 +162,9 @@ def _undo(
             wanted.setdefault(entry.name, entry.before)
             left[entry.name] = entry.after
     with alone_here(place), Site(controller, past[-1].record.task) as site:
+        identity = site.identity()
+        for journal in past:
+            check_same(identity, journal.record, str(controller.address))
         before, _ = last_record(site, history)
         allowed = {name.lower() for name in replace}
         now = {name: site.held(name, held.file or left[name].file) for name, held in wanted.items()}
@@ -174,13 +176,14 @@ def _undo(
         ]
         if changes:
             raise Refused(*changes)
-        begun = new_record(str(controller.address), site.identity(), site.task)
+        begun = new_record(str(controller.address), identity, site.task)
         programs: dict[str, Digests] = dict(before.programs) if before else {}
         for name, held in wanted.items():
             programs.pop(name, None)
             if held.file is not None:
                 programs[name] = site.digests(held)
         entries = [Entry(name, now[name], held) for name, held in wanted.items()]
+        check_at_rest(site, entries)
         record = changed(begun, programs=programs)
         done = carry_out(site, place, record, entries, patience)
     findings = tuple(done.findings)

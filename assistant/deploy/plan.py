@@ -14,7 +14,10 @@ from assistant import languages
 from assistant.controllers import Address, Programs
 from assistant.controllers.states import Identity
 from assistant.deploy import rules
+from assistant.deploy.clashing import check_clashes
+from assistant.deploy.comparing import changed
 from assistant.deploy.held import NOTHING, Held
+from assistant.deploy.identifying import check_meant, of_another
 from assistant.deploy.journal import Entry
 from assistant.deploy.record import Record
 from assistant.deploy.remembering import last_record
@@ -106,14 +109,16 @@ def plan(
     load: bool = False,
     replace: Collection[str] = (),
     history: str | FilePath | None = None,
+    meant: Identity | None = None,
 ) -> Plan:
     """Compares local programs with what is on the controller; changes nothing.
 
     Every file is parsed first: a program with errors is never sent. task: that modules are loaded
     in, "" for the first. load: whether modules that are not loaded yet are to be. replace: names
     of programs that may be replaced although no deployment left them there as they are, `EVERY`
-    for all. history: see `journal.place_of`. Raises Refused (Unreadable for files that cannot be
-    read) with everything that keeps the files from being deployed.
+    for all. history: see `journal.place_of`. meant: robot and serial number that the controller has
+    to have, as far as they are stated; another one is refused. Raises Refused (Unreadable for files
+    that cannot be read) with everything that keeps the files from being deployed.
     """
     if not files:
         raise Refused(rules.NO_FILES())
@@ -122,6 +127,8 @@ def plan(
     names = _names(ordered, controller)
     site = Site(controller, task)
     with site:
+        identity = site.identity()
+        untold = check_meant(identity, meant, str(controller.address)) if meant else ()
         # Only a session knows which version of a language the controller takes.
         notes = _looked_at({path: data[path] for path in ordered}, controller)
         errors = [finding for found in notes.values() if has_errors(found) for finding in found]
@@ -129,20 +136,23 @@ def plan(
             raise Refused(*errors)
         there = [name for name in controller.names() if not of_deployments(name)]
         record, told = last_record(site, history)
+        stranger = of_another(identity, record)
+        if stranger is not None:
+            record, told = None, (*told, stranger)
         look = _Looking(site, record, load, replace)
         planned = tuple(look.at(path, names[path], data[path], notes[path]) for path in ordered)
-        identity = site.identity()
+        told = (*told, *check_clashes(site, [file.entry for file in planned]))
     ours = {name.lower() for name in (record.programs if record else ())}
-    meant = {name.lower() for name in names.values()}
+    planned_names = {name.lower() for name in names.values()}
     return Plan(
         controller.address,
         planned,
         site,
         identity,
         record,
-        tuple(name for name in there if name.lower() not in ours | meant),
-        tuple(name for name in there if name.lower() in ours - meant),
-        (*told, *look.notes),
+        tuple(name for name in there if name.lower() not in ours | planned_names),
+        tuple(name for name in there if name.lower() in ours - planned_names),
+        (*untold, *told, *look.notes),
     )
 
 
@@ -169,9 +179,7 @@ class _Looking:
         now, wanted = self.site.forms(before), self.site.forms(after)
         change = self._change(name, before, after)
         diff = "" if change is Change.SAME else difference(name, now.file, wanted.file or b"")
-        taught = ""
-        if before.loaded is not None and before.file is not None:
-            taught = self._taught(name, before)
+        taught = self._taught(name, before, data)
         return PlannedFile(path, name, change, data, before, after, diff, taught, findings)
 
     def _change(self, name: str, before: Held, after: Held) -> Change:
@@ -201,13 +209,13 @@ class _Looking:
             return f"its module in memory was changed {since}"
         return None
 
-    def _taught(self, name: str, before: Held) -> str:
-        """What is in memory otherwise than in the file."""
-        memory = self.site.memory
-        assert memory is not None and before.file is not None and before.loaded is not None
-        file, loaded = (memory.stored_in_memory(x) for x in (before.file, before.loaded))
+    def _taught(self, name: str, before: Held, data: bytes) -> str:
+        """What is in memory otherwise than in the file, or than in what is sent without one."""
+        file = before.file if before.file is not None else data
+        if before.loaded is None:
+            return ""
         labels = (f"{name} (its file)", f"{name} (in memory)")
-        return difference(name, file, loaded, labels)
+        return changed(file, before.loaded, self.site.language, labels)
 
 
 def difference(

@@ -24,6 +24,18 @@ UNKNOWN_LANGUAGE = error(
     "the file is no program that {address} takes ({taken})",
     "compile it for that controller",
 )
+SAME_MODULE = error(
+    "DP105",
+    "`{first}` and `{second}` both hold the module `{name}`, of which one can be loaded",
+    "rename one of the modules, or deploy one of the files",
+)
+CLASH = error(
+    "DP106",
+    "the {kind} `{name}` of the module `{own}` is {there} of the module `{other}` as well, which "
+    "is loaded there; nothing was changed",
+    "rename one of them, make it known to its own module only, or take the other module out of the "
+    "memory",
+)
 CHANGED_SINCE = error(
     "DP201",
     "`{name}` on the controller changed since the plan was made; nothing was changed by this run",
@@ -53,7 +65,11 @@ BLIND = error(
     "deploy over Robot Web Services (`rws://`, `rwss://`), or say `--files-only` if only the files "
     "count",
 )
-RUNNING = error("DP206", "`{name}` is running; nothing was changed", "stop it, and deploy again")
+RUNNING = error(
+    "DP206",
+    "`{name}` is not replaced while it may be in use: {reason}; nothing was changed",
+    "stop the program, and deploy again",
+)
 ANOTHER = error(
     "DP207",
     "it is another controller than the plan was made for; nothing was changed",
@@ -97,6 +113,33 @@ REPLACED = warning(
     "DP223",
     "`{name}` is replaced as was asked for: {reason}",
     "what was there is kept in the history",
+)
+OF_ANOTHER = warning(
+    "DP231",
+    "the record of the deployment `{name}` is of another controller ({then}) than this one ({now})",
+    "programs that are there count as somebody else's until the next deployment",
+)
+UNTOLD = warning(
+    "DP232",
+    "{what} of the controller cannot be told over this connection; it should be `{wanted}`",
+    "look which controller that is, or use another kind of connection to it",
+)
+NOT_MEANT = error(
+    "DP233",
+    "{what} of the controller is `{told}`, but the project means `{wanted}`; nothing was changed",
+    "look which controller is at that address, or correct the project",
+)
+ELSEWHERE = warning(
+    "DP234",
+    "the module `{name}` is loaded in {others} as well, where it stays as it is: only `{here}` is "
+    "changed",
+    "deploy it there too, with `--task`",
+)
+POINTER_LOST = info(
+    "DP235",
+    "the program pointer of `{task}` is lost, because its modules were replaced; nothing was "
+    "started",
+    "move it to the begin of the program before the next start",
 )
 PUT_BACK = info("DP301", "`{name}` on the controller is again what it was before")
 REMOVED = info("DP302", "`{name}`, which was new, is off the controller again")

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path as FilePath
 from typing import Final, Self
 
 from assistant.controllers import Address, Controller, Programs
 from assistant.controllers.abilities import Disk, Memory
 from assistant.controllers.states import Identity
-from assistant.deploy.held import Digests, Held, digest
+from assistant.deploy.comparing import said
+from assistant.deploy.held import NOTHING, Digests, Held, digest
 
 RECORD: Final = "robot-assistant.json"
 """Beside the programs on a disk: what the last deployment left there."""
@@ -36,6 +36,7 @@ class Site:
     def __init__(self, controller: Programs, task: str = "") -> None:
         self.controller = controller
         self.task = task
+        self.language = controller.languages[0]
         self.memory = controller if isinstance(controller, Memory) else None
         self.disk = controller if isinstance(controller, Disk) else None
 
@@ -64,19 +65,6 @@ class Site:
         """Which controller it is, None where the session cannot tell."""
         return self.controller.identify() if isinstance(self.controller, Controller) else None
 
-    def runs(self, name: str, held: Held) -> bool:
-        """Whether a program runs now; False where the session cannot tell.
-
-        What a task with a memory runs may be any of the modules that it holds.
-        """
-        if not isinstance(self.controller, Controller):
-            return False
-        running = [task for task in self.controller.state().tasks if task.running]
-        if self.memory is not None:
-            here = [task for task in running if self.task in ("", task.name)]
-            return held.loaded is not None and bool(here)
-        return any(FilePath(name).stem.lower() == task.program.lower() for task in running)
-
     def held(self, name: str, data: bytes | None = None) -> Held:
         """What is there of a program. data: of its file, if it may be loaded without one."""
         file = self.controller.read(name)
@@ -94,7 +82,7 @@ class Site:
         file = None if held.file is None else self.controller.stored(held.file)
         loaded = held.loaded
         if self.memory is not None and loaded is not None:
-            loaded = self.memory.stored_in_memory(loaded)
+            loaded = said(loaded, self.language)
         return Held(file, loaded)
 
     def same(self, one: Held, other: Held) -> bool:
@@ -104,14 +92,16 @@ class Site:
         forms = self.forms(held)
         return Digests(digest(forms.file), digest(forms.loaded))
 
-    def put(self, name: str, wanted: Held) -> None:
+    def put(self, name: str, wanted: Held, instead: Held = NOTHING) -> None:
         """Makes that the controller's; done again after an interruption, it ends the same.
 
         What memory is to have is loaded from a file first, and the file that is to stay is
-        written last.
+        written last. instead: what it replaces, whose module may have another name: that one
+        leaves the memory before anything else.
         """
         now = self.held(name, wanted.file or wanted.loaded)
-        if self.memory is not None:
+        if self.memory is not None and not self.is_list(name):
+            self._put_out_others(self.memory, wanted, instead)
             self._put_in_memory(self.memory, name, now, wanted)
             now = self.held(name, wanted.file or wanted.loaded)
         if self.forms(Held(now.file)) == self.forms(Held(wanted.file)):
@@ -121,12 +111,20 @@ class Site:
         else:
             self.controller.write(name, wanted.file)
 
-    def _put_in_memory(self, memory: Memory, name: str, now: Held, wanted: Held) -> None:
-        before, after = self.forms(now).loaded, self.forms(wanted).loaded
-        if before == after:
+    def _put_out_others(self, memory: Memory, wanted: Held, instead: Held) -> None:
+        """Two modules of one file would be loaded side by side if their names differ."""
+        if instead.loaded is None or wanted.loaded is None:
             return
+        old, new = memory.module(instead.loaded), memory.module(wanted.loaded)
+        if (old or "").lower() != (new or "").lower():
+            memory.put_out(instead.loaded, self.task)
+
+    def _put_in_memory(self, memory: Memory, name: str, now: Held, wanted: Held) -> None:
         if wanted.loaded is None:
-            memory.put_out(now.loaded or b"", self.task)
-        else:
+            if now.loaded is not None:
+                memory.put_out(now.loaded, self.task)
+            return
+        before = None if now.loaded is None else memory.stored_in_memory(now.loaded)
+        if before != memory.stored_in_memory(wanted.loaded):
             self.controller.write(name, wanted.loaded)
             memory.take_in(name, self.task)

@@ -222,6 +222,16 @@ class Language(abc.ABC, Generic[T]):
         """What a kept text declares, as a table of constructs names it; empty if nothing."""
         return ""
 
+    def said(self, text: str) -> Iterator[tuple[str, str]]:
+        """What a text says, piece by piece, each beside how it is written there.
+
+        What it says is the form in which two states of a program in a controller's memory are
+        compared: layout, comments and how a number is printed count for nothing. Here its lines.
+        """
+        for line in text.splitlines():
+            if line.strip():
+                yield line.strip(), line.rstrip()
+
     @abc.abstractmethod
     def lift_trees(self, trees: Sequence[T], robot: Robot | None) -> Program:
         """What `lift` gives, without its origin.
@@ -294,6 +304,10 @@ class Language(abc.ABC, Generic[T]):
     def file_name(self, program: Program, unit: str | None = None) -> str:
         """Name of the file that holds a unit of an adapted program."""
         return (unit or program.name) + self.suffixes[0]
+
+    def shared_names(self, tree: T) -> Iterator[tuple[str, str]]:  # noqa: ARG002
+        """Names that no other file of the same program can declare as well, each with its kind."""
+        yield from ()
 
     def called_files(self, tree: T) -> tuple[str, ...]:  # noqa: ARG002
         """Names of the files that a tree loads or calls, each once."""

@@ -90,10 +90,20 @@ class Rapid(Language["File"]):
 
         return data(tree)
 
+    def shared_names(self, tree: File) -> Iterator[tuple[str, str]]:
+        from assistant.languages.rapid.tree.walk import shared_names
+
+        return shared_names(tree)
+
     def effect(self, text: str, kind: KeptKind) -> Effect:
         from assistant.languages.rapid.text.effects import of_text
 
         return of_text(text, kind)
+
+    def said(self, text: str) -> Iterator[tuple[str, str]]:
+        from assistant.languages.rapid.text.said import said
+
+        return said(text)
 
     def declares(self, text: str) -> str:
         from assistant.languages.rapid.text.verbatim import declares

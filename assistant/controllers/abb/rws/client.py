@@ -105,10 +105,24 @@ class Rws(RapidFiles):
 
     def loaded(self, data: bytes, task: str = "") -> bytes | None:
         """The module of a file's text as it is in memory; see `abilities.Memory`."""
-        name = module_name(data)
+        name = self.module(data)
         there = self.modules(task) if name is not None else ()
         found = next((one for one in there if name is not None and one.lower() == name.lower()), "")
         return self.module_text(found, task) if found else None
+
+    def module(self, data: bytes) -> str | None:
+        return module_name(data)
+
+    def task_named(self, task: str) -> str:
+        return self._rapid.task(task)
+
+    def homes(self, module: str) -> tuple[str, ...]:
+        """Names of the tasks in which a module of that name is loaded."""
+        return tuple(
+            task.name
+            for task in self._rapid.tasks()
+            if module.lower() in map(str.lower, self.modules(task.name))
+        )
 
     def take_in(self, name: str, task: str = "") -> None:
         self._rapid.take_in(self._path(name), task)

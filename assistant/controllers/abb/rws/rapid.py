@@ -199,7 +199,7 @@ class Rapid:
     def _task(self, row: Row) -> TaskState:
         name = self._name(row)
         module, line = self._pointer(name)
-        return TaskState(name, module, line, self._runs(row))
+        return TaskState(name, module, line, self._runs(row), not _foreground(row))
 
     def _pointer(self, task: str) -> tuple[str, int | None]:
         """Module and line of the program pointer; "" where a task has none."""

@@ -31,6 +31,24 @@ def data(file: s.File) -> Iterator[Part]:
                 yield from (Part(x.span) for x in body if x.span is not None and set_up(x))
 
 
+ROUTINES: Final = {"PROC": "procedure", "FUNC": "function", "TRAP": "trap routine"}
+
+
+def shared_names(file: s.File) -> Iterator[tuple[str, str]]:
+    """What the modules of a file declare for their whole task, with what it is."""
+    for module in file.modules:
+        for item in module.items:
+            match item:
+                case s.Routine(kind=kind, local=False, name=name):
+                    yield name, ROUTINES[kind]
+                case s.Record(local=False, name=name) | s.Alias(local=False, name=name):
+                    yield name, "type"
+                case s.Data(scope=scope, name=name) if scope != "LOCAL":
+                    yield name, "data"
+                case s.TargetRunNode(scope=scope, run=run) if scope != "LOCAL":
+                    yield from ((run.names.name(row), "data") for row in range(len(run)))
+
+
 def blocks(statement: Any) -> tuple[tuple[s.StatementNode, ...], ...]:
     """The lists of statements directly inside one."""
     match statement:

@@ -1,0 +1,94 @@
+"""Names that two modules of one memory would both declare: refused before anything is changed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from assistant import languages
+from assistant.controllers.abilities import Memory
+from assistant.controllers.rules import Lost
+from assistant.deploy import rules
+from assistant.deploy.journal import Entry
+from assistant.deploy.site import Site
+from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.text import decode
+
+
+def check_clashes(site: Site, entries: Iterable[Entry]) -> tuple[Diagnostic, ...]:
+    """Refuses modules that would not go together in memory; warnings of other tasks that have them.
+
+    Of modules whose text the controller keeps secret nothing is known.
+    """
+    memory = site.memory
+    if memory is None:
+        return ()
+    brought = [e for e in entries if not site.is_list(e.name) and memory.module(_text(e))]
+    coming = [entry for entry in brought if entry.after.loaded is not None]
+    findings = list(_same_module(memory, coming))
+    if any(entry.before.loaded != entry.after.loaded for entry in coming):
+        findings += _same_names(site, memory, coming)
+    if findings:
+        raise Refused(*findings)
+    return tuple(_elsewhere(site, memory, brought))
+
+
+def _text(entry: Entry) -> bytes:
+    return entry.after.loaded or entry.after.file or b""
+
+
+def _same_module(memory: Memory, coming: Iterable[Entry]) -> Iterator[Diagnostic]:
+    """Of two files that hold one module the second would be loaded over the first."""
+    first: dict[str, str] = {}
+    for entry in coming:
+        module = memory.module(_text(entry)) or ""
+        other = first.setdefault(module.lower(), entry.name)
+        if other != entry.name:
+            yield rules.SAME_MODULE(place=entry.name, first=other, second=entry.name, name=module)
+
+
+def _same_names(site: Site, memory: Memory, coming: list[Entry]) -> Iterator[Diagnostic]:
+    owner: dict[str, tuple[str, str]] = {}
+    leaving = {
+        (memory.module(held) or "").lower()
+        for entry in coming
+        for held in (entry.before.loaded, entry.after.loaded)
+        if held is not None
+    }
+    for module in memory.modules(site.task):
+        if module.lower() not in leaving:
+            for name, kind in _shared(site, _read(memory, module, site.task)):
+                owner[name.lower()] = (module, kind)
+    for entry in coming:
+        own = memory.module(_text(entry)) or ""
+        for name, kind in _shared(site, _text(entry)):
+            other, there = owner.setdefault(name.lower(), (own, kind))
+            if other != own:
+                yield rules.CLASH(
+                    place=entry.name, name=name, kind=kind, own=own, there=there, other=other
+                )
+
+
+def _elsewhere(site: Site, memory: Memory, brought: Iterable[Entry]) -> Iterator[Diagnostic]:
+    """Other tasks keep their modules: only that of the deployment is changed."""
+    here = memory.task_named(site.task)
+    for entry in brought:
+        module = memory.module(_text(entry)) or ""
+        others = [task for task in memory.homes(module) if task != here]
+        if others and entry.before != entry.after:
+            shown = ", ".join(f"`{task}`" for task in others)
+            yield rules.ELSEWHERE(place=entry.name, name=module, here=here, others=shown)
+
+
+def _read(memory: Memory, module: str, task: str) -> bytes:
+    try:
+        return memory.module_text(module, task)
+    except Lost:
+        raise
+    except Refused:  # some modules are only there to be run
+        return b""
+
+
+def _shared(site: Site, data: bytes) -> Iterator[tuple[str, str]]:
+    spoken = languages.get(site.language)
+    tree = spoken.parse(decode(data, None, (*spoken.encodings, "latin-1")))
+    return iter(spoken.shared_names(tree))

@@ -1,0 +1,51 @@
+"""Modules in a controller's memory, compared by what they say.
+
+A controller prints a module from its memory in its own layout, and data with the values that it
+has now. So a text that came back from there is no difference by itself; a value is.
+"""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import Final
+
+from assistant import languages
+from assistant.program.text import decode
+
+CONTROL: Final = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
+
+
+def said(data: bytes, language: str) -> bytes:
+    """What a module says, a line each declaration or statement, without its layout."""
+    return "\r\n".join(form for form, _ in _pieces(data, language)).encode()
+
+
+def changed(
+    before: bytes, after: bytes, language: str, labels: tuple[str, str], around: int = 3
+) -> str:
+    """A unified diff of two states of a module, "" if they say the same.
+
+    What says the same is shown as it stands in the first. around: lines of context.
+    """
+    written: dict[str, str] = {}
+    left, right = (
+        [written.setdefault(form, text) for form, text in _pieces(data, language)]
+        for data in (before, after)
+    )
+    lines = difflib.unified_diff(_lines(left), _lines(right), *labels, n=around, lineterm="")
+    return "".join(f"{line}\n" for line in lines)
+
+
+@lru_cache(maxsize=32)
+def _pieces(data: bytes, language: str) -> tuple[tuple[str, str], ...]:
+    spoken = languages.get(language)
+    return tuple(spoken.said(decode(data, None, (*spoken.encodings, "latin-1")).text))
+
+
+def _lines(texts: Sequence[str]) -> list[str]:
+    """With no character in them that a terminal would obey."""
+    lines = (line for text in texts for line in text.splitlines())
+    return [CONTROL.sub("�", line.rstrip()) for line in lines if line.strip()]

@@ -1,0 +1,108 @@
+"""Programs that run are never replaced, and what became of the program pointers is said."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path as FilePath
+from typing import Final
+
+from assistant import languages
+from assistant.controllers import Controller
+from assistant.controllers.states import TaskState
+from assistant.deploy import rules
+from assistant.deploy.journal import Entry
+from assistant.deploy.site import Site
+from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.text import decode
+
+MOST_PROGRAMS: Final = 200
+"""That are followed from a running one through its calls."""
+
+
+def check_at_rest(site: Site, entries: Iterable[Entry]) -> None:
+    """Raises Refused if a program that would be replaced runs, or one that runs calls it.
+
+    Modules of a task's memory: if that task runs, or any task of the foreground. Where the session
+    cannot tell, nothing is refused.
+    """
+    if not isinstance(site.controller, Controller):
+        return
+    running = [task for task in site.controller.state().tasks if task.running]
+    entries = list(entries)
+    busy = _of_memory(site, entries, running) if site.memory else _of_slots(site, entries, running)
+    if busy:
+        raise Refused(*busy)
+
+
+def pointers_lost(site: Site, before: Iterable[TaskState]) -> list[Diagnostic]:
+    """A finding for each task that had a program pointer and has none now; nothing is started."""
+    now = {task.name: task for task in tasks(site)}
+    return [
+        rules.POINTER_LOST(place=task.name, task=task.name)
+        for task in before
+        if task.line is not None and task.name in now and now[task.name].line is None
+    ]
+
+
+def tasks(site: Site) -> tuple[TaskState, ...]:
+    """The tasks of a controller whose modules are in a memory; none of others."""
+    if site.memory is None or not isinstance(site.controller, Controller):
+        return ()
+    return site.controller.state().tasks
+
+
+def _of_memory(
+    site: Site, entries: Iterable[Entry], running: Iterable[TaskState]
+) -> list[Diagnostic]:
+    own = site.task.lower()
+    minding = [t.name for t in running if not t.background or t.name.lower() == own]
+    if not minding:
+        return []
+    reason = f"the task `{minding[0]}` runs"
+    return [
+        rules.RUNNING(place=entry.name, name=entry.name, reason=reason)
+        for entry in entries
+        if entry.before.loaded is not None or entry.after.loaded is not None
+    ]
+
+
+def _of_slots(
+    site: Site, entries: Iterable[Entry], running: Iterable[TaskState]
+) -> list[Diagnostic]:
+    users: dict[str, str] = {}
+    for task in running:
+        for stem in _with_called(site, task.program):
+            users.setdefault(stem, task.program)
+    found = []
+    for entry in entries:
+        stem = _stem(entry.name)
+        if stem in users:
+            user = users[stem]
+            reason = "it is running" if _stem(user) == stem else f"`{user}` runs, which calls it"
+            found.append(rules.RUNNING(place=entry.name, name=entry.name, reason=reason))
+    return found
+
+
+def _with_called(site: Site, program: str) -> set[str]:
+    """A program and all that it calls, as far as they are there and can be read."""
+    spoken = languages.get(site.language)
+    open_ones, found = [program], set[str]()
+    while open_ones and len(found) < MOST_PROGRAMS:
+        name = open_ones.pop()
+        if _stem(name) in found:
+            continue
+        found.add(_stem(name))
+        data = site.controller.read(_as_there(site, name))
+        if data is not None:
+            tree = spoken.parse(decode(data, None, (*spoken.encodings, "latin-1")))
+            open_ones += spoken.called_files(tree)
+    return found
+
+
+def _as_there(site: Site, name: str) -> str:
+    there = (one for one in site.controller.names() if _stem(one) == _stem(name))
+    return next(there, name)
+
+
+def _stem(name: str) -> str:
+    return FilePath(name).stem.lower()
