@@ -31,11 +31,18 @@ ROOMS: dict[str, frozenset[str]] = {
         }
     ),
     "findings": frozenset({"program", "sources", "robots", "languages", "compiler"}),
+    "project": frozenset(
+        {
+            *("program", "sources", "robots", "languages"),
+            *("virtual", "controllers", "deploy", "compiler", "findings"),
+        }
+    ),
     "report": frozenset({"program", "sources", "robots", "compiler", "findings"}),
     "cli": frozenset(
         {
             *("program", "sources", "robots", "languages", "checks"),
             *("virtual", "controllers", "deploy", "compiler", "findings", "report"),
+            "project",
         }
     ),
 }

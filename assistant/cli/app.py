@@ -8,7 +8,7 @@ from typing import Annotated, Final
 import typer
 
 from assistant import __version__
-from assistant.cli import on_arms, on_controllers
+from assistant.cli import on_arms, on_controllers, projects
 from assistant.cli.exchanges import exchange
 from assistant.cli.options import (
     EntryOption,
@@ -328,7 +328,7 @@ def deploy(
     raise typer.Exit(run_deploy(files, to, dry_run, wishes, format))
 
 
-for command in (*on_controllers.COMMANDS, *on_arms.COMMANDS):
+for command in (*projects.COMMANDS, *on_controllers.COMMANDS, *on_arms.COMMANDS):
     minus = {"ignore_unknown_options": True} if command.__name__ in on_arms.NUMBERS else None
     app.command(context_settings=minus)(command)
 

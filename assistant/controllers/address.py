@@ -68,7 +68,8 @@ SCHEMES: Final = {
 class Address:
     """Where a controller is; never holds a password.
 
-    host: the file or name of a serial line, whose port is 0. options: name and value each.
+    host: the file or name of a serial line, whose port is 0. options: name and value each. name:
+    that its history has, where the port is another one each time; "" if the address tells.
     """
 
     scheme: str
@@ -77,6 +78,7 @@ class Address:
     user: str | None = None
     folder: str = ""
     options: tuple[tuple[str, str], ...] = ()
+    name: str = ""
 
     def __str__(self) -> str:
         options = f"?{urlencode(self.options)}" if self.options else ""
@@ -94,6 +96,8 @@ class Address:
     @property
     def label(self) -> str:
         """A name for the controller that is safe as a folder's name."""
+        if self.name:
+            return self.name
         folder = f"_{self.folder}" if SCHEMES[self.scheme].folder != self.folder else ""
         port = f"_{self.port}" if self.port else ""
         words = re.sub(r"[^A-Za-z0-9.-]+", "_", f"{self.scheme}_{self.host}{port}{folder}")

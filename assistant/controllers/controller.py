@@ -7,10 +7,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path as FilePath
 from typing import Final, Protocol, Self, runtime_checkable
 
+from assistant.controllers import rules
 from assistant.controllers.address import SCHEMES, Address
 from assistant.controllers.credentials import Credentials, Question, find
 from assistant.controllers.named import Named, named
 from assistant.controllers.states import Fault, Identity, Jog, Position, Sample, State
+from assistant.program.diagnostics import Refused
 
 
 class Programs(Protocol):
@@ -160,6 +162,13 @@ CLIENTS: Final = {
 """Scheme of an address → module and class of its client."""
 
 
+LANGUAGES: Final[Mapping[str, tuple[str, ...]]] = {
+    **dict.fromkeys(("ftp", "ftps", "sftp", "rws", "rwss"), ("rapid",)),
+    **dict.fromkeys(("melfa", "melfa-serial"), ("melfa-basic-4", "melfa-basic-5", "melfa-basic-6")),
+}
+"""Scheme of an address → languages of the programs that some controller behind it takes."""
+
+
 TIMEOUT: Final = 30.0
 """Seconds to wait for an answer where nobody says how long."""
 
@@ -183,6 +192,9 @@ def connect(
     one = named(address) if isinstance(address, str) else address
     if isinstance(one, Address):
         one = Named(str(one), one)
+    if one.virtual is not None:
+        finding = rules.ONLY_DEPLOYED(place=one.name, name=one.name, kind=one.virtual)
+        raise Refused(finding, exit_status=2)
     place, waiting = one.address, timeout or one.timeout or TIMEOUT
     module, name = CLIENTS[place.scheme]
     client = getattr(importlib.import_module(module), name)

@@ -9,15 +9,19 @@ user = "engineer"               # never a password
 robot = "irb1200-7-0.7"         # or a robot file, from the project's folder
 certificate = "cell2.pem"       # that it is trusted by, from the project's folder
 timeout = 10                    # seconds to wait for an answer
+serial = "1200-501234"          # number that it must tell of itself
+
+[controllers.trial]
+address = "virtual:irc5"        # or virtual:cr: a virtual controller that deployments start
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from assistant.controllers import rules
 from assistant.controllers.address import Address, parse, without_password
@@ -33,6 +37,12 @@ SECRET: Final = re.compile(r"pass|pwd|secret|token|credential", re.IGNORECASE)
 ROBOT_FILES: Final = (".toml", ".urdf")
 """How the name of a robot ends that is one of a file."""
 LONGEST_TIMEOUT: Final = 3600.0
+VIRTUAL: Final[Mapping[str, Address]] = {
+    "irc5": Address("rws", "127.0.0.1", 0, "engineer", "HOME:"),
+    "cr": Address("melfa", "127.0.0.1", 0),
+}
+"""What may follow `virtual:` in an address, and where that controller will be."""
+VIRTUALLY: Final = "virtual:"
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +50,9 @@ class Named:
     """A controller with what is known of it.
 
     name: in the project, the address itself of one that no project names. robot: that it
-    moves, by its name or its file. timeout: seconds to wait for an answer.
+    moves, by its name or its file. timeout: seconds to wait for an answer. serial: number that it
+    must tell of itself. virtual: which one of `VIRTUAL` the project itself starts; its address has
+    port 0 until it runs.
     """
 
     name: str
@@ -48,6 +60,8 @@ class Named:
     robot: str | None = None
     certificate: FilePath | None = None
     timeout: float | None = None
+    serial: str | None = None
+    virtual: str | None = None
 
     @property
     def variables(self) -> str:
@@ -102,20 +116,25 @@ def controllers_of(folder: FilePath) -> dict[str, Named]:
     return {name: one for name, one in found.items() if one is not None}
 
 
+def keys() -> Mapping[str, Callable[[Any], Any]]:
+    """What the table of a controller may hold, and how each value is read."""
+    from assistant.sources.process import values
+
+    return {
+        "address": values.text,
+        "robot": values.text,
+        "user": values.text,
+        "certificate": values.text,
+        "timeout": values.number("seconds", above=0.0, most=LONGEST_TIMEOUT),
+        "serial": values.text,
+    }
+
+
 class _Reader:
     """Reads the entries of a table of controllers. folder: of the project's file."""
 
     def __init__(self, table: Table, folder: FilePath) -> None:
-        from assistant.sources.process import values
-
-        self.table, self.folder = table, folder
-        self.keys = {
-            "address": values.text,
-            "robot": values.text,
-            "user": values.text,
-            "certificate": values.text,
-            "timeout": values.number("seconds", above=0.0, most=LONGEST_TIMEOUT),
-        }
+        self.table, self.folder, self.keys = table, folder, keys()
 
     def entry(self, name: str) -> Named | None:
         """A controller, None if what is said of it is wrong."""
@@ -125,7 +144,7 @@ class _Reader:
         given = self.table.content[name]
         if isinstance(given, str):
             address = self._address(given, (name,))
-            return None if address is None else Named(name, address)
+            return None if address is None else Named(name, address, virtual=_virtual(given))
         table = self.table.table(name)
         secrets = [key for key in table.content if SECRET.search(key)]
         for key in secrets:
@@ -145,7 +164,9 @@ class _Reader:
         robot = found.get("robot")
         if robot is not None and robot.lower().endswith(ROBOT_FILES):
             robot = str(self.folder / robot)
-        return Named(name, address, robot, certificate, found.get("timeout"))
+        virtual = _virtual(found["address"])
+        timeout, serial = found.get("timeout"), found.get("serial")
+        return Named(name, address, robot, certificate, timeout, serial, virtual)
 
     def _address(self, text: str, at: tuple[str, ...]) -> Address | None:
         """The address, or None with the finding that it gives, placed at its key."""
@@ -153,6 +174,9 @@ class _Reader:
         if without_password(text) != text:
             page.say(rules.PASSWORD_IN_FILE, path, name=at[0], variable=variable(at[0], "PASSWORD"))
             return None
+        kind = _virtual(text)
+        if kind is not None:
+            return replace(VIRTUAL[kind], name=f"virtual_{at[0]}")
         try:
             return parse(text)
         except Refused as refused:
@@ -167,6 +191,12 @@ class _Reader:
             other = seen.setdefault(variable(name, ""), name)
             if other != name:
                 self.table.say(rules.SAME_VARIABLE, name, name=name, other=other)
+
+
+def _virtual(text: str) -> str | None:
+    """Which virtual controller an address names, None for the address of another."""
+    kind = text.removeprefix(VIRTUALLY)
+    return kind if kind != text and kind in VIRTUAL else None
 
 
 def _as_rule(finding: Diagnostic) -> Rule:

@@ -47,6 +47,11 @@ SAME_VARIABLE = error(
     "`{name}` and `{other}` would find their passwords in the same environment variable",
     "rename one of them",
 )
+ONLY_DEPLOYED = error(
+    "CN113",
+    "`{name}` is a virtual controller that runs only while something is deployed to it",
+    "start `robot-assistant virtual {kind}` and write the address that it tells, to have it go on",
+)
 NO_USER = error(
     "CN111",
     "no user is known for {address}",

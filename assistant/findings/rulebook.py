@@ -28,6 +28,7 @@ _OWN_FAMILIES: Final = {
     "FN": "Severities and ignored findings",
     "IN": "Reading files",
     "NM": "Names",
+    "PR": "Projects",
     "PS": "Pseudo-program text",
     "RB": "Robots",
     "SR": "Sources",

@@ -23,7 +23,7 @@ from assistant.program.diagnostics import (
     has_errors,
     warning,
 )
-from assistant.sources.project import CONTROLLERS, Project, project_of
+from assistant.sources.project import CONTROLLERS, DEPLOY, PROGRAMS, TARGETS, Project, project_of
 
 TABLE: Final = "severity"
 OFF: Final = "off"
@@ -133,9 +133,9 @@ class _Page:
 
 
 def _tables() -> set[str]:
-    """Other tables of a project's file: of languages, and of controllers."""
+    """Other tables of a project's file: of languages, controllers, programs and deployments."""
     of_languages = {language.table for language in map(languages.get, languages.names())} - {""}
-    return {*of_languages, CONTROLLERS}
+    return {*of_languages, CONTROLLERS, PROGRAMS, TARGETS, DEPLOY}
 
 
 def adjusted(findings: Iterable[Diagnostic], severities: Severities) -> list[Diagnostic]:

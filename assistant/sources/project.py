@@ -22,6 +22,12 @@ FILES: Final[Mapping[str, tuple[str, ...]]] = {
 
 CONTROLLERS: Final = "controllers"
 """Our table with the addresses of controllers."""
+PROGRAMS: Final = "programs"
+"""What is compiled, and how."""
+TARGETS: Final = "targets"
+"""Which programs go to which controller."""
+DEPLOY: Final = "deploy"
+"""How they are brought there."""
 
 
 @dataclass(frozen=True, slots=True)

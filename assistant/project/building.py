@@ -1,0 +1,202 @@
+"""Building: every program of a project, for each target that wants it, into `build/<target>/`."""
+
+from __future__ import annotations
+
+import contextlib
+import enum
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+
+from assistant.compiler.output import write_files
+from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.project import kept, rules
+from assistant.project.inputs import digest_of
+from assistant.project.layout import Place, Project, Recipe
+from assistant.project.making import Made, Order, make_all, order_of
+from assistant.sources.process.table import nearest
+from assistant.sources.process.values import listed, shown
+
+
+class State(enum.StrEnum):
+    """What a build did with a program."""
+
+    BUILT = "built"
+    UNCHANGED = "unchanged"
+    FAILED = "failed"
+
+
+@dataclass(frozen=True, slots=True)
+class Built:
+    """A program of a target. files: that there are of it now, none if it failed."""
+
+    target: str
+    program: str
+    state: State
+    files: tuple[FilePath, ...] = ()
+    proof: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Build:
+    """What a build did. status: 0, 1 if something is wrong, 2 if it cannot be read or written."""
+
+    programs: tuple[Built, ...]
+    findings: tuple[Diagnostic, ...]
+    status: int
+
+    @property
+    def ok(self) -> bool:
+        return all(one.state is not State.FAILED for one in self.programs)
+
+
+def build(
+    project: Project,
+    names: Sequence[str] = (),
+    *,
+    jobs: int | None = None,
+    anew: bool = False,
+    working: Callable[[int], contextlib.AbstractContextManager[None]] | None = None,
+) -> Build:
+    """Builds what has changed; what fails keeps nothing else from being built.
+
+    names: of programs and targets, all without one. jobs: processes at a time. anew: also what
+    has not changed. working: around the making of so many. Raises Refused for an unknown name.
+    """
+    return _Run(project, names).done(jobs, anew, working or (lambda _: contextlib.nullcontext()))
+
+
+def chosen(project: Project, names: Sequence[str]) -> list[tuple[Place, Recipe]]:
+    """What targets want, of these names of programs and targets; all without one."""
+    pairs = [(place, recipe) for place in project.places for recipe in place.recipes]
+    known = {name for place, recipe in pairs for name in (place.name, recipe.name)}
+    unwanted = set(project.programs) - known
+    found: list[Diagnostic] = []
+    for name in names:
+        if name not in known:
+            near = nearest(name, sorted(known))
+            cure = f"write `{near}`" if near else f"there are: {listed(sorted(known))}"
+            if name in unwanted:
+                cure = "write it into `programs` of a target"
+            kind = "program of a target, or target," if name in unwanted else "program or target"
+            found.append(rules.UNKNOWN(place=name, kind=kind, name=shown(name), cure=cure))
+    if found:
+        raise Refused(*found, exit_status=2)
+    return [(p, r) for p, r in pairs if not names or p.name in names or r.name in names]
+
+
+class _Run:
+    """One build. entries: of what is built, those of other targets among them."""
+
+    def __init__(self, project: Project, names: Sequence[str]) -> None:
+        self.project = project
+        self.orders = {
+            (place.name, recipe.name): order_of(project.folder, place, recipe)
+            for place, recipe in chosen(project, names)
+        }
+        self.entries = kept.read_entries(project)
+        self.findings: list[Diagnostic] = []
+        self.status = 0
+
+    def done(
+        self,
+        jobs: int | None,
+        anew: bool,
+        working: Callable[[int], contextlib.AbstractContextManager[None]],
+    ) -> Build:
+        stale = {
+            key: order
+            for key, order in self.orders.items()
+            if anew or self._why_stale(key, order) is not None
+        }
+        with working(len(set(stale.values()))):
+            made = make_all(list(stale.values()), jobs)
+        told: set[Diagnostic] = set()
+        for order in dict.fromkeys(stale.values()):
+            self.findings += [f for f in made[order].findings if f not in told]
+            told.update(made[order].findings)
+            self.status = max(self.status, 2 if made[order].unreadable else 0)
+        self._forget()
+        answers = [
+            self._answer(*key, made[stale[key]] if key in stale else None) for key in self.orders
+        ]
+        kept.write_entries(self.project, self.entries)
+        if any(one.state is State.FAILED for one in answers):
+            self.status = max(self.status, 1)
+        return Build(tuple(answers), tuple(self.findings), self.status)
+
+    def _why_stale(self, key: tuple[str, str], order: Order) -> str | None:
+        entry = self.entries.get(kept.key_of(*key))
+        return kept.why_stale(self.project, key[0], order, entry)
+
+    def _answer(self, target: str, program: str, made: Made | None) -> Built:
+        """Writes a program; None is one that has not changed."""
+        folder = self.project.folder / kept.BUILT / target
+        name = kept.key_of(target, program)
+        if made is None:
+            files = tuple(folder / file for file in sorted(self.entries[name].files))
+            return Built(target, program, State.UNCHANGED, files)
+        before = self.entries.get(name)
+        old = before.files if before is not None else {}
+        wanted = kept.wanted(self.project, self.orders[target, program])
+        # Kept with what is there of it, to be taken away when it is built again.
+        self.entries[name] = kept.Entry(wanted, {}, old)
+        new = {file: digest_of(data) for file, data in sorted(made.files.items())}
+        others = self._others(target, program)
+        clashes = [
+            file for file in new if others.get(file.lower(), ("", new[file]))[1] != new[file]
+        ]
+        for file in clashes:
+            first = others[file.lower()][0]
+            self.findings.append(
+                rules.SAME_FILE(place=name, first=first, second=program, file=file, target=target)
+            )
+        if not new or clashes:
+            return Built(target, program, State.FAILED)
+        try:
+            written = write_files({file: made.files[file] for file in new}, folder)
+        except Refused as refused:
+            self.findings += refused.findings
+            self.status = 2
+            return Built(target, program, State.FAILED)
+        stay = {file.lower() for file in new} | set(others)
+        _remove(folder, {file: old[file] for file in old if file.lower() not in stay})
+        self.entries[name] = kept.Entry(wanted, made.inputs, new)
+        return Built(target, program, State.BUILT, written, made.proof)
+
+    def _others(self, target: str, program: str) -> dict[str, tuple[str, str]]:
+        """Files of the other programs of a target, in lower case: whose, and their digests."""
+        place = next(one for one in self.project.places if one.name == target)
+        found: dict[str, tuple[str, str]] = {}
+        for recipe in place.recipes:
+            entry = self.entries.get(kept.key_of(target, recipe.name))
+            if recipe.name != program and entry is not None:
+                found.update({f.lower(): (recipe.name, d) for f, d in entry.files.items()})
+        return found
+
+    def _forget(self) -> None:
+        """Takes away what was built of programs that no target wants any more."""
+        wanted = {
+            kept.key_of(place.name, recipe.name): place.name
+            for place in self.project.places
+            for recipe in place.recipes
+        }
+        for name in set(self.entries) - set(wanted):
+            target = name.partition("/")[0]
+            still = {
+                file.lower()
+                for key, one in self.entries.items()
+                if key in wanted and wanted[key] == target
+                for file in one.files
+            }
+            there = self.entries.pop(name).files
+            gone = {file: there[file] for file in there if file.lower() not in still}
+            _remove(self.project.folder / kept.BUILT / target, gone)
+
+
+def _remove(folder: FilePath, files: Mapping[str, str]) -> None:
+    """Files of an earlier build by their digests; not if somebody has put others there since."""
+    for name, digest in files.items():
+        with contextlib.suppress(OSError):
+            if digest_of((folder / name).read_bytes()) == digest:
+                (folder / name).unlink()

@@ -1,0 +1,100 @@
+"""What a program was made of: the files that were opened meanwhile, and their digests."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path as FilePath
+from typing import Final
+
+Digests = Mapping[str, str | None]
+"""File or folder (with a `/` at its end), from the project's folder → SHA-256 of its bytes or of
+the names of its files; None for one that is not there.
+"""
+
+NOT_SOURCES: Final = (".py", ".pyc", ".so", ".pyd", ".dll")
+"""Of this program itself, where its environment is in the project's folder."""
+WRITING: Final = os.O_WRONLY | os.O_RDWR
+
+
+@contextmanager
+def watched(folder: FilePath) -> Iterator[set[str]]:
+    """Fills a set with the files below a folder that are read inside, folders that are listed too.
+
+    Hidden ones are left out, and so is Python. One at a time in a process.
+    """
+    _listen()
+    root, found = folder.resolve(), set[str]()
+    seen: list[tuple[str, bool]] = []
+    _heard.append(seen)
+    try:
+        yield found
+    finally:
+        _heard.remove(seen)
+        for path, is_folder in seen:
+            name = _below(root, FilePath(path))
+            if name is not None:
+                found.add(f"{name}/" if is_folder else name)
+
+
+def digests(folder: FilePath, names: set[str]) -> dict[str, str | None]:
+    """Of files and folders as they are now, sorted by name."""
+    return {name: _digest(folder, name) for name in sorted(names)}
+
+
+def same(folder: FilePath, known: Digests) -> bool:
+    """Whether all of them are as they were."""
+    return all(_digest(folder, name) == digest for name, digest in known.items())
+
+
+def digest_of(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()
+
+
+def _digest(folder: FilePath, name: str) -> str | None:
+    path = folder / name
+    try:
+        if name.endswith("/"):
+            names = sorted(one.name for one in path.iterdir() if one.is_file())
+            plain = (one for one in names if not one.startswith("."))
+            return digest_of("\0".join(plain).encode("utf-8", "surrogateescape"))
+        return digest_of(path.read_bytes())
+    except OSError:
+        return None
+
+
+def _below(root: FilePath, path: FilePath) -> str | None:
+    """The name from the folder, None for what is no source in it."""
+    try:
+        inside = path.resolve().relative_to(root)
+    except (ValueError, OSError, RuntimeError):
+        return None
+    hidden = any(part.startswith(".") for part in inside.parts)
+    return None if hidden or path.suffix.lower() in NOT_SOURCES else inside.as_posix()
+
+
+_heard: Final[list[list[tuple[str, bool]]]] = []
+_LISTENING: Final[list[bool]] = []
+
+
+def _listen() -> None:
+    if not _LISTENING:
+        _LISTENING.append(True)
+        sys.addaudithook(_hear)
+
+
+def _hear(event: str, arguments: tuple[object, ...]) -> None:
+    """Events `open`, `os.listdir` and `os.scandir` of Python's table of audit events."""
+    if not _heard or event not in ("open", "os.listdir", "os.scandir"):
+        return
+    path = arguments[0]
+    if not isinstance(path, str | bytes | os.PathLike):
+        return  # a descriptor that was opened before
+    is_folder = event != "open"
+    if is_folder or not (isinstance(arguments[2], int) and arguments[2] & WRITING):
+        name = os.fsdecode(path)
+        for seen in _heard:
+            seen.append((str(FilePath(name).absolute()), is_folder))

@@ -1,0 +1,109 @@
+"""What the last build left: `.robot-assistant/build.json`.
+
+For each program of each target the digests of what it was made of and of what came out, so that
+the next build knows what has not changed.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path as FilePath
+from typing import Any, Final
+
+from assistant import __version__
+from assistant.compiler.output import write_files
+from assistant.project.inputs import Digests, digest_of, same
+from assistant.project.layout import KEPT, Project
+from assistant.project.making import Order
+
+FORMAT: Final = 1
+FILE: Final = "build.json"
+BUILT: Final = "build"
+"""Below the project's folder: what is built, a folder for each target."""
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A program of a target. wanted: digest of its options. files: of what was written, by name.
+
+    inputs: see `inputs`; empty if it could not be built, so that it is tried again.
+    """
+
+    wanted: str
+    inputs: Mapping[str, str | None] = field(default_factory=dict)
+    files: Mapping[str, str] = field(default_factory=dict)
+
+
+Entries = dict[str, Entry]
+"""By target and program, as `cell1/plate`."""
+
+
+def key_of(target: str, program: str) -> str:
+    return f"{target}/{program}"
+
+
+def wanted(project: Project, order: Order) -> str:
+    """The digest of all that is wanted of a program, and of who makes it."""
+    options: dict[str, Any] = {"version": __version__, "settings": project.settings}
+    for name, value in {**asdict(order.recipe), "taken": order.taken, "arm": order.arm}.items():
+        options[name] = _portable(project, value)
+    return digest_of(json.dumps(options, sort_keys=True).encode("utf-8", "surrogatepass"))
+
+
+def _portable(project: Project, value: object) -> object:
+    """A path from the project's folder: the same in each copy of the project."""
+    if isinstance(value, str | FilePath) and FilePath(value).is_absolute():
+        path = FilePath(value)
+        return path.relative_to(project.folder).as_posix() if _within(project, path) else str(path)
+    return list(value) if isinstance(value, tuple) else value
+
+
+def _within(project: Project, path: FilePath) -> bool:
+    return path.is_relative_to(project.folder)
+
+
+def why_stale(project: Project, target: str, order: Order, entry: Entry | None) -> str | None:
+    """Why what was built of a program is not what a build would make now, None if it is."""
+    if entry is None or not entry.inputs:
+        return "it was never built" if entry is None else "the last build of it failed"
+    if entry.wanted != wanted(project, order):
+        return "its options were changed since"
+    if not same(project.folder, entry.inputs):
+        return "a file that it is made of was changed since"
+    folder = project.folder / BUILT / target
+    for name, digest in entry.files.items():
+        try:
+            if digest_of((folder / name).read_bytes()) != digest:
+                return f"`{BUILT}/{target}/{name}` was changed by somebody"
+        except OSError:
+            return f"`{BUILT}/{target}/{name}` is not there"
+    return None
+
+
+def read_entries(project: Project) -> Entries:
+    """Those of the last build; none if the file is missing or damaged: all is built again then."""
+    try:
+        content = json.loads((project.kept / FILE).read_bytes())
+        if content["format"] != FORMAT:
+            return {}
+        entries = {str(key): _entry(row) for key, row in content["built"].items()}
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        return {}
+    return entries
+
+
+def _entry(row: Mapping[str, Any]) -> Entry:
+    inputs: Digests = {str(key): value for key, value in row["inputs"].items()}
+    files = {str(name): str(digest) for name, digest in row["files"].items()}
+    if any(FilePath(name).name != name or name in ("", ".", "..") for name in files):
+        raise ValueError("a name of a file leads elsewhere")
+    return Entry(str(row["wanted"]), inputs, files)
+
+
+def write_entries(project: Project, entries: Entries) -> None:
+    """Raises Refused (exit status 2) if that cannot be."""
+    rows = {key: asdict(entries[key]) for key in sorted(entries)}
+    text = json.dumps({"format": FORMAT, "built": rows}, indent=1, sort_keys=True) + "\n"
+    write_files({FILE: text.encode()}, project.folder / KEPT)

@@ -1,0 +1,303 @@
+"""A project as its file lays it out: programs, targets, and how deployments go."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path as FilePath
+from pathlib import PurePosixPath
+from typing import Any, Final
+
+from assistant import languages, robots
+from assistant.controllers import Named, controllers_of
+from assistant.controllers.controller import LANGUAGES
+from assistant.controllers.named import ROBOT_FILES, SECRET
+from assistant.languages.language import Frames
+from assistant.program.diagnostics import Diagnostic, Refused, has_errors
+from assistant.project import rules
+from assistant.project.tables import DEPLOYING, FILES, NAME, PROGRAM, ROBOTS, TARGET, readers
+from assistant.sources import project as files
+from assistant.sources.process.table import Page, Table, nearest
+from assistant.sources.process.values import listed, shown
+
+KEPT: Final = FilePath(".robot-assistant")
+"""Below the project's folder: what commands keep from one to the next."""
+
+
+@dataclass(frozen=True, slots=True)
+class Recipe:
+    """How a program is made; see `compile` for its options.
+
+    name: in [programs], or the file from the project's folder of one that stands there ready.
+    Files are absolute, robots names of the catalogue or absolute files.
+    """
+
+    name: str
+    source: FilePath
+    language: str | None = None
+    robot: str | None = None
+    process: FilePath | None = None
+    unit: str | None = None
+    from_language: str | None = None
+    from_robot: str | None = None
+    entry: str | None = None
+    most_targets: int | None = None
+    frames: Frames = "base"
+    prove: bool = False
+    signals: FilePath | None = None
+    seed: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A target of deployments. task: "" for the first one. load: see `deploy.plan`."""
+
+    name: str
+    controller: Named
+    recipes: tuple[Recipe, ...]
+    task: str = ""
+    load: bool = False
+
+    @property
+    def languages(self) -> tuple[str, ...]:
+        """What some controller behind that address takes."""
+        return LANGUAGES[self.controller.address.scheme]
+
+
+@dataclass(frozen=True, slots=True)
+class Project:
+    """folder: of its file. settings: digest of what its other tables say."""
+
+    folder: FilePath
+    file: FilePath
+    programs: Mapping[str, Recipe] = field(default_factory=dict)
+    places: tuple[Place, ...] = ()
+    parallel: int | None = None
+    canary: str | None = None
+    settings: str = ""
+
+    @property
+    def kept(self) -> FilePath:
+        return self.folder / KEPT
+
+
+def project_of(folder: FilePath | None = None) -> Project:
+    """The project of a folder, default this one, or of one above it.
+
+    Raises Unreadable and Refused (exit status 2) with all that is wrong in its file.
+    """
+    here = (folder or FilePath.cwd()).absolute()
+    found = files.project_of(here)
+    if found is None:
+        what = f"neither `{here}` nor a folder above it has an assistant.toml"
+        raise Refused(rules.NO_PROJECT(what=what), exit_status=2)
+    controllers = controllers_of(here)
+    page = Page(found.source, found.spans)
+    content = found.content
+    if not isinstance(content, Mapping):
+        page.say(rules.NO_TABLE, found.table, key=".".join(found.table))
+        content = {}
+    top = Table(page, found.table, content)
+    project = _Reader(top, FilePath(found.source.path or "").absolute(), controllers).project()
+    if has_errors(page.findings):
+        ordered = sorted(page.findings, key=lambda finding: finding.line or 0)
+        raise Refused(*map(_without_secret, ordered), exit_status=2)
+    return project
+
+
+def _without_secret(finding: Diagnostic) -> Diagnostic:
+    """Without its line, if a password may stand in it."""
+    secret = finding.excerpt is not None and SECRET.search(finding.excerpt)
+    return replace(finding, excerpt=None) if secret else finding
+
+
+def tables() -> tuple[str, ...]:
+    """The tables that a project's file may have."""
+    of_languages = {language.table for language in map(languages.get, languages.names())} - {""}
+    own = (files.CONTROLLERS, files.PROGRAMS, files.TARGETS, files.DEPLOY, "severity")
+    return (*own, *sorted(of_languages))
+
+
+class _Reader:
+    """Reads the tables of a project. top: ours in its file."""
+
+    def __init__(self, top: Table, file: FilePath, controllers: Mapping[str, Named]) -> None:
+        self.top, self.file, self.folder = top, file, file.parent
+        self.controllers = controllers
+
+    def project(self) -> Project:
+        self.top.read(dict.fromkeys(tables(), _as_it_is))
+        recipes = {
+            name: recipe
+            for name, table in self._named(files.PROGRAMS, "program")
+            if (recipe := self._recipe(name, table)) is not None
+        }
+        places = [
+            place
+            for name, table in self._named(files.TARGETS, "target")
+            if (place := self._place(name, table, recipes)) is not None
+        ]
+        self._check_apart(places)
+        deploying = self._table(files.DEPLOY).read(readers(DEPLOYING))
+        canary = deploying.get("canary")
+        there = self._table(files.TARGETS).content
+        if canary is not None and canary not in there:
+            self._unknown(self._table(files.DEPLOY), "canary", "target", canary, list(there))
+        return Project(
+            self.folder,
+            self.file,
+            recipes,
+            tuple(places),
+            deploying.get("parallel"),
+            canary,
+            self._settings(),
+        )
+
+    def _settings(self) -> str:
+        own = (files.CONTROLLERS, files.PROGRAMS, files.TARGETS, files.DEPLOY)
+        others = {key: value for key, value in self.top.content.items() if key not in own}
+        text = json.dumps(others, sort_keys=True, default=str)
+        return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()
+
+    def _table(self, key: str) -> Table:
+        content = self.top.content.get(key, {})
+        return Table(self.top.page, (*self.top.path, key), content if type(content) is dict else {})
+
+    def _named(self, key: str, kind: str) -> Sequence[tuple[str, Table]]:
+        content = self.top.content.get(key, {})
+        if not isinstance(content, dict):
+            self.top.say(rules.NO_TABLE, key, key=".".join((*self.top.path, key)))
+        table = self._table(key)
+        for name in table.content:
+            if NAME.fullmatch(name) is None:
+                table.say(rules.BAD_NAME, name, name=shown(name), kind=kind)
+        return [
+            (name, inside)
+            for name, inside in table.named(identifiers=False)
+            if NAME.fullmatch(name) is not None
+        ]
+
+    # ------------------------------------------------------------------------------ programs
+
+    def _recipe(self, name: str, table: Table) -> Recipe | None:
+        given = table.read(readers(PROGRAM))
+        if "source" not in table.content:
+            table.say(rules.MISSING, name=name, key="source", example='"FILE"')
+        paths = {key: self._file(table, key, given[key]) for key in FILES if key in given}
+        arms = {key: self._robot(table, key, given[key]) for key in ROBOTS if key in given}
+        source = paths.get("source")
+        if source is None:
+            return None
+        return Recipe(
+            name,
+            source,
+            given.get("language"),
+            arms.get("robot"),
+            paths.get("process"),
+            given.get("unit"),
+            given.get("from"),
+            arms.get("from_robot"),
+            given.get("entry"),
+            given.get("most_targets"),
+            given.get("frames", "base"),
+            given.get("prove", False),
+            paths.get("signals"),
+            given.get("seed", 0),
+        )
+
+    def _file(self, table: Table, key: str, text: str) -> FilePath | None:
+        """A file of the project, None with a finding if it is none."""
+        file = inside(self.folder, text)
+        if file is None:
+            table.say(rules.OUTSIDE, key, file=shown(text))
+        elif not file.is_file():
+            cure = self._near_file(file)
+            table.say(rules.NO_FILE, key, key=key, file=shown(text), cure=cure)
+        else:
+            return file
+        return None
+
+    def _near_file(self, file: FilePath) -> str:
+        """What to write instead of a file that is not there."""
+        beside = file.parent if file.parent.is_dir() else self.folder
+        names = sorted(one.name for one in beside.iterdir() if one.is_file())
+        near = nearest(file.name, names)
+        if near is None:
+            return "put it there, or correct its name"
+        return f"write `{(beside / near).relative_to(self.folder).as_posix()}`"
+
+    def _robot(self, table: Table, key: str, text: str) -> str | None:
+        if text.lower().endswith(ROBOT_FILES):
+            file = self._file(table, key, text)
+            return None if file is None else str(file)
+        if text not in robots.names():
+            self._unknown(table, key, "robot", text, robots.names())
+            return None
+        return text
+
+    # ------------------------------------------------------------------------------- targets
+
+    def _place(self, name: str, table: Table, recipes: Mapping[str, Recipe]) -> Place | None:
+        given = table.read(readers(TARGET))
+        wanted = given.get("controller", name)
+        controller = self.controllers.get(wanted)
+        if controller is None and ("controller" in given or "controller" not in table.content):
+            at = "controller" if "controller" in given else None
+            self._unknown(table, at, "controller", wanted, list(self.controllers))
+        named = given.get("programs", ())
+        if not named and ("programs" in given or "programs" not in table.content):
+            table.say(rules.NO_PROGRAMS, "programs" if "programs" in given else None, name=name)
+        made = [self._wanted(table, one, recipes) for one in dict.fromkeys(named)]
+        if controller is None:
+            return None
+        there = tuple(recipe for recipe in made if recipe is not None)
+        place = Place(name, controller, there, given.get("task", ""), given.get("load", False))
+        for recipe in there:
+            if recipe.language is not None and recipe.language not in place.languages:
+                taken = listed(place.languages)
+                fields = {"name": recipe.name, "given": recipe.language, "taken": taken}
+                table.say(rules.NOT_TAKEN, "programs", **fields)
+        return place
+
+    def _wanted(self, table: Table, text: str, recipes: Mapping[str, Recipe]) -> Recipe | None:
+        """A program by its name, or a file of the project."""
+        if text in recipes:
+            return recipes[text]
+        known = list(self._table(files.PROGRAMS).content)
+        if text in known:
+            return None  # what is wrong with it is said there
+        if FilePath(text).suffix or "/" in text:
+            file = self._file(table, "programs", text)
+            return None if file is None else Recipe(PurePosixPath(text).as_posix(), file)
+        self._unknown(table, "programs", "program", text, known)
+        return None
+
+    def _check_apart(self, places: Sequence[Place]) -> None:
+        seen: dict[tuple[str, str], str] = {}
+        for place in places:
+            key = (str(place.controller.address) + place.controller.address.name, place.task)
+            other = seen.setdefault(key, place.name)
+            if other != place.name:
+                table = self._table(files.TARGETS)
+                table.say(rules.SAME_TARGET, place.name, name=place.name, other=other)
+
+    def _unknown(
+        self, table: Table, key: str | None, kind: str, name: str, known: Sequence[str]
+    ) -> None:
+        near = nearest(name, list(known))
+        cure = f"write `{near}`" if near else f"there are: {listed(list(known))}"
+        table.say(rules.UNKNOWN, key, kind=kind, name=shown(name), cure=cure)
+
+
+def inside(folder: FilePath, text: str) -> FilePath | None:
+    """A path from a folder, None if it leads out of it, by a link as well."""
+    parts = PurePosixPath(text.replace("\\", "/"))
+    if "\0" in text or parts.is_absolute() or ":" in parts.parts[0] or ".." in parts.parts:
+        return None
+    file = folder.joinpath(*parts.parts)
+    return file if file.resolve().is_relative_to(folder.resolve()) else None
+
+
+_as_it_is: Final[Callable[[Any], Any]] = lambda value: value  # noqa: E731

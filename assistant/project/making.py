@@ -1,0 +1,217 @@
+"""Making programs of a project: each by itself, several at once in processes of their own."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass, field, replace
+from multiprocessing import get_context
+from pathlib import Path as FilePath
+
+from assistant import languages
+from assistant.compiler import compile
+from assistant.compiler.arms import robot_of
+from assistant.compiler.loading import language_of, load, read_trees
+from assistant.compiler.motion import Proving
+from assistant.findings.project_severities import settle
+from assistant.languages import Tree
+from assistant.program.diagnostics import Diagnostic, Refused, has_errors
+from assistant.program.failing import details_wanted, failure
+from assistant.program.text import read_bytes
+from assistant.project import rules
+from assistant.project.inputs import Digests, digests, watched
+from assistant.project.layout import Place, Recipe
+from assistant.sources import PROCESS_SUFFIX, READERS
+from assistant.sources.process.values import listed
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """A program that is wanted: of a recipe, for a controller that takes these languages.
+
+    folder: of the project. robot: of the controller, if the recipe names none.
+    """
+
+    folder: FilePath
+    recipe: Recipe
+    taken: tuple[str, ...]
+    robot: str | None = None
+
+    @property
+    def arm(self) -> str | None:
+        return self.recipe.robot or self.robot
+
+
+@dataclass(frozen=True, slots=True)
+class Made:
+    """A program that was made.
+
+    files: bytes by name, empty if anything forbids them. inputs: what they were made of. origins:
+    source of each file that was taken as it is. proof: a line each. unreadable: whether something
+    could not be read at all.
+    """
+
+    files: Mapping[str, bytes] = field(default_factory=dict)
+    inputs: Digests = field(default_factory=dict)
+    origins: Mapping[str, str] = field(default_factory=dict)
+    findings: tuple[Diagnostic, ...] = ()
+    proof: tuple[str, ...] = ()
+    unreadable: bool = False
+
+
+def order_of(folder: FilePath, place: Place, recipe: Recipe) -> Order:
+    return Order(folder, recipe, place.languages, place.controller.robot)
+
+
+def make_all(orders: Sequence[Order], jobs: int | None = None) -> dict[Order, Made]:
+    """Makes each, with at most so many processes; default as many as there are processors."""
+    wanted = list(dict.fromkeys(orders))
+    count = min(len(wanted), jobs or os.cpu_count() or 1)
+    if count <= 1:
+        return {order: make(order) for order in wanted}
+    made: dict[Order, Made] = {}
+    with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
+        answers = {order: pool.submit(make, order) for order in wanted}
+        for order, answer in answers.items():
+            try:
+                made[order] = answer.result()
+            except BrokenProcessPool:
+                name = order.recipe.name
+                made[order] = Made(findings=(rules.DIED(place=name, name=name),), unreadable=True)
+    return made
+
+
+def make(order: Order) -> Made:
+    """Makes one; what is refused, or fails, is in its findings."""
+    name = shown_path(order.recipe.source)
+    with watched(order.folder) as opened:
+        made = _made(order, name)
+    inputs = digests(order.folder, opened | set(_asked_for(order)))
+    found = settle([finding.within(name) for finding in made.findings]).left
+    files = {} if has_errors(found) else made.files
+    return replace(made, inputs=inputs, findings=found, files=files)
+
+
+def shown_path(path: FilePath) -> str:
+    """From the working folder, if it is in it."""
+    with contextlib.suppress(ValueError, OSError):
+        return str(path.relative_to(FilePath.cwd()))
+    return str(path)
+
+
+def _asked_for(order: Order) -> Iterator[str]:
+    """Files that change what is made by being there; who only looks for them opens nothing."""
+    recipe, folder = order.recipe, order.folder
+    beside = recipe.source.with_suffix(PROCESS_SUFFIX)
+    for file in (recipe.source, recipe.process or beside, recipe.signals):
+        if file is not None:
+            yield file.relative_to(folder).as_posix()
+
+
+def _made(order: Order, name: str) -> Made:
+    try:
+        return _as_it_is(order, name) or _compiled(order, name)
+    except Refused as refused:
+        return Made(findings=refused.findings, unreadable=refused.exit_status == 2)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        finding = rules.NOT_KEPT(file=error.filename or name, reason=reason)
+        return Made(findings=(finding,), unreadable=True)
+    except Exception as error:
+        if details_wanted():
+            raise
+        return Made(findings=(failure(error),), unreadable=True)
+
+
+def _spoken(recipe: Recipe) -> str | None:
+    """The robot language of a source, None for drawings, tables and pseudo-programs."""
+    if recipe.from_language is not None:
+        return recipe.from_language
+    if recipe.source.suffix.lower() in READERS:
+        return None
+    spoken = languages.of_file(recipe.source, read_bytes(recipe.source))
+    return None if spoken is None else spoken.name
+
+
+def _language(order: Order, spoken: str | None) -> str:
+    """What the program is to be in; raises Refused if nobody says it."""
+    if order.recipe.language is not None:
+        return order.recipe.language
+    arm = robot_of(order.arm)
+    runs = order.taken if arm is None else tuple(x for x in arm.languages if x in order.taken)
+    if spoken in (runs or order.taken):
+        return str(spoken)
+    if len(order.taken) == 1:
+        return order.taken[0]
+    if arm is None or not runs:
+        finding = rules.OPEN_LANGUAGE(name=order.recipe.name, taken=listed(order.taken))
+        raise Refused(finding)
+    return runs[0]
+
+
+def _as_it_is(order: Order, name: str) -> Made | None:
+    """A source that is already what is wanted, with the files that it calls; None for others."""
+    recipe = order.recipe
+    spoken = _spoken(recipe)
+    plain = Recipe(recipe.name, recipe.source, recipe.language, recipe.robot, from_language=spoken)
+    if spoken is None or replace(recipe, from_language=spoken) != plain:
+        return None
+    if _language(order, spoken) != spoken:
+        return None
+    language = language_of(spoken)
+    trees: Sequence[Tree] = read_trees(
+        language, [language.read(name)], beside=FilePath(name).parent
+    )
+    found = tuple(finding for tree in trees for finding in tree.findings)
+    files: dict[str, bytes] = {}
+    origins: dict[str, str] = {}
+    for path in _paths(trees):
+        if not FilePath(path).resolve().is_relative_to(order.folder.resolve()):
+            found = (*found, rules.NOT_BESIDE(path=name, file=path))
+            continue
+        files[FilePath(path).name] = read_bytes(path)
+        origins[FilePath(path).name] = path
+    return Made(files, origins=origins, findings=found)
+
+
+def _paths(trees: Sequence[Tree]) -> Iterator[str]:
+    for tree in trees:
+        if tree.source is not None and tree.source.path is not None:
+            yield tree.source.path
+
+
+def _compiled(order: Order, name: str) -> Made:
+    recipe = order.recipe
+    spoken = _spoken(recipe)
+    source = name
+    given = None
+    if recipe.from_language is not None:
+        given = load(
+            source,
+            process=_named(recipe.process),
+            robot=robot_of(recipe.from_robot),
+            language=recipe.from_language,
+            unit=recipe.unit,
+        )
+    script = _named(recipe.signals)
+    compiled = compile(
+        given or source,
+        language=_language(order, spoken),
+        robot=robot_of(order.arm),
+        process=_named(recipe.process),
+        unit=recipe.unit,
+        from_robot=recipe.from_robot,
+        most_targets=recipe.most_targets,
+        frames=recipe.frames,
+        entry=recipe.entry,
+        proving=Proving(script=script, seed=recipe.seed) if recipe.prove else None,
+    )
+    files = compiled.files if compiled.ok else {}
+    return Made(files, findings=compiled.findings, proof=tuple(compiled.proof_lines()))
+
+
+def _named(path: FilePath | None) -> str | None:
+    return None if path is None else shown_path(path)

@@ -1,0 +1,115 @@
+"""What the tables of a project's file may hold: each key with its reader and its JSON schema.
+
+[programs.plate]                  # a source, with options as `compile` has them
+source = "drawings/plate.dxf"     # paths go from the folder of the project's file
+process = "drawings/plate.process.toml"
+
+[targets.cell1]                   # what a controller gets
+controller = "cell1"              # of [controllers]; default the name of the target
+programs = ["plate", "hand/seam.mod"]
+task = "T_ROB1"                   # that modules are loaded in; default the first one
+load = true                       # also modules that are not loaded yet
+
+[deploy]
+parallel = 4                      # controllers at a time
+canary = "cell1"                  # the target that goes first, alone
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Final, get_args
+
+from assistant import languages
+from assistant.languages.language import Frames
+from assistant.sources.lengths import UNITS
+from assistant.sources.process import values
+from assistant.sources.process.values import Read, Wrong
+
+NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,59}")
+"""Of programs and targets: they become names of folders."""
+TASK: Final = re.compile(r"[A-Za-z]\w{0,31}", re.ASCII)
+MOST_TARGETS: Final = 10_000_000
+MOST_AT_ONCE: Final = 256
+MOST_SEED: Final = 2**31 - 1
+TEXT: Final[Mapping[str, object]] = {"type": "string", "pattern": r"\S"}
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """A key of a table. form: JSON schema of its values. about: what it says, for editors."""
+
+    read: Read
+    form: Mapping[str, object]
+    about: str
+
+
+def task_name(value: Any) -> str:
+    given = values.text(value)
+    if TASK.fullmatch(given) is None:
+        raise Wrong(f'is "{values.shown(given)}", which is no task', 'write a name, as "T_ROB1"')
+    return given
+
+
+def _text(about: str) -> Key:
+    return Key(values.text, TEXT, about)
+
+
+def _choice(words: tuple[str, ...], about: str) -> Key:
+    return Key(values.choice(*words), {"enum": list(words)}, about)
+
+
+def _whole(least: int, most: int, about: str) -> Key:
+    form = {"type": "integer", "minimum": least, "maximum": most}
+    return Key(values.whole(least, most), form, about)
+
+
+def _truth(about: str) -> Key:
+    return Key(values.truth, {"type": "boolean"}, about)
+
+
+SPOKEN: Final = languages.names()
+
+PROGRAM: Final[Mapping[str, Key]] = {
+    "source": _text("Drawing, table, pseudo-program or robot program, from the project's folder."),
+    "language": _choice(SPOKEN, "To write; default what the target's controller takes."),
+    "robot": _text("Arm that runs it, by name or file; default that of the controller."),
+    "process": _text("Process file; default NAME.process.toml beside the source."),
+    "unit": _choice(tuple(UNITS), "That a drawing is in, whatever it says itself."),
+    "from": _choice(SPOKEN, "Language of the source, if its name does not tell."),
+    "from_robot": _text("Arm that a robot program was written for, by name or file."),
+    "entry": _text("Procedure that the program begins with; default its main."),
+    "most_targets": _whole(10, MOST_TARGETS, "Of one unit; default the language's own limit."),
+    "frames": _choice(get_args(Frames), "How a language without work objects says them."),
+    "prove": _truth("Run the source and what is written, and compare what they do."),
+    "signals": _text("With prove: a script of the inputs; default a search for all branches."),
+    "seed": _whole(0, MOST_SEED, "With prove: of what the search draws."),
+}
+TARGET: Final[Mapping[str, Key]] = {
+    "controller": _text("Name in [controllers]; default the name of the target."),
+    "programs": Key(
+        values.texts,
+        {"type": "array", "items": TEXT, "minItems": 1},
+        "Names of [programs], or program files from the project's folder.",
+    ),
+    "task": Key(
+        task_name,
+        {"type": "string", "pattern": f"^{TASK.pattern}$"},
+        "That modules are loaded in; default the first one.",
+    ),
+    "load": _truth("Also load modules that are not loaded yet."),
+}
+DEPLOYING: Final[Mapping[str, Key]] = {
+    "parallel": _whole(1, MOST_AT_ONCE, "Controllers at a time."),
+    "canary": _text("Target that goes first, alone; the others follow if it goes well."),
+}
+FILES: Final = ("source", "process", "signals")
+"""Keys of a program that name files."""
+ROBOTS: Final = ("robot", "from_robot")
+"""Keys that name a robot of the catalogue, or its file."""
+
+
+def readers(keys: Mapping[str, Key]) -> dict[str, Read]:
+    return {name: key.read for name, key in keys.items()}

@@ -1,0 +1,156 @@
+"""Virtual controllers of a project: each runs as long as a command needs it.
+
+`.robot-assistant/virtual/<name>/` holds what a real one keeps when it is switched off: HOME: and
+the program memory of an IRC5, the programs of a CR.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import replace
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Final
+
+from assistant import robots
+from assistant.compiler.output import write_files
+from assistant.controllers import Credentials, Named, Programs, connect
+from assistant.program.diagnostics import Refused
+from assistant.project import rules
+
+if TYPE_CHECKING:
+    from assistant.virtual.irc5 import VirtualIrc5
+    from assistant.virtual.irc5.programs import Programs as Memory
+
+FOLDER: Final = "virtual"
+HOME: Final = "home"
+MEMORY: Final = "memory.json"
+PROGRAMS: Final = "programs"
+LOCK: Final = "lock"
+PATIENCE: Final = 30.0
+"""Seconds for which another command may have the controller."""
+ENCODING: Final = "utf-8"
+Starting = Callable[[Named, FilePath, float | None], AbstractContextManager[Programs]]
+
+
+@contextmanager
+def running(
+    controller: Named, kept: FilePath, *, timeout: float | None = None
+) -> Iterator[Programs]:
+    """A client, not connected yet, of a virtual controller that runs inside.
+
+    kept: `.robot-assistant` of the project. timeout: of the client. Raises Refused.
+    """
+    from filelock import FileLock, Timeout
+
+    assert controller.virtual is not None
+    folder = kept / FOLDER / controller.name
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        lock = FileLock(folder / LOCK, timeout=PATIENCE)
+        lock.acquire()
+    except Timeout:
+        finding = rules.BUSY(place=controller.name, name=controller.name)
+        raise Refused(finding, exit_status=2) from None
+    except OSError as error:
+        raise _not_started(controller, error.strerror or str(error)) from None
+    try:
+        with STARTING[controller.virtual](controller, folder, timeout) as client:
+            yield client
+    finally:
+        lock.release()
+
+
+@contextmanager
+def _irc5(controller: Named, folder: FilePath, timeout: float | None) -> Iterator[Programs]:
+    from assistant.virtual.irc5 import VirtualIrc5
+
+    arm, home = _arm(controller), folder / HOME
+    virtual = (
+        VirtualIrc5(home, rwss=None) if arm is None else VirtualIrc5(home, robot=arm, rwss=None)
+    )
+    _start(controller, virtual.start)
+    try:
+        _remember(virtual, folder / MEMORY)
+        try:
+            yield _client(controller, virtual.rws_port, timeout, virtual.user, virtual.password)
+        finally:
+            _keep(virtual, folder)
+    finally:
+        virtual.stop()
+
+
+@contextmanager
+def _cr(controller: Named, folder: FilePath, timeout: float | None) -> Iterator[Programs]:
+    from assistant.virtual.cr import VirtualCr
+
+    arm, programs = _arm(controller), folder / PROGRAMS
+    try:
+        virtual = VirtualCr(folder=programs) if arm is None else VirtualCr(arm, folder=programs)
+    except (ValueError, OSError) as error:
+        raise _not_started(controller, str(error)) from None
+    _start(controller, virtual.start)
+    try:
+        yield _client(controller, virtual.port, timeout)
+    finally:
+        virtual.stop()
+
+
+STARTING: Final[dict[str, Starting]] = {"irc5": _irc5, "cr": _cr}
+
+
+def _arm(controller: Named) -> str | None:
+    """The robot that the controller moves, None for the one that it has by itself."""
+    if controller.robot is None or controller.robot in robots.names():
+        return controller.robot
+    raise _not_started(controller, f"`{controller.robot}` is no robot of the catalogue")
+
+
+def _start(controller: Named, start: Callable[[], None]) -> None:
+    try:
+        start()
+    except (OSError, ImportError) as error:
+        raise _not_started(controller, str(error)) from None
+
+
+def _client(
+    controller: Named, port: int, timeout: float | None, user: str = "", password: str = ""
+) -> Programs:
+    there = replace(controller, address=replace(controller.address, port=port), virtual=None)
+    return connect(there, credentials=Credentials(user, password), timeout=timeout)
+
+
+def _not_started(controller: Named, reason: str) -> Refused:
+    finding = rules.NOT_STARTED(place=controller.name, name=controller.name, reason=reason)
+    return Refused(finding, exit_status=2)
+
+
+# ------------------------------------------------------------------------------ program memory
+
+
+def _keep(virtual: VirtualIrc5, folder: FilePath) -> None:
+    """The modules in memory, with the values that their data have now."""
+
+    def texts(memory: Memory) -> list[dict[str, str]]:
+        return [
+            {"name": one.name, "file": one.file, "text": memory.text(one)}
+            for one in memory.modules.values()
+        ]
+
+    data = json.dumps(virtual.cabinet.do(texts), indent=1) + "\n"
+    write_files({MEMORY: data.encode()}, folder)
+
+
+def _remember(virtual: VirtualIrc5, file: FilePath) -> None:
+    """What was in memory when it last ended; nothing of a file that is damaged."""
+    from assistant.virtual.irc5.programs import Module, NotPossible, read_module
+
+    try:
+        rows = json.loads(file.read_bytes())
+        found: list[Module] = []
+        for row in rows:
+            found += read_module(str(row["file"]), str(row["text"]).encode(ENCODING))
+        virtual.cabinet.do(lambda memory: memory.restore(found))
+    except (OSError, ValueError, KeyError, TypeError, NotPossible):
+        return  # as after a start without memory: everything is loaded again
