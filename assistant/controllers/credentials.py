@@ -42,6 +42,15 @@ def variable(controller: str, what: str) -> str:
     return f"{PREFIX}{controller.upper().replace('-', '_')}_{what}"
 
 
+def without_passwords(environment: Mapping[str, str] = os.environ) -> dict[str, str]:
+    """The environment for another process, which has no business with controllers."""
+    return {
+        name: value
+        for name, value in environment.items()
+        if not (name.upper().startswith(PREFIX) and name.upper().endswith("PASSWORD"))
+    }
+
+
 def find(
     address: Address,
     *,

@@ -18,12 +18,15 @@ from datetime import UTC, datetime
 from pathlib import Path as FilePath
 from typing import Any, Final
 
+from assistant.controllers.credentials import without_passwords
 from assistant.controllers.states import Identity
 from assistant.deploy import rules
 from assistant.deploy.held import Digests
 from assistant.program.diagnostics import Refused
 
 FORMAT: Final = 1
+GIT: Final = ("git", "-c", "core.fsmonitor=false")
+"""Starts no program that a repository names to watch its files."""
 LONGEST: Final = 1_000_000
 """Bytes of a record that is looked at."""
 
@@ -92,9 +95,16 @@ def read_record(data: bytes, place: str) -> Record:
 
 def commit_of(folder: FilePath) -> str:
     """Of the repository around a folder, with `-dirty` if it has changes; "" if there is none."""
-    command = ["git", "describe", "--always", "--abbrev=40", "--dirty", "--exclude=*"]
+    command = [*GIT, "describe", "--always", "--abbrev=40", "--dirty", "--exclude=*"]
     try:
-        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=10)  # noqa: S603
+        done = subprocess.run(  # noqa: S603
+            command,
+            cwd=folder,
+            capture_output=True,
+            text=True,
+            timeout=10,
+            env=without_passwords(),
+        )
     except (OSError, subprocess.TimeoutExpired):
         return ""
     return done.stdout.strip() if done.returncode == 0 else ""
