@@ -8,7 +8,7 @@ from typing import Annotated, Final
 import typer
 
 from assistant import __version__
-from assistant.cli import on_arms, on_controllers, projects
+from assistant.cli import deployments, on_arms, on_controllers, projects
 from assistant.cli.exchanges import exchange
 from assistant.cli.options import (
     EntryOption,
@@ -289,46 +289,10 @@ app.command()(run)
 app.command()(debug)
 
 
-@app.command()
-def deploy(
-    files: Annotated[list[Path], typer.Argument(help="Robot programs to install.")],
-    to: Annotated[
-        str, typer.Option(help="Controller: its name in assistant.toml, or its address.")
-    ],
-    dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Only show what would change.")
-    ] = False,
-    replace: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME",
-            help="Program to replace although no deployment left it as it is; * for all.",
-        ),
-    ] = None,
-    files_only: Annotated[
-        bool,
-        typer.Option(
-            "--files-only", help="Replace files though what was taught in memory is not seen."
-        ),
-    ] = False,
-    task: Annotated[str, typer.Option(help="Task whose memory counts; default the first.")] = "",
-    load: Annotated[
-        bool, typer.Option("--load", help="Also load modules that are not loaded yet.")
-    ] = False,
-    history: Annotated[
-        Path | None,
-        typer.Option(help="Folder of the deployments; default .robot-assistant/deployments."),
-    ] = None,
-    format: FormatOption = Format.TEXT,
-) -> None:
-    """Install programs on a controller, read them back and compare. Never starts motion."""
-    from assistant.cli.deploying import Wishes, run_deploy
-
-    wishes = Wishes(task, load, tuple(replace or ()), files_only, history)
-    raise typer.Exit(run_deploy(files, to, dry_run, wishes, format))
-
-
-for command in (*projects.COMMANDS, *on_controllers.COMMANDS, *on_arms.COMMANDS):
+for command in (
+    *(*projects.COMMANDS, *deployments.COMMANDS),
+    *(*on_controllers.COMMANDS, *on_arms.COMMANDS),
+):
     minus = {"ignore_unknown_options": True} if command.__name__ in on_arms.NUMBERS else None
     app.command(context_settings=minus)(command)
 

@@ -9,7 +9,7 @@ import sys
 from collections.abc import Iterable, Sequence
 from contextvars import ContextVar
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, TypeVar
 
 from assistant.program.diagnostics import LONGEST_EXCERPT, Diagnostic, Severity
 
@@ -33,13 +33,26 @@ class FindingFormat(enum.StrEnum):
     GITHUB = "github"
 
 
-def answer_as(format: Format | FindingFormat) -> Format | FindingFormat:
+class PlanFormat(enum.StrEnum):
+    """How a command that plans answers."""
+
+    TEXT = "text"
+    JSON = "json"
+    MARKDOWN = "markdown"
+
+
+Answer = TypeVar("Answer", Format, FindingFormat, PlanFormat)
+
+
+def answer_as(format: Answer) -> Answer:
     """Remembers how the command is asked to answer, for what it refuses as well."""
     _asked.set(format)
     return format
 
 
-_asked: Final[ContextVar[Format | FindingFormat]] = ContextVar("format", default=Format.TEXT)
+_asked: Final[ContextVar[Format | FindingFormat | PlanFormat]] = ContextVar(
+    "format", default=Format.TEXT
+)
 
 
 class FramesAs(enum.StrEnum):
@@ -145,6 +158,11 @@ def print_refused(findings: Sequence[Diagnostic]) -> None:
     asked = _asked.get()
     if asked == Format.TEXT:
         print_findings(findings)
+    elif asked == PlanFormat.MARKDOWN:
+        from assistant.cli.markdown import findings_markdown
+
+        print_findings(findings)
+        say("\n".join(["### Refused", "", *findings_markdown(findings)]))
     elif asked == Format.JSON:
         print_json({"ok": False, "findings": [finding_record(finding) for finding in findings]})
     else:

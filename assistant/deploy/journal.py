@@ -111,6 +111,11 @@ class Journal:
         """Whether it was neither finished nor taken back."""
         return self.last not in ENDED
 
+    @property
+    def result(self) -> str:
+        """What became of it, in a word or two."""
+        return "interrupted" if self.open else str(self.last)
+
     def add(self, step: Step, program: str = "") -> None:
         """One more line, on the disk before this returns; raises Refused."""
         row = {"time": datetime.now(UTC).isoformat(), "step": step}
@@ -182,6 +187,19 @@ def journals(place: FilePath) -> tuple[Journal, ...]:
         return ()
     folders = [entry for entry in place.iterdir() if NUMBER.fullmatch(entry.name)]
     return tuple(read_journal(folder) for folder in sorted(folders, key=lambda f: int(f.name)))
+
+
+def all_journals(history: str | FilePath | None = None) -> tuple[Journal, ...]:
+    """The deployments to all controllers of a history, the oldest of each first."""
+    root = FilePath(history) if history is not None else HISTORY
+    places = sorted(root.iterdir()) if root.is_dir() else []
+    return tuple(journal for place in places for journal in journals(place))
+
+
+def archived(data: bytes) -> tuple[Entry, ...]:
+    """The programs of a journal that a controller kept; raises Refused. Nothing stays here."""
+    with tempfile.TemporaryDirectory() as folder:
+        return unpack(data, FilePath(folder)).entries
 
 
 def unpack(data: bytes, place: FilePath) -> Journal:

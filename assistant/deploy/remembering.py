@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path as FilePath
 
-from assistant.deploy.journal import Step, journals, place_of
+from assistant.deploy.held import Held
+from assistant.deploy.journal import Entry, Step, archived, journals, place_of
 from assistant.deploy.record import Record, read_record
-from assistant.deploy.site import RECORD, Site
+from assistant.deploy.site import RECORD, UNDER_WAY, Site
 from assistant.program.diagnostics import Diagnostic, Refused
 
 
@@ -28,3 +31,31 @@ def last_record(
             return None, refused.findings
     past = [one for one in journals(place_of(site.address, history)) if one.last is Step.DONE]
     return (past[-1].record if past else None), ()
+
+
+def what_was_left(
+    site: Site, record: Record, name: str, history: str | FilePath | None = None
+) -> Held | None:
+    """What the deployments up to a record left of a program, None if nobody kept it.
+
+    It is looked for in the history here, and in the archive that the last deployment left on a
+    disk; what it holds is what the record says by its digests.
+    """
+    meant = {n.lower(): digests for n, digests in record.programs.items()}.get(name.lower())
+    for entry in _kept(site, history):
+        if entry.name.lower() != name.lower() or meant is None:
+            continue
+        for held in (entry.after, entry.before):
+            if site.digests(held) == meant:
+                return held
+    return None
+
+
+def _kept(site: Site, history: str | FilePath | None) -> Iterator[Entry]:
+    """Programs of earlier deployments, the newest first."""
+    for journal in reversed(journals(place_of(site.address, history))):
+        yield from journal.entries
+    data = site.controller.read(UNDER_WAY) if site.disk is not None else None
+    if data is not None:
+        with suppress(Refused):  # an archive that is cut or changed tells nothing
+            yield from archived(data)

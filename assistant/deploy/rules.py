@@ -36,6 +36,19 @@ CLASH = error(
     "rename one of them, make it known to its own module only, or take the other module out of the "
     "memory",
 )
+EMPTY_FOLDER = error(
+    "DP107",
+    "the folder holds no program that the controller takes",
+    "name a folder with programs in the controller's language, or files",
+)
+NOT_BESIDE = error(
+    "DP108",
+    "the list names `{name}`, which is not a file beside it",
+    "put all modules of the program into the folder of the list, and name them without a folder",
+)
+NOT_THERE = error(
+    "DP109", "the list names `{name}`, which is not there", "put it beside the list, or take it out"
+)
 CHANGED_SINCE = error(
     "DP201",
     "`{name}` on the controller changed since the plan was made; nothing was changed by this run",
@@ -99,6 +112,11 @@ NOTHING_OPEN = error("DP212", "no deployment to it was interrupted", "deploy, or
 NO_DEPLOYMENT = error(
     "DP213", "there is no deployment {number} to it in the history", "see `deployments`"
 )
+NO_RECORD = error(
+    "DP214",
+    "no deployment to it is known, neither there nor in the history here",
+    "deploy first; of a controller without a disk only the computer that deployed knows it",
+)
 BAD_RECORD = warning(
     "DP221",
     "`{name}` cannot be trusted as the record of a deployment: {reason}",
@@ -140,6 +158,10 @@ POINTER_LOST = info(
     "the program pointer of `{task}` is lost, because its modules were replaced; nothing was "
     "started",
     "move it to the begin of the program before the next start",
+)
+BROUGHT_HOME = info(
+    "DP224",
+    "`{name}` was changed on the controller, and what is sent has that change: {reason}",
 )
 PUT_BACK = info("DP301", "`{name}` on the controller is again what it was before")
 REMOVED = info("DP302", "`{name}`, which was new, is off the controller again")

@@ -85,6 +85,10 @@ class Site:
             loaded = said(loaded, self.language)
         return Held(file, loaded)
 
+    def in_memory(self, data: bytes) -> bytes:
+        """The text of a module, or a line of it, without what a memory does not keep."""
+        return data if self.memory is None else self.memory.stored_in_memory(data)
+
     def same(self, one: Held, other: Held) -> bool:
         return self.forms(one) == self.forms(other)
 

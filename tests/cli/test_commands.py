@@ -193,7 +193,7 @@ def test_deploy_shows_installs_and_finds_it_there(capsys, tmp_path, monkeypatch)
     program = tmp_path / "positioning.mod"
     with VirtualIrc5(tmp_path / "home") as controller:
         monkeypatch.setenv("ROBOT_ASSISTANT_PASSWORD", controller.password)
-        to = ("--to", controller.address, "--backup", tmp_path / "backup")
+        to = ("--to", controller.address, "--history", tmp_path / "kept")
         status, out, _ = run(capsys, "deploy", program, *to, "--dry-run")
         assert (status, "nothing has been changed" in out) == (0, True)
         assert not list((tmp_path / "home").iterdir())
@@ -209,7 +209,7 @@ def test_deploy_to_a_cr_controller(capsys, tmp_path):
     arguments = ("--language", "melfa-basic-4", "--robot", "rv-2aj", "-o", tmp_path)
     run(capsys, "compile", POSITIONING, *arguments)
     with VirtualCr("rv-2aj") as controller:
-        to = ("--to", controller.address, "--backup", tmp_path / "backup")
+        to = ("--to", controller.address, "--history", tmp_path / "kept")
         status, out, _ = run(capsys, "deploy", tmp_path / "POSITIONING.prg", *to)
         assert (status, "1 installed and verified" in out) == (0, True)
         assert controller.names()

@@ -1,0 +1,172 @@
+"""`deploy --resume`, `rollback`, `deployments` and `verify`: what was deployed, and what is still there."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from assistant.cli.cells import client_of, named_by
+from assistant.cli.compiling import working
+from assistant.cli.deploying import NOT_BOTH, Wishes, jobs_of
+from assistant.cli.presentation import Format, PlanFormat, print_findings, print_json, say
+from assistant.program.diagnostics import Refused
+
+if TYPE_CHECKING:
+    from assistant.deploy import Deployment, Verified
+
+COMMIT: Final = 12
+"""Characters of a commit in a table."""
+
+
+def run_resume(
+    files: Sequence[Path], to: str | None, target: str | None, wishes: Wishes, format: PlanFormat
+) -> int:
+    from assistant import deploy
+
+    if files:
+        raise Refused(NOT_BOTH(one="--resume", other="a program"), exit_status=2)
+    status = 0
+    for job in jobs_of(files, to, target, wishes):
+        with working(f"finishing on {job.one.address}"):
+            client = client_of(job.one)
+            done = deploy.resume(client, history=wishes.history, replace=wishes.replace)
+        status = max(status, finished(done, as_json=format is PlanFormat.JSON))
+    return status
+
+
+def run_rollback(
+    number: int | None,
+    to: str | None,
+    target: str | None,
+    replace: tuple[str, ...],
+    history: Path | None,
+    format: Format,
+) -> int:
+    from assistant import deploy
+
+    status = 0
+    for job in jobs_of((), to, target, Wishes(history=history)):
+        with working(f"taking back on {job.one.address}"):
+            client = client_of(job.one)
+            done = deploy.rollback(client, number, history=history, replace=replace)
+        status = max(status, finished(done, as_json=format is Format.JSON))
+    return status
+
+
+def finished(done: Deployment, *, as_json: bool) -> int:
+    """Tells what became of a deployment that was finished or taken back; its exit status."""
+    from assistant.findings.formats import finding_record
+
+    if as_json:
+        answer = {
+            "address": str(done.address),
+            "ok": done.ok,
+            "files": [{"name": name, "state": str(state)} for name, state in done.states.items()],
+            "kept in": str(done.folder) if done.folder else None,
+            "findings": [finding_record(finding) for finding in done.findings],
+        }
+        print_json(answer)
+        return 0 if done.ok else 1
+    print_findings(done.findings)
+    for name, state in done.states.items():
+        say(f"{name}: {state}")
+    say(done.summary)
+    return 0 if done.ok else 1
+
+
+def run_deployments(to: str | None, history: Path | None, format: Format) -> int:
+    from assistant.deploy import all_journals, journals, place_of
+
+    found = (
+        all_journals(history) if to is None else journals(place_of(named_by(to).address, history))
+    )
+    rows = [
+        {
+            "number": one.number,
+            "address": one.record.address,
+            "time": one.record.time,
+            "who": one.record.who,
+            "commit": one.record.commit,
+            "programs": [entry.name for entry in one.entries],
+            "result": one.result,
+            "name": one.record.name,
+            "folder": str(one.folder),
+        }
+        for one in found
+    ]
+    if format is Format.JSON:
+        print_json({"deployments": rows})
+        return 0
+    if not rows:
+        say("no deployments here")
+    address = None
+    for row, one in zip(rows, found, strict=True):
+        if row["address"] != address:
+            address = one.record.address
+            say(address)
+        commit, _, dirty = one.record.commit.partition("-")
+        words = f"{commit[:COMMIT]}{'+' if dirty else ''}" or "-"
+        programs = ", ".join(entry.name for entry in one.entries) or "-"
+        say(
+            f"{one.number:>6}  {one.record.time}  {one.result:<11}  {words:<13}  "
+            f"{one.record.who}  {programs}"
+        )
+    return 0
+
+
+def run_verify(
+    files: Sequence[Path],
+    to: str | None,
+    target: str | None,
+    history: Path | None,
+    format: Format,
+) -> int:
+    from assistant import deploy
+
+    answers = []
+    status = 0
+    for job in jobs_of(files, to, target, Wishes(history=history)):
+        client = client_of(job.one)
+        with working(f"comparing with {job.one.address}"):
+            seen = deploy.verify(client, deploy.gathered(job.files, client), history=history)
+        if format is Format.JSON:
+            answers.append(_record(seen))
+        else:
+            _tell(seen)
+        status = max(status, 0 if seen.ok else 1)
+    if format is Format.JSON:
+        print_json(answers[0] if len(answers) == 1 else answers)
+    return status
+
+
+def _record(seen: Verified) -> dict[str, object]:
+    from assistant.findings.formats import finding_record
+
+    return {
+        "address": str(seen.address),
+        "ok": seen.ok,
+        "last deployment": seen.record.name if seen.record else None,
+        "programs": [
+            {
+                "name": program.name,
+                "seen": str(program.seen),
+                "as built": program.as_built,
+                "since": program.since,
+            }
+            for program in seen.programs
+        ],
+        "findings": [finding_record(finding) for finding in seen.findings],
+    }
+
+
+def _tell(seen: Verified) -> None:
+    print_findings(seen.findings)
+    for program in seen.programs:
+        other = ", and not what the file here says" if program.as_built is False else ""
+        say(f"{program.name}: {program.seen}{other}")
+        sys.stdout.write(program.since)
+    if seen.record is not None:
+        told = "is as it was left" if seen.ok else "is not as it was left"
+        say(f"{seen.address} {told} by the deployment {seen.record.name} of {seen.record.who}")

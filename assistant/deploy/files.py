@@ -1,0 +1,124 @@
+"""The files that are to be deployed: which they are, their names there, and what is wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path as FilePath
+from typing import Any
+
+from assistant import languages
+from assistant.controllers import Programs
+from assistant.deploy import rules
+from assistant.languages import Language, Tree
+from assistant.program.diagnostics import Diagnostic, Refused, has_errors
+from assistant.program.text import read_bytes
+
+
+def gathered(paths: Sequence[str | FilePath], controller: Programs) -> list[str]:
+    """The files that are meant: of a folder every program that the controller takes, and the
+    modules that a list of them names, from beside it.
+
+    Hidden folders are left aside. Raises Refused and Unreadable.
+    """
+    spoken = [languages.get(name) for name in controller.languages]
+    files: list[str] = []
+    for path in map(str, paths):
+        if not FilePath(path).is_dir():
+            files.append(path)
+            continue
+        inside = [str(file) for file in _inside(path) if _is_program(file, spoken, controller)]
+        if not inside:
+            raise Refused(rules.EMPTY_FOLDER(path=path), exit_status=2)
+        files += inside
+    for path in [file for file in files if file.lower().endswith(controller.lists)]:
+        files += _named_in(path, spoken[0])
+    places = {FilePath(file).absolute(): file for file in reversed(files)}
+    return [file for file in dict.fromkeys(files) if places[FilePath(file).absolute()] == file]
+
+
+def _inside(folder: str) -> Iterator[FilePath]:
+    for file in sorted(FilePath(folder).rglob("*")):
+        hidden = any(part.startswith(".") for part in file.relative_to(folder).parts)
+        if file.is_file() and not hidden:
+            yield file
+
+
+def _is_program(file: FilePath, spoken: Sequence[Language[Any]], controller: Programs) -> bool:
+    suffix = file.suffix.lower()
+    if suffix in controller.lists:
+        return True
+    taking = [language for language in spoken if suffix in language.suffixes]
+    data = read_bytes(file, allow_empty=True) if taking else b""
+    return any(language.recognises(data, suffix) for language in taking)
+
+
+def _named_in(path: str, language: Language[Any]) -> Iterator[str]:
+    """The files that a list names; only from its own folder."""
+    folder = FilePath(path).parent
+    tree = language.parse(language.read(path))
+    for name in language.called_files(tree):
+        if FilePath(name).name != name or "\\" in name or name in ("", ".", ".."):
+            raise Refused(rules.NOT_BESIDE(path=path, name=name))
+        named = folder / name
+        if not named.is_file():
+            raise Refused(rules.NOT_THERE(path=path, name=name))
+        yield str(named)
+
+
+def names_of(paths: Sequence[str], controller: Programs) -> dict[str, str]:
+    """Local file → its name on the controller; no two may be the same there."""
+    names: dict[str, str] = {}
+    owner: dict[str, str] = {}
+    findings: list[Diagnostic] = []
+    for path in paths:
+        try:
+            name = names[path] = controller.name_for(path)
+        except Refused as refusal:
+            findings += [finding.within(path) for finding in refusal.findings]
+            continue
+        first = owner.setdefault(name.lower(), path)
+        if first != path:
+            findings.append(rules.SAME_NAME(path=path, first=first, second=path, name=name))
+    if findings:
+        raise Refused(*findings)
+    return names
+
+
+def looked_at(data: dict[str, bytes], controller: Programs) -> dict[str, tuple[Diagnostic, ...]]:
+    """The findings of each file: of its own language, or that it is not the controller's.
+
+    The language's rules see all files together, as the controller will.
+    """
+    notes: dict[str, tuple[Diagnostic, ...]] = {}
+    trees: dict[str, dict[str, Tree]] = {}
+    for path in data:
+        name = _language(path, data[path], controller)
+        if isinstance(name, Diagnostic):
+            notes[path] = (name,)
+        elif name is not None:
+            language = languages.get(name)
+            tree = language.parse(language.decode(data[path], path))
+            trees.setdefault(name, {})[path] = tree
+            notes[path] = tuple(finding.within(path) for finding in tree.findings)
+    for name, files in trees.items():
+        if not any(has_errors(notes[path]) for path in files):
+            first = next(iter(files))
+            for finding in languages.get(name).check(list(files.values())):
+                path = finding.path if finding.path in files else first
+                notes[path] = (*notes[path], finding)
+    return {path: tuple(dict.fromkeys(notes.get(path, ()))) for path in data}
+
+
+def _language(path: str, data: bytes, controller: Programs) -> str | Diagnostic | None:
+    """Name of the controller's language that a file is in, None for a list of modules."""
+    if path.lower().endswith(controller.lists):
+        return None
+    for name in controller.languages:
+        language = languages.get(name)
+        if FilePath(path).suffix.lower() in language.suffixes and language.recognises(data):
+            return name
+    taken = ", ".join(languages.get(name).title for name in controller.languages)
+    address, other = controller.address, languages.of_file(path, data)
+    if other is None:
+        return rules.UNKNOWN_LANGUAGE(path=path, address=address, taken=taken)
+    return rules.WRONG_LANGUAGE(path=path, address=address, taken=taken, given=other.title)

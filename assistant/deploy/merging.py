@@ -1,0 +1,169 @@
+"""Texts of programs that come back from a controller: their changes, carried into our own text.
+
+A controller gives a program back in its own layout: steps in order, other blanks, numbers with
+two decimals. What is compared here are the words of each line in the form in which the controller
+compares programs, so that a line that says the same stays as it was written.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from difflib import SequenceMatcher
+from typing import Final
+
+from assistant.program.diagnostics import Refused
+from assistant.program.text import decode
+
+Form = Callable[[bytes], bytes]
+"""The form in which a controller compares programs; see `Programs.stored`."""
+
+ENCODINGS: Final = ("utf-8", "latin-1")
+_WORD: Final = re.compile(
+    r'"[^"\r\n]*"|[A-Za-z_]\w*|\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?|\S'
+)
+_NUMBER: Final = re.compile(r"\.?\d")
+_LINE: Final = re.compile(r"[^\r\n]*(?:\r\n|\r|\n)|[^\r\n]+")
+DIGITS: Final = 6
+"""Decimals to which numbers of two texts must agree that were written by different programs."""
+
+Key = tuple[str | float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Text:
+    """The lines of a text with their ends, and what each says."""
+
+    lines: list[str]
+    keys: list[Key]
+    encoding: str
+
+
+def in_layout(own: bytes, other: bytes, form: Form) -> bytes:
+    """What `other` says, in the layout of `own` as far as both say the same."""
+    mine, theirs = _text(own, form), _text(other, form)
+    return _bytes(_carried(mine, theirs), mine.encoding)
+
+
+def merged(base: bytes, own: bytes, other: bytes, form: Form) -> bytes | None:
+    """`own` with the changes that lead from `base` to `other`, None where it changed there too."""
+    ground, mine = _text(base, form, DIGITS), _text(own, form, DIGITS)
+    theirs = _text(in_layout(base, other, form), form, DIGITS)
+    ours = _changes(ground.keys, mine.keys)
+    lines, at = [], 0
+    for change in _changes(ground.keys, theirs.keys):
+        new = theirs.keys[change.begin : change.end]
+        touched = [one for one in ours if one.touches(change)]
+        if touched:
+            if any(not one.of_same_lines(change) for one in touched) or any(
+                mine.keys[one.begin : one.end] != new for one in touched
+            ):
+                return None
+            continue  # the same change was made here
+        moved = next((c.end - c.stop for c in reversed(ours) if c.stop <= change.first), 0)
+        lines += mine.lines[at : change.first + moved] + theirs.lines[change.begin : change.end]
+        at = change.stop + moved
+    return _bytes([*lines, *mine.lines[at:]], mine.encoding)
+
+
+def says_the_same(one: bytes, other: bytes, form: Form) -> bool:
+    """Whether two texts say the same, numbers to DIGITS decimals."""
+    return _text(one, form, DIGITS).keys == _text(other, form, DIGITS).keys
+
+
+@dataclass(frozen=True, slots=True)
+class _Change:
+    """Lines first … stop of one text that are lines begin … end of another."""
+
+    first: int
+    stop: int
+    begin: int
+    end: int
+
+    def touches(self, other: _Change) -> bool:
+        if self.first == self.stop or other.first == other.stop:  # something is put in
+            return self.first <= other.stop and other.first <= self.stop
+        return self.first < other.stop and other.first < self.stop
+
+    def of_same_lines(self, other: _Change) -> bool:
+        return (self.first, self.stop) == (other.first, other.stop)
+
+
+def _changes(old: Sequence[Key], new: Sequence[Key]) -> list[_Change]:
+    """In order, line by line where as many lines are replaced."""
+    found: list[_Change] = []
+    for step, i1, i2, j1, j2 in SequenceMatcher(None, old, new, autojunk=False).get_opcodes():
+        if step != "equal" and i2 - i1 == j2 - j1:
+            found += [_Change(i1 + k, i1 + k + 1, j1 + k, j1 + k + 1) for k in range(i2 - i1)]
+        elif step != "equal":
+            found.append(_Change(i1, i2, j1, j2))
+    return found
+
+
+def _carried(mine: _Text, theirs: _Text) -> list[str]:
+    """The lines of the other text, ours where they say the same, with our line ends."""
+    spare = dict(zip(mine.keys, mine.lines, strict=True))
+    end = next((e for line in mine.lines if (e := _end(line))), "\n")
+    steps = SequenceMatcher(None, mine.keys, theirs.keys, autojunk=False).get_opcodes()
+    lines: list[str] = []
+    for step, i1, i2, j1, j2 in steps:
+        block = mine.lines[i1:i2]
+        if step == "equal" or (step == "delete" and not any(mine.keys[i1:i2])):
+            lines += block  # the controller may not keep empty lines
+        elif step == "replace" and (text := _with_values("".join(block), theirs.lines[j1:j2])):
+            lines += _LINE.findall(text)
+        elif i2 - i1 == j2 - j1:
+            pairs = zip(block, theirs.lines[j1:j2], strict=True)
+            lines += [_with_values(own, [new]) or _taken(new, end) for own, new in pairs]
+        else:
+            taken = zip(theirs.keys[j1:j2], theirs.lines[j1:j2], strict=True)
+            lines += [spare.get(key) or _taken(line, end) for key, line in taken]
+    return lines
+
+
+def _with_values(own: str, other: Sequence[str]) -> str | None:
+    """Our text with the numbers of the other one, None if more than numbers differs."""
+    mine, theirs = list(_WORD.finditer(own)), _WORD.findall("".join(other))
+    if len(mine) != len(theirs):
+        return None
+    text, at = [], 0
+    for word, new in zip(mine, theirs, strict=True):
+        if _says(word[0]) != _says(new):
+            if not (_NUMBER.match(word[0]) and _NUMBER.match(new)):
+                return None
+            text += [own[at : word.start()], new]
+            at = word.end()
+    return "".join([*text, own[at:]])
+
+
+def _taken(line: str, end: str) -> str:
+    return line[: len(line) - len(_end(line))] + end
+
+
+def _end(line: str) -> str:
+    return line[len(line.rstrip("\r\n")) :]
+
+
+def _text(data: bytes, form: Form, digits: int | None = None) -> _Text:
+    source = decode(data, None, ENCODINGS)
+    lines = _LINE.findall(source.text)
+    known = {line: _key(line, source.encoding, form, digits) for line in set(lines)}
+    return _Text(lines, [known[line] for line in lines], source.encoding)
+
+
+def _key(line: str, encoding: str, form: Form, digits: int | None) -> Key:
+    with suppress(Refused):  # a line alone may be no program
+        line = form(line.encode(encoding)).decode(encoding, "replace")
+    return tuple(_says(word, digits) for word in _WORD.findall(line))
+
+
+def _says(word: str, digits: int | None = None) -> str | float:
+    if not _NUMBER.match(word):
+        return word
+    return float(word) if digits is None else round(float(word), digits)
+
+
+def _bytes(lines: Sequence[str], encoding: str) -> bytes:
+    return "".join(lines).encode(encoding)
