@@ -1,4 +1,4 @@
-"""`deploy --resume`, `rollback`, `deployments` and `verify`: what was deployed, and what is still there."""
+"""`deploy --resume`, `rollback`, `deployments`, `verify`: what was deployed and is there."""
 
 from __future__ import annotations
 
