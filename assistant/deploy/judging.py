@@ -22,7 +22,7 @@ EVERY: Final = "*"
 
 
 class Judging:
-    """Judges programs by what a controller has of them. notes: what was found about whose they are."""
+    """Judges programs by what a controller has of them. notes: whose they were found to be."""
 
     def __init__(
         self,
