@@ -42,6 +42,15 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
+class Behind:
+    """A task in the background. modules: the text of each, by name. kind: as it is configured."""
+
+    kind: Literal["static", "semistatic"] = "semistatic"
+    running: bool = True
+    modules: dict[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
 class Signal:
     """A signal as the I/O configuration has it."""
 
@@ -105,6 +114,10 @@ class Cabinet:
         self.log = EventLog(self.now)
         self.panel = Panel(self.log)
         self.mastership = Mastership()
+        self.behind: dict[str, Behind] = {}
+        """Tasks in the background, by name: they are there, and nothing in them is simulated."""
+        self.serial = ""
+        """Number of the controller; virtual ones tell none, unless they have to."""
         self.grants = False
         """Whether the pendant lets whoever asks modify in manual mode."""
         self.live = Live(self._kernel, rate=rate, ended=self._ended, name="virtual-irc5-kernel")

@@ -234,6 +234,10 @@ class VirtualIrc5:
 
         self.cabinet.do(start)
 
+    def teach(self, module: str, name: str, value: str) -> None:
+        """Somebody corrects a position of a loaded module at the pendant (ModPos)."""
+        self.cabinet.do(lambda programs: programs.teach(module, name, value))
+
     def press_emergency_stop(self) -> None:
         self.cabinet.press_emergency_stop()
 

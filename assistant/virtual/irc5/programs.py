@@ -23,6 +23,7 @@ from assistant.program.diagnostics import has_errors
 from assistant.robots import Robot
 from assistant.virtual.events import Logged, Reported, Stopped
 from assistant.virtual.irc5.panel import EventLog
+from assistant.virtual.irc5.printing import printed_anew
 from assistant.virtual.kernel import Ending, Kernel, Task
 from assistant.virtual.rapid.controller import Controller, Options
 from assistant.virtual.rapid.disk import Disk
@@ -83,7 +84,7 @@ class Pointer:
 class Programs:
     """kernel: that its task runs in. abilities: instructions of its options. cycle: of the next
     start. running: whether it does. changes: counts changes of the program. ready: whether the
-    pointer is set.
+    pointer is set. anew: whether modules are printed from memory without their layout.
     """
 
     kernel: Kernel
@@ -96,6 +97,7 @@ class Programs:
     ready: bool = False
     active: bool = True
     changes: int = 0
+    anew: bool = False
     modules: dict[str, Module] = field(default_factory=dict)
     machine: Machine | None = None
     stopped: list[Callable[[], None]] = field(default_factory=list)
@@ -166,10 +168,29 @@ class Programs:
     def text(self, module: Module) -> str:
         """With the values that its persistent data has now."""
         try:
-            return saved(self.shared, module.tree)
+            said = saved(self.shared, module.tree)
         except (ValueError, KeyError):
             source = module.tree.source
-            return "" if source is None else source.text
+            said = "" if source is None else source.text
+        return printed_anew(said) if self.anew else said
+
+    def teach(self, module: str, name: str, value: str) -> None:
+        """Somebody corrects a position at the pendant: its declaration gets the value.
+
+        Constants as well. Raises NotPossible if there is no such data with a value.
+        """
+        one = self.modules.get(module.lower())
+        if one is None:
+            raise NotPossible(f"there is no module {module}")
+        said = self.text(one)
+        for read in read_module(one.file, said.encode()):
+            for item in (i for part in read.tree.modules for i in part.items):
+                stated = item.value.span if isinstance(item, s.Data) and item.value else None
+                if isinstance(item, s.Data) and item.name.lower() == name.lower() and stated:
+                    new = f"{said[: stated.start]}{value}{said[stated.end :]}"
+                    self.load(read_module(one.file, new.encode()), replace=True)
+                    return
+        raise NotPossible(f"there is no data {name} in {module}")
 
     # -------------------------------------------------------------------------- the task
 

@@ -7,7 +7,7 @@ from urllib.parse import quote
 from xml.etree import ElementTree
 
 from assistant.virtual.atomic import write_whole
-from assistant.virtual.irc5.cabinet import Cabinet
+from assistant.virtual.irc5.cabinet import Behind, Cabinet
 from assistant.virtual.irc5.programs import (
     MAIN,
     TASK,
@@ -99,10 +99,18 @@ def _run(cabinet: Cabinet, command: object) -> None:
 
 
 def tasks(cabinet: Cabinet, request: Request) -> Answer:
-    return Answer(listed=[Item("rap-task-li", TASK, cabinet.do(_facts), f"tasks/{TASK}")])
+    own = Item("rap-task-li", TASK, cabinet.do(_facts), f"tasks/{TASK}")
+    others = [
+        Item("rap-task-li", name, _facts_behind(name, one), f"tasks/{name}")
+        for name, one in cabinet.behind.items()
+    ]
+    return Answer(listed=[own, *others])
 
 
 def task(cabinet: Cabinet, request: Request) -> Answer:
+    name, one = _behind(cabinet, request)
+    if one is not None:
+        return Answer(items=[Item("rap-task", name, _facts_behind(name, one))])
     _check_task(request)
     return Answer(items=[Item("rap-task", TASK, cabinet.do(_facts))])
 
@@ -117,6 +125,24 @@ def _facts(programs: Programs) -> dict[str, str]:
         "active": "On" if programs.active else "Off",
         "motiontask": "TRUE",
     }
+
+
+def _facts_behind(name: str, one: Behind) -> dict[str, str]:
+    return {
+        "name": name,
+        "type": one.kind,
+        "taskstate": "started" if one.running else "linked",
+        "excstate": "started" if one.running else "ready",
+        "active": "On",
+        "motiontask": "FALSE",
+    }
+
+
+def _behind(cabinet: Cabinet, request: Request) -> tuple[str, Behind | None]:
+    """The task in the background that a request names, None for any other."""
+    stated = request.captures.get("task") or request.query.get("task") or TASK
+    found = (pair for pair in cabinet.behind.items() if pair[0].lower() == stated.lower())
+    return next(found, (stated, None))
 
 
 def _check_task(request: Request) -> None:
@@ -150,6 +176,13 @@ def _set_active(cabinet: Cabinet, request: Request, active: bool) -> Answer:
 
 
 def modules(cabinet: Cabinet, request: Request) -> Answer:
+    task, behind = _behind(cabinet, request)
+    if behind is not None:
+        kinds = {"type": "ProgMod"}
+        rows = [
+            Item("rap-module-info-li", f"{task}/{n}", {"name": n, **kinds}) for n in behind.modules
+        ]
+        return Answer(items=rows)
     _check_task(request)
     found = cabinet.do(lambda programs: list(programs.modules.values()))
     items = []
@@ -181,12 +214,25 @@ def module(cabinet: Cabinet, request: Request) -> Answer:
 
 def text(cabinet: Cabinet, request: Request) -> Answer:
     """RWS 1.0 has it percent-encoded."""
-    found = _module(cabinet, request)
-    said, count = cabinet.do(lambda programs: (programs.text(found), programs.changes))
+    _, behind = _behind(cabinet, request)
+    if behind is not None:
+        said, count = _text_behind(behind, request), 0
+    else:
+        found = _module(cabinet, request)
+        said, count = cabinet.do(lambda programs: (programs.text(found), programs.changes))
     fields = {"change-count": str(count), "module-text": said}
     if request.dialect == 1:
         fields["module-text"] = quote(said, safe="")
     return Answer(items=[Item("rap-module-text", "moduletext", fields)])
+
+
+def _text_behind(behind: Behind, request: Request) -> str:
+    name = request.captures["module"].lower()
+    said = (text for module, text in behind.modules.items() if module.lower() == name)
+    text = next(said, None)
+    if text is None:
+        raise Rejected(reasons.NO_MODULE if request.dialect == 1 else reasons.NO_MODULE_2)
+    return text
 
 
 def set_text(cabinet: Cabinet, request: Request) -> Answer:
@@ -197,28 +243,49 @@ def set_text(cabinet: Cabinet, request: Request) -> Answer:
 
 
 def load_module(cabinet: Cabinet, request: Request) -> Answer:
-    _check_task(request)
+    """Into a task in the background as well, where it takes the place of the one of its name."""
+    _, behind = _behind(cabinet, request)
+    if behind is None:
+        _check_task(request)
     path = path_of(cabinet, unit_path(request.given("modulepath")))
     try:
         data = path.read_bytes()
     except OSError:
         raise Rejected(reasons.NO_MODULE_FILE) from None
+    if behind is not None:
+        if behind.running:
+            raise Rejected(reasons.WRONG_STATE, "the task runs")
+        behind.modules.update(
+            {one.name: _source(one) for one in _read(cabinet, [path.name], [data])}
+        )
+        return DONE
     _load(cabinet, [path.name], [data], request.form.get("replace", "").lower() == "true")
     return DONE
 
 
-def _load(cabinet: Cabinet, files: list[str], datas: list[bytes], replace: bool) -> None:
+def _source(module: Module) -> str:
+    return "" if module.tree.source is None else module.tree.source.text
+
+
+def _read(cabinet: Cabinet, files: list[str], datas: list[bytes]) -> list[Module]:
     try:
-        read = [one for f, d in zip(files, datas, strict=True) for one in read_module(f, d)]
+        return [one for f, d in zip(files, datas, strict=True) for one in read_module(f, d)]
     except NotPossible as wrong:
         cabinet.log.add(40160, str(wrong))
         raise Rejected(reasons.UNSPECIFIED, str(wrong)) from None
+
+
+def _load(cabinet: Cabinet, files: list[str], datas: list[bytes], replace: bool) -> None:
+    read = _read(cabinet, files, datas)
     _run(cabinet, lambda programs: programs.load(read, replace))
 
 
 def unload_module(cabinet: Cabinet, request: Request) -> Answer:
-    _check_task(request)
     name = request.given("module")
+    _, behind = _behind(cabinet, request)
+    if behind is not None:
+        raise Rejected(reasons.WRONG_STATE, "modules in the background stay loaded here")
+    _check_task(request)
     try:
         _run(cabinet, lambda programs: programs.unload(name))
     except KeyError:
@@ -278,6 +345,8 @@ def program(cabinet: Cabinet, request: Request) -> Answer:
 
 def pointer(cabinet: Cabinet, request: Request) -> Answer:
     """The names of the fields are the controller's own, `modulemame` among them."""
+    if _behind(cabinet, request)[1] is not None:
+        return Answer(items=[])
     _check_task(request)
     found, count = cabinet.do(lambda programs: (programs.pointer(), programs.changes))
     if found is None:

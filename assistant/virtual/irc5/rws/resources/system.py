@@ -60,6 +60,8 @@ def identity(cabinet: Cabinet, request: Request) -> Answer:
         "ctrl-type": "Virtual Controller",
         "ctrl-level": "System Level",
     }
+    if cabinet.serial:
+        fields["ctrl-id"] = cabinet.serial
     return Answer(items=[Item("ctrl-identity-info", "identity", fields)])
 
 

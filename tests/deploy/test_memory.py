@@ -1,0 +1,335 @@
+"""Deployments to controllers whose tasks hold modules in a memory of their own."""
+
+import shutil
+
+import pytest
+
+from assistant import deploy as deploying
+from assistant.controllers import connect
+from assistant.controllers.states import Identity
+from assistant.deploy import EVERY, Change, FileState
+from assistant.program.diagnostics import Refused
+from assistant.virtual.irc5 import VirtualIrc5
+from assistant.virtual.irc5.cabinet import Behind
+
+SEAM = """MODULE Seam
+  ! taught on Monday
+  CONST robtarget p10:=[[400.00,0.00,500.00],[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+  PERS num nDone:=0;
+  PERS pos shift:=[1.5,2,3.25];
+  PROC weld()
+    MoveL p10, v100, z10, tool0;   ! slowly
+    nDone := nDone + 1;
+    WaitTime {};
+  ENDPROC
+ENDMODULE
+"""
+OTHER = "MODULE Other\n  PROC main()\n    weld;\n  ENDPROC\nENDMODULE\n"
+TAUGHT = "[[401.25,0.01,499.98],[1,0,0,0],[0,0,0,0],[9E+09,9E+09,9E+09,9E+09,9E+09,9E+09]]"
+
+
+@pytest.fixture(scope="module")
+def cell(tmp_path_factory):
+    with VirtualIrc5(tmp_path_factory.mktemp("cell") / "home") as controller:
+        yield controller
+
+
+@pytest.fixture
+def irc5(cell):
+    """A controller without files and modules, as it was delivered."""
+    cell.cabinet.do(lambda programs: (programs.stop(), programs.restore([])))
+    cell.cabinet.do(lambda programs: setattr(programs, "anew", False))
+    cell.cabinet.behind.clear()
+    cell.cabinet.serial = ""
+    for path in cell.folder.iterdir():
+        shutil.rmtree(path) if path.is_dir() else path.unlink()
+    return cell
+
+
+@pytest.fixture(params=["rws", "rwss"])
+def client(request, irc5):
+    return over(irc5, request.param)
+
+
+def over(irc5, scheme="rws"):
+    address = irc5.rws_address if scheme == "rws" else irc5.rwss_address
+    return connect(address, password=irc5.password, timeout=10, certificate=irc5.certificate)
+
+
+@pytest.fixture
+def work(tmp_path):
+    return Work(tmp_path)
+
+
+class Work:
+    """A folder of local programs, with their history."""
+
+    def __init__(self, folder):
+        self.folder, self.history = folder, folder / "history"
+
+    def file(self, name, text):
+        path = self.folder / name
+        path.write_text(text, newline="")
+        return path
+
+    def plan(self, client, *files, **options):
+        return deploying.plan(files, client, history=self.history, **options)
+
+    def deploy(self, planned, **options):
+        return deploying.deploy(planned, history=self.history, patience=0.0, **options)
+
+    def installed(self, client, *files, **options):
+        done = self.deploy(self.plan(client, *files, load=True, **options))
+        assert done.ok, done.findings
+        return done
+
+    def back(self, client, **options):
+        return deploying.rollback(client, history=self.history, patience=0.0, **options)
+
+
+def codes(findings):
+    return [finding.code for finding in findings]
+
+
+def text(irc5, module="seam"):
+    """A module as it is in memory; None if it is not loaded."""
+    return irc5.cabinet.do(lambda p: p.text(p.modules[module]) if module in p.modules else None)
+
+
+def test_a_module_is_loaded_verified_and_the_same_ever_after(irc5, client, work):
+    seam = work.file("seam.mod", SEAM.format(1))
+    done = work.installed(client, seam)
+    assert done.states == {"seam.mod": FileState.INSTALLED}
+    assert text(irc5) == SEAM.format(1) == (irc5.folder / "seam.mod").read_text()
+    again = work.plan(client, seam)
+    assert [f.change for f in again.files] == [Change.SAME] and not again.findings
+
+
+def test_another_layout_is_no_difference_and_a_value_is(irc5, client, work):
+    seam = work.file("seam.mod", SEAM.format(1))
+    work.installed(client, seam)
+    irc5.cabinet.do(lambda programs: setattr(programs, "anew", True))
+    assert "!" not in text(irc5) and "[[400,0,500]" in text(irc5)
+    (same,) = work.plan(client, seam).files
+    assert (same.change, same.taught) == (Change.SAME, "")
+    with client:
+        client.set_variable("shift", "[1.5,2,3.26]")
+    (changed,) = work.plan(client, seam).files
+    assert changed.change is Change.CONFLICT
+    lines = [line for line in changed.taught.splitlines()[2:] if line[0] in "+-"]
+    assert [line.replace(" ", "") for line in lines] == [
+        "-PERSposshift:=[1.5,2,3.25];",
+        "+PERSposshift:=[1.5,2,3.26];",
+    ]
+    again = work.plan(client, seam, replace=["seam.mod"])
+    assert work.deploy(again).ok and "shift:=[1.5,2,3.25]" in text(irc5)
+
+
+@pytest.mark.parametrize("anew", [False, True])
+def test_a_taught_point_is_a_conflict_with_its_difference(irc5, work, anew):
+    client = over(irc5)
+    seam = work.file("seam.mod", SEAM.format(1))
+    work.installed(client, seam)
+    irc5.cabinet.do(lambda programs: setattr(programs, "anew", anew))
+    irc5.teach("Seam", "p10", TAUGHT)
+    work.file("seam.mod", SEAM.format(2))
+    planned = work.plan(client, seam)
+    (file,) = planned.files
+    assert file.change is Change.CONFLICT and codes(planned.notes) == ["DP222"]
+    changes = [line for line in file.taught.splitlines()[2:] if line[0] in "+-"]
+    assert len(changes) == 2 and "400.00" in changes[0] and "401.25" in changes[1]
+    refused = work.deploy(planned)
+    assert codes(refused.findings) == ["DP204"] and "401.25" in text(irc5)
+    assert (irc5.folder / "seam.mod").read_text() == SEAM.format(1)
+
+
+def test_what_was_taught_comes_back_with_a_rollback(irc5, client, work):
+    """File and memory differ, and each becomes again what it was, byte for byte."""
+    seam = work.file("seam.mod", SEAM.format(1))
+    work.installed(client, seam)
+    irc5.teach("Seam", "p10", TAUGHT)
+    with client:
+        client.set_variable("nDone", "17")
+    held = text(irc5)
+    assert "nDone:=17" in held and TAUGHT in held
+    work.file("seam.mod", SEAM.format(2))
+    work.installed(client, seam, replace=[EVERY])
+    assert text(irc5) == SEAM.format(2)
+    done = work.back(client)
+    assert done.ok and text(irc5) == held
+    assert (irc5.folder / "seam.mod").read_text() == SEAM.format(1)
+
+
+def test_a_new_module_leaves_memory_and_disk_with_a_rollback(irc5, client, work):
+    other = work.file("other.mod", OTHER.replace("weld;", "WaitTime 1;"))
+    work.installed(client, other)
+    work.installed(client, work.file("seam.sys", SEAM.format(1).replace("Seam", "Seam(SYSMODULE)")))
+    assert text(irc5) is not None
+    assert work.back(client).ok
+    assert text(irc5) is None and not (irc5.folder / "seam.sys").exists()
+    assert text(irc5, "other") is not None
+
+
+def test_comments_alone_are_brought_into_memory_too(irc5, work):
+    client = over(irc5)
+    seam = work.file("seam.mod", SEAM.format(1))
+    work.installed(client, seam)
+    new = SEAM.format(1).replace("Monday", "Tuesday")
+    work.file("seam.mod", new)
+    work.installed(client, seam)
+    assert text(irc5) == new
+    assert work.back(client).ok and text(irc5) == SEAM.format(1)
+
+
+def test_a_module_that_gets_another_name_in_its_file(irc5, client, work):
+    """The old one leaves the memory, where their procedures would clash; a rollback brings it."""
+    seam = work.file("seam.mod", SEAM.format(1))
+    work.installed(client, seam)
+    irc5.teach("Seam", "p10", TAUGHT)
+    held = text(irc5)
+    work.file("seam.mod", SEAM.format(2).replace("MODULE Seam", "MODULE Bead"))
+    work.installed(client, seam, replace=[EVERY])
+    assert text(irc5) is None and text(irc5, "bead") is not None
+    assert work.back(client).ok
+    assert text(irc5) == held and text(irc5, "bead") is None
+
+
+def test_a_name_that_a_loaded_module_has_is_refused_before_anything_is_changed(irc5, work):
+    client = over(irc5)
+    (irc5.folder / "main.mod").write_text(OTHER.replace("Other", "MainModule"))
+    with client:
+        client.load("main.mod")
+    clash = SEAM.format(1).replace("PROC weld", "PROC MAIN")
+    seam = work.file("seam.mod", clash)
+    with pytest.raises(Refused) as refused:
+        work.plan(client, seam, load=True)
+    (finding,) = refused.value.findings
+    assert finding.code == "DP106"
+    assert "`MAIN` of the module `Seam`" in finding.message and "`MainModule`" in finding.message
+    assert text(irc5) is None and not (irc5.folder / "seam.mod").exists()
+    local = work.file("seam.mod", clash.replace("PROC MAIN", "LOCAL PROC MAIN"))
+    assert work.deploy(work.plan(client, local, load=True)).ok
+
+
+def test_two_files_of_one_module(irc5, work):
+    one, two = (work.file(name, SEAM.format(1)) for name in ("one.mod", "two.mod"))
+    with pytest.raises(Refused) as refused:
+        work.plan(over(irc5), one, two, load=True)
+    assert "DP105" in codes(refused.value.findings)
+
+
+def test_names_move_between_modules_of_one_deployment(irc5, work):
+    client = over(irc5)
+    seam = work.file("seam.mod", SEAM.format(1))
+    other = work.file("other.mod", OTHER)
+    work.installed(client, seam, other)
+    work.file("seam.mod", SEAM.format(1).replace("PROC weld", "PROC join"))
+    work.file("other.mod", OTHER.replace("weld;", "join;"))
+    work.installed(client, seam, other)
+
+
+def test_a_running_task_is_refused_before_anything_is_changed(irc5, client, work):
+    seam = work.file("seam.mod", SEAM.format(1))
+    main = work.file(
+        "main.mod", "MODULE M\n  PROC main()\n    WaitTime 99;\n  ENDPROC\nENDMODULE\n"
+    )
+    work.installed(client, main)
+    irc5.cabinet.panel.set_motors(True)
+    irc5.cabinet.do(lambda programs: (programs.reset(), programs.start()))
+    before = sorted(path.name for path in irc5.folder.iterdir())
+    done = work.deploy(work.plan(client, seam, load=True))
+    assert codes(done.findings) == ["DP206"] and "T_ROB1" in done.findings[0].message
+    with pytest.raises(Refused) as refused:
+        work.back(client)
+    assert codes(refused.value.findings) == ["DP206"]
+    assert sorted(path.name for path in irc5.folder.iterdir()) == before
+    only_file = work.deploy(work.plan(client, seam))
+    assert only_file.ok, "a file that is not loaded is nobody's"
+    assert irc5.cabinet.do(lambda programs: programs.running)
+
+
+def test_tasks_in_the_background_mind_only_their_own_modules(irc5, work):
+    client = over(irc5)
+    irc5.cabinet.behind["T_BACK"] = Behind(modules={"Watch": OTHER.replace("Other", "Watch")})
+    seam = work.file("seam.mod", SEAM.format(1))
+    work.installed(client, seam)
+    watch = work.file("watch.mod", OTHER.replace("Other", "Watch"))
+    planned = work.plan(client, watch, task="T_BACK", replace=[EVERY])
+    assert codes(work.deploy(planned).findings) == ["DP206"]
+    assert not (irc5.folder / "watch.mod").exists()
+
+
+def test_a_module_in_several_tasks_is_said(irc5, client, work):
+    irc5.cabinet.behind["T_BACK"] = Behind(running=False, modules={"Seam": SEAM.format(1)})
+    seam = work.file("seam.mod", SEAM.format(2))
+    planned = work.plan(client, seam, load=True)
+    assert codes(planned.notes) == ["DP234"] and "T_BACK" in planned.notes[0].message
+    assert work.deploy(planned).ok
+    assert irc5.cabinet.behind["T_BACK"].modules["Seam"] == SEAM.format(1)
+    work.installed(client, seam, task="T_BACK", replace=[EVERY])
+    assert irc5.cabinet.behind["T_BACK"].modules["Seam"] == SEAM.format(2)
+
+
+def test_a_lost_program_pointer_is_said(irc5, work):
+    client = over(irc5)
+    main = work.file("main.mod", OTHER.replace("weld;", "WaitTime 1;"))
+    work.installed(client, main)
+    with client:
+        client.load("main.mod")
+    main.write_text(OTHER.replace("weld;", "WaitTime 2;"))
+    done = work.installed(client, main)
+    assert codes(done.findings) == ["DP235"] and "T_ROB1" in done.findings[0].message
+    assert not irc5.cabinet.do(lambda programs: programs.running or programs.ready)
+
+
+@pytest.mark.parametrize("attribute", ["VIEWONLY", "SYSMODULE,NOSTEPIN,READONLY"])
+def test_attributes_of_a_module_do_not_keep_it_from_being_replaced(irc5, work, attribute):
+    client = over(irc5)
+    heading = f"MODULE Seam({attribute})"
+    seam = work.file("seam.mod", SEAM.format(1).replace("MODULE Seam", heading))
+    work.installed(client, seam)
+    irc5.teach("Seam", "p10", TAUGHT)
+    held = text(irc5)
+    work.file("seam.mod", SEAM.format(2).replace("MODULE Seam", heading))
+    work.installed(client, seam, replace=[EVERY])
+    assert work.back(client).ok and text(irc5) == held
+
+
+def test_a_list_of_modules_goes_along_and_is_not_loaded(irc5, work):
+    client = over(irc5)
+    seam = work.file("seam.mod", SEAM.format(1))
+    program = work.file("cell.pgf", "<Program><Module>seam.mod</Module></Program>")
+    work.installed(client, program, seam)
+    with client:
+        assert client.modules() == ("Seam",)
+    work.file("seam.mod", SEAM.format(2))
+    work.installed(client, program, seam)
+    assert work.back(client).ok and text(irc5) == SEAM.format(1)
+
+
+def test_another_controller_at_the_address_is_refused(irc5, client, work):
+    irc5.cabinet.serial = "12-34567"
+    seam = work.file("seam.mod", SEAM.format(1))
+    with pytest.raises(Refused) as refused:
+        work.plan(client, seam, meant=Identity(serial="12-00000", robot="irb120-3-0.58"))
+    assert codes(refused.value.findings) == ["DP233", "DP233"]
+    meant = Identity(serial="12-34567", robot="irb1200-7-0.7")
+    planned = work.plan(client, seam, load=True, meant=meant)
+    irc5.cabinet.serial = "12-99999"
+    assert codes(work.deploy(planned).findings) == ["DP207"]
+    irc5.cabinet.serial = "12-34567"
+    assert work.deploy(planned).ok
+    irc5.cabinet.serial = "12-99999"
+    with pytest.raises(Refused) as refused:
+        work.back(client)
+    assert codes(refused.value.findings) == ["DP207"] and text(irc5) is not None
+    seam.write_text(SEAM.format(2))
+    after = work.plan(client, seam)
+    assert codes(after.notes) == ["DP231", "DP222"] and after.conflicts
+
+
+def test_what_a_connection_does_not_tell_is_a_warning(irc5, work):
+    seam = work.file("seam.mod", SEAM.format(1))
+    client = connect(irc5.address, password=irc5.password, timeout=10)
+    planned = work.plan(client, seam, meant=Identity(serial="12-34567"))
+    assert codes(planned.notes) == ["DP232"]
