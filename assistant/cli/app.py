@@ -189,8 +189,9 @@ def show(
 @app.command()
 def check(
     sources: Annotated[
-        list[str], typer.Argument(help="Files, or folders with programs; - for input.")
-    ],
+        list[str] | None,
+        typer.Argument(help="Files, or folders with programs; - for input; none for the project."),
+    ] = None,
     robot: RobotOption = None,
     process: ProcessOption = None,
     unit: UnitOption = None,
@@ -200,6 +201,9 @@ def check(
     """Check sources and robot programs; with a robot also reach, limits and configurations."""
     from assistant.cli.checking import run_check
 
+    if not sources:
+        given = {"--robot": robot, "--process": process, "--unit": unit, "--from": from_language}
+        raise typer.Exit(projects.run_project_check(given, format))
     raise typer.Exit(run_check(sources, robot, process, unit, from_language, format))
 
 

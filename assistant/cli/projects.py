@@ -1,8 +1,8 @@
-"""The commands of a project as a whole: `build`, and `check` without files."""
+"""The commands of a project as a whole: `init`, `build`, and `check` without files."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
@@ -18,6 +18,7 @@ from assistant.cli.presentation import (
     print_json,
     say,
 )
+from assistant.program.diagnostics import Refused, Severity, fold, worst
 
 if TYPE_CHECKING:
     from assistant.project import Build
@@ -43,7 +44,47 @@ def build(
     raise typer.Exit(run_build(names or (), jobs, anew, format))
 
 
-COMMANDS: Final = (build,)
+def init(
+    folder: Annotated[Path, typer.Argument(help="Of the project; made if it is missing.")] = Path(),
+) -> None:
+    """Start a project: a working example, and files for git, pre-commit and CI."""
+    raise typer.Exit(run_init(folder))
+
+
+COMMANDS: Final[tuple[Callable[..., None], ...]] = (init, build)
+
+
+def run_init(folder: Path) -> int:
+    from assistant.project.starting import start
+
+    started = start(folder)
+    print_findings(started.findings)
+    for file in started.written:
+        say(f"wrote {file}")
+    inside = "" if folder.resolve() == Path.cwd() else f"in {folder}: "
+    say(f"next, {inside}robot-assistant build, then robot-assistant deploy")
+    return 0
+
+
+def run_project_check(given: Mapping[str, object], format: FindingFormat) -> int:
+    """`check` of the project here. given: options of files, by name."""
+    from assistant.project import project_of, rules
+    from assistant.project.checking import check
+
+    stated = [option for option, value in given.items() if value is not None]
+    if stated:
+        raise Refused(*(rules.ONLY_WITH_FILES(option=one) for one in stated), exit_status=2)
+    done = check(project_of(), working=lambda count: working(f"checking {_programs(count)}"))
+    if format is not FindingFormat.TEXT:
+        print_for_programs(done.findings, done.ignored, format)
+    else:
+        print_findings(fold(done.findings), explained=True)
+        count = len(done.findings)
+        ignored = f", {len(done.ignored)} ignored" if done.ignored else ""
+        say(f"{_programs(done.programs)} checked, {count} finding{'s' * (count != 1)}{ignored}")
+    if done.unreadable:
+        return 2
+    return 1 if worst(done.findings) in (Severity.ERROR, Severity.WARNING) else 0
 
 
 def run_build(names: Sequence[str], jobs: int | None, anew: bool, format: FindingFormat) -> int:
@@ -65,7 +106,11 @@ def run_build(names: Sequence[str], jobs: int | None, anew: bool, format: Findin
 
 
 def _building(count: int) -> AbstractContextManager[None]:
-    return working(f"building {count} program{'s' * (count != 1)}")
+    return working(f"building {_programs(count)}")
+
+
+def _programs(count: int) -> str:
+    return f"{count} program{'s' * (count != 1)}"
 
 
 def _answer(done: Build) -> dict[str, object]:

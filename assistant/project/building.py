@@ -17,6 +17,9 @@ from assistant.project.making import Made, Order, make_all, order_of
 from assistant.sources.process.table import nearest
 from assistant.sources.process.values import listed, shown
 
+Working = Callable[[int], contextlib.AbstractContextManager[None]]
+"""What is around the making of so many programs."""
+
 
 class State(enum.StrEnum):
     """What a build did with a program."""
@@ -56,7 +59,7 @@ def build(
     *,
     jobs: int | None = None,
     anew: bool = False,
-    working: Callable[[int], contextlib.AbstractContextManager[None]] | None = None,
+    working: Working | None = None,
 ) -> Build:
     """Builds what has changed; what fails keeps nothing else from being built.
 
@@ -102,7 +105,7 @@ class _Run:
         self,
         jobs: int | None,
         anew: bool,
-        working: Callable[[int], contextlib.AbstractContextManager[None]],
+        working: Working,
     ) -> Build:
         stale = {
             key: order
@@ -143,15 +146,9 @@ class _Run:
         self.entries[name] = kept.Entry(wanted, {}, old)
         new = {file: digest_of(data) for file, data in sorted(made.files.items())}
         others = self._others(target, program)
-        clashes = [
-            file for file in new if others.get(file.lower(), ("", new[file]))[1] != new[file]
-        ]
-        for file in clashes:
-            first = others[file.lower()][0]
-            self.findings.append(
-                rules.SAME_FILE(place=name, first=first, second=program, file=file, target=target)
-            )
-        if not new or clashes:
+        clashing = clashes(target, {**others, program: new})
+        self.findings += [one for one in clashing if one not in self.findings]
+        if not new or clashing:
             return Built(target, program, State.FAILED)
         try:
             written = write_files({file: made.files[file] for file in new}, folder)
@@ -159,20 +156,20 @@ class _Run:
             self.findings += refused.findings
             self.status = 2
             return Built(target, program, State.FAILED)
-        stay = {file.lower() for file in new} | set(others)
+        stay = {file.lower() for files in (new, *others.values()) for file in files}
         _remove(folder, {file: old[file] for file in old if file.lower() not in stay})
         self.entries[name] = kept.Entry(wanted, made.inputs, new)
         return Built(target, program, State.BUILT, written, made.proof)
 
-    def _others(self, target: str, program: str) -> dict[str, tuple[str, str]]:
-        """Files of the other programs of a target, in lower case: whose, and their digests."""
+    def _others(self, target: str, program: str) -> dict[str, Mapping[str, str]]:
+        """Files of the other programs of a target with their digests."""
         place = next(one for one in self.project.places if one.name == target)
-        found: dict[str, tuple[str, str]] = {}
-        for recipe in place.recipes:
-            entry = self.entries.get(kept.key_of(target, recipe.name))
-            if recipe.name != program and entry is not None:
-                found.update({f.lower(): (recipe.name, d) for f, d in entry.files.items()})
-        return found
+        entries = {r.name: self.entries.get(kept.key_of(target, r.name)) for r in place.recipes}
+        return {
+            name: entry.files
+            for name, entry in entries.items()
+            if name != program and entry is not None
+        }
 
     def _forget(self) -> None:
         """Takes away what was built of programs that no target wants any more."""
@@ -192,6 +189,26 @@ class _Run:
             there = self.entries.pop(name).files
             gone = {file: there[file] for file in there if file.lower() not in still}
             _remove(self.project.folder / kept.BUILT / target, gone)
+
+
+def clashes(target: str, files: Mapping[str, Mapping[str, str]]) -> list[Diagnostic]:
+    """Programs with files of one name on the controller, unless they are the same.
+
+    files: digests by name, of each program.
+    """
+    seen: dict[str, tuple[str, str]] = {}
+    found: list[Diagnostic] = []
+    for program, names in files.items():
+        for name, digest in names.items():
+            first, other = seen.setdefault(name.lower(), (program, digest))
+            if other != digest:
+                place = kept.key_of(target, program)
+                found.append(
+                    rules.SAME_FILE(
+                        place=place, first=first, second=program, file=name, target=target
+                    )
+                )
+    return found
 
 
 def _remove(folder: FilePath, files: Mapping[str, str]) -> None:

@@ -23,6 +23,7 @@ from dataclasses import dataclass
 from typing import Any, Final, get_args
 
 from assistant import languages
+from assistant.controllers.named import LONGEST_TIMEOUT, keys
 from assistant.languages.language import Frames
 from assistant.sources.lengths import UNITS
 from assistant.sources.process import values
@@ -101,9 +102,23 @@ TARGET: Final[Mapping[str, Key]] = {
     ),
     "load": _truth("Also load modules that are not loaded yet."),
 }
+FORMS: Final[Mapping[str, tuple[Mapping[str, object], str]]] = {
+    "address": (TEXT, "Such as rws://192.168.125.1, or virtual:irc5 for a virtual one."),
+    "robot": (TEXT, "That it moves: a robot of the catalogue, or its file."),
+    "user": (TEXT, "Of its file server or services; never write a password into this file."),
+    "certificate": (TEXT, "File of the certificate that it is trusted by."),
+    "timeout": (
+        {"type": "number", "exclusiveMinimum": 0, "maximum": LONGEST_TIMEOUT},
+        "Seconds to wait for an answer.",
+    ),
+    "serial": (TEXT, "Number that it must tell of itself; another one is refused."),
+}
 DEPLOYING: Final[Mapping[str, Key]] = {
     "parallel": _whole(1, MOST_AT_ONCE, "Controllers at a time."),
     "canary": _text("Target that goes first, alone; the others follow if it goes well."),
+}
+CONTROLLER: Final[Mapping[str, Key]] = {
+    name: Key(read, *FORMS[name]) for name, read in keys().items()
 }
 FILES: Final = ("source", "process", "signals")
 """Keys of a program that name files."""

@@ -1,0 +1,128 @@
+"""Checking a project: that everything builds, and what of it does not suit its controller's robot.
+
+Nothing is written into `build/`: programs are made anew in a folder that is gone afterwards.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import tempfile
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path as FilePath
+
+from assistant.compiler.checking import check_files
+from assistant.findings.project_severities import settle
+from assistant.program.diagnostics import Diagnostic, Refused, Severity
+from assistant.project import kept, rules
+from assistant.project.building import Working, chosen, clashes
+from assistant.project.inputs import digest_of
+from assistant.project.layout import Project
+from assistant.project.making import Made, make_all, order_of, shown_path
+
+
+@dataclass(frozen=True, slots=True)
+class ProjectCheck:
+    """What was found. programs: how many, of all targets. ignored: by comments in programs."""
+
+    programs: int
+    findings: tuple[Diagnostic, ...]
+    ignored: tuple[Diagnostic, ...] = ()
+    unreadable: bool = False
+
+
+def check(
+    project: Project,
+    *,
+    jobs: int | None = None,
+    working: Working | None = None,
+) -> ProjectCheck:
+    """Everything that targets want is made and checked, the programs of a target together.
+
+    Raises Refused if the folder of the project cannot be written.
+    """
+    orders = {
+        (place.name, recipe.name): order_of(project.folder, place, recipe)
+        for place, recipe in chosen(project, ())
+    }
+    with (working or _silent)(len(set(orders.values()))):
+        made = make_all(list(orders.values()), jobs)
+        found = [finding for order in made for finding in made[order].findings]
+        ignored: list[Diagnostic] = []
+        unreadable = any(one.unreadable for one in made.values())
+        for place in project.places:
+            programs = {r.name: orders[place.name, r.name] for r in place.recipes}
+            by_name = {name: made[order] for name, order in programs.items()}
+            digests = {
+                name: {file: digest_of(data) for file, data in one.files.items()}
+                for name, one in by_name.items()
+            }
+            found += clashes(place.name, digests)
+            arms: dict[str | None, list[str]] = {}
+            for name, order in programs.items():
+                arms.setdefault(order.arm, []).append(name)
+            for arm, names in arms.items():
+                one = _checked(project, place.name, arm, [by_name[name] for name in names])
+                found += one.findings
+                ignored += one.ignored
+                unreadable |= one.unreadable
+    return ProjectCheck(
+        len(orders), tuple(dict.fromkeys(found)), tuple(dict.fromkeys(ignored)), unreadable
+    )
+
+
+def _silent(_: int) -> contextlib.AbstractContextManager[None]:
+    return contextlib.nullcontext()
+
+
+def _checked(project: Project, target: str, arm: str | None, made: Sequence[Made]) -> ProjectCheck:
+    """The files of programs for one robot, as they will be on the controller."""
+    files = {name: data for one in made for name, data in one.files.items()}
+    if not files:
+        return ProjectCheck(0, ())
+    origins = {name: origin for one in made for name, origin in one.origins.items()}
+    told = {finding.code for one in made if not one.origins for finding in one.findings}
+    try:
+        project.kept.mkdir(exist_ok=True)
+        with tempfile.TemporaryDirectory(prefix="check-", dir=project.kept) as folder:
+            paths = _written(FilePath(folder), files)
+            checked = check_files(list(paths), robot=arm)
+            settled = settle(checked.findings, checked.texts)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        finding = rules.NOT_KEPT(file=error.filename or project.kept, reason=reason)
+        raise Refused(finding, exit_status=2) from None
+    places = {
+        path: origins.get(name) or shown_path(project.folder / kept.BUILT / target / name)
+        for path, name in paths.items()
+    }
+    whole = {folder: shown_path(project.folder / kept.BUILT / target)}
+
+    def placed(findings: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
+        return tuple(replace(one, path=_place(one.path, {**whole, **places})) for one in findings)
+
+    left = [f for f in settled.left if _is_news(f, paths, origins, told)]
+    return ProjectCheck(0, placed(left), placed(settled.ignored), checked.unreadable)
+
+
+def _is_news(
+    finding: Diagnostic, paths: Mapping[str, str], origins: Mapping[str, str], told: set[str]
+) -> bool:
+    """Whether a finding tells what the making of a program has not told.
+
+    Notes about texts that we wrote are of no interest to those who cannot change them.
+    """
+    if paths.get(finding.path or "") in origins:
+        return True
+    return finding.severity is not Severity.INFO and finding.code not in told
+
+
+def _place(path: str | None, places: Mapping[str, str]) -> str | None:
+    return places.get(path or "", path)
+
+
+def _written(folder: FilePath, files: Mapping[str, bytes]) -> dict[str, str]:
+    """Path of each file that is written into a folder → its name."""
+    for name, data in files.items():
+        (folder / name).write_bytes(data)
+    return {str(folder / name): name for name in files}
