@@ -202,8 +202,10 @@ def check(
     from assistant.cli.checking import run_check
 
     if not sources:
+        from assistant.cli.building import run_project_check
+
         given = {"--robot": robot, "--process": process, "--unit": unit, "--from": from_language}
-        raise typer.Exit(projects.run_project_check(given, format))
+        raise typer.Exit(run_project_check(given, format))
     raise typer.Exit(run_check(sources, robot, process, unit, from_language, format))
 
 

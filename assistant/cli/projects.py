@@ -1,27 +1,15 @@
-"""The commands of a project as a whole: `init`, `build`, and `check` without files."""
+"""The commands of a project as a whole: `init` and `build`; `check` without files is one more."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import Annotated, Final
 
 import typer
 
-from assistant.cli.compiling import working
 from assistant.cli.options import FindingFormatOption
-from assistant.cli.presentation import (
-    FindingFormat,
-    print_findings,
-    print_for_programs,
-    print_json,
-    say,
-)
-from assistant.program.diagnostics import Refused, Severity, fold, worst
-
-if TYPE_CHECKING:
-    from assistant.project import Build
+from assistant.cli.presentation import FindingFormat
 
 JobsOption = Annotated[
     int | None,
@@ -41,6 +29,8 @@ def build(
     format: FindingFormatOption = FindingFormat.TEXT,
 ) -> None:
     """Compile the programs of the project for its targets, into build/TARGET/."""
+    from assistant.cli.building import run_build
+
     raise typer.Exit(run_build(names or (), jobs, anew, format))
 
 
@@ -48,90 +38,9 @@ def init(
     folder: Annotated[Path, typer.Argument(help="Of the project; made if it is missing.")] = Path(),
 ) -> None:
     """Start a project: a working example, and files for git, pre-commit and CI."""
+    from assistant.cli.building import run_init
+
     raise typer.Exit(run_init(folder))
 
 
 COMMANDS: Final[tuple[Callable[..., None], ...]] = (init, build)
-
-
-def run_init(folder: Path) -> int:
-    from assistant.project.starting import start
-
-    started = start(folder)
-    print_findings(started.findings)
-    for file in started.written:
-        say(f"wrote {file}")
-    inside = "" if folder.resolve() == Path.cwd() else f"in {folder}: "
-    say(f"next, {inside}robot-assistant build, then robot-assistant deploy")
-    return 0
-
-
-def run_project_check(given: Mapping[str, object], format: FindingFormat) -> int:
-    """`check` of the project here. given: options of files, by name."""
-    from assistant.project import project_of, rules
-    from assistant.project.checking import check
-
-    stated = [option for option, value in given.items() if value is not None]
-    if stated:
-        raise Refused(*(rules.ONLY_WITH_FILES(option=one) for one in stated), exit_status=2)
-    done = check(project_of(), working=lambda count: working(f"checking {_programs(count)}"))
-    if format is not FindingFormat.TEXT:
-        print_for_programs(done.findings, done.ignored, format)
-    else:
-        print_findings(fold(done.findings), explained=True)
-        count = len(done.findings)
-        ignored = f", {len(done.ignored)} ignored" if done.ignored else ""
-        say(f"{_programs(done.programs)} checked, {count} finding{'s' * (count != 1)}{ignored}")
-    if done.unreadable:
-        return 2
-    return 1 if worst(done.findings) in (Severity.ERROR, Severity.WARNING) else 0
-
-
-def run_build(names: Sequence[str], jobs: int | None, anew: bool, format: FindingFormat) -> int:
-    from assistant.project import State, build, project_of
-
-    done = build(project_of(), names, jobs=jobs, anew=anew, working=_building)
-    if format is FindingFormat.JSON:
-        print_json(_answer(done))
-    elif format is not FindingFormat.TEXT:
-        print_for_programs(done.findings, (), format)
-    else:
-        print_findings(done.findings)
-        for one in done.programs:
-            said = ", ".join(map(_shown, one.files)) if one.state is State.BUILT else ""
-            say(f"{one.target}: {one.program} {one.state}{said and ': '}{said}")
-            for line in one.proof:
-                say(f"  {line}")
-    return done.status
-
-
-def _building(count: int) -> AbstractContextManager[None]:
-    return working(f"building {_programs(count)}")
-
-
-def _programs(count: int) -> str:
-    return f"{count} program{'s' * (count != 1)}"
-
-
-def _answer(done: Build) -> dict[str, object]:
-    from assistant.findings.formats import finding_record
-
-    return {
-        "ok": done.ok,
-        "programs": [
-            {
-                "target": one.target,
-                "program": one.program,
-                "state": str(one.state),
-                "files": [_shown(file) for file in one.files],
-                "proof": list(one.proof),
-            }
-            for one in done.programs
-        ],
-        "findings": [finding_record(finding) for finding in done.findings],
-    }
-
-
-def _shown(file: Path) -> str:
-    here = Path.cwd()
-    return str(file.relative_to(here) if file.is_relative_to(here) else file)
