@@ -13,7 +13,6 @@ from types import FrameType
 from typing import TYPE_CHECKING, Final
 
 from assistant.cli.compiling import working
-from assistant.cli.moving import ENDS
 from assistant.cli.presentation import Format, console, print_findings, print_json, say, visible
 from assistant.findings.formats import finding_record
 
@@ -69,6 +68,7 @@ def ended_in_order() -> Iterator[Halt]:
     Nothing is interrupted where it stands: every deployment takes back what it changed, which is
     over within the time-outs of its connection. Asking twice makes no difference.
     """
+    from assistant.controllers.ending import ENDS
     from assistant.deploy import Halt
 
     halt = Halt(noticed=lambda: console().print("ending in order: what was begun is taken back"))
@@ -80,7 +80,7 @@ def ended_in_order() -> Iterator[Halt]:
         del number, frame
         halt.asked = True
 
-    wanted = [getattr(signal, name) for name in ("SIGINT", *ENDS) if hasattr(signal, name)]
+    wanted = [getattr(signal, name) for name in ENDS if hasattr(signal, name)]
     before = {number: signal.signal(number, asked) for number in wanted}
     try:
         yield halt

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import signal
 import sys
-import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -75,11 +73,12 @@ def moving(text: str, command: str) -> Iterator[Moving]:
     stopped all the same: a part of it may have begun before.
     """
     from assistant.controllers import Controller
+    from assistant.controllers.ending import told_to_end
     from assistant.controllers.stopping import PATIENCE, brought_to_rest
 
     motion: Moving | None = None
     try:
-        with _told_to_end(), reached(text, command) as there:
+        with told_to_end(), reached(text, command) as there:
             motion = Moving(there)
             with _stopped(motion):
                 yield motion
@@ -102,27 +101,6 @@ def moving(text: str, command: str) -> Iterator[Moving]:
             raise
         print_findings([_told(one, rest)])
         raise
-
-
-ENDS: Final = ("SIGTERM", "SIGHUP", "SIGBREAK", "SIGQUIT", "SIGTSTP")
-"""What ends a program from outside: a pipeline that is cancelled, a terminal that is closed, a key
-beside Ctrl-C. One that Ctrl-Z halts could not stop the arm any more.
-"""
-
-
-@contextmanager
-def _told_to_end() -> Iterator[None]:
-    """Meanwhile whatever ends this program from outside stops the arm first, as Ctrl-C does."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    wanted = [getattr(signal, name) for name in ENDS if hasattr(signal, name)]
-    before = {number: signal.signal(number, signal.default_int_handler) for number in wanted}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
 
 
 @contextmanager

@@ -6,6 +6,7 @@ from a file, and what is taught is changed there, not in the file.
 
 from __future__ import annotations
 
+from collections.abc import Collection, Mapping
 from typing import Protocol, runtime_checkable
 
 
@@ -18,6 +19,13 @@ class Disk(Protocol):
 
     def release(self, name: str) -> None:
         """Removes an empty folder; nothing happens if there is none."""
+
+    def clear_rests(self, known: Mapping[str, Collection[bytes]]) -> None:
+        """Deletes what transfers that were cut left beside files.
+
+        known: for each of the files what it may have been: a file that waits aside goes only if
+        it is that, for somebody else may have named it so.
+        """
 
 
 @runtime_checkable

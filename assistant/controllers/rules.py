@@ -225,3 +225,7 @@ class Lost(Refused):
     """There is no connection (any more): what was under way may or may not have happened."""
 
     exit_status = 2
+
+
+class Taken(Refused):
+    """Somebody has it open, or a session that died has; it may be free again in a moment."""

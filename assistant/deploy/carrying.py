@@ -6,24 +6,20 @@ finishes what somebody else began, and takes it back.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterable
+from functools import partial
 from typing import Final
 
-from assistant.controllers.rules import Lost
 from assistant.deploy import rules
 from assistant.deploy.held import Held
 from assistant.deploy.journal import Entry, Journal, Step
 from assistant.deploy.outcome import FileState
-from assistant.deploy.site import Site
+from assistant.deploy.site import RECORD, Site
 from assistant.program.diagnostics import Diagnostic, Refused
 
 PATIENCE: Final = 20.0
 """Seconds for which what cannot be put back is tried again: a controller keeps a dead session,
 and the program that it had open, for a while."""
-BETWEEN: Final = 0.5
-"""Seconds between two tries."""
-
 Progress = Callable[[Entry], None]
 """Is told each program before it is changed."""
 
@@ -33,6 +29,7 @@ class Carrying:
 
     def __init__(self, site: Site, journal: Journal, patience: float = PATIENCE) -> None:
         self.site, self.journal, self.patience = site, journal, patience
+        site.patience = min(site.patience, patience)
         self.states: dict[str, FileState] = {}
         self.findings: list[Diagnostic] = []
 
@@ -53,10 +50,11 @@ class Carrying:
 
         connected: whether the session can be used as it is.
         """
-        whole = True
+        whole, connected = self._insisted(self.clear_rests, connected)
         for entry in entries:
             try:
-                touched = self._insist(entry, connected)
+                restore = partial(self._restore, entry)
+                touched = self.site.insist(restore, self.patience, connected=connected)
             except Refused as refusal:
                 whole = connected = False
                 self.findings += refusal.findings
@@ -69,7 +67,47 @@ class Carrying:
                     gone = entry.before.file is None
                     rule = rules.REMOVED if gone else rules.PUT_BACK
                     self.findings.append(rule(place=entry.name, name=entry.name))
+        if whole:
+            whole, _ = self._insisted(self._restore_record, connected)
         return whole
+
+    def clear_rests(self) -> None:
+        """Deletes what a step that was cut left beside the programs."""
+        self.site.clear_rests(
+            {
+                entry.name: {
+                    data
+                    for held in (entry.before, entry.after)
+                    for data in (held.file, held.loaded)
+                    if data is not None
+                }
+                for entry in self.journal.entries
+            }
+        )
+
+    def keep_record(self) -> None:
+        """The controller gets the record of what it has now."""
+        if self.site.disk is not None:
+            self.site.controller.write(RECORD, self.journal.record.written())
+
+    def _restore_record(self) -> None:
+        """The record that was there before is there again."""
+        earlier, controller = self.journal.earlier, self.site.controller
+        if self.site.disk is None or controller.read(RECORD) == earlier:
+            return
+        if earlier is None:
+            controller.remove(RECORD)
+        else:
+            controller.write(RECORD, earlier)
+
+    def _insisted(self, act: Callable[[], None], connected: bool) -> tuple[bool, bool]:
+        """Whether something could be done, and whether there is a session then."""
+        try:
+            self.site.insist(act, self.patience, connected=connected)
+        except Refused as refusal:
+            self.findings += refusal.findings
+            return False, False
+        return True, True
 
     def unknown(self, entries: Iterable[Entry]) -> list[Diagnostic]:
         """Programs that neither this deployment nor what was before left as they are now."""
@@ -97,20 +135,6 @@ class Carrying:
         for sent, read in pairs:
             if sent != read:
                 raise Refused(_altered(entry.name, sent or b"", read or b""))
-
-    def _insist(self, entry: Entry, connected: bool) -> bool:
-        """Puts a program back, if it takes several sessions; whether there was anything to do."""
-        end = time.monotonic() + self.patience
-        while True:
-            try:
-                if not connected:
-                    self.site.reconnect()
-                return self._restore(entry)
-            except Refused as refusal:
-                if time.monotonic() + BETWEEN > end:
-                    raise
-                connected = not isinstance(refusal, Lost)
-                time.sleep(BETWEEN)
 
     def _restore(self, entry: Entry) -> bool:
         if self.site.same(self._now(entry), entry.before):

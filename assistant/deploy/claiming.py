@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path as FilePath
 from typing import Final
 
-from assistant.deploy import rules
+from assistant.controllers.rules import Lost
+from assistant.deploy import durably, rules
+from assistant.deploy.journal import failing
 from assistant.deploy.record import Record
-from assistant.deploy.site import CLAIM, CLAIMANT, Site
+from assistant.deploy.site import BETWEEN, CLAIM, CLAIMANT, Site
 from assistant.program.diagnostics import Refused
 
 LOCK: Final = "lock"
@@ -25,42 +30,63 @@ def alone_here(place: FilePath) -> Iterator[None]:
     from filelock import FileLock, Timeout
 
     try:
-        place.mkdir(parents=True, exist_ok=True)
-        lock = FileLock(place / LOCK, timeout=0)
-        lock.acquire()
+        with failing(place):
+            durably.make_folders(place)
+            lock = FileLock(place / LOCK, timeout=0)
+            try:
+                lock.acquire()
+            except NotImplementedError:
+                raise ValueError("no file can be locked there") from None
     except Timeout:
         raise Refused(rules.BUSY_HERE(place=str(place))) from None
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise Refused(rules.NO_HISTORY(folder=place, reason=reason, path=str(place))) from None
     try:
         yield
     finally:
         lock.release()
 
 
-def claim(site: Site, record: Record, *, anyway: bool = False) -> None:
-    """Keeps other computers off the controller; raises Refused if one is there.
+@dataclass(frozen=True, slots=True)
+class Holder:
+    """Who holds a controller. name: of the deployment, "" if that is not known."""
 
-    anyway: whether a claim that is there is taken over, which a dead process may have left.
-    """
+    name: str = ""
+    who: str = "somebody"
+    time: str = "an unknown time"
+
+
+def claim(site: Site, record: Record, patience: float) -> None:
+    """Keeps other computers off the controller; raises Refused if one is there."""
     if site.disk is None:
         return
     if not site.disk.claim(CLAIM):
-        name, who, time = claimant(site)
-        if not anyway and name != record.name:
-            raise Refused(rules.BUSY_THERE(place=str(site.address), who=who, time=time, name=name))
+        one = holder(site)
+        if one.name != record.name:
+            there = str(site.address)
+            raise Refused(rules.BUSY_THERE(place=there, who=one.who, time=one.time, name=one.name))
     content = {"deployment": record.name, "who": record.who, "time": record.time}
-    site.controller.write(CLAIMANT, json.dumps(content).encode())
+    try:
+        site.controller.write(CLAIMANT, json.dumps(content).encode())
+    except Refused as refusal:
+        with suppress(Refused):  # nobody would know whose it is
+            free = partial(unclaim, site)
+            site.insist(free, patience, connected=not isinstance(refusal, Lost))
+        raise
 
 
-def claimant(site: Site) -> tuple[str, str, str]:
-    """Name of the deployment that holds the controller, who began it, and when."""
+def holder(site: Site) -> Holder:
+    """Who says that he holds the controller."""
     data = site.controller.read(CLAIMANT)
-    with suppress(ValueError, KeyError, TypeError):
+    try:
         content = json.loads((data or b"")[:10_000])
-        return tuple(str(content[key])[:200] for key in ("deployment", "who", "time"))  # type: ignore[return-value]
-    return "", "somebody", "an unknown time"
+        return Holder(*(str(content[key])[:200] for key in ("deployment", "who", "time")))
+    except (ValueError, KeyError, TypeError, RecursionError):
+        return Holder()
+
+
+def check_claim(site: Site, record: Record) -> None:
+    """Raises Refused if somebody has freed the controller, who took this deployment for dead."""
+    if site.disk is not None and holder(site).name != record.name:
+        raise Refused(rules.CLAIM_GONE(place=str(site.address)))
 
 
 def unclaim(site: Site) -> None:
@@ -68,3 +94,20 @@ def unclaim(site: Site) -> None:
     if site.disk is not None:
         site.controller.remove(CLAIMANT)
         site.disk.release(CLAIM)
+
+
+def held_by(site: Site) -> Holder | None:
+    """Who holds the controller, None if nobody does.
+
+    Who has just come has a moment to say so.
+    """
+    if site.disk is None:
+        return None
+    one = holder(site)
+    if not one.name:
+        if site.disk.claim(CLAIM):
+            unclaim(site)
+            return None
+        time.sleep(min(BETWEEN, site.patience))
+        one = holder(site)
+    return one

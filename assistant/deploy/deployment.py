@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path as FilePath
 
+from assistant.controllers.ending import Ending, told_to_end
 from assistant.controllers.rules import Lost
 from assistant.deploy import rules
+from assistant.deploy.archive import packed
 from assistant.deploy.carrying import PATIENCE, Carrying, Progress
-from assistant.deploy.claiming import alone_here, claim, unclaim
+from assistant.deploy.claiming import alone_here, check_claim, claim, holder, unclaim
 from assistant.deploy.held import Digests
-from assistant.deploy.journal import Entry, Journal, Step, create, journals, place_of
+from assistant.deploy.journal import Entry, Journal, Step, create, open_journal, place_of
 from assistant.deploy.outcome import Deployment, FileState
 from assistant.deploy.plan import Change, Plan
 from assistant.deploy.record import Record, new_record
@@ -47,6 +50,7 @@ class _Run:
     def __init__(self, plan: Plan, place: FilePath, patience: float) -> None:
         self.plan, self.place, self.patience = plan, place, patience
         self.site = plan.site
+        self.site.patience = min(self.site.patience, patience)
         self.findings: list[Diagnostic] = []
         self.journal: Journal | None = None
         self.states = {
@@ -58,29 +62,32 @@ class _Run:
         plan = self.plan
         try:
             self._check_decided(files_only)
-            if plan.changes:
-                with alone_here(self.place), self.site:
-                    self._check_unchanged()
-                    check_at_rest(self.site, [file.entry for file in plan.changes])
-                    self._install(progress)
+            if plan.changes or open_journal(self.place) is not None:
+                with alone_here(self.place):
+                    self._check_ended()
+                    with self.site:
+                        self._check_unchanged()
+                        check_at_rest(self.site, [file.entry for file in plan.changes])
+                        self._install(progress)
         except Refused as refusal:
             self.findings += refusal.findings
         folder = self.journal.folder if self.journal else None
         return Deployment(plan.address, self.states, tuple(self.findings), folder)
 
     def _check_decided(self, files_only: bool) -> None:
-        """Raises Refused if somebody has to decide first, or an earlier deployment is open."""
+        """Raises Refused if somebody has to decide first."""
         refused = [rules.UNDECIDED(place=f.name, name=f.name) for f in self.plan.conflicts]
         replaced = [f for f in self.plan.changes if f.change is Change.CHANGED]
         if self.site.blind and replaced and not files_only:
             refused.append(rules.BLIND(place=str(self.plan.address), name=replaced[0].name))
-        refused += [
-            rules.STILL_OPEN(place=str(one.folder), name=one.record.name)
-            for one in journals(self.place)
-            if one.open
-        ]
         if refused:
             raise Refused(*refused)
+
+    def _check_ended(self) -> None:
+        """Raises Refused if an earlier deployment from here is open."""
+        one = open_journal(self.place)
+        if one is not None:
+            raise Refused(rules.STILL_OPEN(place=str(one.folder), name=one.record.name))
 
     def _check_unchanged(self) -> None:
         """Raises Refused if the controller is not what the plan saw."""
@@ -119,52 +126,85 @@ def carry_out(
 ) -> Carrying:
     """Brings programs to a controller, with a journal; what fails is put back.
 
-    The findings of what comes back say what failed. Raises Refused if nothing could be begun.
+    So is what is interrupted, from outside or by Ctrl-C: only once, what comes behind that
+    waits. The findings of what comes back say what failed. Raises Refused if nothing could be
+    begun.
     """
     stood = tasks(site)
-    claim(site, record)
-    try:
-        journal = create(place, record, entries)
-        if site.disk is not None:
-            site.controller.write(UNDER_WAY, journal.packed())
-    except BaseException:
-        _abandon(site, place, record)
-        raise
-    carrying = Carrying(site, journal, patience)
-    try:
-        carrying.forward(journal.entries, progress)
-        settle(site, journal)
-    except Refused as refusal:
-        carrying.findings += refusal.findings
-        take_back(carrying, connected=not isinstance(refusal, Lost))
-    except KeyboardInterrupt:
-        name = next(reversed(carrying.states), "")
-        carrying.findings.append(rules.INTERRUPTED(place=name, name=name))
-        take_back(carrying, connected=False)  # an answer may still be on its way
-    except BaseException:
-        take_back(carrying, connected=False)
-        raise
+    with told_to_end(once=True) as ending:
+        carrying = Carrying(site, _begun(site, place, record, entries, patience, ending), patience)
+        journal = carrying.journal
+        try:
+            try:
+                carrying.forward(journal.entries, progress)
+                settle(carrying)
+                ending.hold()
+            except Refused as refusal:
+                ending.hold()
+                carrying.findings += refusal.findings
+                take_back(carrying, connected=not isinstance(refusal, Lost))
+        except KeyboardInterrupt:
+            ending.hold()
+            name = next(reversed(carrying.states), "")
+            carrying.findings.append(rules.INTERRUPTED(place=name, name=name))
+            take_back(carrying, connected=False)  # an answer may still be on its way
+        except BaseException:
+            ending.hold()
+            take_back(carrying, connected=False)
+            raise
     with suppress(Refused):  # what became of a lost line is said already
         carrying.findings += pointers_lost(site, stood)
     return carrying
 
 
-def _abandon(site: Site, place: FilePath, record: Record) -> None:
+def _begun(
+    site: Site,
+    place: FilePath,
+    record: Record,
+    entries: Sequence[Entry],
+    patience: float,
+    ending: Ending,
+) -> Journal:
+    """Everything that is written down before a program is touched, here and there."""
+    try:
+        claim(site, record, patience)
+        earlier = site.controller.read(RECORD) if site.disk is not None else None
+        journal = create(place, record, entries, earlier)
+        if site.disk is not None:
+            site.controller.write(UNDER_WAY, packed(journal))
+        check_claim(site, record)
+    except BaseException as caught:
+        ending.hold()
+        lost = not isinstance(caught, Refused) or isinstance(caught, Lost)
+        _abandon(site, place, record, patience, connected=not lost)
+        raise
+    return journal
+
+
+def _abandon(
+    site: Site, place: FilePath, record: Record, patience: float, *, connected: bool
+) -> None:
     """Ends a deployment before anything was changed."""
     with suppress(Refused):
-        for journal in journals(place):
-            if journal.record.name == record.name:
-                journal.add(Step.TAKEN_BACK)
-    with suppress(Refused):
-        unclaim(site)
+        journal = open_journal(place)
+        if journal is not None and journal.record.name == record.name:
+            journal.add(Step.TAKEN_BACK)
 
+    def free() -> None:
+        if holder(site).name == record.name:
+            site.clear_rests({})
+            unclaim(site)
 
-def settle(site: Site, journal: Journal) -> None:
-    """Ends a deployment whose programs are all there."""
     if site.disk is not None:
-        site.controller.write(RECORD, journal.record.written())
-    journal.add(Step.DONE)
-    unclaim(site)
+        with suppress(Refused):
+            site.insist(free, patience, connected=connected)
+
+
+def settle(carrying: Carrying) -> None:
+    """Ends a deployment whose programs are all there."""
+    carrying.keep_record()
+    carrying.journal.add(Step.DONE)
+    _let_go(carrying)
 
 
 def take_back(carrying: Carrying, *, connected: bool) -> None:
@@ -174,6 +214,20 @@ def take_back(carrying: Carrying, *, connected: bool) -> None:
         journal.add(Step.TAKING_BACK)
     begun = [entry for entry in journal.entries if entry.name in carrying.states]
     if carrying.back(reversed(begun), connected=connected):
-        with suppress(Refused):
+        try:
             journal.add(Step.TAKEN_BACK)
-            unclaim(carrying.site)
+        except Refused as refusal:
+            carrying.findings += refusal.findings
+        else:
+            _let_go(carrying)
+
+
+def _let_go(carrying: Carrying) -> None:
+    """Lets others deploy again; that this fails changes nothing of what is done."""
+    site, record = carrying.site, carrying.journal.record
+    try:
+        site.insist(partial(unclaim, site), carrying.patience)
+    except Refused as refusal:
+        reason = refusal.findings[0].message if refusal.findings else "it did not answer"
+        there = str(site.address)
+        carrying.findings.append(rules.STILL_HELD(place=there, name=record.name, reason=reason))

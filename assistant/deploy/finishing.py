@@ -2,21 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
 from dataclasses import replace as changed
 from pathlib import Path as FilePath
 
 from assistant.controllers import Programs
+from assistant.controllers.ending import told_to_end
 from assistant.deploy import rules
+from assistant.deploy import site as site_names
+from assistant.deploy.archive import unpack
 from assistant.deploy.carrying import PATIENCE, Carrying
-from assistant.deploy.claiming import alone_here, claim, claimant
+from assistant.deploy.claiming import alone_here, claim, held_by, holder, unclaim
 from assistant.deploy.deployment import carry_out, settle, take_back
 from assistant.deploy.held import Digests, Held
 from assistant.deploy.identifying import check_same
-from assistant.deploy.journal import Entry, Journal, Step, journals, place_of, unpack
+from assistant.deploy.journal import (
+    ENDED,
+    RECORD,
+    Entry,
+    Journal,
+    Step,
+    failing,
+    folders,
+    last_step,
+    open_journal,
+    place_of,
+    read_journal,
+)
 from assistant.deploy.outcome import Deployment, FileState
 from assistant.deploy.plan import EVERY
-from assistant.deploy.record import new_record
+from assistant.deploy.record import new_record, read_record
 from assistant.deploy.remembering import last_record
 from assistant.deploy.resting import check_at_rest
 from assistant.deploy.site import UNDER_WAY, Site
@@ -35,7 +51,14 @@ def resume(
     replace: programs that are made what the deployment brought although somebody has changed them
     meanwhile, `EVERY` for all. Raises Refused if there is none.
     """
-    return _finish(controller, history, replace, patience, back=False)
+    place = place_of(controller.address, history)
+    with alone_here(place), Site(controller, patience=patience) as site:
+        journal, freed = _open(site, place)
+        if journal is not None:
+            return _finish(site, journal, replace, patience, back=False)
+        if freed is None:
+            raise Refused(rules.NOTHING_OPEN(place=str(controller.address)))
+        return Deployment(controller.address, {}, (freed.finding,))
 
 
 def rollback(
@@ -53,82 +76,122 @@ def rollback(
     resumed and taken back. replace: see `resume`. Raises Refused if there is none.
     """
     place = place_of(controller.address, history)
-    with alone_here(place):
-        with Site(controller) as site:
-            open_one = _open(site, place)
-        past = [one for one in journals(place) if one.last is Step.DONE]
-    if open_one is not None and number in (None, open_one.number):
-        return _finish(controller, history, replace, patience, back=True)
-    if open_one is not None:
-        raise Refused(rules.STILL_OPEN(place=str(open_one.folder), name=open_one.record.name))
-    chosen = [one for one in past if number is None or one.number >= number]
-    if number is None:
-        chosen = chosen[-1:]
-    if not chosen or (number is not None and chosen[0].number != number):
+    with alone_here(place), Site(controller, patience=patience) as site:
+        journal, freed = _open(site, place)
+        if journal is not None:
+            if number not in (None, journal.number):
+                still = rules.STILL_OPEN(place=str(journal.folder), name=journal.record.name)
+                raise Refused(still)
+            return _finish(site, journal, replace, patience, back=True)
+        if freed is not None and number is None and freed.how is not Step.DONE:
+            return Deployment(controller.address, {}, (freed.finding,), None, back=True)
+        done = _undo(site, _chosen(controller, place, number), place, history, replace, patience)
+    earlier = (freed.finding,) if freed is not None else ()
+    return changed(done, findings=(*earlier, *done.findings))
+
+
+def _chosen(controller: Programs, place: FilePath, number: int | None) -> list[Journal]:
+    """The deployments that are to be taken back, the oldest first; raises Refused for none."""
+    done = [folder for folder in folders(place) if last_step(folder) is Step.DONE]
+    chosen = done[-1:] if number is None else [one for one in done if int(one.name) >= number]
+    if not chosen or (number is not None and int(chosen[0].name) != number):
         finding = rules.NO_DEPLOYMENT(place=str(controller.address), number=number or "")
         raise Refused(finding, exit_status=2)
-    return _undo(controller, chosen, place, history, replace, patience)
+    return [read_journal(folder) for folder in chosen]
 
 
 def _finish(
-    controller: Programs,
-    history: str | FilePath | None,
-    replace: Collection[str],
-    patience: float,
-    *,
-    back: bool,
+    site: Site, journal: Journal, replace: Collection[str], patience: float, *, back: bool
 ) -> Deployment:
-    place = place_of(controller.address, history)
-    findings: list[Diagnostic] = []
-    with alone_here(place), Site(controller) as site:
-        journal = _open(site, place)
-        if journal is None:
-            raise Refused(rules.NOTHING_OPEN(place=str(controller.address)))
-        site.task = journal.record.task
-        carrying = _checked(site, journal, replace, patience)
-        claim(site, journal.record)
-        if back:
-            # All of them: a step that was on its way when the line was cut may have been done.
-            carrying.states = dict.fromkeys((e.name for e in journal.entries), FileState.UNKNOWN)
-            take_back(carrying, connected=True)
-        else:
-            _go_on(carrying, findings)
-    findings += carrying.findings
-    return Deployment(controller.address, carrying.states, tuple(findings), journal.folder, back)
-
-
-def _go_on(carrying: Carrying, findings: list[Diagnostic]) -> None:
-    """Installs what is left; what fails leaves the deployment open, to be resumed again."""
-    journal = carrying.journal
+    site.task = journal.record.task
+    carrying = _checked(site, journal, replace, patience)
+    claim(site, journal.record, patience)
     carrying.states = dict.fromkeys((e.name for e in journal.entries), FileState.UNKNOWN)
+    # All of them, also back: a step that was on its way when the line was cut may have been done.
+    with told_to_end(once=True):
+        try:
+            if back:
+                take_back(carrying, connected=True)
+            else:
+                carrying.clear_rests()
+                carrying.forward(journal.entries)
+                settle(carrying)
+        except Refused as refusal:  # it stays open, to be resumed or taken back again
+            carrying.findings += refusal.findings
+        except KeyboardInterrupt:
+            name = journal.record.name
+            carrying.findings.append(rules.INTERRUPTED(place=name, name=name))
+    findings = tuple(carrying.findings)
+    return Deployment(site.address, carrying.states, findings, journal.folder, back)
+
+
+@dataclass(frozen=True, slots=True)
+class _Freed:
+    """A controller that was held by a deployment that does not need it.
+
+    how: it ended; None if it died before it had changed anything.
+    """
+
+    finding: Diagnostic
+    how: Step | None = None
+
+
+def _open(site: Site, place: FilePath) -> tuple[Journal | None, _Freed | None]:
+    """The deployment that is neither finished nor taken back, in the history or on the disk.
+
+    Frees the controller if one holds it that has ended, or has changed nothing.
+    """
+    here = open_journal(place)
+    if here is not None:
+        _check_not_ended_elsewhere(site, here)
+        return here, None
+    one = held_by(site)
+    if one is None:
+        return None, None
+    how = next((s for s in map(last_step, _named(place, one.name)) if s in ENDED), None)
+    if how is None and one.name:
+        data = site.controller.read(UNDER_WAY)
+        journal = None if data is None else unpack(data, place, one.name)
+        if journal is not None:
+            journal.add(Step.BEGUN)
+            return journal, None
+    site.clear_rests({})
+    unclaim(site)
+    there = str(site.address)
+    if how is None:  # its author died before a program was touched
+        return None, _Freed(rules.FREED(place=there, who=one.who))
+    words = {Step.DONE: "been finished", Step.TAKEN_BACK: "been taken back"}
+    ended = words.get(how, str(how))
+    return None, _Freed(rules.FREED_LATE(place=there, name=one.name, how=ended), how)
+
+
+def _named(place: FilePath, name: str) -> Iterator[FilePath]:
+    """The folder of a deployment in the history; those that cannot be read are passed over."""
+    for folder in reversed(folders(place)):
+        try:
+            with failing(folder):
+                record = read_record((folder / RECORD).read_bytes(), str(folder))
+        except Refused:
+            continue
+        if record.name == name:
+            yield folder
+
+
+def _check_not_ended_elsewhere(site: Site, journal: Journal) -> None:
+    """Raises Refused if another computer ended it, and has deployed since: its record is there."""
+    record = journal.record
+    if site.disk is None or holder(site).name == record.name:
+        return
+    data = site.controller.read(site_names.RECORD)
+    if data in (None, journal.earlier, record.written()):
+        return
     try:
-        carrying.forward(journal.entries)
-        settle(carrying.site, journal)
-    except Refused as refusal:
-        findings += refusal.findings
-    except KeyboardInterrupt:
-        name = journal.record.name
-        findings.append(rules.INTERRUPTED(place=name, name=name))
-
-
-def _open(site: Site, place: FilePath) -> Journal | None:
-    """The deployment that is neither finished nor taken back, in the history or on the disk."""
-    here = next((one for one in journals(place) if one.open), None)
-    if here is not None or site.disk is None:
-        return here
-    name, _, _ = claimant(site)
-    data = site.controller.read(UNDER_WAY) if name else None
-    if data is None:
-        return None
-    journal = unpack(data, place)
-    if journal.record.name == name:
-        journal.add(Step.BEGUN)
-        return journal
-    # Its author died before a program was touched: what is on the disk is of the one before.
-    for file in sorted(journal.folder.rglob("*"), reverse=True):
-        file.rmdir() if file.is_dir() else file.unlink()
-    journal.folder.rmdir()
-    return None
+        other = read_record(data, site_names.RECORD)
+    except Refused:  # damaged: it says nothing
+        return
+    journal.add(Step.ELSEWHERE)
+    place = str(journal.folder)
+    raise Refused(rules.NOT_OURS_ANY_MORE(place=place, name=record.name, other=other.name))
 
 
 def _checked(site: Site, journal: Journal, replace: Collection[str], patience: float) -> Carrying:
@@ -147,7 +210,7 @@ def _checked(site: Site, journal: Journal, replace: Collection[str], patience: f
 
 
 def _undo(
-    controller: Programs,
+    site: Site,
     past: list[Journal],
     place: FilePath,
     history: str | FilePath | None,
@@ -161,30 +224,30 @@ def _undo(
         for entry in journal.entries:
             wanted.setdefault(entry.name, entry.before)
             left[entry.name] = entry.after
-    with alone_here(place), Site(controller, past[-1].record.task) as site:
-        identity = site.identity()
-        for journal in past:
-            check_same(identity, journal.record, str(controller.address))
-        before, _ = last_record(site, history)
-        allowed = {name.lower() for name in replace}
-        now = {name: site.held(name, held.file or left[name].file) for name, held in wanted.items()}
-        changes = [
-            rules.CHANGED_BETWEEN(place=name, name=name)
-            for name, held in now.items()
-            if not any(site.same(held, one) for one in (left[name], wanted[name]))
-            and not {name.lower(), EVERY} & allowed
-        ]
-        if changes:
-            raise Refused(*changes)
-        begun = new_record(str(controller.address), identity, site.task)
-        programs: dict[str, Digests] = dict(before.programs) if before else {}
-        for name, held in wanted.items():
-            programs.pop(name, None)
-            if held.file is not None:
-                programs[name] = site.digests(held)
-        entries = [Entry(name, now[name], held) for name, held in wanted.items()]
-        check_at_rest(site, entries)
-        record = changed(begun, programs=programs)
-        done = carry_out(site, place, record, entries, patience)
+    site.task = past[-1].record.task
+    identity = site.identity()
+    for journal in past:
+        check_same(identity, journal.record, str(site.address))
+    before, _ = last_record(site, history)
+    allowed = {name.lower() for name in replace}
+    now = {name: site.held(name, held.file or left[name].file) for name, held in wanted.items()}
+    changes = [
+        rules.CHANGED_BETWEEN(place=name, name=name)
+        for name, held in now.items()
+        if not any(site.same(held, one) for one in (left[name], wanted[name]))
+        and not {name.lower(), EVERY} & allowed
+    ]
+    if changes:
+        raise Refused(*changes)
+    begun = new_record(str(site.address), identity, site.task)
+    programs: dict[str, Digests] = dict(before.programs) if before else {}
+    for name, held in wanted.items():
+        programs.pop(name, None)
+        if held.file is not None:
+            programs[name] = site.digests(held)
+    entries = [Entry(name, now[name], held) for name, held in wanted.items()]
+    check_at_rest(site, entries)
+    record = changed(begun, programs=programs)
+    done = carry_out(site, place, record, entries, patience)
     findings = tuple(done.findings)
-    return Deployment(controller.address, done.states, findings, done.journal.folder)
+    return Deployment(site.address, done.states, findings, done.journal.folder)

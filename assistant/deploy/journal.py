@@ -3,48 +3,53 @@
 A folder of its own in the history of this computer:
 
     record.json     what the controller will have (see `record`)
-    programs.json   the programs of it, and the files that hold them
+    earlier.json    the record that it had, if there was one
+    programs.json   the programs of it, and the files that hold them with their SHA-256
     before/…        what the controller had of each, byte for byte
     after/…         what it is to have
     journal.jsonl   what was done, a line a step
 
-All but the last are written before the first byte goes to the controller, and never change. A
-controller with a disk gets the same in one archive, for another computer to go on with.
+All but the last are on the disk before the first byte goes to the controller, and never change. A
+controller with a disk gets the same in one archive (see `archive`), for another computer to go on
+with.
 """
 
 from __future__ import annotations
 
 import enum
-import io
+import errno
+import hashlib
 import json
-import os
 import re
 import shutil
 import tempfile
-import zipfile
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path as FilePath
 from typing import Final
 
 from assistant.controllers import Address
-from assistant.deploy import rules
+from assistant.deploy import durably, rules
 from assistant.deploy.held import Held
 from assistant.deploy.record import Record, read_record
-from assistant.program.diagnostics import Refused
+from assistant.program.diagnostics import Refused, has_errors
 
 HISTORY: Final = FilePath(".robot-assistant") / "deployments"
 """Beside the project, one folder a controller in it."""
 RECORD: Final = "record.json"
+EARLIER: Final = "earlier.json"
 PROGRAMS: Final = "programs.json"
 STEPS: Final = "journal.jsonl"
 NUMBER: Final = re.compile(r"\d{4,}")
 PARTS: Final = ("before", "after")
-KEPT: Final = re.compile(r"(before|after)/\d+-[\w. ~-]{1,80}", re.ASCII)
+NAME: Final = re.compile(r"[A-Za-z0-9_][\w. ~-]{0,70}(?<![ .~])", re.ASCII)
+"""Of a program; also a file of this computer can have it."""
+KEPT: Final = re.compile(rf"(before|after)/\d{{1,6}}-{NAME.pattern}", re.ASCII)
 """A file of a program in the folder; the number is that of its entry."""
-MOST_BYTES: Final = 256 * 2**20
-"""Of an archive from a controller, unpacked."""
+UNDER_WAY: Final = ".new"
+"""What a folder begins with until it has its number."""
 
 
 class Step(enum.StrEnum):
@@ -60,9 +65,11 @@ class Step(enum.StrEnum):
     TAKING_BACK = "taking back"
     TAKEN_BACK = "taken back"
     """Everything is again what it was before."""
+    ELSEWHERE = "ended elsewhere"
+    """Another computer ended it, and has deployed since."""
 
 
-ENDED: Final = (Step.DONE, Step.TAKEN_BACK)
+ENDED: Final = (Step.DONE, Step.TAKEN_BACK, Step.ELSEWHERE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,11 +83,15 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Journal:
-    """A deployment in the history. folder: where it stands."""
+    """A deployment in the history.
+
+    folder: where it stands. earlier: the record that was on the controller, None for none.
+    """
 
     folder: FilePath
     record: Record
     entries: tuple[Entry, ...]
+    earlier: bytes | None = field(default=None, repr=False)
 
     @property
     def number(self) -> int:
@@ -88,23 +99,11 @@ class Journal:
 
     def steps(self) -> list[tuple[Step, str]]:
         """What was done so far, each with the program that it was done to."""
-        found: list[tuple[Step, str]] = []
-        try:
-            text = (self.folder / STEPS).read_text("utf-8")
-        except FileNotFoundError:
-            return found
-        for line in text.splitlines():
-            try:
-                row = json.loads(line)
-                found.append((Step(row["step"]), str(row.get("program", ""))))
-            except (ValueError, KeyError, TypeError, AttributeError):
-                break  # the line that was being written when the power went
-        return found
+        return steps_of(self.folder)
 
     @property
     def last(self) -> Step:
-        steps = self.steps()
-        return steps[-1][0] if steps else Step.BEGUN
+        return last_step(self.folder)
 
     @property
     def open(self) -> bool:
@@ -122,22 +121,9 @@ class Journal:
         if program:
             row["program"] = program
         try:
-            with (self.folder / STEPS).open("a", encoding="utf-8") as file:
-                file.write(json.dumps(row) + "\n")
-                file.flush()
-                os.fsync(file.fileno())
+            durably.add_line(self.folder / STEPS, json.dumps(row))
         except OSError as error:
-            raise _refused(self.folder, error) from None
-
-    def packed(self) -> bytes:
-        """The folder without its steps, as an archive."""
-        data = io.BytesIO()
-        with zipfile.ZipFile(data, "w") as archive:
-            for file in sorted(self.folder.rglob("*")):
-                if file.is_file() and file.name != STEPS:
-                    name = file.relative_to(self.folder).as_posix()
-                    archive.writestr(zipfile.ZipInfo(name), file.read_bytes(), zipfile.ZIP_DEFLATED)
-        return data.getvalue()
+            raise refused(self.folder, error) from None
 
 
 def place_of(address: Address, history: str | FilePath | None = None) -> FilePath:
@@ -145,48 +131,103 @@ def place_of(address: Address, history: str | FilePath | None = None) -> FilePat
     return (FilePath(history) if history is not None else HISTORY) / address.label
 
 
-def create(place: FilePath, record: Record, entries: Sequence[Entry]) -> Journal:
+def create(
+    place: FilePath, record: Record, entries: Sequence[Entry], earlier: bytes | None = None
+) -> Journal:
     """Writes a new numbered folder, which appears whole; raises Refused."""
-    try:
-        place.mkdir(parents=True, exist_ok=True)
-        new = FilePath(tempfile.mkdtemp(prefix=".new", dir=place))
-        try:
-            _write(new / RECORD, record.written())
-            rows = [
-                {"name": entry.name, **_written(new, number, entry)}
-                for number, entry in enumerate(entries, 1)
-            ]
-            _write(new / PROGRAMS, (json.dumps(rows, indent=2) + "\n").encode())
-            new.chmod(0o755)
-            folder = _numbered(new, place)
-        finally:
-            shutil.rmtree(new, ignore_errors=True)
-    except OSError as error:
-        raise _refused(place, error) from None
-    journal = Journal(folder, record, tuple(entries))
+
+    def fill(new: FilePath) -> None:
+        durably.write_new(new / RECORD, record.written())
+        if earlier is not None:
+            durably.write_new(new / EARLIER, earlier)
+        rows = [_written(new, number, entry) for number, entry in enumerate(entries, 1)]
+        durably.write_new(new / PROGRAMS, (json.dumps(rows, indent=2) + "\n").encode())
+
+    journal = Journal(appeared(place, fill), record, tuple(entries), earlier)
     journal.add(Step.BEGUN)
     return journal
 
 
+def appeared(place: FilePath, fill: Callable[[FilePath], None]) -> FilePath:
+    """A new numbered folder, which is there when `fill` has written into it; raises Refused.
+
+    Only who holds the lock of the place may call this: what a dead process left is cleared away.
+    """
+    with failing(place):
+        durably.make_folders(place)
+        for rest in place.glob(f"{UNDER_WAY}*"):
+            shutil.rmtree(rest, ignore_errors=True)
+        new = FilePath(tempfile.mkdtemp(prefix=UNDER_WAY, dir=place))
+        try:
+            fill(new)
+            for folder in (*(new / part for part in PARTS), new):
+                if folder.is_dir():
+                    durably.settle(folder)
+            new.chmod(0o755)
+            folder = _numbered(new, place)
+            durably.settle(place)
+        finally:
+            shutil.rmtree(new, ignore_errors=True)
+    return folder
+
+
 def read_journal(folder: FilePath) -> Journal:
     """A deployment of a history; raises Refused if it is damaged."""
-    try:
+    with failing(folder):
         record = read_record((folder / RECORD).read_bytes(), str(folder / RECORD))
         rows = json.loads((folder / PROGRAMS).read_bytes())
-        entries = tuple(
-            Entry(str(row["name"]), *(_held(folder, row[part]) for part in PARTS)) for row in rows
-        )
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise _refused(folder, error) from None
-    return Journal(folder, record, entries)
+        entries = tuple(_entry(folder, row) for row in rows)
+        if len({entry.name.lower() for entry in entries}) < len(entries):
+            raise ValueError("a program is there twice")
+        kept = folder / EARLIER
+        return Journal(folder, record, entries, kept.read_bytes() if kept.exists() else None)
+
+
+def folders(place: FilePath) -> list[FilePath]:
+    """Those of the deployments to a controller, the oldest first; raises Refused."""
+    with failing(place):
+        if not place.is_dir():
+            return []
+        found = [entry for entry in place.iterdir() if NUMBER.fullmatch(entry.name)]
+    return sorted(found, key=lambda folder: int(folder.name))
+
+
+def open_journal(place: FilePath) -> Journal | None:
+    """The deployment that is neither finished nor taken back; raises Refused.
+
+    Of those that have ended none is read: that one of them is damaged keeps nobody from working.
+    """
+    for folder in folders(place):
+        if last_step(folder) not in ENDED:
+            return read_journal(folder)
+    return None
+
+
+def steps_of(folder: FilePath) -> list[tuple[Step, str]]:
+    """What was done so far in the deployment of a folder; raises Refused."""
+    found: list[tuple[Step, str]] = []
+    with failing(folder):
+        try:
+            text = (folder / STEPS).read_text("utf-8", errors="replace")
+        except FileNotFoundError:
+            return found
+    for line in text.splitlines():
+        try:
+            row = json.loads(line)
+            found.append((Step(row["step"]), str(row.get("program", ""))))
+        except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+            continue  # it was being written when the power went
+    return found
+
+
+def last_step(folder: FilePath) -> Step:
+    steps = steps_of(folder)
+    return steps[-1][0] if steps else Step.BEGUN
 
 
 def journals(place: FilePath) -> tuple[Journal, ...]:
     """The deployments to a controller, the oldest first; raises Refused."""
-    if not place.is_dir():
-        return ()
-    folders = [entry for entry in place.iterdir() if NUMBER.fullmatch(entry.name)]
-    return tuple(read_journal(folder) for folder in sorted(folders, key=lambda f: int(f.name)))
+    return tuple(read_journal(folder) for folder in folders(place))
 
 
 def all_journals(history: str | FilePath | None = None) -> tuple[Journal, ...]:
@@ -196,57 +237,43 @@ def all_journals(history: str | FilePath | None = None) -> tuple[Journal, ...]:
     return tuple(journal for place in places for journal in journals(place))
 
 
-def archived(data: bytes) -> tuple[Entry, ...]:
-    """The programs of a journal that a controller kept; raises Refused. Nothing stays here."""
-    with tempfile.TemporaryDirectory() as folder:
-        return unpack(data, FilePath(folder)).entries
-
-
-def unpack(data: bytes, place: FilePath) -> Journal:
-    """A journal that a controller kept, in a new numbered folder; raises Refused."""
-    try:
-        place.mkdir(parents=True, exist_ok=True)
-        new = FilePath(tempfile.mkdtemp(prefix=".new", dir=place))
-        try:
-            with zipfile.ZipFile(io.BytesIO(data)) as archive:
-                if sum(info.file_size for info in archive.infolist()) > MOST_BYTES:
-                    raise ValueError("it is too long")
-                for info in archive.infolist():
-                    if info.filename in (RECORD, PROGRAMS) or KEPT.fullmatch(info.filename):
-                        (new / info.filename).parent.mkdir(exist_ok=True)
-                        _write(new / info.filename, archive.read(info))
-            read_journal(new)
-            new.chmod(0o755)
-            folder = _numbered(new, place)
-        finally:
-            shutil.rmtree(new, ignore_errors=True)
-    except (OSError, ValueError, zipfile.BadZipFile, NotImplementedError, RuntimeError) as error:
-        raise _refused(place, error) from None
-    return read_journal(folder)
-
-
-def _written(folder: FilePath, number: int, entry: Entry) -> dict[str, Mapping[str, str | None]]:
-    """Writes the bytes of a program; in which file each part of it stands."""
-    rows: dict[str, Mapping[str, str | None]] = {}
+def _written(folder: FilePath, number: int, entry: Entry) -> Mapping[str, object]:
+    """Writes the bytes of a program; in which file each part of it stands, with its digest."""
+    row: dict[str, object] = {"name": entry.name}
+    digests: dict[str, str] = {}
     for part, held in zip(PARTS, (entry.before, entry.after), strict=True):
         names: dict[str, str | None] = {}
         for kind, data in (("file", held.file), ("loaded", held.loaded)):
-            file = f"{number}-{entry.name}" + (".loaded" if kind == "loaded" else "")
-            names[kind] = None if data is None else f"{part}/{file}"
+            file = f"{part}/{number}-{entry.name}" + (".loaded" if kind == "loaded" else "")
+            names[kind] = None if data is None else file
             if data is not None:
                 (folder / part).mkdir(exist_ok=True)
-                _write(folder / part / file, data)
-        rows[part] = names
-    return rows
+                durably.write_new(folder / file, data)
+                digests[file] = hashlib.sha256(data).hexdigest()
+        row[part] = names
+    return {**row, "sha256": digests}
 
 
-def _held(folder: FilePath, names: Mapping[str, str | None]) -> Held:
+def _entry(folder: FilePath, row: Mapping[str, Mapping[str, str | None]]) -> Entry:
+    name = row["name"]
+    if not isinstance(name, str) or NAME.fullmatch(name) is None:
+        raise ValueError(f"`{name}` is no name of a program")
+    before, after = (_held(folder, row[part], row["sha256"]) for part in PARTS)
+    return Entry(name, before, after)
+
+
+def _held(
+    folder: FilePath, names: Mapping[str, str | None], digests: Mapping[str, str | None]
+) -> Held:
     def data(name: str | None) -> bytes | None:
         if name is None:
             return None
         if KEPT.fullmatch(name) is None:
             raise ValueError(f"`{name}` is no file of it")
-        return (folder / name).read_bytes()
+        found = (folder / name).read_bytes()
+        if hashlib.sha256(found).hexdigest() != digests[name]:
+            raise ValueError(f"`{name}` is not as it was written")
+        return found
 
     return Held(data(names["file"]), data(names["loaded"]))
 
@@ -258,21 +285,26 @@ def _numbered(new: FilePath, place: FilePath) -> FilePath:
     while True:
         folder = place / f"{number:04}"
         try:
-            folder.mkdir()  # takes the number; a folder renamed onto an empty one replaces it
-            if os.name == "nt":
-                folder.rmdir()
             return new.rename(folder)
-        except FileExistsError:
+        except OSError as error:  # one that is not empty is never replaced
+            if error.errno not in (errno.EEXIST, errno.ENOTEMPTY):
+                raise
             number += 1
 
 
-def _write(path: FilePath, data: bytes) -> None:
-    with path.open("xb") as file:
-        file.write(data)
-        file.flush()
-        os.fsync(file.fileno())
+@contextmanager
+def failing(place: FilePath) -> Iterator[None]:
+    """Turns what goes wrong with files, or makes no sense in them, into a finding."""
+    try:
+        yield
+    except Refused as refusal:
+        if has_errors(refusal.findings):
+            raise
+        raise refused(place, refusal) from None
+    except (OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
+        raise refused(place, error) from None
 
 
-def _refused(place: FilePath, error: Exception) -> Refused:
+def refused(place: FilePath, error: Exception) -> Refused:
     reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
     return Refused(rules.NO_HISTORY(folder=place, reason=reason, path=str(place)))

@@ -66,7 +66,7 @@ def new_record(address: str, identity: Identity | None, task: str = "") -> Recor
         address,
         now.isoformat(timespec="seconds"),
         f"{_user()}@{socket.gethostname()}",
-        commit_of(FilePath.cwd()),
+        commit_of(FilePath()),
         told.robot,
         told.controller,
         told.serial,
@@ -87,6 +87,9 @@ def read_record(data: bytes, place: str) -> Record:
             raise ValueError("it was changed after it was written")
         del content["format"]
         programs = {name: Digests(**two) for name, two in content.pop("programs").items()}
+        digests = [one for two in programs.values() for one in (two.file, two.loaded)]
+        if not all(isinstance(one, str) for one in (*content.values(), *filter(None, digests))):
+            raise ValueError("it holds what no record holds")
         return Record(**content, programs=programs)
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
         reason = str(error) or type(error).__name__

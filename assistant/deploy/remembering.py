@@ -6,8 +6,18 @@ from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path as FilePath
 
+from assistant.deploy.archive import archived
 from assistant.deploy.held import Held
-from assistant.deploy.journal import Entry, Step, archived, journals, place_of
+from assistant.deploy.journal import RECORD as KEPT
+from assistant.deploy.journal import (
+    Entry,
+    Step,
+    failing,
+    folders,
+    last_step,
+    place_of,
+    read_journal,
+)
 from assistant.deploy.record import Record, read_record
 from assistant.deploy.site import RECORD, UNDER_WAY, Site
 from assistant.program.diagnostics import Diagnostic, Refused
@@ -29,8 +39,11 @@ def last_record(
             return read_record(data, RECORD), ()
         except Refused as refused:
             return None, refused.findings
-    past = [one for one in journals(place_of(site.address, history)) if one.last is Step.DONE]
-    return (past[-1].record if past else None), ()
+    for folder in reversed(folders(place_of(site.address, history))):
+        if last_step(folder) is Step.DONE:
+            with failing(folder):
+                return read_record((folder / KEPT).read_bytes(), str(folder / KEPT)), ()
+    return None, ()
 
 
 def what_was_left(
@@ -53,8 +66,9 @@ def what_was_left(
 
 def _kept(site: Site, history: str | FilePath | None) -> Iterator[Entry]:
     """Programs of earlier deployments, the newest first."""
-    for journal in reversed(journals(place_of(site.address, history))):
-        yield from journal.entries
+    for folder in reversed(folders(place_of(site.address, history))):
+        with suppress(Refused):  # nor does one that is damaged
+            yield from read_journal(folder).entries
     data = site.controller.read(UNDER_WAY) if site.disk is not None else None
     if data is not None:
         with suppress(Refused):  # an archive that is cut or changed tells nothing

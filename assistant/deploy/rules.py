@@ -122,6 +122,33 @@ BAD_RECORD = warning(
     "`{name}` cannot be trusted as the record of a deployment: {reason}",
     "programs that are there count as somebody else's until the next deployment",
 )
+NOT_OURS_ANY_MORE = error(
+    "DP216",
+    "the deployment `{name}` was ended on another computer: `{other}` has been deployed since; "
+    "nothing was changed by this run",
+    "plan again; the history here does not hold it for open any more",
+)
+CLAIM_GONE = error(
+    "DP215",
+    "somebody took the controller from this deployment before a program was changed",
+    "look who deploys to it, and deploy again",
+)
+STILL_HELD = warning(
+    "DP225",
+    "the controller is still held by the deployment `{name}`, although that has ended: {reason}",
+    "free it with `rollback` once it can be reached: that changes no program then",
+)
+FREED = warning(
+    "DP226",
+    "the controller was held by {who}, who changed nothing: it is free again, and no program was "
+    "changed",
+    "deploy again",
+)
+FREED_LATE = warning(
+    "DP227",
+    "the controller was still held by the deployment `{name}`, which had {how}: it is free again",
+    "nothing else is left of it",
+)
 CONFLICT = warning(
     "DP222",
     "`{name}` is not replaced: {reason}",

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Final, Self
+import time
+from collections.abc import Callable, Collection, Mapping
+from functools import partial
+from typing import Final, Self, TypeVar
 
 from assistant.controllers import Address, Controller, Programs
 from assistant.controllers.abilities import Disk, Memory
+from assistant.controllers.rules import Lost, Taken
 from assistant.controllers.states import Identity
 from assistant.deploy.comparing import said
 from assistant.deploy.held import NOTHING, Digests, Held, digest
+from assistant.program.diagnostics import Refused
 
 RECORD: Final = "robot-assistant.json"
 """Beside the programs on a disk: what the last deployment left there."""
@@ -18,8 +23,15 @@ CLAIM: Final = "robot-assistant.lock"
 """A folder that is there while somebody deploys."""
 CLAIMANT: Final = "robot-assistant.claim.json"
 """Who that is."""
+WAITING: Final = 5.0
+"""Seconds for which a program is waited for that somebody has open."""
+BETWEEN: Final = 0.5
+"""Seconds between two tries."""
 OURS: Final = frozenset({RECORD, UNDER_WAY, CLAIM, CLAIMANT})
 """What deployments keep on a disk beside the programs."""
+
+
+Answer = TypeVar("Answer")
 
 
 def of_deployments(name: str) -> bool:
@@ -30,12 +42,14 @@ def of_deployments(name: str) -> bool:
 class Site:
     """A controller with what a deployment asks of it; a context manager, which connects.
 
-    task: whose memory counts, "" for the first one.
+    task: whose memory counts, "" for the first one. patience: seconds for which a program that
+    somebody has open is waited for.
     """
 
-    def __init__(self, controller: Programs, task: str = "") -> None:
+    def __init__(self, controller: Programs, task: str = "", patience: float = WAITING) -> None:
         self.controller = controller
         self.task = task
+        self.patience = patience
         self.language = controller.languages[0]
         self.memory = controller if isinstance(controller, Memory) else None
         self.disk = controller if isinstance(controller, Disk) else None
@@ -52,6 +66,31 @@ class Site:
         self.controller.__exit__(None, None, None)
         self.controller.__enter__()
 
+    def insist(
+        self,
+        act: Callable[[], Answer],
+        patience: float,
+        *,
+        connected: bool = True,
+        only: type[Refused] = Refused,
+    ) -> Answer:
+        """Does it again, over a new session where there is none, until it is not refused.
+
+        connected: whether the session can be used as it is. only: what is tried again. Raises
+        what it met last.
+        """
+        end = time.monotonic() + patience
+        while True:
+            try:
+                if not connected:
+                    self.reconnect()
+                return act()
+            except only as refusal:
+                if time.monotonic() + BETWEEN > end:
+                    raise
+                connected = not isinstance(refusal, Lost)
+                time.sleep(BETWEEN)
+
     @property
     def address(self) -> Address:
         return self.controller.address
@@ -67,7 +106,7 @@ class Site:
 
     def held(self, name: str, data: bytes | None = None) -> Held:
         """What is there of a program. data: of its file, if it may be loaded without one."""
-        file = self.controller.read(name)
+        file = self._waited_for(partial(self.controller.read, name))
         text = file if file is not None else data
         if self.memory is None or text is None or self.is_list(name):
             return Held(file)
@@ -111,9 +150,17 @@ class Site:
         if self.forms(Held(now.file)) == self.forms(Held(wanted.file)):
             return
         if wanted.file is None:
-            self.controller.remove(name)
+            self._waited_for(partial(self.controller.remove, name))
         else:
-            self.controller.write(name, wanted.file)
+            self._waited_for(partial(self.controller.write, name, wanted.file))
+
+    def clear_rests(self, known: Mapping[str, Collection[bytes]]) -> None:
+        """Deletes what transfers that were cut left beside programs; see `abilities.Disk`."""
+        if self.disk is not None:
+            self.disk.clear_rests({**known, **dict.fromkeys((RECORD, UNDER_WAY, CLAIMANT), ())})
+
+    def _waited_for(self, act: Callable[[], Answer]) -> Answer:
+        return self.insist(act, self.patience, only=Taken)
 
     def _put_out_others(self, memory: Memory, wanted: Held, instead: Held) -> None:
         """Two modules of one file would be loaded side by side if their names differ."""

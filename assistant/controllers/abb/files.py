@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path as FilePath
 from typing import Final
@@ -21,6 +21,8 @@ from assistant.program.diagnostics import Refused
 
 TEMPORARY: Final = "~{name}"
 """Name of a file until it is whole; keeps the suffix, so that a server may look into it."""
+ASIDE: Final = "{name}~"
+"""Where the old file waits while a server that never replaces gets the new one."""
 MOST_FOLDERS: Final = 32
 """How deep folders are looked into."""
 MOST_ENTRIES: Final = 100_000
@@ -159,6 +161,24 @@ class FileSession(RapidFiles, ABC):
             if compared:
                 self._compare(name, data, self.retrieve(temporary, state), state)
             self.replace(temporary, name)
+
+    @abstractmethod
+    def names(self) -> tuple[str, ...]:
+        """The files in the folder, sorted."""
+
+    @abstractmethod
+    def delete(self, name: str) -> None:
+        """Deletes a file that is there."""
+
+    def clear_rests(self, known: Mapping[str, Collection[bytes]]) -> None:
+        there = {name.lower(): name for name in self.names()}
+        for name, contents in known.items():
+            temporary = there.get(TEMPORARY.format(name=checked_name(name)).lower())
+            aside = there.get(ASIDE.format(name=name).lower())
+            if temporary is not None:
+                self.delete(temporary)
+            if aside is not None and self.retrieve(aside, f"`{aside}` is there") in contents:
+                self.delete(aside)
 
     @contextmanager
     def _discarding(self, temporary: str) -> Iterator[None]:

@@ -12,6 +12,7 @@ from typing import Final
 from assistant.controllers import rules
 from assistant.controllers.abb import ftp_folders, ftp_resuming
 from assistant.controllers.abb.files import (
+    ASIDE,
     TEMPORARY,
     checked_name,
     checked_path,
@@ -23,8 +24,6 @@ from assistant.program.diagnostics import Refused
 
 __all__ = ["Ftp", "checked_name", "first_difference"]
 
-ASIDE: Final = "{name}~"
-"""Where the old file waits while a server that never replaces gets the new one."""
 NOT_NOW: Final = ("550", "450")
 """Replies for a file that is not there, or that somebody else has open (RFC 959, 5.4)."""
 
@@ -59,8 +58,11 @@ class Ftp(FtpSession):
     def remove(self, name: str) -> None:
         checked_name(name)
         if self._has(name):
-            with self.during(f"deleting `{name}`", f"`{name}` is still there"):
-                self.session.delete(name)
+            self.delete(name)
+
+    def delete(self, name: str) -> None:
+        with self.during(f"deleting `{name}`", f"`{name}` is still there"):
+            self.session.delete(name)
 
     def claim(self, name: str) -> bool:
         """Makes a folder; False if there is one. Of many clients the server lets one do it."""

@@ -121,6 +121,10 @@ class Sftp(FileSession):
     def remove(self, name: str) -> None:
         self.take_away(name)
 
+    def delete(self, name: str) -> None:
+        with self._during(f"deleting `{name}`", f"`{name}` is still there") as (files, _):
+            files.remove(name)
+
     def claim(self, name: str) -> bool:
         """Makes a folder; False if there is one. Of many clients the server lets one do it."""
         checked_name(name)

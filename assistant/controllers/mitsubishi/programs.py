@@ -229,7 +229,7 @@ def _send(session: Session, name: str, parcel: list[Line], doing: str, state: st
     if answer.number is None:
         return
     if not answer.places:  # not a line is wrong but the moment
-        raise Refused(session.alarm(answer.number, doing, state))
+        raise session.refusal(answer.number, doing, state)
     nth, column = place_in_parcel(answer.places)
     line = parcel[min(max(nth, 1), len(parcel)) - 1]
     known = error(answer.number)

@@ -28,6 +28,8 @@ HELLOS: Final = 3
 """Times that a session is opened on a serial line until the answer is one to that."""
 QUIET: Final = 0.15
 """Seconds after that answer in which nothing else may come: it could be a late one itself."""
+TAKEN: Final = frozenset({4170})
+"""A program that is open somewhere, also in a session whose line is cut (reference, 4)."""
 NO_RIGHT: Final = 6020
 UNCHANGED: Final = "nothing was changed by that"
 RUN_BITS: Final = re.compile(r"([0-9A-F]{2})([0-9A-F]{2})(\d*)(?:;.*)?", re.IGNORECASE | re.DOTALL)
@@ -142,7 +144,7 @@ class Session:
         """An answer that is no error; takes the operation right where it is asked for."""
         answer = self.attempt(command, doing=doing, state=state, slot=slot, shape=shape)
         if answer.number is not None:
-            raise Refused(self.alarm(answer.number, doing, state))
+            raise self.refusal(answer.number, doing, state)
         return answer
 
     def attempt(
@@ -185,7 +187,7 @@ class Session:
         with self.scope():
             refused = None if self.has_right else self._take_right(doing, state)
             if refused is not None and refused.number is not None:
-                raise Refused(self.alarm(refused.number, doing, state))
+                raise self.refusal(refused.number, doing, state)
             yield
 
     @contextmanager
@@ -200,6 +202,11 @@ class Session:
             yield
         finally:
             self._link.close()
+
+    def refusal(self, number: int, doing: str, state: str = UNCHANGED) -> Refused:
+        """What an error number is raised as."""
+        kind = rules.Taken if number in TAKEN else Refused
+        return kind(self.alarm(number, doing, state))
 
     def alarm(self, number: int, doing: str, state: str = UNCHANGED) -> Diagnostic:
         """The finding that an error number is."""

@@ -6,7 +6,7 @@ with connect("rws://engineer@192.168.125.1", ask=getpass) as controller:
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path as FilePath
 from typing import Final, Self
@@ -102,6 +102,9 @@ class Rws(RapidFiles):
 
     def release(self, name: str) -> None:
         self.remove(name)
+
+    def clear_rests(self, known: Mapping[str, Collection[bytes]]) -> None:
+        self._files.clear_rests(self.address.folder, known)
 
     def loaded(self, data: bytes, task: str = "") -> bytes | None:
         """The module of a file's text as it is in memory; see `abilities.Memory`."""

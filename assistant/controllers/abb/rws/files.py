@@ -6,7 +6,7 @@ the one that was there, which waits under another name until the new one is ther
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Final
@@ -143,6 +143,17 @@ class Files:
             raise
         except Refused:
             return
+
+    def clear_rests(self, folder: str, known: Mapping[str, Collection[bytes]]) -> None:
+        """See `abilities.Disk`."""
+        there = {found.name.lower(): found.name for found in self.listing(folder)}
+        for name, contents in known.items():
+            temporary = there.get(TEMPORARY.format(name=name).lower())
+            aside = there.get(ASIDE.format(name=name).lower())
+            if temporary is not None:
+                self.remove(f"{folder}/{temporary}")
+            if aside is not None and self.read(f"{folder}/{aside}") in contents:
+                self.remove(f"{folder}/{aside}")
 
     def make_folder(self, name: str) -> None:
         """Makes a folder, and those above it, if there is none."""
