@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from assistant.cli.cells import client_of, named_by
+from assistant.cli.cells import named_by
 from assistant.cli.compiling import working
-from assistant.cli.deploying import NOT_BOTH, Wishes, jobs_of
+from assistant.cli.jobs import NOT_BOTH, Wishes, controllers_of_jobs, history_here, jobs_of
 from assistant.cli.presentation import Format, PlanFormat, print_findings, print_json, say
 from assistant.program.diagnostics import Refused
 
@@ -28,10 +28,9 @@ def run_resume(
     if files:
         raise Refused(NOT_BOTH(one="--resume", other="a program"), exit_status=2)
     status = 0
-    for job in jobs_of(files, to, target, wishes):
-        with working(f"finishing on {job.one.address}"):
-            client = client_of(job.one)
-            done = deploy.resume(client, history=wishes.history, replace=wishes.replace)
+    for job in controllers_of_jobs(to, target, wishes):
+        with job.opened() as client, working(f"finishing on {job.one.address}"):
+            done = deploy.resume(client, history=job.history, replace=wishes.replace)
         status = max(status, finished(done, as_json=format is PlanFormat.JSON))
     return status
 
@@ -47,10 +46,9 @@ def run_rollback(
     from assistant import deploy
 
     status = 0
-    for job in jobs_of((), to, target, Wishes(history=history)):
-        with working(f"taking back on {job.one.address}"):
-            client = client_of(job.one)
-            done = deploy.rollback(client, number, history=history, replace=replace)
+    for job in controllers_of_jobs(to, target, Wishes(history=history)):
+        with job.opened() as client, working(f"taking back on {job.one.address}"):
+            done = deploy.rollback(client, number, history=job.history, replace=replace)
         status = max(status, finished(done, as_json=format is Format.JSON))
     return status
 
@@ -79,9 +77,11 @@ def finished(done: Deployment, *, as_json: bool) -> int:
 def run_deployments(to: str | None, history: Path | None, format: Format) -> int:
     from assistant.deploy import all_journals, journals, place_of
 
-    found = (
-        all_journals(history) if to is None else journals(place_of(named_by(to).address, history))
-    )
+    history = history or history_here()
+    if to is None:
+        found = all_journals(history)
+    else:
+        found = journals(place_of(named_by(to).address, history))
     rows = [
         {
             "number": one.number,
@@ -127,10 +127,15 @@ def run_verify(
 
     answers = []
     status = 0
-    for job in jobs_of(files, to, target, Wishes(history=history)):
-        client = client_of(job.one)
-        with working(f"comparing with {job.one.address}"):
-            seen = deploy.verify(client, deploy.gathered(job.files, client), history=history)
+    wishes = Wishes(history=history)
+    if files or to is None:
+        jobs = jobs_of(files, to, target, wishes)
+    else:
+        jobs = controllers_of_jobs(to, target, wishes)
+    for job in jobs:
+        with job.opened() as client, working(f"comparing with {job.one.address}"):
+            programs = job.programs(client) if job.files or job.target else []
+            seen = deploy.verify(client, programs, history=job.history)
         if format is Format.JSON:
             answers.append(_record(seen))
         else:

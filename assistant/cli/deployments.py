@@ -60,7 +60,8 @@ def plan(
     format: PlanFormatOption = PlanFormat.TEXT,
 ) -> None:
     """Show what a deployment would do to each program on a controller. Changes nothing."""
-    from assistant.cli.deploying import Wishes, run_plan
+    from assistant.cli.deploying import run_plan
+    from assistant.cli.jobs import Wishes
 
     wishes = Wishes(task, load, tuple(replace or ()), False, history)
     raise typer.Exit(run_plan(files or (), to, target, wishes, format))
@@ -85,18 +86,31 @@ def deploy(
     ] = False,
     task: TaskOption = "",
     load: LoadOption = False,
+    canary: Annotated[
+        str, typer.Option(metavar="TARGET", help="Goes first, alone; default as the project says.")
+    ] = "",
+    parallel: Annotated[
+        int | None, typer.Option(min=1, help="Controllers at a time; default 4.")
+    ] = None,
+    junit: Annotated[
+        Path | None, typer.Option(metavar="FILE.xml", help="Write a JUnit report as well.")
+    ] = None,
     history: HistoryOption = None,
     format: PlanFormatOption = PlanFormat.TEXT,
 ) -> None:
     """Install programs on a controller, read them back and compare. Never starts motion."""
     from assistant.cli.deployed import run_resume
-    from assistant.cli.deploying import Wishes, run_deploy, run_plan
+    from assistant.cli.deploying import run_deploy, run_plan
+    from assistant.cli.jobs import Wishes
+    from assistant.cli.many_cells import Manner
 
     wishes = Wishes(task, load, tuple(replace or ()), files_only, history)
     if resume:
         raise typer.Exit(run_resume(files or (), to, target, wishes, format))
-    run = run_plan if dry_run else run_deploy
-    raise typer.Exit(run(files or (), to, target, wishes, format))
+    if dry_run:
+        raise typer.Exit(run_plan(files or (), to, target, wishes, format))
+    manner = Manner(canary, parallel, junit) if canary or parallel or junit else None
+    raise typer.Exit(run_deploy(files or (), to, target, wishes, manner, format))
 
 
 def rollback(

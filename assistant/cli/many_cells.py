@@ -19,17 +19,18 @@ from assistant.findings.formats import finding_record
 if TYPE_CHECKING:
     from assistant.deploy import Cell, Halt, Outcome, Rollout
 
-PARALLEL: Final = 4
-"""As `deploy.PARALLEL`, which is not imported for the help alone."""
 STYLES: Final = {"done": "green", "failed": "bold red", "not begun": "yellow"}
 
 
 @dataclass(frozen=True, slots=True)
 class Manner:
-    """How many are deployed to; see `deploy.deploy_to_all`. junit: file of the report."""
+    """How many are deployed to; see `deploy.deploy_to_all`.
+
+    parallel: None for its default. junit: file of the report.
+    """
 
     canary: str = ""
-    parallel: int = PARALLEL
+    parallel: int | None = None
     junit: Path | None = None
 
 
@@ -41,13 +42,13 @@ def run_many(
     format: Format,
 ) -> int:
     """Deploys to all, and tells what became of each; the report is written in any case."""
-    from assistant.deploy import deploy_to_all
+    from assistant.deploy import PARALLEL, deploy_to_all
 
     with working(f"installing on {len(cells)} controllers"), ended_in_order() as halt:
         rollout = deploy_to_all(
             cells,
             canary=manner.canary,
-            parallel=manner.parallel,
+            parallel=manner.parallel or PARALLEL,
             history=history,
             files_only=files_only,
             halt=halt,

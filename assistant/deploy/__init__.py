@@ -10,7 +10,7 @@ from assistant.deploy.files import gathered
 from assistant.deploy.finishing import resume, rollback
 from assistant.deploy.held import Held
 from assistant.deploy.journal import Journal, Step, all_journals, journals, place_of
-from assistant.deploy.many import Cell, CellState, Halt, Outcome, Rollout, deploy_to_all
+from assistant.deploy.many import PARALLEL, Cell, CellState, Halt, Outcome, Rollout, deploy_to_all
 from assistant.deploy.outcome import Deployment, FileState
 from assistant.deploy.plan import EVERY, Change, Plan, PlannedFile, plan
 from assistant.deploy.record import Record
@@ -18,6 +18,7 @@ from assistant.deploy.verifying import Seen, SeenProgram, Verified, verify
 
 __all__ = [
     "EVERY",
+    "PARALLEL",
     "Cell",
     "CellState",
     "Change",

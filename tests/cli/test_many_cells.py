@@ -131,7 +131,7 @@ def test_a_conflict_as_json_and_as_junit(two, files, tmp_path, capsys):
     first, second = told["controllers"]
     assert (first["state"], second["state"]) == ("not begun", "failed")
     assert [f["code"] for f in first["findings"]] == ["DP403"]
-    assert [f["change"] for f in second["files"]] == ["conflict", "new"]
+    assert [f["change"] for f in second["files"]] == ["conflict", "create"]
     assert {f["code"] for f in second["findings"]} == {"DP222", "DP204"}
     root = read(report.read_bytes())
     first, second = root

@@ -1,0 +1,181 @@
+"""Which programs are meant for which controllers: files that are named, or targets of a project."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from assistant.cli.cells import client_of, named_by
+from assistant.program.diagnostics import Diagnostic, Refused, error, fold, has_errors
+
+if TYPE_CHECKING:
+    from assistant.controllers import Named, Programs
+    from assistant.deploy import Plan
+    from assistant.project import Target
+
+NO_CONTROLLER: Final = error(
+    "CL270",
+    "nobody says which controller is meant",
+    "name it with --to, or a target of assistant.toml with --target",
+)
+NOT_BOTH: Final = error("CL271", "{one} and {other} do not go together", "leave one of them out")
+NO_TARGET: Final = error(
+    "CL272", "the project has no target {what}", "there are: {known}; or name the programs"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Wishes:
+    """What was asked for beside the files; see `deploy.plan` and `deploy.deploy`."""
+
+    task: str = ""
+    load: bool = False
+    replace: tuple[str, ...] = ()
+    files_only: bool = False
+    history: Path | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """A controller with what it is to have.
+
+    name: of the target, or of the controller. files: that were named. target: whose built files
+    are meant if none were named.
+    """
+
+    name: str
+    one: Named
+    wishes: Wishes
+    files: tuple[str, ...] = ()
+    target: Target | None = None
+
+    @property
+    def history(self) -> Path | None:
+        """The folder of deployments: that of the project, wherever in it the command is run."""
+        if self.wishes.history is not None:
+            return self.wishes.history
+        return history_here()
+
+    @contextmanager
+    def opened(self) -> Iterator[Programs]:
+        """A client, not connected yet; a virtual controller of the project runs meanwhile."""
+        if self.one.virtual is None:
+            yield client_of(self.one)
+            return
+        from assistant.project import project_of
+        from assistant.project.virtual import running
+
+        with running(self.one, project_of().kept) as client:
+            yield client
+
+    def programs(self, client: Programs) -> list[str]:
+        """The files that are to be there; raises Refused and Unreadable."""
+        from assistant import deploy
+
+        if self.files or self.target is None:
+            return deploy.gathered(self.files, client)
+        return [_shown(file) for file in self.target.files()]
+
+    def planned(self, client: Programs) -> Plan:
+        """The plan, after all checks; raises Refused for programs that may not be deployed."""
+        from assistant import deploy
+        from assistant.controllers.states import Identity
+
+        files = self.programs(client)
+        found = _for_robot(files, self.one)
+        robot = self.one.robot or ""
+        meant = Identity(
+            robot="" if Path(robot).suffix in (".toml", ".urdf") else robot,
+            serial=self.one.serial or "",
+        )
+        plan = deploy.plan(
+            files,
+            client,
+            task=self.wishes.task,
+            load=self.wishes.load,
+            replace=self.wishes.replace,
+            history=self.history,
+            meant=meant,
+        )
+        told = set(plan.findings)
+        more = tuple(finding for finding in found if finding not in told)
+        return replace(plan, notes=(*more, *plan.notes))
+
+
+def jobs_of(files: Sequence[Path], to: str | None, target: str | None, wishes: Wishes) -> list[Job]:
+    """What is meant for which controllers; raises Refused."""
+    if to is not None and target is not None:
+        raise Refused(NOT_BOTH(one="--to", other="--target"), exit_status=2)
+    named = tuple(map(str, files))
+    if to is not None:
+        one = named_by(to)
+        if named or not one.variables:
+            return [Job(to, one, wishes, named)]
+    if to is None and target is None and named:
+        raise Refused(NO_CONTROLLER(), exit_status=2)
+    return [
+        Job(one.name, one.controller, _of(one, wishes), named, one) for one in _targets(to, target)
+    ]
+
+
+def controllers_of_jobs(to: str | None, target: str | None, wishes: Wishes) -> list[Job]:
+    """The controllers that are meant, whatever is to be on them; raises Refused."""
+    if to is not None and target is None:
+        return [Job(to, named_by(to), wishes)]
+    return jobs_of((), to, target, wishes)
+
+
+def history_here() -> Path | None:
+    """The history of the project that the working folder is in, None without one."""
+    from assistant.deploy.journal import HISTORY
+    from assistant.sources.project import project_of
+
+    project = project_of(Path.cwd())
+    if project is None:
+        return None
+    return _relative(Path(project.source.path or "").absolute().parent / HISTORY)
+
+
+def _targets(to: str | None, target: str | None) -> Sequence[Target]:
+    from assistant.project import targets_of
+
+    there = targets_of()
+    wanted = [
+        one
+        for one in there
+        if target in (None, one.name) and to in (None, one.controller.name, one.name)
+    ]
+    if not wanted:
+        known = ", ".join(f"`{one.name}`" for one in there)
+        what = f"`{target}`" if target is not None else f"on `{to}`"
+        raise Refused(NO_TARGET(what=what, known=known), exit_status=2)
+    return wanted
+
+
+def _of(target: Target, wishes: Wishes) -> Wishes:
+    return replace(wishes, task=wishes.task or target.task, load=wishes.load or target.load)
+
+
+def _for_robot(files: Sequence[str], one: Named) -> tuple[Diagnostic, ...]:
+    """Findings of the programs on the controller's robot; raises Refused if it cannot run them."""
+    from assistant.compiler.checking import check_files
+    from assistant.findings.project_severities import settle
+
+    if one.robot is None or not files:
+        return ()
+    checked = check_files(files, robot=one.robot)
+    found = fold(settle(checked.findings, checked.texts).left)
+    if has_errors(found):
+        raise Refused(*found)
+    return tuple(found)
+
+
+def _relative(path: Path) -> Path:
+    return path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path
+
+
+def _shown(path: Path) -> str:
+    return str(_relative(path))
