@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path as FilePath
 from typing import Final
 
@@ -70,8 +70,9 @@ def _of_slots(
     site: Site, entries: Iterable[Entry], running: Iterable[TaskState]
 ) -> list[Diagnostic]:
     users: dict[str, str] = {}
+    there = {_stem(name): name for name in site.controller.names()} if running else {}
     for task in running:
-        for stem in _with_called(site, task.program):
+        for stem in _with_called(site, task.program, there):
             users.setdefault(stem, task.program)
     found = []
     for entry in entries:
@@ -83,25 +84,20 @@ def _of_slots(
     return found
 
 
-def _with_called(site: Site, program: str) -> set[str]:
+def _with_called(site: Site, program: str, there: Mapping[str, str]) -> set[str]:
     """A program and all that it calls, as far as they are there and can be read."""
     spoken = languages.get(site.language)
     open_ones, found = [program], set[str]()
     while open_ones and len(found) < MOST_PROGRAMS:
-        name = open_ones.pop()
-        if _stem(name) in found:
+        stem = _stem(open_ones.pop())
+        if stem in found:
             continue
-        found.add(_stem(name))
-        data = site.controller.read(_as_there(site, name))
+        found.add(stem)
+        data = site.controller.read(there[stem]) if stem in there else None
         if data is not None:
             tree = spoken.parse(decode(data, None, (*spoken.encodings, "latin-1")))
             open_ones += spoken.called_files(tree)
     return found
-
-
-def _as_there(site: Site, name: str) -> str:
-    there = (one for one in site.controller.names() if _stem(one) == _stem(name))
-    return next(there, name)
 
 
 def _stem(name: str) -> str:

@@ -50,7 +50,6 @@ class Site:
         self.controller = controller
         self.task = task
         self.patience = patience
-        self.language = controller.languages[0]
         self.memory = controller if isinstance(controller, Memory) else None
         self.disk = controller if isinstance(controller, Disk) else None
 
@@ -99,6 +98,11 @@ class Site:
     def blind(self) -> bool:
         """Whether taught points are in a memory that this session cannot see."""
         return self.controller.memory_apart and self.memory is None
+
+    @property
+    def language(self) -> str:
+        """Name of the language of its programs; only a session knows which version that is."""
+        return self.controller.languages[0]
 
     def identity(self) -> Identity | None:
         """Which controller it is, None where the session cannot tell."""

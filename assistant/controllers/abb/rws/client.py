@@ -72,6 +72,7 @@ class Rws(RapidFiles):
     def __enter__(self) -> Self:
         """Connects, logs in and looks for the folder of the address."""
         self._system = self._session.open()
+        self._rapid.forget()
         try:
             self._look_for_folder()
         except BaseException:

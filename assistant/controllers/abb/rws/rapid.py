@@ -26,13 +26,26 @@ class Rapid:
         self._session = session
         self._mastership = mastership
         self._files = files
+        self._known: dict[str, str] = {}
+
+    def forget(self) -> None:
+        """What was known of the tasks: a controller that was restarted may have others."""
+        self._known.clear()
 
     def tasks(self) -> tuple[TaskState, ...]:
         """The tasks, each with the module and the line that its program pointer is at."""
         return tuple(self._task(row) for row in self._rows())
 
     def task(self, name: str) -> str:
-        """The name of a task that there is, "" for the first one that moves the arm."""
+        """The name of a task that there is, "" for the first one that moves the arm.
+
+        Asked for once in a session.
+        """
+        if name.lower() not in self._known:
+            self._known[name.lower()] = self._looked_up(name)
+        return self._known[name.lower()]
+
+    def _looked_up(self, name: str) -> str:
         rows = self._rows()
         if name:
             self.checked(name, "task")
