@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import signal
 import sys
-import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from types import FrameType
 from typing import TYPE_CHECKING, Final
 
 from assistant.cli.compiling import working
@@ -69,25 +66,16 @@ def ended_in_order() -> Iterator[Halt]:
     Nothing is interrupted where it stands: every deployment takes back what it changed, which is
     over within the time-outs of its connection. Asking twice makes no difference.
     """
-    from assistant.controllers.ending import ENDS
+    from assistant.controllers.ending import handled
     from assistant.deploy import Halt
 
     halt = Halt(noticed=lambda: console().print("ending in order: what was begun is taken back"))
-    if threading.current_thread() is not threading.main_thread():
-        yield halt
-        return
 
-    def asked(number: int, frame: FrameType | None) -> None:
-        del number, frame
+    def asked(_number: int, _frame: object) -> None:
         halt.asked = True
 
-    wanted = [getattr(signal, name) for name in ENDS if hasattr(signal, name)]
-    before = {number: signal.signal(number, asked) for number in wanted}
-    try:
+    with handled(asked):
         yield halt
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
 
 
 def write_junit(rollout: Rollout, path: Path) -> None:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Final
 
@@ -47,16 +47,23 @@ def told_to_end(*, once: bool = False) -> Iterator[Ending]:
     changes.
     """
     ending = Ending(once=once)
-    if threading.current_thread() is not threading.main_thread():
+    with handled(ending.met):
         yield ending
+
+
+@contextmanager
+def handled(met: Callable[[int, object], None]) -> Iterator[None]:
+    """Meanwhile that is called instead of ending this program; see `told_to_end`."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
         return
     ours = (signal.SIG_DFL, signal.default_int_handler)
     known = [getattr(signal, name) for name in ENDS if hasattr(signal, name)]
     before = {one: signal.getsignal(one) for one in known if signal.getsignal(one) in ours}
     try:
         for number in before:
-            signal.signal(number, ending.met)
-        yield ending
+            signal.signal(number, met)
+        yield
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)

@@ -14,7 +14,7 @@ from typing import Final
 from assistant.controllers.rules import Lost
 from assistant.deploy import durably, rules
 from assistant.deploy.journal import failing
-from assistant.deploy.record import Record
+from assistant.deploy.record import Record, plain
 from assistant.deploy.site import BETWEEN, CLAIM, CLAIMANT, Site
 from assistant.program.diagnostics import Refused
 
@@ -78,7 +78,7 @@ def holder(site: Site) -> Holder:
     data = site.controller.read(CLAIMANT)
     try:
         content = json.loads((data or b"")[:10_000])
-        return Holder(*(str(content[key])[:200] for key in ("deployment", "who", "time")))
+        return Holder(*(plain(str(content[key])[:200]) for key in ("deployment", "who", "time")))
     except (ValueError, KeyError, TypeError, RecursionError):
         return Holder()
 

@@ -33,7 +33,8 @@ from typing import Final
 from assistant.controllers import Address
 from assistant.deploy import durably, rules
 from assistant.deploy.held import Held
-from assistant.deploy.record import Record, read_record
+from assistant.deploy.record import NAME, Record, read_record
+from assistant.deploy.site import of_deployments
 from assistant.program.diagnostics import Refused, has_errors
 
 HISTORY: Final = FilePath(".robot-assistant") / "deployments"
@@ -44,8 +45,6 @@ PROGRAMS: Final = "programs.json"
 STEPS: Final = "journal.jsonl"
 NUMBER: Final = re.compile(r"\d{4,}")
 PARTS: Final = ("before", "after")
-NAME: Final = re.compile(r"[A-Za-z0-9_][\w. ~-]{0,70}(?<![ .~])", re.ASCII)
-"""Of a program; also a file of this computer can have it."""
 KEPT: Final = re.compile(rf"(before|after)/\d{{1,6}}-{NAME.pattern}", re.ASCII)
 """A file of a program in the folder; the number is that of its entry."""
 UNDER_WAY: Final = ".new"
@@ -256,7 +255,7 @@ def _written(folder: FilePath, number: int, entry: Entry) -> Mapping[str, object
 
 def _entry(folder: FilePath, row: Mapping[str, Mapping[str, str | None]]) -> Entry:
     name = row["name"]
-    if not isinstance(name, str) or NAME.fullmatch(name) is None:
+    if not isinstance(name, str) or NAME.fullmatch(name) is None or of_deployments(name):
         raise ValueError(f"`{name}` is no name of a program")
     before, after = (_held(folder, row[part], row["sha256"]) for part in PARTS)
     return Entry(name, before, after)

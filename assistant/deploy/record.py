@@ -9,10 +9,11 @@ from __future__ import annotations
 import getpass
 import hashlib
 import json
+import re
 import secrets
 import socket
 import subprocess
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path as FilePath
@@ -27,6 +28,11 @@ from assistant.program.diagnostics import Refused
 FORMAT: Final = 1
 GIT: Final = ("git", "-c", "core.fsmonitor=false")
 """Starts no program that a repository names to watch its files."""
+NAME: Final = re.compile(r"[A-Za-z0-9_][\w. ~-]{0,70}(?<![ .~])", re.ASCII)
+"""Of a program; also a file of this computer can have it."""
+DIGEST: Final = re.compile("[0-9a-f]{64}")
+LONGEST_TEXT: Final = 1000
+"""Characters of a text in it."""
 LONGEST: Final = 1_000_000
 """Bytes of a record that is looked at."""
 
@@ -65,13 +71,18 @@ def new_record(address: str, identity: Identity | None, task: str = "") -> Recor
         f"{now:%Y%m%dT%H%M%SZ}-{secrets.token_hex(3)}",
         address,
         now.isoformat(timespec="seconds"),
-        f"{_user()}@{socket.gethostname()}",
+        plain(f"{_user()}@{socket.gethostname()}"),
         commit_of(FilePath()),
-        told.robot,
-        told.controller,
-        told.serial,
+        plain(told.robot),
+        plain(told.controller),
+        plain(told.serial),
         task,
     )
+
+
+def plain(text: str) -> str:
+    """Text from outside without what would steer a terminal, and not too long to be told."""
+    return "".join(c if c.isprintable() else "?" for c in text[:LONGEST_TEXT])
 
 
 def read_record(data: bytes, place: str) -> Record:
@@ -87,13 +98,21 @@ def read_record(data: bytes, place: str) -> Record:
             raise ValueError("it was changed after it was written")
         del content["format"]
         programs = {name: Digests(**two) for name, two in content.pop("programs").items()}
-        digests = [one for two in programs.values() for one in (two.file, two.loaded)]
-        if not all(isinstance(one, str) for one in (*content.values(), *filter(None, digests))):
-            raise ValueError("it holds what no record holds")
+        _check_texts(content.values(), programs)
         return Record(**content, programs=programs)
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
-        reason = str(error) or type(error).__name__
+        reason = str(error) if isinstance(error, ValueError) else "it is none"
         raise Refused(rules.BAD_RECORD(place=place, name=place, reason=reason)) from None
+
+
+def _check_texts(texts: Iterable[str], programs: Mapping[str, Digests]) -> None:
+    """Raises ValueError for what no deployment writes: anybody can work out a digest that fits."""
+    if not all(isinstance(text, str) and plain(text) == text for text in texts):
+        raise ValueError("it holds characters that no deployment writes")
+    for name, two in programs.items():
+        digests = [one for one in (two.file, two.loaded) if one is not None]
+        if NAME.fullmatch(name) is None or not all(map(DIGEST.fullmatch, digests)):
+            raise ValueError("it names programs as no deployment does")
 
 
 def commit_of(folder: FilePath) -> str:

@@ -17,8 +17,9 @@ from assistant import deploy as deploying
 from assistant.cli import main
 from assistant.controllers import connect
 from assistant.deploy import EVERY, Held, Step
+from assistant.deploy import archive as archives
 from assistant.deploy.held import Digests
-from assistant.deploy.journal import Entry, create, journals, unpack
+from assistant.deploy.journal import Entry, create, journals
 from assistant.deploy.record import new_record, read_record
 from assistant.deploy.site import CLAIM, CLAIMANT, RECORD, UNDER_WAY
 from assistant.program.diagnostics import Refused
@@ -31,6 +32,8 @@ STEERING = (
     "\x1b]0;mine\x07\x1b[2J\x9b31m\r\nDP000 info: all is well\n::error::x\n"
     "[red]r[/red]<img src=x onerror=alert(1)>](http://evil) |a| `b` \u202eevil\u2066\x00"
 )
+MARKUP = "[red]r[/red]<img src=x onerror=alert(1)>](http://evil) |a| `b` ``"
+NAME = "20261123T000000Z-abcdef"
 OUTSIDE = (
     "../evil", "../../evil", "..", ".", "/etc/evil", "a/../../evil", "a\\..\\evil", "C:\\evil",
     "evil.mod\r\nDELE seam.mod", "evil\x00.mod", "con", "~evil", "", "a" * 300,
@@ -152,24 +155,54 @@ def test_a_record_that_is_none(irc5, bad):
     assert "DP210" in codes(done.findings) and (irc5.folder / "seam.mod").read_bytes() == OLD
 
 
-def test_what_a_record_says_steers_nothing(irc5, capsys):
+def told_of(irc5, capsys, *more):
+    """All that is said of a plan, in each form, and of a deployment that is refused."""
+    to = ("deploy", "seam.mod", "--to", irc5.address, "--files-only", *more)
+    said = []
+    for options in (
+        (),
+        *(("--dry-run", "--format", form) for form in ("text", "json", "markdown")),
+    ):
+        assert run(*to, *options) == 1
+        told = capsys.readouterr()
+        said += [told.out, told.err]
+    return said
+
+
+TEXTS = ("name", "who", "time", "commit", "address", "task", "robot", "controller", "serial")
+
+
+@pytest.mark.parametrize("where", [*TEXTS, "program", "file"])
+def test_what_a_record_says_steers_nothing(irc5, capsys, where):
     """Its digest fits: everybody can work that out."""
     deployed(irc5)
     (irc5.folder / "seam.mod").write_bytes(MODULE.format(4).encode())
     content = kept_in(irc5, RECORD)
     del content["digest"]
-    for key in ("name", "who", "time", "commit", "address", "task"):
-        content[key] = STEERING
-    content["programs"] |= {STEERING: {"file": STEERING, "loaded": STEERING}, "../../evil": {}}
+    if where == "program":
+        content["programs"][STEERING] = {"file": None, "loaded": None}
+    elif where == "file":
+        content["programs"]["seam.mod"]["file"] = STEERING
+    else:
+        content[where] = STEERING
     (irc5.folder / RECORD).write_bytes(signed(content))
-    to = ("deploy", "seam.mod", "--to", irc5.address, "--files-only")
-    assert run(*to) == 1
-    assert run(*to, "--dry-run") == 1
-    assert run(*to, "--dry-run", "--format", "json") == 1
-    told = capsys.readouterr()
-    assert "DP222" in told.err and "mine" in told.err and "DP222" in told.out
-    assert_harmless(told.out, told.err)
-    assert_harmless(json.dumps(json.loads(told.out[told.out.index("{") :]), ensure_ascii=True))
+    assert codes(plan(irc5).findings) == ["DP221", "DP222"]
+    if where in ("who", "program"):
+        assert_harmless(*told_of(irc5, capsys))
+
+
+def test_markup_in_a_record_stays_text(irc5, capsys):
+    """In Markdown for a pull request it stands in code, in JUnit XML it is escaped."""
+    deployed(irc5)
+    (irc5.folder / "seam.mod").write_bytes(MODULE.format(4).encode())
+    content = kept_in(irc5, RECORD)
+    del content["digest"]
+    content["name"] = content["who"] = MARKUP
+    (irc5.folder / RECORD).write_bytes(signed(content))
+    *text, markdown, _ = told_of(irc5, capsys)
+    assert MARKUP in "".join(text) and MARKUP in markdown
+    outside = re.sub(r"(`+) .*? \1(?!`)", "", markdown)
+    assert "<img" not in outside and "evil" not in outside
 
 
 def test_what_a_claim_says_steers_nothing(irc5, capsys):
@@ -177,42 +210,43 @@ def test_what_a_claim_says_steers_nothing(irc5, capsys):
     claim = {"deployment": STEERING, "who": STEERING, "time": STEERING}
     (irc5.folder / CLAIMANT).write_text(json.dumps(claim))
     to = ("deploy", "seam.mod", "--to", irc5.address, "--files-only", "--replace", "*")
-    assert run(*to) == 1
-    assert run(*to, "--format", "json") == 1
-    told = capsys.readouterr()
-    assert "DP210" in told.err and "mine" in told.err
-    assert_harmless(told.out, told.err)
+    for form in ("text", "json", "markdown"):
+        assert run(*to, "--format", form) == 1
+        told = capsys.readouterr()
+        assert "DP210" in told.err + told.out and "mine" in told.err + told.out
+        assert_harmless(told.out, told.err)
 
 
 # -------------------------------------------------------------------------------------- the archive
 
 
-def interrupted(irc5, archive, name="20261123T000000Z-abcdef"):
+def interrupted(irc5, archive):
     """What a computer leaves on a controller that died while it deployed."""
     (irc5.folder / CLAIM).mkdir(exist_ok=True)
-    claim = {"deployment": name, "who": "somebody@elsewhere", "time": "today"}
+    claim = {"deployment": NAME, "who": "somebody@elsewhere", "time": "today"}
     (irc5.folder / CLAIMANT).write_text(json.dumps(claim))
     (irc5.folder / UNDER_WAY).write_bytes(archive)
 
 
-def packed(tmp_path, entries=None, name="20261123T000000Z-abcdef"):
+def packed(tmp_path, entries=None):
     """An archive of a deployment, as another computer keeps it there."""
     entries = entries or [Entry("seam.mod", Held(OLD), Held(NEW))]
     programs = {entry.name: Digests() for entry in entries}
-    record = replace(new_record("ftp://elsewhere", None), name=name, programs=programs)
-    return create(tmp_path / "elsewhere", record, entries).packed()
+    record = replace(new_record("ftp://elsewhere", None), name=NAME, programs=programs)
+    return archives.packed(create(tmp_path / "elsewhere", record, entries))
+
+
+def unpack(data, place):
+    return archives.unpack(data, place, NAME)
 
 
 def rewritten(archive, change):
-    """The archive with what `change` makes of its files, each name and content, digests anew."""
+    """The archive with what `change` makes of its files, each name and content."""
     with zipfile.ZipFile(io.BytesIO(archive)) as old:
         files = {info.filename: old.read(info) for info in old.infolist()}
-    files = change(files)
-    digests = {n: hashlib.sha256(d).hexdigest() for n, d in files.items() if n != "digests.json"}
-    files["digests.json"] = json.dumps(digests).encode()
     data = io.BytesIO()
     with zipfile.ZipFile(data, "w", zipfile.ZIP_DEFLATED) as new:
-        for name, content in files.items():
+        for name, content in change(files).items():
             new.writestr(name, content)
     return data.getvalue()
 
@@ -254,12 +288,12 @@ def test_names_of_an_archive_lead_nowhere(irc5, tmp_path, project, name):
         with pytest.raises(Refused) as refused:
             unpack(rewritten(archive, change), history / "cell")
         assert codes(refused.value.findings) == ["DP203"]
-        assert list((history / "cell").iterdir()) == []
+        assert not list(history.glob("cell/*"))
     journal = unpack(rewritten(archive, more), history / "cell")
     kept = {path.relative_to(journal.folder).as_posix() for path in journal.folder.rglob("*")}
     assert kept == {
         "before", "after", "before/1-seam.mod", "after/1-seam.mod",
-        "programs.json", "record.json", "digests.json",
+        "programs.json", "record.json",
     }  # fmt: skip
     assert everything(tmp_path) == before
 
@@ -316,7 +350,7 @@ def test_an_archive_that_is_too_long_is_not_unpacked(tmp_path, told):
     with pytest.raises(Refused) as refused:
         unpack(bytes(raw), tmp_path / "history")
     assert codes(refused.value.findings) == ["DP203"]
-    assert list((tmp_path / "history").iterdir()) == []
+    assert not list(tmp_path.glob("history/*"))
 
 
 def test_a_damaged_archive_leaves_the_controller_alone(irc5, tmp_path, capsys):
@@ -337,11 +371,12 @@ def test_a_damaged_archive_leaves_the_controller_alone(irc5, tmp_path, capsys):
 def test_a_history_that_was_changed_is_told_and_not_put_on_a_controller(irc5, project):
     """Line ends that version control changed, an editor, a disk: no byte of it is believed."""
     done = deployed(irc5)
-    for name in ("record.json", "programs.json", "digests.json", "before/1-seam.mod"):
+    for name in ("record.json", "programs.json", "before/1-seam.mod"):
         file = done.folder / name
         kept = file.read_bytes()
-        ends = [] if name == "digests.json" else [kept.replace(b"\n", b"\r\n"), kept[:-1]]
-        for changed in (*ends, kept.replace(b"1", b"3"), b""):
+        for changed in (kept.replace(b"\r\n", b"\n"), kept.replace(b"1", b"3"), b""):
+            if changed == kept:
+                continue
             file.write_bytes(changed)
             with pytest.raises(Refused) as refused:
                 deploying.rollback(client(irc5), patience=0.0)
