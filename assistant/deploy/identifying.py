@@ -7,7 +7,7 @@ from typing import Final
 
 from assistant.controllers.states import Identity
 from assistant.deploy import rules
-from assistant.deploy.record import Record
+from assistant.deploy.record import Record, plain
 from assistant.program.diagnostics import Diagnostic, Refused
 
 WORD: Final = re.compile(r"\d+(?:\.\d+)?|[a-z]+")
@@ -56,9 +56,9 @@ def _other(identity: Identity | None, record: Record) -> tuple[str, str] | None:
     """What is told otherwise than in a record, and what that says; what is not told is not."""
     told = identity or Identity()
     pairs = (
-        (told.robot, record.robot),
-        (told.controller, record.controller),
-        (told.serial, record.serial),
+        (plain(told.robot), record.robot),
+        (plain(told.controller), record.controller),
+        (plain(told.serial), record.serial),
     )
     return next(((now, then) for now, then in pairs if now and then and now != then), None)
 
