@@ -6,11 +6,12 @@ finishes what somebody else began, and takes it back.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import Final
 
 from assistant.deploy import rules
+from assistant.deploy.clashing import in_the_way
 from assistant.deploy.held import Held
 from assistant.deploy.journal import Entry, Journal, Step
 from assistant.deploy.outcome import FileState
@@ -35,6 +36,8 @@ class Carrying:
 
     def forward(self, entries: Iterable[Entry], progress: Progress | None = None) -> None:
         """Installs them one by one; raises Refused at the first that fails."""
+        entries = tuple(entries)
+        self._make_room([(entry.name, entry.after, entry.before) for entry in entries])
         for entry in entries:
             if progress is not None:
                 progress(entry)
@@ -50,7 +53,11 @@ class Carrying:
 
         connected: whether the session can be used as it is.
         """
+        entries = tuple(entries)
+        room = partial(self._make_room, [(e.name, e.before, e.after) for e in entries])
         whole, connected = self._insisted(self.clear_rests, connected)
+        if whole:
+            whole, connected = self._insisted(room, connected)
         for entry in entries:
             try:
                 restore = partial(self._restore, entry)
@@ -70,6 +77,18 @@ class Carrying:
         if whole:
             whole, _ = self._insisted(self._restore_record, connected)
         return whole
+
+    def _make_room(self, steps: Sequence[tuple[str, Held, Held]]) -> None:
+        """Takes modules out of memory whose names others of them get."""
+        memory = self.site.memory
+        for name, old in in_the_way(self.site, steps) if memory is not None else ():
+            now = self.site.held(name, old.file)
+            if memory is None or old.loaded is None or now.loaded is None:
+                continue
+            if self.site.forms(now).loaded == self.site.forms(old).loaded:
+                self.journal.add(Step.WRITING, name)
+                self.states[name] = FileState.UNKNOWN
+                memory.put_out(old.loaded, self.site.task)
 
     def clear_rests(self) -> None:
         """Deletes what a step that was cut left beside the programs."""

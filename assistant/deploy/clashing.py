@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 from assistant import languages
 from assistant.controllers.abilities import Memory
 from assistant.controllers.rules import Lost
 from assistant.deploy import rules
+from assistant.deploy.held import Held
 from assistant.deploy.journal import Entry
 from assistant.deploy.site import Site
 from assistant.program.diagnostics import Diagnostic, Refused
@@ -30,6 +31,30 @@ def check_clashes(site: Site, entries: Iterable[Entry]) -> tuple[Diagnostic, ...
     if findings:
         raise Refused(*findings)
     return tuple(_elsewhere(site, memory, brought))
+
+
+def in_the_way(site: Site, steps: Sequence[tuple[str, Held, Held]]) -> list[tuple[str, Held]]:
+    """Modules that have to leave memory before another one is loaded which takes a name of theirs.
+
+    steps: name of a file, what it is to be, and what it was. What comes back was there.
+    """
+    moving = [
+        (name, dict(_shared(site, new.loaded or b"")), dict(_shared(site, old.loaded or b"")), old)
+        for name, new, old in steps
+        if not site.is_list(name) and (new.loaded, old.loaded) != (None, None)
+    ]
+    if len(moving) < 2:
+        return []
+    brought = {
+        name: {own.lower() for own in new} - {own.lower() for own in old}
+        for name, new, old, _ in moving
+    }
+    found = []
+    for name, _, declared, old in moving:
+        others = {own for other, names in brought.items() if other != name for own in names}
+        if others & {own.lower() for own in declared}:
+            found.append((name, old))
+    return found
 
 
 def _text(entry: Entry) -> bytes:

@@ -14,6 +14,7 @@ from assistant.deploy import site as site_names
 from assistant.deploy.archive import unpack
 from assistant.deploy.carrying import PATIENCE, Carrying
 from assistant.deploy.claiming import alone_here, claim, held_by, holder, unclaim
+from assistant.deploy.clashing import check_clashes
 from assistant.deploy.deployment import carry_out, settle, take_back
 from assistant.deploy.held import Digests, Held
 from assistant.deploy.identifying import check_same
@@ -247,7 +248,8 @@ def _undo(
             programs[name] = site.digests(held)
     entries = [Entry(name, now[name], held) for name, held in wanted.items()]
     check_at_rest(site, entries)
+    told = check_clashes(site, entries)
     record = changed(begun, programs=programs)
     done = carry_out(site, place, record, entries, patience)
-    findings = tuple(done.findings)
+    findings = (*told, *done.findings)
     return Deployment(site.address, done.states, findings, done.journal.folder)

@@ -11,6 +11,7 @@ from assistant.deploy import EVERY, Change, FileState
 from assistant.program.diagnostics import Refused
 from assistant.virtual.irc5 import VirtualIrc5
 from assistant.virtual.irc5.cabinet import Behind
+from assistant.virtual.irc5.rws.faults import Fault
 
 SEAM = """MODULE Seam
   ! taught on Monday
@@ -224,14 +225,42 @@ def test_two_files_of_one_module(irc5, work):
     assert "DP105" in codes(refused.value.findings)
 
 
-def test_names_move_between_modules_of_one_deployment(irc5, work):
-    client = over(irc5)
-    seam = work.file("seam.mod", SEAM.format(1))
-    other = work.file("other.mod", OTHER)
-    work.installed(client, seam, other)
-    work.file("seam.mod", SEAM.format(1).replace("PROC weld", "PROC join"))
-    work.file("other.mod", OTHER.replace("weld;", "join;"))
-    work.installed(client, seam, other)
+def test_names_move_between_modules_of_one_deployment(irc5, client, work):
+    """Loaded one after the other, each would meet the procedure in the other's old module."""
+    one, two = (
+        "MODULE A\nPROC x()\nENDPROC\nENDMODULE\n",
+        "MODULE B\nPROC y()\nENDPROC\nENDMODULE\n",
+    )
+    files = [work.file("a.mod", one), work.file("b.mod", two)]
+    work.installed(client, *files)
+    work.file("a.mod", one.replace("x()", "y()"))
+    work.file("b.mod", two.replace("y()", "x()"))
+    work.installed(client, *files)
+    assert "PROC y" in text(irc5, "a") and "PROC x" in text(irc5, "b")
+    assert work.back(client).ok
+    assert "PROC x" in text(irc5, "a") and "PROC y" in text(irc5, "b")
+
+
+@pytest.mark.parametrize("finish", ["resume", "rollback"])
+@pytest.mark.parametrize("cut", ["mastership", "loadmod"])
+def test_a_death_between_file_and_memory(irc5, client, work, finish, cut):
+    """Before the load is asked for, and before its answer arrives."""
+    files = [work.file("seam.mod", SEAM.format(1)), work.file("other.mod", OTHER)]
+    work.installed(client, *files)
+    irc5.teach("Seam", "p10", TAUGHT)
+    held = text(irc5)
+    work.file("seam.mod", SEAM.format(2))
+
+    def dies(entry):
+        irc5.faults.add(Fault("cut", f"{cut}|/rw/system|/logout"))
+
+    done = work.deploy(work.plan(client, *files, replace=[EVERY]), progress=dies)
+    irc5.faults.clear()
+    assert not done.ok and done.states["seam.mod"] is FileState.UNKNOWN
+    assert getattr(deploying, finish)(client, history=work.history, patience=0.0).ok
+    file = (irc5.folder / "seam.mod").read_text()
+    wanted = (SEAM.format(1), held) if finish == "rollback" else (SEAM.format(2), SEAM.format(2))
+    assert (file, text(irc5)) == wanted and text(irc5, "other") == OTHER
 
 
 def test_a_running_task_is_refused_before_anything_is_changed(irc5, client, work):
