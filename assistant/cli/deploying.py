@@ -69,8 +69,11 @@ def _to_many(jobs: Sequence[Job], manner: Manner, format: PlanFormat) -> int:
 
     with ExitStack() as stack:
         cells = []
+        virtual: dict[str, Programs] = {}  # of which each runs once, for all its targets
         for job in jobs:
-            client = stack.enter_context(job.opened())
+            client = virtual.get(job.one.name) or stack.enter_context(job.opened())
+            if job.one.virtual is not None:
+                virtual[job.one.name] = client
             cells.append(Cell(job.name, client.address, planning(job, client)))
         wishes = jobs[0].wishes
         answer = Format.JSON if format is PlanFormat.JSON else Format.TEXT

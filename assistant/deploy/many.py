@@ -12,7 +12,7 @@ from collections.abc import Callable, Collection, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
-from typing import Final, TypeVar
+from typing import Final
 
 from assistant.controllers import Address
 from assistant.deploy import rules
@@ -30,16 +30,14 @@ LOOKS: Final = 0.2
 """Seconds between two looks whether all are done: a wait without end could not be interrupted on
 every system."""
 
-Item = TypeVar("Item")
-Made = TypeVar("Made")
-
 
 @dataclass(frozen=True, slots=True)
 class Cell:
     """A controller to deploy to.
 
-    name: as the user calls it. plan: makes the plan, over a session of its own. It is called in
-    a thread; for several cells of one controller again, once the one before is done.
+    name: as the user calls it. plan: makes the plan. It is called in a thread, never in two at
+    once for cells of one controller, which may share a session; for these it is called again once
+    the one before is done.
     """
 
     name: str
@@ -157,8 +155,8 @@ class _Rollout:
     outcomes: dict[int, Outcome] = field(default_factory=dict)
 
     def done(self, canary: str) -> Rollout:
-        planned = self._each(self._planned, range(len(self.cells)))
-        self.outcomes = dict(enumerate(planned))
+        self._each(self._plan, self._chains())
+        planned = [self.outcomes[index] for index in range(len(self.cells))]
         first = next((one for one in planned if one.state is CellState.FAILED), None)
         self.failed = first.name if first else ""
         early = [i for i, cell in enumerate(self.cells) if cell.name == canary][:1]
@@ -166,7 +164,7 @@ class _Rollout:
         self._each(self._follow, self._chains(without=early))
         return Rollout(tuple(self.outcomes[i] for i in range(len(self.cells))))
 
-    def _chains(self, without: Collection[int]) -> list[list[int]]:
+    def _chains(self, without: Collection[int] = ()) -> list[list[int]]:
         """The cells of each controller: two deployments to one at once are refused."""
         chains: dict[str, list[int]] = {}
         for index, cell in enumerate(self.cells):
@@ -174,12 +172,17 @@ class _Rollout:
                 chains.setdefault(cell.address.label, []).append(index)
         return list(chains.values())
 
-    def _each(self, work: Callable[[Item], Made], items: Sequence[Item]) -> list[Made]:
-        """Does work on all items, some at once; whatever interrupts it is raised at the end."""
+    def _each(self, work: Callable[[list[int]], None], chains: Sequence[list[int]]) -> None:
+        """Does work on all chains, some at once; whatever interrupts it is raised at the end."""
         with ThreadPoolExecutor(max_workers=max(1, self.parallel)) as pool:
-            under_way = [pool.submit(work, item) for item in items]
+            under_way = [pool.submit(work, chain) for chain in chains]
             _wait(under_way, self.halt)
-        return [one.result() for one in under_way]
+        for one in under_way:
+            one.result()
+
+    def _plan(self, chain: Sequence[int]) -> None:
+        for index in chain:
+            self.outcomes[index] = self._planned(index)
 
     def _planned(self, index: int) -> Outcome:
         cell = self.cells[index]
@@ -263,7 +266,7 @@ def _failed(outcome: Outcome, error: Exception) -> Outcome:
     return replace(outcome, state=CellState.FAILED, findings=findings, status=status)
 
 
-def _wait(under_way: Sequence[Future[Made]], halt: Halt) -> None:
+def _wait(under_way: Sequence[Future[None]], halt: Halt) -> None:
     """Until all are done; an interruption is an end in order for them, and is raised then."""
     interrupted: BaseException | None = None
     noticed = halt.asked

@@ -10,12 +10,17 @@ import os
 import pty
 import re
 import signal
+import subprocess
 import sys
+import threading
+import time
+from contextlib import ExitStack
 
 import pytest
 from lxml import etree
 
 from assistant import deploy as deploying
+from assistant.cli import main
 from assistant.cli.junit import junit
 from assistant.cli.many_cells import Manner, ended_in_order, run_many, write_junit
 from assistant.cli.presentation import Format
@@ -217,3 +222,121 @@ def test_whatever_ends_the_program_asks_for_an_end_in_order(name):
         signal.raise_signal(number)
         assert halt.asked
     assert signal.getsignal(number) is before
+
+
+# --------------------------------------------------------------------------------- the command line
+
+
+TARGETS = """
+[controllers]
+cell1 = "{0}"
+cell2 = "{1}"
+cell3 = "{2}"
+
+[targets.cell1]
+programs = ["a.prg", "b.prg"]
+[targets.cell2]
+programs = ["a.prg", "b.prg"]
+[targets.cell3]
+programs = ["a.prg", "b.prg"]
+
+[deploy]
+canary = "cell2"
+parallel = 2
+"""
+
+
+@pytest.fixture
+def project(files, tmp_path, monkeypatch):
+    """A project with three real controllers; the working folder is that of its file."""
+    monkeypatch.chdir(tmp_path)
+    told = {}
+    with ExitStack() as stack:
+        there = []
+        for index in range(3):
+
+            def report(line, index=index):
+                told.get(index, lambda line: None)(line)
+
+            there.append(stack.enter_context(VirtualCr(report=report)))
+        text = TARGETS.format(*(controller.address for controller in there))
+        (tmp_path / "assistant.toml").write_text(text)
+        yield there, told
+
+
+def run(*arguments):
+    with pytest.raises(SystemExit) as ended:
+        main([str(argument) for argument in arguments])
+    return ended.value.code
+
+
+def test_every_target_of_a_project_with_its_canary_first(project, tmp_path, capsys):
+    there, told = project
+    seen = []
+    for index in range(3):
+        told[index] = lambda line, index=index: seen.append(index) if "DLY 2" in line else None
+    assert run("build") == 0
+    assert run("deploy", "--junit", "report.xml") == 0
+    assert seen and seen[0] == 1 and 1 not in seen[seen.index(0) :]
+    assert all(one.text("A") == one.text("B") == PROGRAM.format(2) for one in there)
+    told = capsys.readouterr().out
+    assert told.endswith("3 of 3 controllers are done\n")
+    root = read((tmp_path / "report.xml").read_bytes())
+    assert [suite.get("name") for suite in root] == ["cell1", "cell2", "cell3"]
+    assert run("deploy", "--canary", "cell9", "--junit", "other.xml") == 2
+    assert "DP401" in capsys.readouterr().err and not (tmp_path / "other.xml").exists()
+
+
+@pytest.mark.slow
+def test_two_targets_of_one_virtual_controller(files, tmp_path, monkeypatch, capsys):
+    """It runs once for both, and they follow each other."""
+    monkeypatch.chdir(tmp_path)
+    text = '[controllers]\ncell1 = "virtual:cr"\n'
+    for task, name in enumerate("ab", 1):
+        text += f'[targets.{name}]\ncontroller = "cell1"\nprograms = ["{name}.prg"]\n'
+        text += f'task = "SLOT{task}"\n'
+    (tmp_path / "assistant.toml").write_text(text)
+    assert run("build") == 0
+    assert run("deploy", "--format", "json") == 0
+    answer = json.loads(re.search(r"^\{.*", capsys.readouterr().out, re.M | re.S)[0])
+    assert [one["state"] for one in answer["controllers"]] == ["done", "done"]
+    assert run("verify", "--to", "cell1") == 0
+    assert {"A: as deployed", "B: as deployed"} <= set(capsys.readouterr().out.splitlines())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGINT"])
+def test_a_process_that_is_told_to_end_ends_in_order(project, tmp_path, name):
+    """While two are under way: both take back what they began, the third is not begun."""
+    there, told = project
+    text = (tmp_path / "assistant.toml").read_text()
+    (tmp_path / "assistant.toml").write_text(text.replace('canary = "cell2"\n', ""))
+    for one in there:
+        with connect(one.address) as client:
+            client.write("A", PROGRAM.format(1).encode())
+            client.write("B", PROGRAM.format(1).encode())
+    assert run("build") == 0
+    both, process, sent = threading.Barrier(2), [], threading.Event()
+
+    def report(line):
+        if "DLY 2" in line and not sent.is_set():
+            if both.wait(30) == 0:
+                process[0].send_signal(getattr(signal, name))
+                process[0].send_signal(getattr(signal, name))
+                time.sleep(0.5)  # until the signal is there
+                sent.set()
+            sent.wait(30)
+
+    told |= {0: report, 1: report}
+    command = [sys.executable, "-m", "assistant", "deploy", "--replace", "*", "--format", "json"]
+    process.append(
+        subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    )
+    out, err = process[0].communicate(timeout=60)
+    answer = json.loads(out)
+    assert process[0].returncode == 1
+    assert [one["state"] for one in answer["controllers"]] == ["failed", "failed", "not begun"]
+    assert "ending in order" in err.decode()
+    assert all(one.text("A") == one.text("B") == PROGRAM.format(1) for one in there)
+    journals = deploying.all_journals(tmp_path / ".robot-assistant" / "deployments")
+    assert [journal.result for journal in journals] == ["taken back"] * 2
