@@ -7,8 +7,10 @@ import shutil
 import signal
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
+import jsonschema
 import pytest
 
 from assistant import languages, robots
@@ -19,6 +21,7 @@ from assistant.findings import rulebook
 from assistant.findings.severity import severities_for
 from assistant.program import pseudo
 from assistant.program.diagnostics import Severity
+from assistant.project.schema import schema
 from assistant.sources.process.file import read_process
 from assistant.virtual.melfa import Options
 from assistant.virtual.melfa.choosing import choose
@@ -139,7 +142,8 @@ def test_the_pseudo_programs_of_a_page_are_exact(page, text):
 
 LIMITS = "[melfa-basic]"
 SETTINGS = dict.fromkeys(("[severity]", "[rapid]", LIMITS), "assistant.toml")
-SETTINGS["[controllers"] = "assistant.toml"
+OF_PROJECTS = ("[controllers", "[programs", "[targets", "[deploy")
+SETTINGS |= dict.fromkeys(OF_PROJECTS, "assistant.toml")
 SETTINGS["[tool."] = "pyproject.toml"
 """How the settings of a project begin, and the file that they are in."""
 
@@ -172,6 +176,8 @@ def test_the_files_of_a_page_are_read(page, text, tmp_path):
         assert not settings.findings
         if text.startswith("[controllers"):
             assert controllers_of(tmp_path)
+        if text.startswith(OF_PROJECTS):
+            jsonschema.Draft7Validator(schema()).validate(tomllib.loads(text))
             return
         language = languages.get("melfa-basic-5")
         said = configured(language, tmp_path) is not language

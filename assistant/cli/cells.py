@@ -6,7 +6,7 @@ import dataclasses
 import getpass
 import sys
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import PurePath
@@ -72,6 +72,16 @@ def _not_here(one: Named, command: str) -> Diagnostic:
     )
 
 
+def _client(one: Named) -> AbstractContextManager[Programs]:
+    """A client that is not connected yet; a virtual controller of the project runs meanwhile."""
+    if one.virtual is None:
+        return nullcontext(client_of(one))
+    from assistant.project import project_of
+    from assistant.project.virtual import running
+
+    return running(one, project_of().kept)
+
+
 @contextmanager
 def reached(text: str, command: str) -> Iterator[Cell]:
     """A controller by its name or address, connected to. What it cannot do is wrong usage."""
@@ -79,7 +89,7 @@ def reached(text: str, command: str) -> Iterator[Cell]:
 
     one = named_by(text)
     try:
-        with client_of(one) as session:
+        with _client(one) as client, client as session:
             yield Cell(one, session, command)
     except Refused as refused:
         if any(finding.code == rules.NOT_HERE.code for finding in refused.findings):

@@ -69,7 +69,7 @@ class Address:
     """Where a controller is; never holds a password.
 
     host: the file or name of a serial line, whose port is 0. options: name and value each. name:
-    that its history has, where the port is another one each time; "" if the address tells.
+    of a controller whose port is another one each time, as people and histories know it; else "".
     """
 
     scheme: str
@@ -81,6 +81,8 @@ class Address:
     name: str = ""
 
     def __str__(self) -> str:
+        if self.name:
+            return self.name
         options = f"?{urlencode(self.options)}" if self.options else ""
         if SCHEMES[self.scheme].device:
             return f"{self.scheme}://{self.host}{options}"

@@ -49,7 +49,7 @@ SAME_VARIABLE = error(
 )
 ONLY_DEPLOYED = error(
     "CN113",
-    "`{name}` is a virtual controller that runs only while something is deployed to it",
+    "`{name}` is a virtual controller that runs only as long as a command speaks with it",
     "start `robot-assistant virtual {kind}` and write the address that it tells, to have it go on",
 )
 NO_USER = error(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
@@ -18,7 +19,7 @@ from assistant.languages.language import Frames
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
 from assistant.project import rules
 from assistant.project.tables import DEPLOYING, FILES, NAME, PROGRAM, ROBOTS, TARGET, readers
-from assistant.sources import project as files
+from assistant.sources import project as stated
 from assistant.sources.process.table import Page, Table, nearest
 from assistant.sources.process.values import listed, shown
 
@@ -89,7 +90,7 @@ def project_of(folder: FilePath | None = None) -> Project:
     Raises Unreadable and Refused (exit status 2) with all that is wrong in its file.
     """
     here = (folder or FilePath.cwd()).absolute()
-    found = files.project_of(here)
+    found = stated.project_of(here)
     if found is None:
         what = f"neither `{here}` nor a folder above it has an assistant.toml"
         raise Refused(rules.NO_PROJECT(what=what), exit_status=2)
@@ -102,7 +103,7 @@ def project_of(folder: FilePath | None = None) -> Project:
     top = Table(page, found.table, content)
     project = _Reader(top, FilePath(found.source.path or "").absolute(), controllers).project()
     if has_errors(page.findings):
-        ordered = sorted(page.findings, key=lambda finding: finding.line or 0)
+        ordered = sorted(dict.fromkeys(page.findings), key=lambda finding: finding.line or 0)
         raise Refused(*map(_without_secret, ordered), exit_status=2)
     return project
 
@@ -116,7 +117,7 @@ def _without_secret(finding: Diagnostic) -> Diagnostic:
 def tables() -> tuple[str, ...]:
     """The tables that a project's file may have."""
     of_languages = {language.table for language in map(languages.get, languages.names())} - {""}
-    own = (files.CONTROLLERS, files.PROGRAMS, files.TARGETS, files.DEPLOY, "severity")
+    own = (stated.CONTROLLERS, stated.PROGRAMS, stated.TARGETS, stated.DEPLOY, "severity")
     return (*own, *sorted(of_languages))
 
 
@@ -131,20 +132,20 @@ class _Reader:
         self.top.read(dict.fromkeys(tables(), _as_it_is))
         recipes = {
             name: recipe
-            for name, table in self._named(files.PROGRAMS, "program")
+            for name, table in self._named(stated.PROGRAMS, "program")
             if (recipe := self._recipe(name, table)) is not None
         }
         places = [
             place
-            for name, table in self._named(files.TARGETS, "target")
+            for name, table in self._named(stated.TARGETS, "target")
             if (place := self._place(name, table, recipes)) is not None
         ]
         self._check_apart(places)
-        deploying = self._table(files.DEPLOY).read(readers(DEPLOYING))
+        deploying = self._table(stated.DEPLOY).read(readers(DEPLOYING))
         canary = deploying.get("canary")
-        there = self._table(files.TARGETS).content
+        there = self._table(stated.TARGETS).content
         if canary is not None and canary not in there:
-            self._unknown(self._table(files.DEPLOY), "canary", "target", canary, list(there))
+            self._unknown(self._table(stated.DEPLOY), "canary", "target", canary, list(there))
         return Project(
             self.folder,
             self.file,
@@ -156,7 +157,7 @@ class _Reader:
         )
 
     def _settings(self) -> str:
-        own = (files.CONTROLLERS, files.PROGRAMS, files.TARGETS, files.DEPLOY)
+        own = (stated.CONTROLLERS, stated.PROGRAMS, stated.TARGETS, stated.DEPLOY)
         others = {key: value for key, value in self.top.content.items() if key not in own}
         text = json.dumps(others, sort_keys=True, default=str)
         return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()
@@ -246,6 +247,8 @@ class _Reader:
         if controller is None and ("controller" in given or "controller" not in table.content):
             at = "controller" if "controller" in given else None
             self._unknown(table, at, "controller", wanted, list(self.controllers))
+        if controller is not None:
+            self._check_files(controller)
         named = given.get("programs", ())
         if not named and ("programs" in given or "programs" not in table.content):
             table.say(rules.NO_PROGRAMS, "programs" if "programs" in given else None, name=name)
@@ -261,11 +264,27 @@ class _Reader:
                 table.say(rules.NOT_TAKEN, "programs", **fields)
         return place
 
+    def _check_files(self, controller: Named) -> None:
+        """The files of a controller are files of the project as well."""
+        of_robot = controller.robot or ""
+        files = {"robot": of_robot if of_robot.lower().endswith(ROBOT_FILES) else ""}
+        files["certificate"] = str(controller.certificate or "")
+        at = (*self.top.path, stated.CONTROLLERS, controller.name)
+        for key, file in files.items():
+            if file and inside(self.folder, os.path.relpath(file, self.folder)) is None:
+                self.top.page.say(rules.OUTSIDE, (*at, key), file=shown(file))
+            elif file and not FilePath(file).is_file():
+                cure = self._near_file(FilePath(file))
+                self.top.page.say(rules.NO_FILE, (*at, key), key=key, file=shown(file), cure=cure)
+        if of_robot and not files["robot"] and of_robot not in robots.names():
+            table = Table(self.top.page, at, {})
+            self._unknown(table, "robot", "robot", of_robot, robots.names())
+
     def _wanted(self, table: Table, text: str, recipes: Mapping[str, Recipe]) -> Recipe | None:
         """A program by its name, or a file of the project."""
         if text in recipes:
             return recipes[text]
-        known = list(self._table(files.PROGRAMS).content)
+        known = list(self._table(stated.PROGRAMS).content)
         if text in known:
             return None  # what is wrong with it is said there
         if FilePath(text).suffix or "/" in text:
@@ -280,7 +299,7 @@ class _Reader:
             key = (str(place.controller.address) + place.controller.address.name, place.task)
             other = seen.setdefault(key, place.name)
             if other != place.name:
-                table = self._table(files.TARGETS)
+                table = self._table(stated.TARGETS)
                 table.say(rules.SAME_TARGET, place.name, name=place.name, other=other)
 
     def _unknown(

@@ -5,10 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field, replace
-from multiprocessing import get_context
 from pathlib import Path as FilePath
 
 from assistant import languages
@@ -24,6 +21,7 @@ from assistant.program.text import read_bytes
 from assistant.project import rules
 from assistant.project.inputs import Digests, digests, watched
 from assistant.project.layout import Place, Recipe
+from assistant.project.workers import at_once
 from assistant.sources import PROCESS_SUFFIX, READERS
 from assistant.sources.process.values import listed
 
@@ -72,16 +70,12 @@ def make_all(orders: Sequence[Order], jobs: int | None = None) -> dict[Order, Ma
     count = min(len(wanted), jobs or os.cpu_count() or 1)
     if count <= 1:
         return {order: make(order) for order in wanted}
-    made: dict[Order, Made] = {}
-    with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
-        answers = {order: pool.submit(make, order) for order in wanted}
-        for order, answer in answers.items():
-            try:
-                made[order] = answer.result()
-            except BrokenProcessPool:
-                name = order.recipe.name
-                made[order] = Made(findings=(rules.DIED(place=name, name=name),), unreadable=True)
-    return made
+    return dict(zip(wanted, at_once(make, wanted, count, _lost), strict=True))
+
+
+def _lost(order: Order) -> Made:
+    name = order.recipe.name
+    return Made(findings=(rules.DIED(place=name, name=name),), unreadable=True)
 
 
 def make(order: Order) -> Made:

@@ -72,6 +72,7 @@ def _irc5(controller: Named, folder: FilePath, timeout: float | None) -> Iterato
     )
     _start(controller, virtual.start)
     try:
+        virtual.cabinet.serial = controller.serial or ""
         _remember(virtual, folder / MEMORY)
         try:
             yield _client(controller, virtual.rws_port, timeout, virtual.user, virtual.password)

@@ -1,0 +1,200 @@
+"""What a build makes, what it leaves alone, and that nothing is half there."""
+
+import json
+import shutil
+
+import pytest
+
+from assistant import compile
+from assistant.program.diagnostics import Refused
+from assistant.project import State, build, project_of, targets_of
+from tests.project.conftest import Home, module, pseudo
+
+TWO = """
+[programs.waiting]
+source = "waiting.pseudo"
+
+[targets.cell1]
+programs = ["waiting", "hand/seam.mod"]
+
+[targets.cell2]
+programs = ["waiting"]
+"""
+BUILT, UNCHANGED, FAILED = State.BUILT, State.UNCHANGED, State.FAILED
+
+
+@pytest.fixture
+def two(home: Home) -> Home:
+    home.put("waiting.pseudo", pseudo())
+    home.put("hand/seam.mod", module("seam"))
+    home.states(TWO)
+    return home
+
+
+def states(*names: str, **options) -> list[State]:
+    options = {"jobs": 1, **options}
+    return [one.state for one in build(project_of(), names, **options).programs]
+
+
+def codes(**options) -> list[str]:
+    return [finding.code for finding in build(project_of(), jobs=1, **options).findings]
+
+
+def test_each_target_gets_its_language_and_files_as_they_are(two):
+    done = build(project_of(), jobs=1)
+    assert (done.ok, done.status) == (True, 0)
+    assert two.built("cell1") == {
+        **compile("waiting.pseudo", language="rapid", robot="irb1200-7-0.7").files,
+        "seam.mod": module("seam").encode(),
+    }
+    cr = compile("waiting.pseudo", language="melfa-basic-4", robot="rv-2aj").files
+    assert two.built("cell2") == cr
+
+
+def test_only_what_has_changed_is_built_again(two):
+    assert states() == [BUILT, BUILT, BUILT]
+    assert states() == [UNCHANGED] * 3
+    two.put("hand/seam.mod", module("seam", "more"))
+    assert states() == [UNCHANGED, BUILT, UNCHANGED]
+    two.states(TWO.replace('seam.mod"]', 'seam.mod"]\nload = true'))  # nothing that is built
+    assert states() == [UNCHANGED] * 3
+    two.states(TWO.replace('pseudo"', 'pseudo"\nentry = "main"', 1))
+    assert states() == [BUILT, UNCHANGED, BUILT]
+    assert states("seam.mod"[:0] or "cell2", anew=True) == [BUILT]
+
+
+def test_a_process_file_that_appears_is_seen(home):
+    home.put(
+        "taught.toml",
+        '[[targets]]\nname = "a"\nposition = [400, 0, 400]\nquaternion = [0, 0, 1, 0]\n',
+    )
+    home.states('[programs.a]\nsource = "taught.toml"\n[targets.cell1]\nprograms = ["a"]\n')
+    assert (states(), states()) == ([BUILT], [UNCHANGED])
+    home.put("taught.process.toml", "[motion]\nspeed = 77\n")
+    assert (states(), states()) == ([BUILT], [UNCHANGED])
+
+
+def test_a_file_that_a_program_calls_goes_along_and_is_seen(two):
+    listed = (
+        '<?xml version="1.0"?><Program><Module>one.mod</Module><Module>two.mod</Module></Program>'
+    )
+    two.put("hand/all.pgf", listed)
+    two.put("hand/one.mod", module("one"))
+    two.put("hand/two.mod", module("two"))
+    two.states('[targets.cell1]\nprograms = ["hand/all.pgf"]\n')
+    assert (states(), states()) == ([BUILT], [UNCHANGED])
+    assert sorted(two.built()) == ["all.pgf", "one.mod", "two.mod"]
+    two.put("hand/two.mod", module("two", "new"))
+    assert states() == [BUILT]
+    assert two.built()["two.mod"] == module("two", "new").encode()
+    (target,) = targets_of()
+    assert [file.name for file in target.files()] == ["all.pgf", "one.mod", "two.mod"]
+
+
+@pytest.mark.parametrize("jobs", [1, pytest.param(2, marks=pytest.mark.slow)])
+def test_it_is_the_same_bytes_elsewhere_and_at_once(jobs, two, tmp_path_factory, monkeypatch):
+    build(project_of(), jobs=1)
+    copy = tmp_path_factory.mktemp("other") / "place"
+    shutil.copytree(two.folder, copy, ignore=shutil.ignore_patterns("build", ".robot-assistant"))
+    (copy / "drawings").mkdir()
+    monkeypatch.chdir(copy / "drawings")
+    done = build(project_of(), jobs=jobs)
+    assert done.ok, done.findings
+    assert Home(copy).built("cell1") == two.built("cell1")
+    assert Home(copy).built("cell2") == two.built("cell2")
+    kept = ".robot-assistant/build.json"
+    assert (copy / kept).read_bytes() == (two.folder / kept).read_bytes()
+
+
+def test_one_that_fails_keeps_no_other_back(two):
+    assert states() == [BUILT] * 3
+    before = two.built("cell1")
+    two.put("waiting.pseudo", "program waiting\n\nprocedure main\n  wiat 0.5 s\nend\n")
+    two.put("hand/seam.mod", module("seam", "more"))
+    done = build(project_of(), jobs=1)
+    assert [one.state for one in done.programs] == [FAILED, BUILT, FAILED]
+    assert (done.ok, done.status) == (False, 1)
+    assert {finding.path for finding in done.findings} == {"waiting.pseudo"}
+    assert two.built("cell1") == {**before, "seam.mod": module("seam", "more").encode()}
+    with pytest.raises(Refused, match="the last build of it failed"):
+        targets_of()[1].files()
+    assert states() == [FAILED, UNCHANGED, FAILED]  # tried again
+    two.put("waiting.pseudo", pseudo())
+    assert states() == [BUILT, UNCHANGED, BUILT]
+
+
+def test_a_module_with_an_error_is_not_taken(two):
+    two.put("hand/seam.mod", "MODULE seam\n  PROC main(\nENDMODULE\n")
+    assert states() == [BUILT, FAILED, BUILT]
+    assert "seam.mod" not in two.built("cell1")
+
+
+def test_two_programs_of_one_file_name(two):
+    two.put("more/Seam.mod", module("other"))
+    two.states(TWO.replace('"hand/seam.mod"', '"hand/seam.mod", "more/Seam.mod"'))
+    assert "PR201" in codes()
+    assert two.built("cell1")["seam.mod"] == module("seam").encode()
+
+
+def test_what_no_target_wants_any_more_goes_away(two):
+    build(project_of(), jobs=1)
+    two.put("build/cell1/mine.txt", "kept")
+    two.states(TWO.replace(', "hand/seam.mod"', ""))
+    build(project_of(), jobs=1)
+    assert sorted(two.built("cell1")) == ["mine.txt", "waiting.mod"]
+
+
+@pytest.mark.parametrize(
+    ("harm", "reason"),
+    [
+        (lambda home: home.put("waiting.pseudo", pseudo(1.0)), "was changed since"),
+        (lambda home: home.put("build/cell2/WAITING.prg", "1 END"), "was changed by somebody"),
+        (lambda home: (home.folder / "build/cell2/WAITING.prg").unlink(), "is not there"),
+        (lambda home: (home.folder / ".robot-assistant/build.json").unlink(), "never built"),
+        (lambda home: home.put(".robot-assistant/build.json", "{"), "never built"),
+        (lambda home: home.put(".robot-assistant/build.json", '{"format": 9}'), "never built"),
+    ],
+)
+def test_nothing_stale_is_deployed(two, harm, reason):
+    build(project_of(), jobs=1)
+    second = targets_of()[1]
+    assert [file.name for file in second.files()] == ["WAITING.prg"]
+    harm(two)
+    with pytest.raises(Refused, match=reason) as caught:
+        second.files()
+    assert [finding.code for finding in caught.value.findings] == ["PR202"]
+    build(project_of(), jobs=1)
+    assert [file.name for file in second.files()] == ["WAITING.prg"]
+
+
+def test_a_name_of_a_file_in_the_record_leads_nowhere_else(two):
+    build(project_of(), jobs=1)
+    kept = two.folder / ".robot-assistant/build.json"
+    content = json.loads(kept.read_text())
+    content["built"]["cell1/waiting"]["files"] = {"../../assistant.toml": "0" * 64}
+    kept.write_text(json.dumps(content))
+    assert states() == [BUILT] * 3
+
+
+def test_an_unknown_name_is_refused_with_the_nearest(two):
+    with pytest.raises(Refused, match="there is no program or target `wating`") as caught:
+        build(project_of(), ["wating"])
+    assert caught.value.findings[0].cure == "write `waiting`"
+    assert caught.value.exit_status == 2
+
+
+def test_a_program_whose_language_nobody_says(home):
+    home.put("waiting.pseudo", pseudo())
+    home.put(
+        "assistant.toml",
+        '[controllers]\ncr = "melfa://192.168.0.20"\n[programs.a]\nsource = "waiting.pseudo"\n'
+        '[targets.cr]\nprograms = ["a"]\n',
+    )
+    assert codes() == ["PR111"]
+
+
+def test_a_folder_that_cannot_be_written(two):
+    two.put("build", "a file")
+    done = build(project_of(), jobs=1)
+    assert (done.status, {one.state for one in done.programs}) == (2, {FAILED})
+    assert {finding.code for finding in done.findings} == {"CO201"}

@@ -1,0 +1,79 @@
+"""The schema for editors takes what the reader takes, and nothing else."""
+
+import itertools
+import json
+import tomllib
+
+import jsonschema
+import pytest
+
+from assistant import languages
+from assistant.languages.language import Choice
+from assistant.project.schema import schema, schema_text
+from assistant.project.tables import CONTROLLER, DEPLOYING, PROGRAM, TARGET
+from assistant.resources import resource
+from assistant.sources.process.values import Wrong
+
+TABLES = {"controllers": CONTROLLER, "programs": PROGRAM, "targets": TARGET, "deploy": DEPLOYING}
+VALUES = (
+    *("", " ", "x", "T_ROB1", "1x", "a b", "mm", "rapid", "melfa-basic-5", "base", "irb", "Base"),
+    *(True, False, 0, 1, 9, 10, 256, 257, 2**31, 10**8, -1, 0.5, 3599.5, 3600.5),
+    *([], ["x"], ["x", "y"], ["x", 1], [""], {}, {"x": 1}),
+)
+WHOLE = jsonschema.Draft7Validator(schema())
+
+
+def test_it_is_a_schema():
+    jsonschema.Draft7Validator.check_schema(schema())
+    assert json.loads(schema_text()) == schema()
+
+
+@pytest.mark.parametrize("table", TABLES)
+def test_each_key_takes_what_its_reader_takes(table):
+    for (key, one), value in itertools.product(TABLES[table].items(), VALUES):
+        try:
+            one.read(value)
+            taken = not (key == "programs" and value == [])  # the reader of the table asks for one
+        except Wrong:
+            taken = False
+        assert jsonschema.Draft7Validator(dict(one.form)).is_valid(value) is taken, (key, value)
+
+
+def test_it_knows_the_keys_of_all_tables():
+    properties = schema()["properties"]
+    controllers = properties["controllers"]["additionalProperties"]["anyOf"][1]
+    of = {
+        "controllers": controllers,
+        "programs": properties["programs"]["additionalProperties"],
+        "targets": properties["targets"]["additionalProperties"],
+        "deploy": properties["deploy"],
+    }
+    for name, keys in TABLES.items():
+        assert set(of[name]["properties"]) == set(keys)
+        assert of[name]["additionalProperties"] is False
+    for language in map(languages.get, languages.names()):
+        rows = properties[language.table]["properties"]
+        assert set(rows) == set(language.settings)
+        for name, setting in language.settings.items():
+            if isinstance(setting, Choice):
+                assert rows[name]["enum"] == list(setting.words)
+            else:
+                assert (rows[name]["minimum"], rows[name]["maximum"]) == (
+                    setting.least,
+                    setting.most,
+                )
+
+
+def test_it_knows_the_tables_that_the_reader_knows():
+    from assistant.project.layout import tables
+
+    assert set(schema()["properties"]) == set(tables())
+    assert not WHOLE.is_valid({"target": {}})
+
+
+def test_the_example_is_valid():
+    text = resource("templates", "project/assistant.toml").read_text("utf-8")
+    example = tomllib.loads(text)
+    WHOLE.validate(example)
+    example["targets"]["cell1"]["taks"] = "T_ROB1"
+    assert not WHOLE.is_valid(example)

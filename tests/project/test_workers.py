@@ -1,0 +1,42 @@
+"""Processes that answer at once, and one that dies."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from assistant.project.workers import at_once
+
+pytestmark = pytest.mark.slow  # each process is a new Python
+
+
+def test_each_argument_gets_its_answer_in_another_process():
+    answers = at_once(os.path.basename, ["a/1", "a/2", "a/3"], 2, str)
+    assert answers == ["1", "2", "3"]
+    ids = at_once(_process, [1, 2], 1, str)
+    assert ids[0] == ids[1] != os.getpid()
+
+
+def test_only_what_a_dead_process_was_at_is_lost():
+    assert at_once(_or_die, [1, 0, 3], 1, lambda argument: -1) == [1, -1, 3]
+
+
+def test_a_script_without_a_guard_builds(tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text(
+        "from assistant.project.workers import at_once\n"
+        "import os\nprint(at_once(os.path.basename, ['a/1', 'a/2'], 2, str))\n"
+    )
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=60)
+    assert (done.stdout, done.stderr) == ("['1', '2']\n", "")
+
+
+def _process(_: int) -> int:
+    return os.getpid()
+
+
+def _or_die(argument: int) -> int:
+    if not argument:
+        os._exit(9)
+    return argument
