@@ -210,6 +210,10 @@ def _checked(site: Site, journal: Journal, replace: Collection[str], patience: f
     return carrying
 
 
+def _loads(entry: Entry) -> bool:
+    return entry.before.loaded is not None or entry.after.loaded is not None
+
+
 def _undo(
     site: Site,
     past: list[Journal],
@@ -225,7 +229,10 @@ def _undo(
         for entry in journal.entries:
             wanted.setdefault(entry.name, entry.before)
             left[entry.name] = entry.after
-    site.task = past[-1].record.task
+    memories = {one.record.task for one in past if any(map(_loads, one.entries))}
+    if len(memories) > 1:
+        raise Refused(rules.SEVERAL_MEMORIES(place=str(site.address), which=", ".join(memories)))
+    site.task = next(iter(memories), site.task)
     identity = site.identity()
     for journal in past:
         check_same(identity, journal.record, str(site.address))

@@ -24,10 +24,14 @@ NOTHING: Final = Held()
 
 @dataclass(frozen=True, slots=True)
 class Digests:
-    """SHA-256 of a `Held`, of the forms that are compared; None for what is not there."""
+    """SHA-256 of a `Held`, of the forms that are compared; None for what is not there.
+
+    task: in whose memory the module is, "" if it is in none.
+    """
 
     file: str | None = None
     loaded: str | None = None
+    task: str = ""
 
 
 def digest(data: bytes | None) -> str | None:

@@ -18,23 +18,21 @@ CLOSE: Final = 0.05
 def check_meant(identity: Identity | None, meant: Identity, place: str) -> tuple[Diagnostic, ...]:
     """Refuses another controller than the one that a project means, serial number and robot.
 
-    Comes back with a warning of what cannot be told; what the project leaves open is not looked
-    at.
+    Comes back with a warning of a serial number that cannot be told. Many a project names the
+    robot only to compile for it: one that is not told is passed over.
     """
     told = identity or Identity()
     refused: list[Diagnostic] = []
-    unknown: list[Diagnostic] = []
-    for what, wanted, there, same in (
-        ("the serial number", meant.serial, told.serial, _same_number(meant.serial, told.serial)),
-        ("the robot", meant.robot, told.robot, same_robot(meant.robot, told.robot)),
-    ):
-        if wanted and not there:
-            unknown.append(rules.UNTOLD(place=place, what=what, wanted=wanted))
-        elif wanted and not same:
-            refused.append(rules.NOT_MEANT(place=place, what=what, wanted=wanted, told=there))
+    if _is_model(told.robot) and meant.robot and not same_robot(meant.robot, told.robot):
+        refused.append(
+            rules.NOT_MEANT(place=place, what="the robot", wanted=meant.robot, told=told.robot)
+        )
+    what, wanted, there = "the serial number", meant.serial.strip(), told.serial.strip()
+    if wanted and there and wanted.casefold() != there.casefold():
+        refused.append(rules.NOT_MEANT(place=place, what=what, wanted=wanted, told=there))
     if refused:
         raise Refused(*refused)
-    return tuple(unknown)
+    return (rules.UNTOLD(place=place, what=what, wanted=wanted),) if wanted and not there else ()
 
 
 def check_same(identity: Identity | None, record: Record, place: str) -> None:
@@ -78,6 +76,12 @@ def same_robot(one: str, other: str) -> bool:
     return True
 
 
+def _is_model(name: str) -> bool:
+    """Whether it is a model of a maker, with letters and figures."""
+    words = _words(name)
+    return any(map(str.isalpha, words)) and not all(map(str.isalpha, words))
+
+
 def _words(name: str) -> list[str]:
     return WORD.findall(name.lower())
 
@@ -86,7 +90,3 @@ def _like(one: str, other: str) -> bool:
     if "." in one and "." in other:
         return abs(float(one) - float(other)) < CLOSE
     return one == other
-
-
-def _same_number(one: str, other: str) -> bool:
-    return one.strip().casefold() == other.strip().casefold()

@@ -102,6 +102,8 @@ class Judging:
         since = f"since the deployment `{self.record.name}` of {self.record.who}"
         if there.file != left.file:
             return f"its file was changed {since}"
+        if there.loaded and left.task and left.task != self.site.task:
+            return f"it was last deployed to `{left.task}`, not to the memory of `{self.site.task}`"
         if there.loaded != left.loaded:
             return f"its module in memory was changed {since}"
         return ""

@@ -111,7 +111,8 @@ def _check_texts(texts: Iterable[str], programs: Mapping[str, Digests]) -> None:
         raise ValueError("it holds characters that no deployment writes")
     for name, two in programs.items():
         digests = [one for one in (two.file, two.loaded) if one is not None]
-        if NAME.fullmatch(name) is None or not all(map(DIGEST.fullmatch, digests)):
+        named = NAME.fullmatch(name) is not None and plain(two.task) == two.task
+        if not named or not all(map(DIGEST.fullmatch, digests)):
             raise ValueError("it names programs as no deployment does")
 
 

@@ -59,7 +59,7 @@ def what_was_left(
         if entry.name.lower() != name.lower() or meant is None:
             continue
         for held in (entry.after, entry.before):
-            if site.digests(held) == meant:
+            if site.digests(held, meant.task) == meant:
                 return held
     return None
 

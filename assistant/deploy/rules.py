@@ -180,6 +180,11 @@ ELSEWHERE = warning(
     "changed",
     "deploy it there too, with `--task`",
 )
+SEVERAL_MEMORIES = error(
+    "DP236",
+    "the deployments that would be taken back are of the memories of several: {which}",
+    "take them back one by one, the last one first",
+)
 POINTER_LOST = info(
     "DP235",
     "the program pointer of `{task}` is lost, because its modules were replaced; nothing was "

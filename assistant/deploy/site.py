@@ -42,8 +42,8 @@ def of_deployments(name: str) -> bool:
 class Site:
     """A controller with what a deployment asks of it; a context manager, which connects.
 
-    task: whose memory counts, "" for the first one. patience: seconds for which a program that
-    somebody has open is waited for.
+    task: whose memory counts, "" for the first one, whose name it is once connected. patience:
+    seconds for which a program that somebody has open is waited for.
     """
 
     def __init__(self, controller: Programs, task: str = "", patience: float = WAITING) -> None:
@@ -55,6 +55,12 @@ class Site:
 
     def __enter__(self) -> Self:
         self.controller.__enter__()
+        try:
+            if self.memory is not None:
+                self.task = self.memory.task_named(self.task)
+        except BaseException:
+            self.controller.__exit__(None, None, None)
+            raise
         return self
 
     def __exit__(self, *error: object) -> None:
@@ -135,9 +141,11 @@ class Site:
     def same(self, one: Held, other: Held) -> bool:
         return self.forms(one) == self.forms(other)
 
-    def digests(self, held: Held) -> Digests:
+    def digests(self, held: Held, task: str = "") -> Digests:
+        """task: whose memory that was, "" for the one that counts now."""
         forms = self.forms(held)
-        return Digests(digest(forms.file), digest(forms.loaded))
+        task = "" if forms.loaded is None else task or self.task
+        return Digests(digest(forms.file), digest(forms.loaded), task)
 
     def put(self, name: str, wanted: Held, instead: Held = NOTHING) -> None:
         """Makes that the controller's; done again after an interruption, it ends the same.

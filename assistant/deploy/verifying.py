@@ -80,7 +80,6 @@ def verify(
         stranger = of_another(site.identity(), record)
         if stranger is not None:
             record, told = None, (*told, stranger)
-        site.task = "" if record is None else record.task
         there = [name for name in site.controller.names() if not of_deployments(name)]
         looking = _Looking(site, record, history, built)
         left = {} if record is None else dict(record.programs)
@@ -112,6 +111,7 @@ class _Looking:
         """One of ours."""
         assert self.record is not None
         left = what_was_left(self.site, self.record, name, self.history)
+        self.site.task = digests.task or self.record.task
         now = self.site.held(name, None if left is None else left.file)
         as_built = self._as_built(name, now)
         if now == NOTHING:

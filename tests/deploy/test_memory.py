@@ -301,8 +301,17 @@ def test_a_module_in_several_tasks_is_said(irc5, client, work):
     assert codes(planned.notes) == ["DP234"] and "T_BACK" in planned.notes[0].message
     assert work.deploy(planned).ok
     assert irc5.cabinet.behind["T_BACK"].modules["Seam"] == SEAM.format(1)
-    work.installed(client, seam, task="T_BACK", replace=[EVERY])
+    behind = work.plan(client, seam, task="T_BACK")
+    assert codes(behind.notes) == ["DP234", "DP222"] and "`T_ROB1`" in behind.notes[1].message
+    work.installed(client, seam, task="t_back", replace=[EVERY])
     assert irc5.cabinet.behind["T_BACK"].modules["Seam"] == SEAM.format(2)
+    assert deploying.verify(client, history=work.history).ok
+    with pytest.raises(Refused) as refused:
+        deploying.rollback(client, 1, history=work.history)
+    assert codes(refused.value.findings) == ["DP236"]
+    assert work.back(client).ok
+    assert irc5.cabinet.behind["T_BACK"].modules["Seam"] == SEAM.format(1)
+    assert text(irc5) == SEAM.format(2)
 
 
 def test_a_lost_program_pointer_is_said(irc5, work):
