@@ -77,6 +77,17 @@ def deploy(
     resume: Annotated[
         bool, typer.Option("--resume", help="Finish the deployment that was interrupted.")
     ] = False,
+    pull: Annotated[
+        bool,
+        typer.Option(
+            "--pull",
+            help="Deploy nothing; bring what was changed on the controller into the sources here.",
+        ),
+    ] = False,
+    source: Annotated[
+        Path | None,
+        typer.Option(help="With --pull: what the program was compiled from; default itself."),
+    ] = None,
     replace: ReplaceOption = None,
     files_only: Annotated[
         bool,
@@ -103,10 +114,13 @@ def deploy(
     from assistant.cli.deploying import run_deploy, run_plan
     from assistant.cli.jobs import Wishes
     from assistant.cli.many_cells import Manner
+    from assistant.cli.pulling import run_pull
 
     wishes = Wishes(task, load, tuple(replace or ()), files_only, history)
     if resume:
         raise typer.Exit(run_resume(files or (), to, target, wishes, format))
+    if pull:
+        raise typer.Exit(run_pull(files or (), to, target, source, wishes, format))
     if dry_run:
         raise typer.Exit(run_plan(files or (), to, target, wishes, format))
     manner = Manner(canary, parallel, junit) if canary or parallel or junit else None

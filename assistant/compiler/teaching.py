@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
@@ -15,7 +16,7 @@ from assistant.controllers.states import Position
 from assistant.program import rotations
 from assistant.program.diagnostics import Refused, error
 from assistant.program.expressions import Name
-from assistant.program.geometry import Pose
+from assistant.program.geometry import Configuration, Pose
 from assistant.program.program import Program
 from assistant.program.statements import Motion, Move, MoveCircular
 from assistant.program.text import SourceText, decode, encode, read_bytes
@@ -116,20 +117,26 @@ def _values(
 ) -> dict[str, str]:
     if wanted.joints:
         joints = (math.nan if joint is None else joint for joint in position.joints)
-        return {"joints": _numbers(joints_without_end(list(joints)), 4)}
+        return {"joints": number_list(joints_without_end(list(joints)), 4)}
     numbers = (*position.position, *position.quaternion)
     if not all(map(math.isfinite, numbers)):
         raise Refused(NO_NUMBERS())
     found = {
-        "position": _numbers(position.position, 4),
-        "quaternion": _numbers(rotations.canonical(position.quaternion).tolist(), 9),
+        "position": number_list(position.position, 4),
+        "quaternion": number_list(rotations.canonical(position.quaternion).tolist(), 9),
     }
     if robot is not None and own is not None:
-        back, down, flip, *quadrants = (int(v) for v in robot.configuration(np.array([own]))[0])
-        words = {"back": back, "down": down, "flip": flip}
-        branch = ", ".join(f"{word} = {'true' if on else 'false'}" for word, on in words.items())
-        found["configuration"] = f"{{{branch}, quadrants = {quadrants}}}"
+        back, down, flip, *q = (int(v) for v in robot.configuration(np.array([own]))[0])
+        branch = Configuration(bool(back), bool(down), bool(flip), (q[0], q[1], q[2]))
+        found["configuration"] = branch_words(branch)
     return found
+
+
+def branch_words(branch: Configuration) -> str:
+    """As the TOML of a file of targets."""
+    words = {"back": branch.back, "down": branch.down, "flip": branch.flip}
+    said = ", ".join(f"{word} = {'true' if on else 'false'}" for word, on in words.items())
+    return f"{{{said}, quadrants = {list(branch.quadrants)}}}"
 
 
 def joints_without_end(joints: list[float]) -> list[float]:
@@ -144,7 +151,8 @@ def _more(wanted: Wanted) -> dict[str, str]:
     return {key: json.dumps(name) for key, name in given.items() if name is not None}
 
 
-def _numbers(values: list[float] | tuple[float, ...], digits: int) -> str:
+def number_list(values: Sequence[float], digits: int) -> str:
+    """As the TOML of a file of targets."""
     return "[" + ", ".join(_number(value, digits) for value in values) + "]"
 
 

@@ -8,7 +8,7 @@ compares programs, so that a line that says the same stays as it was written.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from difflib import SequenceMatcher
@@ -24,7 +24,9 @@ ENCODINGS: Final = ("utf-8", "latin-1")
 _WORD: Final = re.compile(
     r'"[^"\r\n]*"|[A-Za-z_]\w*|\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?|\S'
 )
-_NUMBER: Final = re.compile(r"\.?\d")
+_NUMBER: Final = re.compile(r"[+-]?\.?\d")
+_BEFORE_SIGNS: Final = frozenset("[(,=:")
+"""Words behind which a sign is of the number that follows."""
 _LINE: Final = re.compile(r"[^\r\n]*(?:\r\n|\r|\n)|[^\r\n]+")
 DIGITS: Final = 6
 """Decimals to which numbers of two texts must agree that were written by different programs."""
@@ -125,17 +127,38 @@ def _carried(mine: _Text, theirs: _Text) -> list[str]:
 
 def _with_values(own: str, other: Sequence[str]) -> str | None:
     """Our text with the numbers of the other one, None if more than numbers differs."""
-    mine, theirs = list(_WORD.finditer(own)), _WORD.findall("".join(other))
+    mine, theirs = list(_words(own)), list(_words("".join(other)))
     if len(mine) != len(theirs):
         return None
     text, at = [], 0
-    for word, new in zip(mine, theirs, strict=True):
-        if _says(word[0]) != _says(new):
-            if not (_NUMBER.match(word[0]) and _NUMBER.match(new)):
+    for (word, start), (new, _) in zip(mine, theirs, strict=True):
+        if _says(word) != _says(new):
+            if not (_NUMBER.match(word) and _NUMBER.match(new)):
                 return None
-            text += [own[at : word.start()], new]
-            at = word.end()
+            text += [own[at:start], new]
+            at = start + len(word)
     return "".join([*text, own[at:]])
+
+
+def _words(text: str) -> Iterator[tuple[str, int]]:
+    """The words, each with where it begins; numbers with their signs."""
+    before = "["
+    sign: int | None = None
+    for found in _WORD.finditer(text):
+        word, start = found[0], found.start()
+        if sign is not None:
+            if _NUMBER.match(word) and sign + 1 == start:
+                word, start = text[sign] + word, sign
+            else:
+                yield text[sign], sign
+            sign = None
+        elif word in ("+", "-") and before in _BEFORE_SIGNS:
+            sign, before = start, word
+            continue
+        yield word, start
+        before = word
+    if sign is not None:
+        yield text[sign], sign
 
 
 def _taken(line: str, end: str) -> str:
@@ -156,7 +179,7 @@ def _text(data: bytes, form: Form, digits: int | None = None) -> _Text:
 def _key(line: str, encoding: str, form: Form, digits: int | None) -> Key:
     with suppress(Refused):  # a line alone may be no program
         line = form(line.encode(encoding)).decode(encoding, "replace")
-    return tuple(_says(word, digits) for word in _WORD.findall(line))
+    return tuple(_says(word, digits) for word, _ in _words(line))
 
 
 def _says(word: str, digits: int | None = None) -> str | float:

@@ -85,3 +85,55 @@ BUSY: Final = error(
     "another process uses the virtual controller `{name}`",
     "wait until it has ended",
 )
+BOTH_CHANGED: Final = error(
+    "PR501",
+    "`{name}` was changed on the controller and here at the same place; nothing was written",
+    "look at both with `plan`, write what you want into the program here, and drop what is there "
+    "with `--replace {name}`",
+)
+NOT_ONLY_TARGETS: Final = error(
+    "PR502",
+    "`{name}` was changed on the controller in more than the places of its targets, which cannot "
+    "be brought into `{source}`; nothing was written",
+    "look at it with `plan`, change the source by hand, and drop what is there with "
+    "`--replace {name}`",
+)
+OTHER_TARGET: Final = error(
+    "PR503",
+    "the target `{target}` of `{name}` does not stand in `{source}` as it was deployed, or cannot "
+    "be written there; nothing was written",
+    "build and look at the difference with `plan`, then change the source by hand",
+)
+NO_TARGETS: Final = error(
+    "PR504",
+    "`{source}` has no targets with names, so that what was changed in `{name}` cannot be brought "
+    "into it; nothing was written",
+    "change it by hand, or keep the program itself or a file of taught targets as the source",
+)
+NOT_COMMITTED: Final = error(
+    "PR505",
+    "`{file}` has changes that are not committed; nothing was written",
+    "commit them or stash them first, so that nothing is lost",
+)
+GONE_THERE: Final = error(
+    "PR506",
+    "`{name}` is not on the controller any more: there is nothing to bring home",
+    "deploy it again with `--replace {name}`, or take it out of the project",
+)
+TWO_CHANGES: Final = error(
+    "PR507",
+    "of `{name}` both the file and the module in memory were changed, and say different things; "
+    "nothing was written",
+    "save the module on the controller, or load its file, and pull again",
+)
+NOT_READ: Final = error(
+    "PR508",
+    "what the controller has as `{name}` cannot be read as a program; nothing was written",
+    "copy it with `get` and look at it",
+)
+NOTHING_THERE: Final = info(
+    "PR509", "nothing was changed on the controller that would have to be brought home"
+)
+KEPT_BESIDE: Final = info(
+    "PR510", "no git repository keeps `{file}`: what it said before is in `{kept}`"
+)

@@ -74,6 +74,20 @@ class Target:
             raise Refused(*stale)
         return tuple(found[name] for name in sorted(found))
 
+    def sources(self) -> dict[FilePath, FilePath]:
+        """What each built file was made of: its own source where it was taken as it is."""
+        entries = kept.read_entries(self.project)
+        found: dict[FilePath, FilePath] = {}
+        for recipe in self.place.recipes:
+            entry = entries.get(kept.key_of(self.name, recipe.name))
+            folder = self.project.folder / kept.BUILT / self.name
+            for name in entry.files if entry is not None else ():
+                as_it_is = recipe.source.with_name(name)
+                plain = recipe.source.suffix.lower() == as_it_is.suffix.lower()
+                taken = plain and as_it_is.is_file()
+                found[folder / name] = as_it_is if taken else recipe.source
+        return found
+
     @contextmanager
     def opened(
         self, ask: Question | None = None, *, timeout: float | None = None

@@ -1,0 +1,190 @@
+"""Pulling: what was changed on a controller since the last deployment, brought into the sources.
+
+A program that stands here as it is sent gets the change in its own layout. Of a compiled program
+the targets that were taught anew go into its source, by their names: a file of taught targets, or
+a pseudo-program. All changes of a plan are brought home, or none is.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path as FilePath
+from typing import Final
+
+from assistant import languages
+from assistant.compiler.output import write_files
+from assistant.deploy import Change, Held, Plan, PlannedFile
+from assistant.deploy.merging import Form, in_layout, merged
+from assistant.deploy.record import GIT
+from assistant.deploy.site import Site
+from assistant.program.diagnostics import Diagnostic, Refused, has_errors
+from assistant.program.text import read_bytes
+from assistant.project import rules
+from assistant.project.pulled_targets import changed_targets, with_targets
+from assistant.robots import Robot
+
+KEPT: Final = ".orig"
+"""Behind the name of a file that no repository keeps: what it said before."""
+TIMEOUT: Final = 10
+"""Seconds for git."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pulled:
+    """What was brought home. sources: what was changed in each file, one after another."""
+
+    sources: Mapping[FilePath, tuple[str, ...]] = field(default_factory=dict)
+    findings: tuple[Diagnostic, ...] = ()
+
+    @property
+    def ok(self) -> bool:
+        return not has_errors(self.findings)
+
+
+def pull(
+    plan: Plan, sources: Mapping[str, FilePath] | None = None, robot: Robot | None = None
+) -> Pulled:
+    """Brings the conflicts of a plan home; the controller is not touched.
+
+    sources: what each local program was made of, itself where it is missing. robot: of the
+    controller. Nothing is raised, and nothing is written if there is an error among the findings.
+    """
+    run = _Run(plan.site, robot)
+    for file in plan.files:
+        if file.change is not Change.CONFLICT:
+            continue
+        try:
+            run.bring(file, (sources or {}).get(file.path, FilePath(file.path)))
+        except Refused as refusal:
+            run.findings += [finding.within(file.path) for finding in refusal.findings]
+    if not run.wanted and not run.findings:
+        run.findings.append(rules.NOTHING_THERE(place=str(plan.address)))
+    try:
+        if not has_errors(run.findings):
+            run.check_committed()
+        if not has_errors(run.findings):
+            _write(run.wanted)
+    except Refused as refusal:
+        run.findings += refusal.findings
+    done = not has_errors(run.findings)
+    told = {path: tuple(run.told[path]) for path in run.told} if done else {}
+    return Pulled(told, tuple(run.findings))
+
+
+@dataclass(slots=True)
+class _Run:
+    """wanted: files with what they are to say. told: what is new in each."""
+
+    site: Site
+    robot: Robot | None
+    wanted: dict[FilePath, bytes] = field(default_factory=dict)
+    told: dict[FilePath, list[str]] = field(default_factory=dict)
+    findings: list[Diagnostic] = field(default_factory=list)
+
+    def bring(self, file: PlannedFile, source: FilePath) -> None:
+        base, there, form = self._sides(file)
+        spoken = languages.of_file(file.name, there) or languages.of_file(file.path, file.data)
+        if spoken is None or has_errors(spoken.parse(spoken.decode(there)).findings):
+            raise Refused(rules.NOT_READ(path=file.path, name=file.name))
+        now = self.wanted.get(source) or read_bytes(source)
+        if source.suffix.lower() in spoken.suffixes:
+            self.wanted[source] = self._as_text(file, base, now, there, form)
+            self.told.setdefault(source, []).append(f"`{file.name}` as it is on the controller")
+            return
+        changes = changed_targets(
+            spoken, form(file.data if base is None else base), form(there), file, source, self.robot
+        )
+        self.wanted[source] = with_targets(source, now, changes, file.name, spoken.precision)
+        self.told.setdefault(source, []).extend(f"target `{one.name}`" for one in changes)
+
+    def _sides(self, file: PlannedFile) -> tuple[bytes | None, bytes, Form]:
+        """What was left, what is there now, and how the two are compared."""
+        left, now = file.left, file.before
+        stored, in_memory = self.site.controller.stored, self.site.in_memory
+        one = None if left is None else self.site.forms(left)
+        other = self.site.forms(now)
+        in_file = now.file is not None and (one is None or one.file != other.file)
+        loaded = now.loaded is not None and (one is None or one.loaded != other.loaded)
+        if in_file and loaded and not self._are_one(now):
+            raise Refused(rules.TWO_CHANGES(path=file.path, name=file.name))
+        if loaded and now.loaded is not None:
+            return (None if left is None else left.loaded or left.file), now.loaded, in_memory
+        if now.file is None:
+            raise Refused(rules.GONE_THERE(path=file.path, name=file.name))
+        return (None if left is None else left.file), now.file, stored
+
+    def _are_one(self, now: Held) -> bool:
+        """Whether a module in memory says what its file says."""
+        return self.site.forms(Held(None, now.file)) == self.site.forms(Held(None, now.loaded))
+
+    def _as_text(
+        self, file: PlannedFile, base: bytes | None, own: bytes, there: bytes, form: Form
+    ) -> bytes:
+        """Our text with what was changed there."""
+        if base is not None and form(base) != form(own):
+            both = merged(base, own, there, form)
+            if both is None:
+                raise Refused(rules.BOTH_CHANGED(path=file.path, name=file.name))
+            return both
+        text = in_layout(own, there, form)
+        return text if self._are_same(text, there, file) else there
+
+    def _are_same(self, one: bytes, other: bytes, file: PlannedFile) -> bool:
+        """Whether the controller would take two texts for the same, where the change is."""
+        if other == file.before.loaded:
+            return self.site.same(Held(None, one), Held(None, other))
+        return self.site.same(Held(one), Held(other))
+
+    def check_committed(self) -> None:
+        """What a repository does not know yet would be lost, so it is said and nothing written."""
+        for path in list(self.wanted):
+            known = _known_to_git(path)
+            if known is False:
+                self.findings.append(rules.NOT_COMMITTED(path=str(path), file=path))
+            elif known is None:
+                kept = path.with_name(path.name + KEPT)
+                self.wanted[kept] = read_bytes(path)
+                self.findings.append(rules.KEPT_BESIDE(path=str(path), file=path, kept=kept))
+
+
+def _known_to_git(path: FilePath) -> bool | None:
+    """Whether a repository has a file as it is; None if it is in none, or there is no git."""
+    command = [*GIT, "status", "--porcelain", "--ignored", "--", path.name]
+    bare = {k: v for k, v in os.environ.items() if not k.startswith(("ROBOT_ASSISTANT_", "GIT_"))}
+    try:
+        done = subprocess.run(  # noqa: S603
+            command,
+            cwd=path.absolute().parent,
+            env=bare,
+            capture_output=True,
+            text=True,
+            timeout=TIMEOUT,
+        )
+    except (OSError, subprocess.TimeoutExpired):
+        return None
+    if done.returncode != 0 or done.stdout.startswith("!!"):
+        return None
+    return not done.stdout.strip()
+
+
+def _write(wanted: Mapping[FilePath, bytes]) -> None:
+    """Writes all files, or none; raises Refused."""
+    before: dict[FilePath, bytes] = {}
+    folders = sorted({path.parent for path in wanted})
+    try:
+        for folder in folders:
+            inside = [path for path in wanted if path.parent == folder]
+            old = {path: path.read_bytes() for path in inside if path.is_file()}
+            write_files({path.name: wanted[path] for path in inside}, folder)
+            before |= old
+    except Refused:
+        _put_back(before)
+        raise
+
+
+def _put_back(before: Mapping[FilePath, bytes]) -> None:
+    for path, data in before.items():
+        write_files({path.name: data}, path.parent)
