@@ -11,6 +11,7 @@ from assistant.deploy import rules
 from assistant.deploy.held import Held
 from assistant.deploy.journal import Entry
 from assistant.deploy.site import Site
+from assistant.languages import Tree
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.text import decode
 
@@ -25,7 +26,7 @@ def check_clashes(site: Site, entries: Iterable[Entry]) -> tuple[Diagnostic, ...
         return ()
     brought = [e for e in entries if not site.is_list(e.name) and memory.module(_text(e))]
     coming = [entry for entry in brought if entry.after.loaded is not None]
-    findings = list(_same_module(memory, coming))
+    findings = [*_secret(site, coming), *_same_module(memory, coming)]
     if any(entry.before.loaded != entry.after.loaded for entry in coming):
         findings += _same_names(site, memory, coming)
     if findings:
@@ -59,6 +60,13 @@ def in_the_way(site: Site, steps: Sequence[tuple[str, Held, Held]]) -> list[tupl
 
 def _text(entry: Entry) -> bytes:
     return entry.after.loaded or entry.after.file or b""
+
+
+def _secret(site: Site, coming: Iterable[Entry]) -> Iterator[Diagnostic]:
+    for entry in coming:
+        word = languages.get(site.language).kept_secret(_tree(site, _text(entry)))
+        if word:
+            yield rules.NOT_SHOWN(place=entry.name, name=entry.name, word=word)
 
 
 def _same_module(memory: Memory, coming: Iterable[Entry]) -> Iterator[Diagnostic]:
@@ -114,6 +122,10 @@ def _read(memory: Memory, module: str, task: str) -> bytes:
 
 
 def _shared(site: Site, data: bytes) -> Iterator[tuple[str, str]]:
+    return iter(languages.get(site.language).shared_names(_tree(site, data)))
+
+
+def _tree(site: Site, data: bytes) -> Tree:
     spoken = languages.get(site.language)
-    tree = spoken.parse(decode(data, None, (*spoken.encodings, "latin-1")))
-    return iter(spoken.shared_names(tree))
+    tree: Tree = spoken.parse(decode(data, None, (*spoken.encodings, "latin-1")))
+    return tree

@@ -49,6 +49,12 @@ NOT_BESIDE = error(
 NOT_THERE = error(
     "DP109", "the list names `{name}`, which is not there", "put it beside the list, or take it out"
 )
+NOT_SHOWN = error(
+    "DP141",
+    "`{name}` says `{word}`: the controller would not show its text, so that nobody could see "
+    "whether it arrived, nor take it back; nothing was changed",
+    "leave that word out, or deploy the file only and load it at the controller",
+)
 CHANGED_SINCE = error(
     "DP201",
     "`{name}` on the controller changed since the plan was made; nothing was changed by this run",

@@ -305,6 +305,10 @@ class Language(abc.ABC, Generic[T]):
         """Name of the file that holds a unit of an adapted program."""
         return (unit or program.name) + self.suffixes[0]
 
+    def kept_secret(self, tree: T) -> str:  # noqa: ARG002
+        """The word of a file which keeps controllers from showing its text, "" without one."""
+        return ""
+
     def shared_names(self, tree: T) -> Iterator[tuple[str, str]]:  # noqa: ARG002
         """Names that no other file of the same program can declare as well, each with its kind."""
         yield from ()

@@ -338,6 +338,25 @@ def test_attributes_of_a_module_do_not_keep_it_from_being_replaced(irc5, work):
     assert work.back(client).ok and text(irc5) == held
 
 
+def test_a_module_whose_text_is_kept_secret(irc5, client, work):
+    """It could not be taken back: it is not loaded, nor is one replaced that is there."""
+    secret = SEAM.format(1).replace("MODULE Seam", "MODULE Seam(NOVIEW)")
+    seam = work.file("seam.mod", secret)
+    with pytest.raises(Refused) as refused:
+        work.plan(client, seam, load=True)
+    assert codes(refused.value.findings) == ["DP141"] and not (irc5.folder / "seam.mod").exists()
+    (irc5.folder / "seam.mod").write_text(secret)
+    with client:
+        client.take_in("seam.mod")
+    plain = work.file("seam.mod", SEAM.format(2))
+    with pytest.raises(Refused) as refused:
+        work.plan(client, plain, replace=[EVERY])
+    assert "reading the module `Seam`" in refused.value.findings[0].message
+    assert (irc5.folder / "seam.mod").read_text() == secret
+    other = work.file("other.mod", OTHER.replace("weld;", "WaitTime 1;"))
+    work.installed(client, other)
+
+
 def test_a_list_of_modules_goes_along_and_is_not_loaded(irc5, work):
     client = over(irc5)
     seam = work.file("seam.mod", SEAM.format(1))

@@ -90,6 +90,9 @@ class Rapid(Language["File"]):
 
         return data(tree)
 
+    def kept_secret(self, tree: File) -> str:
+        return next((NOT_SHOWN for one in tree.modules if NOT_SHOWN in one.attributes), "")
+
     def shared_names(self, tree: File) -> Iterator[tuple[str, str]]:
         from assistant.languages.rapid.tree.walk import shared_names
 
@@ -176,4 +179,6 @@ class Rapid(Language["File"]):
         return folder.parent if folder.name.upper() in TASK_FOLDERS else folder
 
 
+NOT_SHOWN: Final = "NOVIEW"
+"""Attribute of modules that can only be run."""
 TASK_FOLDERS: Final = frozenset(("PROGMOD", "SYSMOD"))

@@ -66,8 +66,16 @@ class Module:
 
     @property
     def system(self) -> bool:
-        own = next(part for part in self.tree.modules if part.name == self.name)
-        return "SYSMODULE" in own.attributes
+        return "SYSMODULE" in self._attributes
+
+    @property
+    def hidden(self) -> bool:
+        """Whether nobody is shown its text."""
+        return "NOVIEW" in self._attributes
+
+    @property
+    def _attributes(self) -> tuple[str, ...]:
+        return next(part.attributes for part in self.tree.modules if part.name == self.name)
 
 
 @dataclass(frozen=True, slots=True)

@@ -219,6 +219,8 @@ def text(cabinet: Cabinet, request: Request) -> Answer:
         said, count = _text_behind(behind, request), 0
     else:
         found = _module(cabinet, request)
+        if found.hidden:
+            raise Rejected(reasons.NOT_PERMITTED, f"{found.name} is NOVIEW")
         said, count = cabinet.do(lambda programs: (programs.text(found), programs.changes))
     fields = {"change-count": str(count), "module-text": said}
     if request.dialect == 1:
