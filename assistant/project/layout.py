@@ -313,7 +313,9 @@ class _Reader:
 def inside(folder: FilePath, text: str) -> FilePath | None:
     """A path from a folder, None if it leads out of it, by a link as well."""
     parts = PurePosixPath(text.replace("\\", "/"))
-    if "\0" in text or parts.is_absolute() or ":" in parts.parts[0] or ".." in parts.parts:
+    if "\0" in text or not parts.parts or parts.is_absolute() or ".." in parts.parts:
+        return None
+    if ":" in parts.parts[0]:
         return None
     file = folder.joinpath(*parts.parts)
     return file if file.resolve().is_relative_to(folder.resolve()) else None

@@ -61,7 +61,7 @@ DIED: Final = error(
     "look whether there is memory enough, or build with `--jobs 1`",
 )
 NOT_KEPT: Final = error(
-    "PR204", "`{file}` cannot be written: {reason}", "make room, or see whose the folder is"
+    "PR204", "`{file}` cannot be used: {reason}", "see whose it is, and whether there is room"
 )
 NOT_BESIDE: Final = error(
     "PR205",

@@ -8,19 +8,18 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
 from assistant import robots
-from assistant.compiler.output import write_files
 from assistant.controllers import Credentials, Named, Programs, connect
 from assistant.program.diagnostics import Refused
 from assistant.project import rules
+from assistant.virtual.atomic import write_whole
 
 if TYPE_CHECKING:
-    from assistant.virtual.irc5 import VirtualIrc5
     from assistant.virtual.irc5.programs import Programs as Memory
 
 FOLDER: Final = "virtual"
@@ -73,11 +72,12 @@ def _irc5(controller: Named, folder: FilePath, timeout: float | None) -> Iterato
     _start(controller, virtual.start)
     try:
         virtual.cabinet.serial = controller.serial or ""
-        _remember(virtual, folder / MEMORY)
+        virtual.cabinet.do(lambda memory: _remember(memory, folder / MEMORY))
         try:
             yield _client(controller, virtual.rws_port, timeout, virtual.user, virtual.password)
         finally:
-            _keep(virtual, folder)
+            # What programs have made of their data since a module was last taken in.
+            virtual.cabinet.do(lambda memory: _keep(memory, folder / MEMORY))
     finally:
         virtual.stop()
 
@@ -130,28 +130,22 @@ def _not_started(controller: Named, reason: str) -> Refused:
 # ------------------------------------------------------------------------------ program memory
 
 
-def _keep(virtual: VirtualIrc5, folder: FilePath) -> None:
+def _keep(memory: Memory, file: FilePath) -> None:
     """The modules in memory, with the values that their data have now."""
-
-    def texts(memory: Memory) -> list[dict[str, str]]:
-        return [
-            {"name": one.name, "file": one.file, "text": memory.text(one)}
-            for one in memory.modules.values()
-        ]
-
-    data = json.dumps(virtual.cabinet.do(texts), indent=1) + "\n"
-    write_files({MEMORY: data.encode()}, folder)
+    rows = [
+        {"name": one.name, "file": one.file, "text": memory.text(one)}
+        for one in memory.modules.values()
+    ]
+    with suppress(OSError):  # the disk is full: it is loaded again the next time
+        write_whole(file, (json.dumps(rows, indent=1) + "\n").encode())
 
 
-def _remember(virtual: VirtualIrc5, file: FilePath) -> None:
-    """What was in memory when it last ended; nothing of a file that is damaged."""
-    from assistant.virtual.irc5.programs import Module, NotPossible, read_module
+def _remember(memory: Memory, file: FilePath) -> None:
+    """What was in memory when it last ended, or died; nothing of a file that is damaged."""
+    from assistant.virtual.irc5.programs import NotPossible, read_module
 
-    try:
+    with suppress(OSError, ValueError, KeyError, TypeError, NotPossible):
         rows = json.loads(file.read_bytes())
-        found: list[Module] = []
-        for row in rows:
-            found += read_module(str(row["file"]), str(row["text"]).encode(ENCODING))
-        virtual.cabinet.do(lambda memory: memory.restore(found))
-    except (OSError, ValueError, KeyError, TypeError, NotPossible):
-        return  # as after a start without memory: everything is loaded again
+        texts = [(str(row["file"]), str(row["text"]).encode(ENCODING)) for row in rows]
+        memory.restore([one for name, text in texts for one in read_module(name, text)])
+    memory.keep = lambda changed: _keep(changed, file)

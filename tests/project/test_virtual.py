@@ -1,6 +1,8 @@
 """The virtual controllers of a project: deployed to, ended, and there again."""
 
 import json
+import subprocess
+import sys
 
 import pytest
 
@@ -90,3 +92,24 @@ def test_an_address_that_is_no_virtual_controller(both):
     with pytest.raises(Refused) as caught:
         targets_of()
     assert [(finding.code, finding.line) for finding in caught.value.findings] == [("CN103", 8)]
+
+
+KILLED = """
+import os, pathlib, sys
+from assistant import deploy
+from assistant.project import targets_of
+
+target = targets_of()[int(sys.argv[1])]
+with target.opened() as controller:
+    plan = deploy.plan(target.files(), controller, load=target.load, history=target.history)
+    assert deploy.deploy(plan, history=target.history).ok
+    os._exit(9)
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [0, 1])
+def test_what_was_deployed_survives_a_killed_process(both, number):
+    done = subprocess.run([sys.executable, "-c", KILLED, str(number)], timeout=60)
+    assert done.returncode == 9
+    assert deployed(targets_of()[number]) == [deploy.Change.SAME]

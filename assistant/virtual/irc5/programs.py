@@ -92,7 +92,8 @@ class Pointer:
 class Programs:
     """kernel: that its task runs in. abilities: instructions of its options. cycle: of the next
     start. running: whether it does. changes: counts changes of the program. ready: whether the
-    pointer is set. anew: whether modules are printed from memory without their layout.
+    pointer is set. anew: whether modules are printed from memory without their layout. keep: is
+    told when modules were taken in or out, as a real controller keeps them over a loss of power.
     """
 
     kernel: Kernel
@@ -106,6 +107,7 @@ class Programs:
     active: bool = True
     changes: int = 0
     anew: bool = False
+    keep: Callable[[Programs], None] = lambda _: None
     modules: dict[str, Module] = field(default_factory=dict)
     machine: Machine | None = None
     stopped: list[Callable[[], None]] = field(default_factory=list)
@@ -172,6 +174,7 @@ class Programs:
         self.changes += 1
         self.ready = False
         self._prepare()
+        self.keep(self)
 
     def text(self, module: Module) -> str:
         """With the values that its persistent data has now."""
