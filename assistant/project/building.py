@@ -12,7 +12,7 @@ from assistant.compiler.output import write_files
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.project import kept, rules
 from assistant.project.inputs import digest_of
-from assistant.project.layout import Place, Project, Recipe
+from assistant.project.layout import BUILT, Place, Project, Recipe
 from assistant.project.making import Made, Order, make_all, order_of
 from assistant.sources.process.table import nearest
 from assistant.sources.process.values import listed, shown
@@ -134,7 +134,7 @@ class _Run:
 
     def _answer(self, target: str, program: str, made: Made | None) -> Built:
         """Writes a program; None is one that has not changed."""
-        folder = self.project.folder / kept.BUILT / target
+        folder = self.project.folder / BUILT / target
         name = kept.key_of(target, program)
         if made is None:
             files = tuple(folder / file for file in sorted(self.entries[name].files))
@@ -188,7 +188,7 @@ class _Run:
             }
             there = self.entries.pop(name).files
             gone = {file: there[file] for file in there if file.lower() not in still}
-            _remove(self.project.folder / kept.BUILT / target, gone)
+            _remove(self.project.folder / BUILT / target, gone)
 
 
 def clashes(target: str, files: Mapping[str, Mapping[str, str]]) -> list[Diagnostic]:

@@ -14,10 +14,10 @@ from pathlib import Path as FilePath
 from assistant.compiler.checking import check_files
 from assistant.findings.project_severities import settle
 from assistant.program.diagnostics import Diagnostic, Refused, Severity
-from assistant.project import kept, rules
+from assistant.project import rules
 from assistant.project.building import Working, chosen, clashes
 from assistant.project.inputs import digest_of
-from assistant.project.layout import Project
+from assistant.project.layout import BUILT, Project
 from assistant.project.making import Made, make_all, order_of, shown_path
 
 
@@ -93,10 +93,10 @@ def _checked(project: Project, target: str, arm: str | None, made: Sequence[Made
         finding = rules.NOT_KEPT(file=error.filename or project.kept, reason=reason)
         raise Refused(finding, exit_status=2) from None
     places = {
-        path: origins.get(name) or shown_path(project.folder / kept.BUILT / target / name)
+        path: origins.get(name) or shown_path(project.folder / BUILT / target / name)
         for path, name in paths.items()
     }
-    whole = {folder: shown_path(project.folder / kept.BUILT / target)}
+    whole = {folder: shown_path(project.folder / BUILT / target)}
 
     def placed(findings: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
         return tuple(replace(one, path=_place(one.path, {**whole, **places})) for one in findings)

@@ -15,13 +15,11 @@ from typing import Any, Final
 from assistant import __version__
 from assistant.compiler.output import write_files
 from assistant.project.inputs import Digests, digest_of, same
-from assistant.project.layout import KEPT, Project
+from assistant.project.layout import BUILT, KEPT, Project
 from assistant.project.making import Order
 
 FORMAT: Final = 1
 FILE: Final = "build.json"
-BUILT: Final = "build"
-"""Below the project's folder: what is built, a folder for each target."""
 
 
 @dataclass(frozen=True, slots=True)

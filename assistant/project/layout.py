@@ -25,6 +25,8 @@ from assistant.sources.process.values import listed, shown
 
 KEPT: Final = FilePath(".robot-assistant")
 """Below the project's folder: what commands keep from one to the next."""
+BUILT: Final = FilePath("build")
+"""Below the project's folder: what is built, a folder for each target."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,6 +104,9 @@ def project_of(folder: FilePath | None = None) -> Project:
         content = {}
     top = Table(page, found.table, content)
     project = _Reader(top, FilePath(found.source.path or "").absolute(), controllers).project()
+    for name in (KEPT, BUILT, *(BUILT / place.name for place in project.places)):
+        if inside(project.folder, name.as_posix()) is None:
+            page.findings.append(rules.OUTSIDE(path=str(project.folder / name), file=name))
     if has_errors(page.findings):
         ordered = sorted(dict.fromkeys(page.findings), key=lambda finding: finding.line or 0)
         raise Refused(*map(_without_secret, ordered), exit_status=2)

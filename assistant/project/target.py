@@ -12,7 +12,7 @@ from assistant.controllers.credentials import Question
 from assistant.deploy.journal import HISTORY
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.project import kept, rules, virtual
-from assistant.project.layout import Place, Project, project_of
+from assistant.project.layout import BUILT, Place, Project, project_of
 from assistant.project.making import order_of
 
 
@@ -68,7 +68,7 @@ class Target:
                     )
                 )
                 continue
-            folder = self.project.folder / kept.BUILT / self.name
+            folder = self.project.folder / BUILT / self.name
             found.update({name: folder / name for name in entry.files})
         if stale:
             raise Refused(*stale)
@@ -80,7 +80,7 @@ class Target:
         found: dict[FilePath, FilePath] = {}
         for recipe in self.place.recipes:
             entry = entries.get(kept.key_of(self.name, recipe.name))
-            folder = self.project.folder / kept.BUILT / self.name
+            folder = self.project.folder / BUILT / self.name
             for name in entry.files if entry is not None else ():
                 as_it_is = recipe.source.with_name(name)
                 plain = recipe.source.suffix.lower() == as_it_is.suffix.lower()

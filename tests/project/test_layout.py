@@ -128,6 +128,13 @@ def test_a_link_out_of_the_project_is_refused(whole, tmp_path_factory):
     assert {code for code, _ in refused(whole.folder)} == {"PR104"}
 
 
+@pytest.mark.parametrize("name", ["build", "build/cell1", ".robot-assistant"])
+def test_nothing_is_written_through_a_link(whole, tmp_path_factory, name):
+    (whole.folder / name).parent.mkdir(exist_ok=True)
+    (whole.folder / name).symlink_to(tmp_path_factory.mktemp("outside"))
+    assert {code for code, _ in refused(whole.folder)} == {"PR104"}
+
+
 def test_all_that_is_wrong_is_said_at_once(whole):
     whole.states(WHOLE.replace("entry", "entri").replace("load = true", "laod = true"))
     lines = [line_of(whole, "entri"), line_of(whole, "laod")]
