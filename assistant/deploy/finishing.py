@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from dataclasses import replace as changed
 from pathlib import Path as FilePath
@@ -35,7 +36,7 @@ from assistant.deploy.outcome import Deployment, FileState
 from assistant.deploy.plan import EVERY
 from assistant.deploy.record import new_record, read_record
 from assistant.deploy.remembering import last_record
-from assistant.deploy.resting import check_at_rest
+from assistant.deploy.resting import check_at_rest, pointers_lost, tasks
 from assistant.deploy.site import UNDER_WAY, Site
 from assistant.program.diagnostics import Diagnostic, Refused
 
@@ -122,6 +123,9 @@ def _finish(
         except KeyboardInterrupt:
             name = journal.record.name
             carrying.findings.append(rules.INTERRUPTED(place=name, name=name))
+    if any(map(_loads, journal.entries)):
+        with suppress(Refused):  # what became of a lost line is said already
+            carrying.findings += pointers_lost(site, tasks(site), was_set=True)
     findings = tuple(carrying.findings)
     return Deployment(site.address, carrying.states, findings, journal.folder, back)
 

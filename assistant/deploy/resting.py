@@ -34,13 +34,18 @@ def check_at_rest(site: Site, entries: Iterable[Entry]) -> None:
         raise Refused(*busy)
 
 
-def pointers_lost(site: Site, before: Iterable[TaskState]) -> list[Diagnostic]:
-    """A finding for each task that had a program pointer and has none now; nothing is started."""
-    now = {task.name: task for task in tasks(site)}
+def pointers_lost(
+    site: Site, before: Iterable[TaskState], *, was_set: bool = False
+) -> list[Diagnostic]:
+    """A finding for each task that had a program pointer and has none now; nothing is started.
+
+    was_set: whether every one in the foreground counts as set before, where nobody knows any more.
+    """
+    had = {task.name for task in before if task.line or (was_set and not task.background)}
     return [
         rules.POINTER_LOST(place=task.name, task=task.name)
-        for task in before
-        if task.line is not None and task.name in now and now[task.name].line is None
+        for task in tasks(site)
+        if task.line is None and task.name in had
     ]
 
 

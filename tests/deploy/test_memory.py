@@ -1,6 +1,7 @@
 """Deployments to controllers whose tasks hold modules in a memory of their own."""
 
 import shutil
+import time
 
 import pytest
 
@@ -98,6 +99,13 @@ def codes(findings):
     return [finding.code for finding in findings]
 
 
+def until(true, seconds=10.0):
+    end = time.monotonic() + seconds
+    while not true():
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
 def text(irc5, module="seam"):
     """A module as it is in memory; None if it is not loaded."""
     return irc5.cabinet.do(lambda p: p.text(p.modules[module]) if module in p.modules else None)
@@ -148,6 +156,23 @@ def test_a_taught_point_is_a_conflict_with_its_difference(irc5, work, anew):
     refused = work.deploy(planned)
     assert codes(refused.findings) == ["DP204"] and "401.25" in text(irc5)
     assert (irc5.folder / "seam.mod").read_text() == SEAM.format(1)
+
+
+def test_what_a_program_counted_is_a_conflict_and_so_is_what_changes_after_the_plan(irc5, work):
+    client = over(irc5)
+    seam = work.file("seam.mod", SEAM.format(1))
+    other = work.file("other.mod", OTHER.replace("weld;", "nDone:=nDone+0.5;"))
+    work.installed(client, seam, other)
+    irc5.cabinet.panel.set_motors(True)
+    irc5.cabinet.do(lambda programs: (programs.reset(), programs.start("once")))
+    until(lambda: not irc5.cabinet.do(lambda programs: programs.running))
+    planned = work.plan(client, seam, other)
+    assert [f.name for f in planned.conflicts] == ["seam.mod"]
+    assert "nDone:=0.5;" in planned.files[0].taught
+    work.file("seam.mod", SEAM.format(2))
+    planned = work.plan(client, seam, replace=[EVERY])
+    irc5.teach("Seam", "p10", TAUGHT)
+    assert codes(work.deploy(planned).findings) == ["DP201"] and TAUGHT in text(irc5)
 
 
 def test_what_was_taught_comes_back_with_a_rollback(irc5, either, work):
@@ -257,7 +282,8 @@ def test_a_death_between_file_and_memory(irc5, client, work, finish, cut):
     done = work.deploy(work.plan(client, *files, replace=[EVERY]), progress=dies)
     irc5.faults.clear()
     assert not done.ok and done.states["seam.mod"] is FileState.UNKNOWN
-    assert getattr(deploying, finish)(client, history=work.history, patience=0.0).ok
+    done = getattr(deploying, finish)(client, history=work.history, patience=0.0)
+    assert done.ok and "DP235" in codes(done.findings)
     file = (irc5.folder / "seam.mod").read_text()
     wanted = (SEAM.format(1), held) if finish == "rollback" else (SEAM.format(2), SEAM.format(2))
     assert (file, text(irc5)) == wanted and text(irc5, "other") == OTHER
