@@ -28,6 +28,7 @@ def run_plan(
     for job in jobs_of(files, to, target, wishes):
         with job.opened() as client, working(f"comparing with {job.one.address}"):
             plan = job.planned(client)
+        plan = replace(plan, notes=(*plan.notes, *plan.unseen))
         answers.append(_show(job, plan, None, format))
         status = max(status, 1 if plan.conflicts or has_errors(plan.findings) else 0)
     _print(answers, format)

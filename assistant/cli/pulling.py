@@ -34,17 +34,18 @@ def run_pull(
         made_of = _sources(job, source)
         sources = {f.path: made_of.get(Path(f.path).absolute(), Path(f.path)) for f in plan.files}
         done = pull(plan, sources, robot_of(job.one.robot))
+        findings = (*plan.unseen, *done.findings)
         if format is PlanFormat.JSON:
             answers.append(
                 {
                     "address": str(plan.address),
                     "ok": done.ok,
                     "written": {str(path): list(told) for path, told in done.sources.items()},
-                    "findings": [finding_record(finding) for finding in done.findings],
+                    "findings": [finding_record(finding) for finding in findings],
                 }
             )
         else:
-            print_findings(done.findings)
+            print_findings(findings)
             for path, told in done.sources.items():
                 say(f"wrote {path}: {', '.join(told)}")
             if done.sources:

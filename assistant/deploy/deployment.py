@@ -62,7 +62,7 @@ class _Run:
         plan = self.plan
         try:
             self._check_decided(files_only)
-            if plan.changes or open_journal(self.place) is not None:
+            if plan.changes or plan.unrecorded or open_journal(self.place) is not None:
                 with alone_here(self.place):
                     self._check_ended()
                     with self.site:

@@ -95,11 +95,15 @@ def rollback(
 def _chosen(controller: Programs, place: FilePath, number: int | None) -> list[Journal]:
     """The deployments that are to be taken back, the oldest first; raises Refused for none."""
     done = [folder for folder in folders(place) if last_step(folder) is Step.DONE]
-    chosen = done[-1:] if number is None else [one for one in done if int(one.name) >= number]
-    if not chosen or (number is not None and int(chosen[0].name) != number):
+    if number is None:  # some only wrote the record anew
+        last = next((one for one in map(read_journal, reversed(done)) if one.entries), None)
+        chosen = [] if last is None else [last]
+    else:
+        chosen = [read_journal(folder) for folder in done if int(folder.name) >= number]
+    if not chosen or (number is not None and chosen[0].number != number):
         finding = rules.NO_DEPLOYMENT(place=str(controller.address), number=number or "")
         raise Refused(finding, exit_status=2)
-    return [read_journal(folder) for folder in chosen]
+    return chosen
 
 
 def _finish(

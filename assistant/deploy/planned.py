@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from assistant.controllers import Address
 from assistant.controllers.states import Identity
+from assistant.deploy import rules
 from assistant.deploy.held import Held
 from assistant.deploy.journal import Entry
 from assistant.deploy.record import Record
@@ -80,6 +81,31 @@ class Plan:
     @property
     def conflicts(self) -> tuple[PlannedFile, ...]:
         return tuple(file for file in self.files if file.change is Change.CONFLICT)
+
+    @property
+    def unrecorded(self) -> bool:
+        """Whether programs are there as they are sent, but the last record does not say so.
+
+        Somebody put them there by hand, or what was changed there was brought home. Of a controller
+        that keeps no record it counts only once it has been deployed to from here.
+        """
+        if self.record is None and self.site.disk is None:
+            return False
+        known = {} if self.record is None else self.record.programs
+        left = {name.lower(): digests for name, digests in known.items()}
+        return any(
+            file.change is Change.SAME
+            and left.get(file.name.lower()) != self.site.digests(file.after)
+            for file in self.files
+        )
+
+    @property
+    def unseen(self) -> tuple[Diagnostic, ...]:
+        """A warning for each program that may have been taught something which is not seen."""
+        if not self.site.blind:
+            return ()
+        there = [f for f in self.files if f.change in (Change.CHANGED, Change.CONFLICT)]
+        return tuple(rules.UNSEEN(place=file.name, name=file.name) for file in there)
 
     @property
     def findings(self) -> tuple[Diagnostic, ...]:

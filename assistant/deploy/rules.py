@@ -197,6 +197,13 @@ POINTER_LOST = info(
     "started",
     "move it to the begin of the program before the next start",
 )
+UNSEEN = warning(
+    "DP229",
+    "what was taught in `{name}` since it was loaded, and whether it runs, cannot be seen over "
+    "this connection",
+    "look over Robot Web Services (`rws://`, `rwss://`); over this one `deploy` replaces it only "
+    "with `--files-only`",
+)
 BROUGHT_HOME = info(
     "DP224",
     "`{name}` was changed on the controller, and what is sent has that change: {reason}",

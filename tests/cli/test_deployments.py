@@ -36,8 +36,8 @@ def test_a_plan_tells_of_every_program(capsys, here, irc5):
     module(here, "a", 310)
     module(here, "b")
     module(cell, "theirs")
-    status, out, _ = run(capsys, "plan", here, "--to", "cell1")
-    assert status == 0
+    status, out, err = run(capsys, "plan", here, "--to", "cell1")
+    assert status == 0 and "DP229" in err
     assert "a.mod: replace" in out and "b.mod: create" in out
     assert "+  CONST robtarget p1:=[[400,0,310]" in out
     assert "foreign: theirs.mod" in out and "left: old.mod" in out

@@ -68,6 +68,23 @@ def test_a_point_taught_in_memory_comes_home_in_the_layout_of_its_file(capsys, r
     assert run(capsys, "verify", "--to", "cell1")[0] == 0
 
 
+def test_what_is_there_already_is_recorded_and_not_what_is_taken_back(capsys, repository, irc5):
+    file, there = repository / "seam.mod", irc5.folder / "seam.mod"
+    file.write_text(MODULE, newline="")
+    deploy = ("deploy", "seam.mod", "--to", "cell1")
+    assert run(capsys, *deploy)[0] == 0
+    there.write_text(MODULE.replace("400,50", "401,50"), newline="")
+    commit(repository)
+    assert run(capsys, *deploy, "--pull")[0] == 0 and "401,50" in file.read_text()
+    assert run(capsys, "verify", "--to", "cell1")[0] == 1
+    status, out, _ = run(capsys, *deploy)
+    assert status == 0 and "0 installed and verified, 1 already there" in out
+    assert run(capsys, "verify", "--to", "cell1")[0] == 0
+    assert run(capsys, "rollback", "--to", "cell1")[0] != 0 and there.exists()
+    assert run(capsys, "rollback", "--to", "cell1", "--replace", "seam.mod")[0] == 0
+    assert not there.exists()
+
+
 def test_a_change_here_and_one_there_are_both_kept(capsys, repository, irc5):
     file, there = repository / "seam.mod", irc5.folder / "seam.mod"
     file.write_text(MODULE, newline="")
