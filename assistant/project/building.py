@@ -158,7 +158,7 @@ class _Run:
             return Built(target, program, State.FAILED)
         stay = {file.lower() for files in (new, *others.values()) for file in files}
         _remove(folder, {file: old[file] for file in old if file.lower() not in stay})
-        self.entries[name] = kept.Entry(wanted, made.inputs, new)
+        self.entries[name] = kept.Entry(wanted, made.inputs, new, made.origins)
         return Built(target, program, State.BUILT, written, made.proof)
 
     def _others(self, target: str, program: str) -> dict[str, Mapping[str, str]]:

@@ -93,7 +93,7 @@ def _checked(project: Project, target: str, arm: str | None, made: Sequence[Made
         finding = rules.NOT_KEPT(file=error.filename or project.kept, reason=reason)
         raise Refused(finding, exit_status=2) from None
     places = {
-        path: origins.get(name) or shown_path(project.folder / BUILT / target / name)
+        path: shown_path(project.folder / origins.get(name, (BUILT / target / name).as_posix()))
         for path, name in paths.items()
     }
     whole = {folder: shown_path(project.folder / BUILT / target)}

@@ -26,12 +26,14 @@ FILE: Final = "build.json"
 class Entry:
     """A program of a target. wanted: digest of its options. files: of what was written, by name.
 
-    inputs: see `inputs`; empty if it could not be built, so that it is tried again.
+    inputs: see `inputs`; empty if it could not be built, so that it is tried again. origins: see
+    `Made`.
     """
 
     wanted: str
     inputs: Mapping[str, str | None] = field(default_factory=dict)
     files: Mapping[str, str] = field(default_factory=dict)
+    origins: Mapping[str, str] = field(default_factory=dict)
 
 
 Entries = dict[str, Entry]
@@ -97,7 +99,8 @@ def _entry(row: Mapping[str, Any]) -> Entry:
     files = {str(name): str(digest) for name, digest in row["files"].items()}
     if any(FilePath(name).name != name or name in ("", ".", "..") for name in files):
         raise ValueError("a name of a file leads elsewhere")
-    return Entry(str(row["wanted"]), inputs, files)
+    origins = {str(name): str(file) for name, file in row["origins"].items()}
+    return Entry(str(row["wanted"]), inputs, files, origins)
 
 
 def write_entries(project: Project, entries: Entries) -> None:

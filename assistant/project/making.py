@@ -48,8 +48,8 @@ class Made:
     """A program that was made.
 
     files: bytes by name, empty if anything forbids them. inputs: what they were made of. origins:
-    source of each file that was taken as it is. proof: a line each. unreadable: whether something
-    could not be read at all.
+    source of each file that was taken as it is, from the project's folder. proof: a line each.
+    unreadable: whether something could not be read at all.
     """
 
     files: Mapping[str, bytes] = field(default_factory=dict)
@@ -162,12 +162,13 @@ def _as_it_is(order: Order, name: str) -> Made | None:
     found = tuple(finding for tree in trees for finding in tree.findings)
     files: dict[str, bytes] = {}
     origins: dict[str, str] = {}
-    for path in _paths(trees):
-        if not FilePath(path).resolve().is_relative_to(order.folder.resolve()):
+    for path in map(FilePath, _paths(trees)):
+        if not path.resolve().is_relative_to(order.folder.resolve()):
             found = (*found, rules.NOT_BESIDE(path=name, file=path))
             continue
-        files[FilePath(path).name] = read_bytes(path)
-        origins[FilePath(path).name] = path
+        files[path.name] = read_bytes(path)
+        beside = recipe.source.parent / path.name
+        origins[path.name] = beside.relative_to(order.folder).as_posix()
     return Made(files, origins=origins, findings=found)
 
 

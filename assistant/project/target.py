@@ -12,7 +12,7 @@ from assistant.controllers.credentials import Question
 from assistant.deploy.journal import HISTORY
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.project import kept, rules, virtual
-from assistant.project.layout import BUILT, Place, Project, project_of
+from assistant.project.layout import BUILT, Place, Project, inside, project_of
 from assistant.project.making import order_of
 
 
@@ -82,10 +82,8 @@ class Target:
             entry = entries.get(kept.key_of(self.name, recipe.name))
             folder = self.project.folder / BUILT / self.name
             for name in entry.files if entry is not None else ():
-                as_it_is = recipe.source.with_name(name)
-                plain = recipe.source.suffix.lower() == as_it_is.suffix.lower()
-                taken = plain and as_it_is.is_file()
-                found[folder / name] = as_it_is if taken else recipe.source
+                own = inside(self.project.folder, entry.origins.get(name, "")) if entry else None
+                found[folder / name] = own or recipe.source
         return found
 
     @contextmanager

@@ -89,6 +89,8 @@ def test_a_file_that_a_program_calls_goes_along_and_is_seen(two):
     assert two.built()["two.mod"] == module("two", "new").encode()
     (target,) = targets_of()
     assert [file.name for file in target.files()] == ["all.pgf", "one.mod", "two.mod"]
+    came = {file.name: source for file, source in target.sources().items()}
+    assert came["two.mod"] == two.folder / "hand/two.mod"
 
 
 @pytest.mark.parametrize("jobs", [1, pytest.param(2, marks=pytest.mark.slow)])
