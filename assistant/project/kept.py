@@ -17,6 +17,7 @@ from assistant.compiler.output import write_files
 from assistant.project.inputs import Digests, digest_of, same
 from assistant.project.layout import BUILT, KEPT, Project
 from assistant.project.making import Order
+from assistant.project.tables import NAME
 
 FORMAT: Final = 1
 FILE: Final = "build.json"
@@ -88,10 +89,16 @@ def read_entries(project: Project) -> Entries:
         content = json.loads((project.kept / FILE).read_bytes())
         if content["format"] != FORMAT:
             return {}
-        entries = {str(key): _entry(row) for key, row in content["built"].items()}
+        entries = {_key(key): _entry(row) for key, row in content["built"].items()}
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return {}
     return entries
+
+
+def _key(told: str) -> str:
+    if NAME.fullmatch(told.partition("/")[0]) is None:
+        raise ValueError("a name of a target leads elsewhere")
+    return told
 
 
 def _entry(row: Mapping[str, Any]) -> Entry:

@@ -18,6 +18,7 @@ from assistant.controllers.named import ROBOT_FILES, SECRET
 from assistant.languages.language import Frames
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
 from assistant.project import rules
+from assistant.project.links import check_no_links
 from assistant.project.tables import DEPLOYING, FILES, NAME, PROGRAM, ROBOTS, TARGET, readers
 from assistant.sources import project as stated
 from assistant.sources.process.table import Page, Table, nearest
@@ -110,6 +111,7 @@ def project_of(folder: FilePath | None = None) -> Project:
     if has_errors(page.findings):
         ordered = sorted(dict.fromkeys(page.findings), key=lambda finding: finding.line or 0)
         raise Refused(*map(_without_secret, ordered), exit_status=2)
+    check_no_links(project.folder, (BUILT, KEPT))
     return project
 
 

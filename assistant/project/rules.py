@@ -22,6 +22,11 @@ OUTSIDE: Final = error(
     "`{file}` is outside of the folder of the project",
     "name a file of the project, from its folder, without leading upwards",
 )
+LINK: Final = error(
+    "PR112",
+    "`{file}` is a link: commands would write to where it leads",
+    "look who put it there, and take it away",
+)
 NO_FILE: Final = error("PR105", "`{key}` names `{file}`, which is no file of the project", "{cure}")
 MISSING: Final = error("PR106", "`{name}` has no {key}", "write {key} = {example}")
 UNKNOWN: Final = error("PR107", "there is no {kind} `{name}`", "{cure}")
