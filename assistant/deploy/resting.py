@@ -84,13 +84,16 @@ def _of_slots(
         stem = _stem(entry.name)
         if stem in users:
             user = users[stem]
-            reason = "it is running" if _stem(user) == stem else f"`{user}` runs, which calls it"
+            reason = "it is running" if _stem(user) == stem else f"`{user}` runs, which uses it"
             found.append(rules.RUNNING(place=entry.name, name=entry.name, reason=reason))
     return found
 
 
 def _with_called(site: Site, program: str, there: Mapping[str, str]) -> set[str]:
-    """A program and all that it calls, as far as they are there and can be read."""
+    """A program and all that it calls, or runs beside it, as far as they can be read.
+
+    A name that a program works out is not seen.
+    """
     spoken = languages.get(site.language)
     open_ones, found = [program], set[str]()
     while open_ones and len(found) < MOST_PROGRAMS:
@@ -101,7 +104,7 @@ def _with_called(site: Site, program: str, there: Mapping[str, str]) -> set[str]
         data = site.controller.read(there[stem]) if stem in there else None
         if data is not None:
             tree = spoken.parse(decode(data, None, (*spoken.encodings, "latin-1")))
-            open_ones += spoken.called_files(tree)
+            open_ones += (*spoken.called_files(tree), *spoken.companions(tree))
     return found
 
 

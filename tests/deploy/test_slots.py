@@ -25,6 +25,9 @@ def client(cr):
     return Cr(parse(cr.address), timeout=10, pace=0.0)
 
 
+BESIDE = '5 M1=0\r\n10 DLY 0.1\r\n20 IF M1=1 THEN XRUN 2,"SEAM"\r\n30 GOTO 10\r\n40 END\r\n'
+
+
 def put(folder, name, text):
     path = folder / f"{name.lower()}.prg"
     path.write_text(text, newline="")
@@ -65,10 +68,10 @@ def test_a_taught_position_is_a_conflict_with_its_difference(cr, client, tmp_pat
     assert deploying.rollback(client, history=tmp_path / "h").ok and cr.text("SEAM") == held
 
 
-@pytest.mark.parametrize("name", ["SEAM", "AROUND"])
-def test_a_program_that_runs_or_is_called_is_not_replaced(cr, client, tmp_path, name):
-    seam = put(tmp_path, "SEAM", SEAM.format(1))
-    around = put(tmp_path, "AROUND", AROUND)
+@pytest.mark.parametrize(("name", "text"), [("SEAM", AROUND), ("SEAM", BESIDE), ("AROUND", AROUND)])
+def test_a_program_that_runs_or_is_used_is_not_replaced(cr, client, tmp_path, name, text):
+    seam = put(tmp_path, "SEAM", "10 DLY 1\r\n20 END\r\n")
+    around = put(tmp_path, "AROUND", text)
     other = put(tmp_path, "OTHER", SEAM.format(1))
     installed(client, tmp_path, seam, around)
     changed = put(tmp_path, name, cr.text(name).replace("10 ", "10 DLY 0.2\r\n11 ", 1))
@@ -78,7 +81,7 @@ def test_a_program_that_runs_or_is_called_is_not_replaced(cr, client, tmp_path, 
     before = {one: cr.text(one) for one in cr.names()}
     done = deploy(plan(client, tmp_path, other, changed), tmp_path)
     assert codes(done.findings) == ["DP206"]
-    assert ("calls it" in done.findings[0].message) is (name == "SEAM")
+    assert ("uses it" in done.findings[0].message) is (name == "SEAM")
     assert {one: cr.text(one) for one in cr.names()} == before
     with pytest.raises(Refused) as refused:
         deploying.rollback(client, history=tmp_path / "h", patience=0.0)
