@@ -267,4 +267,8 @@ def _undo(
     record = changed(begun, programs=programs)
     done = carry_out(site, place, record, entries, patience)
     findings = (*told, *done.findings)
-    return Deployment(site.address, done.states, findings, done.journal.folder)
+    back = done.journal.last is Step.DONE
+    states = done.states
+    if back:  # what a deployment calls installed is what was there before the other one
+        states = dict.fromkeys(states, FileState.PUT_BACK)
+    return Deployment(site.address, states, findings, done.journal.folder, back)

@@ -462,3 +462,12 @@ def test_a_closed_port_is_never_a_success(tmp_path):
     with pytest.raises(Refused) as refused:
         plan([file], connect(f"ftp://u@127.0.0.1:{port}", password="p"))
     assert refused.value.exit_status != 0 and codes(refused.value.findings) == ["CN201"]
+
+
+def test_a_rollback_says_that_everything_is_what_it_was_before(site, files, tmp_path):
+    before = on_controller(site)
+    assert deploy(plan(files, site.client()), history=tmp_path / "kept").ok
+    back = deploying.rollback(site.client(), history=tmp_path / "kept", patience=0.0)
+    assert back.ok and back.back and on_controller(site) == before
+    assert set(back.states.values()) == {FileState.PUT_BACK}
+    assert "is what it was before" in back.summary and "installed" not in back.summary
