@@ -9,6 +9,10 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from typing import Protocol, runtime_checkable
 
+Rests = Mapping[str, Collection[bytes] | None]
+"""Files beside which transfers may have left something, each with what it may have been: a file
+that waits aside goes only if it is that, for somebody else may have named it so. None: it goes."""
+
 
 @runtime_checkable
 class Disk(Protocol):
@@ -20,12 +24,8 @@ class Disk(Protocol):
     def release(self, name: str) -> None:
         """Removes an empty folder; nothing happens if there is none."""
 
-    def clear_rests(self, known: Mapping[str, Collection[bytes]]) -> None:
-        """Deletes what transfers that were cut left beside files.
-
-        known: for each of the files what it may have been: a file that waits aside goes only if
-        it is that, for somebody else may have named it so.
-        """
+    def clear_rests(self, known: Rests) -> None:
+        """Deletes what transfers that were cut left beside files."""
 
 
 @runtime_checkable

@@ -29,16 +29,15 @@ def alone_here(place: FilePath) -> Iterator[None]:
     """
     from filelock import FileLock, Timeout
 
-    try:
-        with failing(place):
-            durably.make_folders(place)
-            lock = FileLock(place / LOCK, timeout=0)
-            try:
-                lock.acquire()
-            except NotImplementedError:
-                raise ValueError("no file can be locked there") from None
-    except Timeout:
-        raise Refused(rules.BUSY_HERE(place=str(place))) from None
+    with failing(place):
+        durably.make_folders(place)
+        lock = FileLock(place / LOCK, timeout=0)
+        try:
+            lock.acquire()
+        except Timeout:  # which is an OSError
+            raise Refused(rules.BUSY_HERE(place=str(place))) from None
+        except NotImplementedError:
+            raise ValueError("no file can be locked there") from None
     try:
         yield
     finally:
@@ -68,7 +67,7 @@ def claim(site: Site, record: Record, patience: float) -> None:
         site.controller.write(CLAIMANT, json.dumps(content).encode())
     except Refused as refusal:
         with suppress(Refused):  # nobody would know whose it is
-            free = partial(unclaim, site)
+            free = partial(unclaim, site, record.name)
             site.insist(free, patience, connected=not isinstance(refusal, Lost))
         raise
 
@@ -89,11 +88,16 @@ def check_claim(site: Site, record: Record) -> None:
         raise Refused(rules.CLAIM_GONE(place=str(site.address)))
 
 
-def unclaim(site: Site) -> None:
-    """Lets others deploy again."""
+def unclaim(site: Site, name: str) -> None:
+    """Lets others deploy again. name: of the deployment that held the controller.
+
+    The folder goes first, at once: where this is cut, it is still known whose claim it was, or
+    there is none any more.
+    """
     if site.disk is not None:
-        site.controller.remove(CLAIMANT)
         site.disk.release(CLAIM)
+        if holder(site).name in ("", name):
+            site.controller.remove(CLAIMANT)
 
 
 def held_by(site: Site) -> Holder | None:
@@ -104,10 +108,10 @@ def held_by(site: Site) -> Holder | None:
     if site.disk is None:
         return None
     one = holder(site)
+    if site.disk.claim(CLAIM):
+        unclaim(site, one.name)
+        return None
     if not one.name:
-        if site.disk.claim(CLAIM):
-            unclaim(site)
-            return None
         time.sleep(min(BETWEEN, site.patience))
         one = holder(site)
     return one

@@ -193,7 +193,7 @@ def _abandon(
     def free() -> None:
         if holder(site).name == record.name:
             site.clear_rests({})
-            unclaim(site)
+            unclaim(site, record.name)
 
     if site.disk is not None:
         with suppress(Refused):
@@ -226,7 +226,7 @@ def _let_go(carrying: Carrying) -> None:
     """Lets others deploy again; that this fails changes nothing of what is done."""
     site, record = carrying.site, carrying.journal.record
     try:
-        site.insist(partial(unclaim, site), carrying.patience)
+        site.insist(partial(unclaim, site, record.name), carrying.patience)
     except Refused as refusal:
         reason = refusal.findings[0].message if refusal.findings else "it did not answer"
         there = str(site.address)

@@ -165,7 +165,7 @@ def _open(site: Site, place: FilePath) -> tuple[Journal | None, _Freed | None]:
             journal.add(Step.BEGUN)
             return journal, None
     site.clear_rests({})
-    unclaim(site)
+    unclaim(site, one.name)
     there = str(site.address)
     if how is None:  # its author died before a program was touched
         return None, _Freed(rules.FREED(place=there, who=one.who))

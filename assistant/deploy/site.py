@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable
 from functools import partial
 from typing import Final, Self, TypeVar
 
 from assistant.controllers import Address, Controller, Programs
-from assistant.controllers.abilities import Disk, Memory
+from assistant.controllers.abilities import Disk, Memory, Rests
 from assistant.controllers.rules import Lost, Taken
 from assistant.controllers.states import Identity
 from assistant.deploy.comparing import said
@@ -166,10 +166,10 @@ class Site:
         else:
             self._waited_for(partial(self.controller.write, name, wanted.file))
 
-    def clear_rests(self, known: Mapping[str, Collection[bytes]]) -> None:
+    def clear_rests(self, known: Rests) -> None:
         """Deletes what transfers that were cut left beside programs; see `abilities.Disk`."""
         if self.disk is not None:
-            self.disk.clear_rests({**known, **dict.fromkeys((RECORD, UNDER_WAY, CLAIMANT), ())})
+            self.disk.clear_rests({**known, **dict.fromkeys((RECORD, UNDER_WAY, CLAIMANT))})
 
     def _waited_for(self, act: Callable[[], Answer]) -> Answer:
         return self.insist(act, self.patience, only=Taken)

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path as FilePath
 from typing import Final
 
 from assistant.controllers import rules
+from assistant.controllers.abilities import Rests
 from assistant.controllers.address import Address
 from assistant.controllers.credentials import Credentials
 from assistant.controllers.os_errors_in_words import reason_of
@@ -170,14 +171,16 @@ class FileSession(RapidFiles, ABC):
     def delete(self, name: str) -> None:
         """Deletes a file that is there."""
 
-    def clear_rests(self, known: Mapping[str, Collection[bytes]]) -> None:
+    def clear_rests(self, known: Rests) -> None:
         there = {name.lower(): name for name in self.names()}
         for name, contents in known.items():
             temporary = there.get(TEMPORARY.format(name=checked_name(name)).lower())
             aside = there.get(ASIDE.format(name=name).lower())
             if temporary is not None:
                 self.delete(temporary)
-            if aside is not None and self.retrieve(aside, f"`{aside}` is there") in contents:
+            if aside is not None and (
+                contents is None or self.retrieve(aside, f"`{aside}` is there") in contents
+            ):
                 self.delete(aside)
 
     @contextmanager

@@ -1,6 +1,7 @@
 """Real FTP servers on this computer, each over a folder `HOME:` in a folder of its own."""
 
 import contextlib
+import errno
 import getpass
 import grp
 import hashlib
@@ -33,9 +34,12 @@ class Server:
 
 
 @contextlib.contextmanager
-def pyftpdlib(root, *, without=()):
-    """A server in a thread. without: commands that it does not know."""
+def pyftpdlib(root, *, without=(), replaces=True):
+    """A server in a thread. without: commands that it does not know. replaces: whether a rename
+    takes the name of a file that is there.
+    """
     from pyftpdlib.authorizers import DummyAuthorizer
+    from pyftpdlib.filesystems import AbstractedFS
     from pyftpdlib.handlers import FTPHandler
     from pyftpdlib.ioloop import IOLoop
     from pyftpdlib.servers import FTPServer
@@ -49,7 +53,13 @@ def pyftpdlib(root, *, without=()):
         def log_cmd(self, cmd, arg, code, text):
             commands.append(cmd)
 
-    Session.authorizer = authorizer
+    class Files(AbstractedFS):
+        def rename(self, src, dst):
+            if not replaces and os.path.lexists(dst):
+                raise FileExistsError(errno.EEXIST, "there is one")
+            super().rename(src, dst)
+
+    Session.authorizer, Session.abstracted_fs = authorizer, Files
     Session.proto_cmds = {k: v for k, v in FTPHandler.proto_cmds.items() if k not in without}
     server = FTPServer(("127.0.0.1", 0), Session, ioloop=IOLoop())
     stopping = threading.Event()
@@ -66,6 +76,10 @@ def pyftpdlib(root, *, without=()):
     finally:
         stopping.set()
         thread.join(10)
+
+
+def never_replacing(root):
+    return pyftpdlib(root, replaces=False)
 
 
 @contextlib.contextmanager
@@ -102,6 +116,7 @@ def proftpd(root):
         f"RequireValidShell off\nRootLogin on\nDefaultRoot {root}\nAllowOverwrite on\n"
         f"AllowStoreRestart on\nScoreboardFile {root.parent}/scores\nPidFile {root.parent}/pid\n"
         f"WtmpLog off\nTransferLog none\nSystemLog {root.parent}/log\nUseReverseDNS off\n"
+        "<IfModule mod_delay.c>\nDelayEngine off\n</IfModule>\n"
         "<IfModule mod_ident.c>\nIdentLookups off\n</IfModule>\n"
     )
     with running([program("proftpd"), "-n", "-q", "-c", str(config)], port):

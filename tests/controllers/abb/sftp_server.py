@@ -17,10 +17,12 @@ class SftpServer:
     """A context manager. replaces: whether a rename takes the name of a file that is there.
 
     drip: seconds from byte to byte of a file, which never ends then. also: names in listings.
+    requests: how many came that change or open something; refuse: the one (from 0) that fails.
     """
 
     def __init__(self, root, *, replaces=True, drip=None, also=()):
         self.root, self.key = root, KEY
+        self.requests, self.refuse = 0, None
         self._replaces, self._drip, self._also = replaces, drip, also
         self._ready = threading.Event()
         self._thread = threading.Thread(target=self._serve, daemon=True)
@@ -77,7 +79,33 @@ class SftpServer:
             def __init__(self, channel):
                 super().__init__(channel, chroot=str(server.root).encode())
 
+            def asked(self):
+                number, server.requests = server.requests, server.requests + 1
+                if number == server.refuse:
+                    raise asyncssh.SFTPFailure("no room")
+
+            def write(self, file_obj, offset, data):
+                self.asked()
+                return super().write(file_obj, offset, data)
+
+            def remove(self, path):
+                self.asked()
+                return super().remove(path)
+
+            def rename(self, old, new):
+                self.asked()
+                return super().rename(old, new)
+
+            def mkdir(self, path, attrs):
+                self.asked()
+                return super().mkdir(path, attrs)
+
+            def rmdir(self, path):
+                self.asked()
+                return super().rmdir(path)
+
             def open(self, path, pflags, attrs):
+                self.asked()
                 return super().open(path, pflags, attrs) if drip is None else io.BytesIO()
 
             async def read(self, file_obj, offset, size):
@@ -93,6 +121,7 @@ class SftpServer:
                     yield asyncssh.SFTPName(name, attrs=asyncssh.SFTPAttrs(permissions=0o100644))
 
             def posix_rename(self, old, new):
+                self.asked()
                 if not replaces:
                     raise asyncssh.SFTPOpUnsupported("no such extension")
                 return super().posix_rename(old, new)

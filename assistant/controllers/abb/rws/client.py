@@ -6,7 +6,7 @@ with connect("rws://engineer@192.168.125.1", ask=getpass) as controller:
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path as FilePath
 from typing import Final, Self
@@ -27,6 +27,7 @@ from assistant.controllers.abb.rws.restoring import Parts, Restore, restore
 from assistant.controllers.abb.rws.session import NotThere, Session
 from assistant.controllers.abb.rws.signals import INPUTS, OUTPUTS, Signals
 from assistant.controllers.abb.rws.subscriptions import Events, subscribed
+from assistant.controllers.abilities import Rests
 from assistant.controllers.address import Address
 from assistant.controllers.credentials import Credentials
 from assistant.controllers.states import Fault, Identity, Jog, Position, Sample, State
@@ -104,7 +105,7 @@ class Rws(RapidFiles):
     def release(self, name: str) -> None:
         self.remove(name)
 
-    def clear_rests(self, known: Mapping[str, Collection[bytes]]) -> None:
+    def clear_rests(self, known: Rests) -> None:
         self._files.clear_rests(self.address.folder, known)
 
     def loaded(self, data: bytes, task: str = "") -> bytes | None:

@@ -6,7 +6,7 @@ the one that was there, which waits under another name until the new one is ther
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Final
@@ -14,6 +14,7 @@ from typing import Final
 from assistant.controllers import rules
 from assistant.controllers.abb.files import MOST_ENTRIES, first_difference
 from assistant.controllers.abb.rws.session import NotThere, Session
+from assistant.controllers.abilities import Rests
 from assistant.program.diagnostics import Refused
 
 TEMPORARY: Final = "~{name}"
@@ -144,7 +145,7 @@ class Files:
         except Refused:
             return
 
-    def clear_rests(self, folder: str, known: Mapping[str, Collection[bytes]]) -> None:
+    def clear_rests(self, folder: str, known: Rests) -> None:
         """See `abilities.Disk`."""
         there = {found.name.lower(): found.name for found in self.listing(folder)}
         for name, contents in known.items():
@@ -152,7 +153,9 @@ class Files:
             aside = there.get(ASIDE.format(name=name).lower())
             if temporary is not None:
                 self.remove(f"{folder}/{temporary}")
-            if aside is not None and self.read(f"{folder}/{aside}") in contents:
+            if aside is not None and (
+                contents is None or self.read(f"{folder}/{aside}") in contents
+            ):
                 self.remove(f"{folder}/{aside}")
 
     def make_folder(self, name: str) -> None:
