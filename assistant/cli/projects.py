@@ -20,7 +20,7 @@ JobsOption = Annotated[
 def build(
     names: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[NAMES]", help="Programs or targets of assistant.toml."),
+        typer.Argument(metavar="NAME", help="Programs or targets of assistant.toml."),
     ] = None,
     jobs: JobsOption = None,
     anew: Annotated[

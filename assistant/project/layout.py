@@ -222,7 +222,7 @@ class _Reader:
             table.say(rules.OUTSIDE, key, file=shown(text))
         elif not file.is_file():
             cure = self._near_file(file)
-            table.say(rules.NO_FILE, key, key=key, file=shown(text), cure=cure)
+            table.say(rules.NO_FILE, key, file=shown(text), cure=cure)
         else:
             return file
         return None
@@ -259,7 +259,10 @@ class _Reader:
         named = given.get("programs", ())
         if not named and ("programs" in given or "programs" not in table.content):
             table.say(rules.NO_PROGRAMS, "programs" if "programs" in given else None, name=name)
-        made = [self._wanted(table, one, recipes) for one in dict.fromkeys(named)]
+        entries = Table(table.page, (*table.path, "programs"), {})
+        made = dict.fromkeys(
+            self._wanted(entries, str(number), one, recipes) for number, one in enumerate(named)
+        )
         if controller is None:
             return None
         there = tuple(recipe for recipe in made if recipe is not None)
@@ -282,22 +285,24 @@ class _Reader:
                 self.top.page.say(rules.OUTSIDE, (*at, key), file=shown(file))
             elif file and not FilePath(file).is_file():
                 cure = self._near_file(FilePath(file))
-                self.top.page.say(rules.NO_FILE, (*at, key), key=key, file=shown(file), cure=cure)
+                self.top.page.say(rules.NO_FILE, (*at, key), file=shown(file), cure=cure)
         if of_robot and not files["robot"] and of_robot not in robots.names():
             table = Table(self.top.page, at, {})
             self._unknown(table, "robot", "robot", of_robot, robots.names())
 
-    def _wanted(self, table: Table, text: str, recipes: Mapping[str, Recipe]) -> Recipe | None:
-        """A program by its name, or a file of the project."""
+    def _wanted(
+        self, table: Table, at: str, text: str, recipes: Mapping[str, Recipe]
+    ) -> Recipe | None:
+        """A program by its name, or a file of the project. at: its number in the table."""
         if text in recipes:
             return recipes[text]
         known = list(self._table(stated.PROGRAMS).content)
         if text in known:
             return None  # what is wrong with it is said there
         if FilePath(text).suffix or "/" in text:
-            file = self._file(table, "programs", text)
+            file = self._file(table, at, text)
             return None if file is None else Recipe(PurePosixPath(text).as_posix(), file)
-        self._unknown(table, "programs", "program", text, known)
+        self._unknown(table, at, "program", text, known)
         return None
 
     def _check_apart(self, places: Sequence[Place]) -> None:

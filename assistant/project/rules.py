@@ -27,7 +27,7 @@ LINK: Final = error(
     "`{file}` is a link: commands would write to where it leads",
     "look who put it there, and take it away",
 )
-NO_FILE: Final = error("PR105", "`{key}` names `{file}`, which is no file of the project", "{cure}")
+NO_FILE: Final = error("PR105", "`{file}` is no file of the project", "{cure}")
 MISSING: Final = error("PR106", "`{name}` has no {key}", "write {key} = {example}")
 UNKNOWN: Final = error("PR107", "there is no {kind} `{name}`", "{cure}")
 NO_PROGRAMS: Final = error(

@@ -135,6 +135,15 @@ def test_nothing_is_written_through_a_link(whole, tmp_path_factory, name):
     assert {code for code, _ in refused(whole.folder)} == {"PR104"}
 
 
+def test_a_wrong_entry_is_pointed_at(whole):
+    whole.states(WHOLE.replace("seam.mod", "sem.mod"))
+    with pytest.raises(Refused) as caught:
+        project_of(whole.folder)
+    (finding,) = caught.value.findings
+    assert finding.excerpt is not None and finding.column is not None
+    assert finding.excerpt[finding.column - 1 :].startswith('"hand/sem.mod"')
+
+
 def test_all_that_is_wrong_is_said_at_once(whole):
     whole.states(WHOLE.replace("entry", "entri").replace("load = true", "laod = true"))
     lines = [line_of(whole, "entri"), line_of(whole, "laod")]
