@@ -105,9 +105,6 @@ def project_of(folder: FilePath | None = None) -> Project:
         content = {}
     top = Table(page, found.table, content)
     project = _Reader(top, FilePath(found.source.path or "").absolute(), controllers).project()
-    for name in (KEPT, BUILT, *(BUILT / place.name for place in project.places)):
-        if inside(project.folder, name.as_posix()) is None:
-            page.findings.append(rules.OUTSIDE(path=str(project.folder / name), file=name))
     if has_errors(page.findings):
         ordered = sorted(dict.fromkeys(page.findings), key=lambda finding: finding.line or 0)
         raise Refused(*map(_without_secret, ordered), exit_status=2)

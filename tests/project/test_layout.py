@@ -132,7 +132,7 @@ def test_a_link_out_of_the_project_is_refused(whole, tmp_path_factory):
 def test_nothing_is_written_through_a_link(whole, tmp_path_factory, name):
     (whole.folder / name).parent.mkdir(exist_ok=True)
     (whole.folder / name).symlink_to(tmp_path_factory.mktemp("outside"))
-    assert {code for code, _ in refused(whole.folder)} == {"PR104"}
+    assert {code for code, _ in refused(whole.folder)} == {"PR112"}
 
 
 def test_a_wrong_entry_is_pointed_at(whole):
