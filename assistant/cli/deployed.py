@@ -21,14 +21,18 @@ COMMIT: Final = 12
 
 
 def run_resume(
-    files: Sequence[Path], to: str | None, target: str | None, wishes: Wishes, format: PlanFormat
+    files: Sequence[Path],
+    to: str | None,
+    targets: Sequence[str],
+    wishes: Wishes,
+    format: PlanFormat,
 ) -> int:
     from assistant import deploy
 
     if files:
         raise Refused(NOT_BOTH(one="--resume", other="a program"), exit_status=2)
     status = 0
-    for job in controllers_of_jobs(to, target, wishes):
+    for job in controllers_of_jobs(to, targets, wishes):
         with job.opened() as client, working(f"finishing on {job.one.address}"):
             done = deploy.resume(client, history=job.history, replace=wishes.replace)
         status = max(status, finished(done, as_json=format is PlanFormat.JSON))
@@ -38,7 +42,7 @@ def run_resume(
 def run_rollback(
     number: int | None,
     to: str | None,
-    target: str | None,
+    targets: Sequence[str],
     replace: tuple[str, ...],
     history: Path | None,
     format: Format,
@@ -46,7 +50,7 @@ def run_rollback(
     from assistant import deploy
 
     status = 0
-    for job in controllers_of_jobs(to, target, Wishes(history=history)):
+    for job in controllers_of_jobs(to, targets, Wishes(history=history)):
         with job.opened() as client, working(f"taking back on {job.one.address}"):
             done = deploy.rollback(client, number, history=job.history, replace=replace)
         status = max(status, finished(done, as_json=format is Format.JSON))
@@ -119,7 +123,7 @@ def run_deployments(to: str | None, history: Path | None, format: Format) -> int
 def run_verify(
     files: Sequence[Path],
     to: str | None,
-    target: str | None,
+    targets: Sequence[str],
     history: Path | None,
     format: Format,
 ) -> int:
@@ -129,9 +133,9 @@ def run_verify(
     status = 0
     wishes = Wishes(history=history)
     if files or to is None:
-        jobs = jobs_of(files, to, target, wishes)
+        jobs = jobs_of(files, to, targets, wishes)
     else:
-        jobs = controllers_of_jobs(to, target, wishes)
+        jobs = controllers_of_jobs(to, targets, wishes)
     for job in jobs:
         with job.opened() as client, working(f"comparing with {job.one.address}"):
             programs = job.programs(client) if job.files or job.target else []

@@ -21,11 +21,15 @@ if TYPE_CHECKING:
 
 
 def run_plan(
-    files: Sequence[Path], to: str | None, target: str | None, wishes: Wishes, format: PlanFormat
+    files: Sequence[Path],
+    to: str | None,
+    targets: Sequence[str],
+    wishes: Wishes,
+    format: PlanFormat,
 ) -> int:
     answers = []
     status = 0
-    for job in jobs_of(files, to, target, wishes):
+    for job in jobs_of(files, to, targets, wishes):
         with job.opened() as client, working(f"comparing with {job.one.address}"):
             plan = job.planned(client)
         plan = replace(plan, notes=(*plan.notes, *plan.unseen))
@@ -38,7 +42,7 @@ def run_plan(
 def run_deploy(
     files: Sequence[Path],
     to: str | None,
-    target: str | None,
+    targets: Sequence[str],
     wishes: Wishes,
     manner: Manner | None,
     format: PlanFormat,
@@ -46,7 +50,7 @@ def run_deploy(
     """manner: of many controllers, None for what the project says."""
     from assistant import deploy
 
-    jobs = jobs_of(files, to, target, wishes)
+    jobs = jobs_of(files, to, targets, wishes)
     if len(jobs) > 1 or manner is not None:
         return _to_many(jobs, manner or Manner(), format)
     (job,) = jobs

@@ -26,7 +26,8 @@ ToOption = Annotated[
     ),
 ]
 TargetOption = Annotated[
-    str | None, typer.Option("--target", help="Target of the project; default all there are.")
+    list[str] | None,
+    typer.Option("--target", help="Target of the project; repeatable, default all there are."),
 ]
 HistoryOption = Annotated[
     Path | None,
@@ -64,7 +65,7 @@ def plan(
     from assistant.cli.jobs import Wishes
 
     wishes = Wishes(task, load, tuple(replace or ()), False, history)
-    raise typer.Exit(run_plan(files or (), to, target, wishes, format))
+    raise typer.Exit(run_plan(files or (), to, target or (), wishes, format))
 
 
 def deploy(
@@ -118,13 +119,13 @@ def deploy(
 
     wishes = Wishes(task, load, tuple(replace or ()), files_only, history)
     if resume:
-        raise typer.Exit(run_resume(files or (), to, target, wishes, format))
+        raise typer.Exit(run_resume(files or (), to, target or (), wishes, format))
     if pull:
-        raise typer.Exit(run_pull(files or (), to, target, source, wishes, format))
+        raise typer.Exit(run_pull(files or (), to, target or (), source, wishes, format))
     if dry_run:
-        raise typer.Exit(run_plan(files or (), to, target, wishes, format))
+        raise typer.Exit(run_plan(files or (), to, target or (), wishes, format))
     manner = Manner(canary, parallel, junit) if canary or parallel or junit else None
-    raise typer.Exit(run_deploy(files or (), to, target, wishes, manner, format))
+    raise typer.Exit(run_deploy(files or (), to, target or (), wishes, manner, format))
 
 
 def rollback(
@@ -143,7 +144,7 @@ def rollback(
     """Take a deployment back: every program of it is again what it was before."""
     from assistant.cli.deployed import run_rollback
 
-    raise typer.Exit(run_rollback(number, to, target, tuple(replace or ()), history, format))
+    raise typer.Exit(run_rollback(number, to, target or (), tuple(replace or ()), history, format))
 
 
 def deployments(
@@ -170,7 +171,7 @@ def verify(
     """Tell whether a controller still has what the last deployment left there. Changes nothing."""
     from assistant.cli.deployed import run_verify
 
-    raise typer.Exit(run_verify(files or (), to, target, history, format))
+    raise typer.Exit(run_verify(files or (), to, target or (), history, format))
 
 
 COMMANDS: Final[tuple[Callable[..., None], ...]] = (plan, deploy, rollback, deployments, verify)

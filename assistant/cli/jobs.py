@@ -105,27 +105,29 @@ class Job:
         return replace(plan, notes=(*more, *plan.notes))
 
 
-def jobs_of(files: Sequence[Path], to: str | None, target: str | None, wishes: Wishes) -> list[Job]:
-    """What is meant for which controllers; raises Refused."""
-    if to is not None and target is not None:
+def jobs_of(
+    files: Sequence[Path], to: str | None, targets: Sequence[str], wishes: Wishes
+) -> list[Job]:
+    """What is meant for which controllers; raises Refused. targets: all of the project if empty."""
+    if to is not None and targets:
         raise Refused(NOT_BOTH(one="--to", other="--target"), exit_status=2)
     named = tuple(map(str, files))
     if to is not None:
         one = named_by(to)
         if named or not one.variables:
             return [Job(to, one, wishes, named)]
-    if to is None and target is None and named:
+    if to is None and not targets and named:
         raise Refused(NO_CONTROLLER(), exit_status=2)
     return [
-        Job(one.name, one.controller, _of(one, wishes), named, one) for one in _targets(to, target)
+        Job(one.name, one.controller, _of(one, wishes), named, one) for one in _targets(to, targets)
     ]
 
 
-def controllers_of_jobs(to: str | None, target: str | None, wishes: Wishes) -> list[Job]:
+def controllers_of_jobs(to: str | None, targets: Sequence[str], wishes: Wishes) -> list[Job]:
     """The controllers that are meant, whatever is to be on them; raises Refused."""
-    if to is not None and target is None:
+    if to is not None and not targets:
         return [Job(to, named_by(to), wishes)]
-    return jobs_of((), to, target, wishes)
+    return jobs_of((), to, targets, wishes)
 
 
 def history_here() -> Path | None:
@@ -139,18 +141,19 @@ def history_here() -> Path | None:
     return _relative(Path(project.source.path or "").absolute().parent / HISTORY)
 
 
-def _targets(to: str | None, target: str | None) -> Sequence[Target]:
+def _targets(to: str | None, names: Sequence[str]) -> Sequence[Target]:
     from assistant.project import targets_of
 
     there = targets_of()
     wanted = [
         one
         for one in there
-        if target in (None, one.name) and to in (None, one.controller.name, one.name)
+        if (not names or one.name in names) and to in (None, one.controller.name, one.name)
     ]
-    if not wanted:
+    missing = [f"`{name}`" for name in names if name not in {one.name for one in there}]
+    if missing or not wanted:
         known = ", ".join(f"`{one.name}`" for one in there)
-        what = f"`{target}`" if target is not None else f"on `{to}`"
+        what = ", ".join(missing) or f"on `{to}`"
         raise Refused(NO_TARGET(what=what, known=known), exit_status=2)
     return wanted
 

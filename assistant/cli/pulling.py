@@ -14,7 +14,7 @@ from assistant.program.diagnostics import Refused
 def run_pull(
     files: Sequence[Path],
     to: str | None,
-    target: str | None,
+    targets: Sequence[str],
     source: Path | None,
     wishes: Wishes,
     format: PlanFormat,
@@ -28,7 +28,7 @@ def run_pull(
         raise Refused(NOT_BOTH(one="--source", other="several programs"), exit_status=2)
     answers = []
     status = 0
-    for job in jobs_of(files, to, target, wishes):
+    for job in jobs_of(files, to, targets, wishes):
         with job.opened() as client, working(f"comparing with {job.one.address}"):
             plan = job.planned(client)
         made_of = _sources(job, source)

@@ -12,11 +12,13 @@ from typing import Final
 
 Digests = Mapping[str, str | None]
 """File or folder (with a `/` at its end), from the project's folder → SHA-256 of its bytes or of
-the names of its files; None for one that is not there.
+the names of its files but for reports; None for one that is not there.
 """
 
 NOT_SOURCES: Final = (".py", ".pyc", ".so", ".pyd", ".dll")
 """Of this program itself, where its environment is in the project's folder."""
+REPORTS: Final = (".html", ".log", ".md", ".sarif", ".xml")
+"""Of what pipelines write beside the sources, such as a plan: no program is looked for in them."""
 WRITING: Final = os.O_WRONLY | os.O_RDWR
 
 
@@ -59,7 +61,7 @@ def _digest(folder: FilePath, name: str) -> str | None:
     try:
         if name.endswith("/"):
             names = sorted(one.name for one in path.iterdir() if one.is_file())
-            plain = (one for one in names if not one.startswith("."))
+            plain = (n for n in names if not n.startswith(".") and not n.lower().endswith(REPORTS))
             return digest_of("\0".join(plain).encode("utf-8", "surrogateescape"))
         return digest_of(path.read_bytes())
     except OSError:

@@ -270,6 +270,7 @@ def run(*arguments):
     return ended.value.code
 
 
+@pytest.mark.slow
 def test_every_target_of_a_project_with_its_canary_first(project, tmp_path, capsys):
     there, told = project
     seen = []
@@ -283,6 +284,12 @@ def test_every_target_of_a_project_with_its_canary_first(project, tmp_path, caps
     assert told.endswith("3 of 3 controllers are done\n")
     root = read((tmp_path / "report.xml").read_bytes())
     assert [suite.get("name") for suite in root] == ["cell1", "cell2", "cell3"]
+    one_more = ("deploy", "--target", "cell3", "--target", "cell1", "--canary")
+    assert run(*one_more, "cell3", "--format", "json") == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert [one["name"] for one in answer["controllers"]] == ["cell1", "cell3"]
+    assert run("plan", "--target", "cell1", "--target", "cell4") == 2
+    assert "no target `cell4`" in capsys.readouterr().err
     assert run("deploy", "--canary", "cell9", "--junit", "other.xml") == 2
     assert "DP401" in capsys.readouterr().err and not (tmp_path / "other.xml").exists()
 

@@ -74,6 +74,18 @@ def test_a_process_file_that_appears_is_seen(home):
     assert (states(), states()) == ([BUILT], [UNCHANGED])
 
 
+def test_a_report_that_appears_beside_the_sources_changes_none(home):
+    """`robot-assistant plan --format markdown > plan.md` makes it before it looks at them."""
+    home.put("seam.mod", module("seam"))
+    home.states('[targets.cell1]\nprograms = ["seam.mod"]\n')
+    assert states() == [BUILT]
+    for name in ("plan.md", "report.xml"):
+        home.put(name, "")
+    assert states() == [UNCHANGED]
+    home.put("other.mod", module("other"))
+    assert states() == [BUILT], "which it might call"
+
+
 def test_a_file_that_a_program_calls_goes_along_and_is_seen(two):
     listed = (
         '<?xml version="1.0"?><Program><Module>one.mod</Module><Module>two.mod</Module></Program>'
