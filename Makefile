@@ -10,7 +10,7 @@ unexport PYTHONDONTWRITEBYTECODE
 
 .venv/demo: pyproject.toml
 	$(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --editable '.[plot,virtual]'
+	$(BIN)/python -m pip install --quiet --editable '.[plot,virtual,rws]'
 	touch $@
 
 .venv/test: pyproject.toml
