@@ -42,7 +42,7 @@ class Memory(Protocol):
         """
 
     def module(self, data: bytes) -> str | None:
-        """Name of the module that a file's text is, None if it is none."""
+        """Name of the module that a file's text is, None if it is none, or several."""
 
     def modules(self, task: str = "") -> tuple[str, ...]:
         """Names of all modules that are loaded in a task."""

@@ -16,17 +16,26 @@ from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.text import decode
 
 
-def check_clashes(site: Site, entries: Iterable[Entry]) -> tuple[Diagnostic, ...]:
+def check_clashes(
+    site: Site, entries: Iterable[Entry], *, sent: bool = True
+) -> tuple[Diagnostic, ...]:
     """Refuses modules that would not go together in memory; warnings of other tasks that have them.
 
-    Of modules whose text the controller keeps secret nothing is known.
+    sent: whether they are new, and no files that were there before, which may be anything. Of
+    modules whose text the controller keeps secret nothing is known.
     """
     memory = site.memory
     if memory is None:
         return ()
-    brought = [e for e in entries if not site.is_list(e.name) and memory.module(_text(e))]
+    programs = [entry for entry in entries if not site.is_list(entry.name)]
+    brought = [entry for entry in programs if memory.module(_text(entry))]
     coming = [entry for entry in brought if entry.after.loaded is not None]
-    findings = [*_secret(site, coming), *_same_module(memory, coming)]
+    findings = [
+        rules.NO_MODULE(place=entry.name, name=entry.name)
+        for entry in programs
+        if sent and entry not in brought
+    ]
+    findings += (*_secret(site, coming), *_same_module(memory, coming))
     if any(entry.before.loaded != entry.after.loaded for entry in coming):
         findings += _same_names(site, memory, coming)
     if findings:

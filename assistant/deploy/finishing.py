@@ -263,7 +263,7 @@ def _undo(
             programs[name] = site.digests(held)
     entries = [Entry(name, now[name], held) for name, held in wanted.items()]
     check_at_rest(site, entries)
-    told = check_clashes(site, entries)
+    told = check_clashes(site, entries, sent=False)
     record = changed(begun, programs=programs)
     done = carry_out(site, place, record, entries, patience)
     findings = (*told, *done.findings)

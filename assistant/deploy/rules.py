@@ -55,6 +55,12 @@ NOT_SHOWN = error(
     "whether it arrived, nor take it back; nothing was changed",
     "leave that word out, or deploy the file only and load it at the controller",
 )
+NO_MODULE = error(
+    "DP142",
+    "`{name}` does not hold one module: what is loaded from it could not be told nor taken back; "
+    "nothing was changed",
+    "put each module into a file of its own",
+)
 CHANGED_SINCE = error(
     "DP201",
     "`{name}` on the controller changed since the plan was made; nothing was changed by this run",

@@ -250,6 +250,26 @@ def test_two_files_of_one_module(irc5, work):
     assert "DP105" in codes(refused.value.findings)
 
 
+def test_a_file_of_several_modules(irc5, work):
+    """It is not sent; one that was there comes back with a rollback."""
+    client, both = over(irc5), SEAM.format(1) + OTHER
+    seam = work.file("seam.mod", both)
+    with pytest.raises(Refused) as refused:
+        work.plan(client, seam)
+    assert codes(refused.value.findings) == ["DP142"]
+    (irc5.folder / "seam.mod").write_text(both)
+    work.file("seam.mod", SEAM.format(1))
+    work.installed(client, seam, replace=[EVERY])
+    assert work.back(client).ok
+    assert (irc5.folder / "seam.mod").read_text() == both and text(irc5) is None
+
+
+def test_a_module_behind_a_mark_and_a_blank_line(irc5, work):
+    client, new = over(irc5), "\ufeff" + SEAM.format(1).replace("MODULE Seam", "MODULE\n  Seam")
+    work.installed(client, work.file("seam.mod", new))
+    assert work.back(client).ok and text(irc5) is None
+
+
 def test_names_move_between_modules_of_one_deployment(irc5, client, work):
     """Loaded one after the other, each would meet the procedure in the other's old module."""
     one, two = (

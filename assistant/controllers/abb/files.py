@@ -85,13 +85,21 @@ def told_names(names: Collection[str]) -> tuple[str, ...]:
     return tuple(sorted(names))
 
 
-MODULE: Final = re.compile(rb"^[ \t]*MODULE[ \t]+([A-Za-z]\w{0,31})\b", re.I | re.M | re.A)
+MODULE: Final = re.compile(
+    rb"^(?:\xef\xbb\xbf)?[ \t]*MODULE\s+([A-Za-z]\w{0,31})\b", re.I | re.M | re.A
+)
 
 
 def module_name(data: bytes) -> str | None:
     """Name of the module that a file's text begins, None if it begins none."""
     found = MODULE.search(data)
     return found[1].decode() if found else None
+
+
+def only_module(data: bytes) -> str | None:
+    """The same of a file that begins no other: of several, only the first would be seen."""
+    found = MODULE.findall(data)
+    return module_name(data) if len(found) == 1 else None
 
 
 class RapidFiles:

@@ -12,7 +12,7 @@ from pathlib import Path as FilePath
 from typing import Final, Self
 
 from assistant.controllers import rules
-from assistant.controllers.abb.files import RapidFiles, checked_name, module_name
+from assistant.controllers.abb.files import RapidFiles, checked_name, only_module
 from assistant.controllers.abb.rws import events, remote, watching
 from assistant.controllers.abb.rws.answers import Answer
 from assistant.controllers.abb.rws.backup import back_up
@@ -116,7 +116,7 @@ class Rws(RapidFiles):
         return self.module_text(found, task) if found else None
 
     def module(self, data: bytes) -> str | None:
-        return module_name(data)
+        return only_module(data)
 
     def task_named(self, task: str) -> str:
         return self._rapid.task(task)
@@ -133,7 +133,7 @@ class Rws(RapidFiles):
         self._rapid.take_in(self._path(name), task)
 
     def put_out(self, data: bytes, task: str = "") -> None:
-        name = module_name(data)
+        name = self.module(data)
         if name is not None and self.loaded(data, task) is not None:
             self.unload(name, task)
 
