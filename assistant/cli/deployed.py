@@ -9,7 +9,14 @@ from typing import TYPE_CHECKING, Final
 
 from assistant.cli.cells import named_by
 from assistant.cli.compiling import working
-from assistant.cli.jobs import NOT_BOTH, Wishes, controllers_of_jobs, history_here, jobs_of
+from assistant.cli.jobs import (
+    NOT_BOTH,
+    Wishes,
+    controllers_of_jobs,
+    history_here,
+    jobs_of,
+    named_controllers,
+)
 from assistant.cli.presentation import Format, PlanFormat, print_findings, print_json, say
 from assistant.program.diagnostics import Refused
 
@@ -32,7 +39,7 @@ def run_resume(
     if files:
         raise Refused(NOT_BOTH(one="--resume", other="a program"), exit_status=2)
     status = 0
-    for job in controllers_of_jobs(to, targets, wishes):
+    for job in named_controllers(to, targets, wishes):
         with job.opened() as client, working(f"finishing on {job.one.address}"):
             done = deploy.resume(client, history=job.history, replace=wishes.replace)
         status = max(status, finished(done, as_json=format is PlanFormat.JSON))
@@ -50,31 +57,43 @@ def run_rollback(
     from assistant import deploy
 
     status = 0
-    for job in controllers_of_jobs(to, targets, Wishes(history=history)):
+    for job in named_controllers(to, targets, Wishes(history=history)):
         with job.opened() as client, working(f"taking back on {job.one.address}"):
             done = deploy.rollback(client, number, history=job.history, replace=replace)
-        status = max(status, finished(done, as_json=format is Format.JSON))
+        status = max(status, finished(done, as_json=format is Format.JSON, back=True))
     return status
 
 
-def finished(done: Deployment, *, as_json: bool) -> int:
-    """Tells what became of a deployment that was finished or taken back; its exit status."""
+def finished(done: Deployment, *, as_json: bool, back: bool = False) -> int:
+    """Tells what became of a deployment that was finished or taken back; its exit status.
+
+    back: what is installed then is what was there before.
+    """
+    from assistant.deploy import FileState
     from assistant.findings.formats import finding_record
 
+    taken_back = back and done.ok
+    states = {
+        name: str(FileState.PUT_BACK if taken_back and state is FileState.INSTALLED else state)
+        for name, state in done.states.items()
+    }
     if as_json:
         answer = {
             "address": str(done.address),
             "ok": done.ok,
-            "files": [{"name": name, "state": str(state)} for name, state in done.states.items()],
+            "files": [{"name": name, "state": state} for name, state in states.items()],
             "kept in": str(done.folder) if done.folder else None,
             "findings": [finding_record(finding) for finding in done.findings],
         }
         print_json(answer)
         return 0 if done.ok else 1
     print_findings(done.findings)
-    for name, state in done.states.items():
+    for name, state in states.items():
         say(f"{name}: {state}")
-    say(done.summary)
+    if taken_back:
+        say(f"every program of it on {done.address} is what it was before, verified")
+    else:
+        say(done.summary)
     return 0 if done.ok else 1
 
 

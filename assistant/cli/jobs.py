@@ -27,6 +27,11 @@ NO_TARGET: Final = error(
 )
 
 
+SEVERAL: Final = error(
+    "CL273", "several controllers are meant: {names}", "name one of them with --target"
+)
+
+
 @dataclass(frozen=True, slots=True)
 class Wishes:
     """What was asked for beside the files; see `deploy.plan` and `deploy.deploy`."""
@@ -128,6 +133,16 @@ def controllers_of_jobs(to: str | None, targets: Sequence[str], wishes: Wishes) 
     if to is not None and not targets:
         return [Job(to, named_by(to), wishes)]
     return jobs_of((), to, targets, wishes)
+
+
+def named_controllers(to: str | None, targets: Sequence[str], wishes: Wishes) -> list[Job]:
+    """Each controller once; raises Refused for several that nobody has named."""
+    jobs = controllers_of_jobs(to, targets, wishes)
+    apart = {str(job.one.address) + job.one.address.name: job for job in reversed(jobs)}
+    if len(apart) > 1 and not targets:
+        names = ", ".join(f"`{job.name}`" for job in jobs)
+        raise Refused(SEVERAL(names=names), exit_status=2)
+    return [job for job in jobs if job in apart.values()]
 
 
 def history_here() -> Path | None:

@@ -8,6 +8,7 @@ compares programs, so that a line that says the same stays as it was written.
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -45,7 +46,7 @@ class _Text:
 
 def in_layout(own: bytes, other: bytes, form: Form) -> bytes:
     """What `other` says, in the layout of `own` as far as both say the same."""
-    mine, theirs = _text(own, form), _text(other, form)
+    mine, theirs = _text(own, form), _text(_in_order(own, other, form), form)
     return _bytes(_carried(mine, theirs), mine.encoding)
 
 
@@ -68,6 +69,35 @@ def merged(base: bytes, own: bytes, other: bytes, form: Form) -> bytes | None:
         lines += mine.lines[at : change.first + moved] + theirs.lines[change.begin : change.end]
         at = change.stop + moved
     return _bytes([*lines, *mine.lines[at:]], mine.encoding)
+
+
+def _in_order(own: bytes, other: bytes, form: Form) -> bytes:
+    """The other text with its values in the order of ours, if that is all one to the controller.
+
+    A controller may list values by their names, wherever they stood.
+    """
+    mine, theirs = _text(own, form), _text(other, form)
+    order = {head: i for i, head in enumerate(_heads(mine)) if head}
+    slots = [i for i, head in enumerate(_heads(theirs)) if head in order]
+    heads = _heads(theirs)
+    moved = sorted(slots, key=lambda i: order[heads[i]])
+    lines = list(theirs.lines)
+    for slot, taken in zip(slots, moved, strict=True):
+        lines[slot] = theirs.lines[taken]
+    if lines == theirs.lines or not all(map(_end, theirs.lines)):
+        return other
+    text = _bytes(lines, theirs.encoding)
+    return text if form(text) == form(other) else other
+
+
+def _heads(text: _Text) -> list[str]:
+    """What each line gives a value to, "" if that is not plain or stands there twice."""
+    heads = [
+        str(key[0]) if len(key) > 1 and key[1] == "=" and isinstance(key[0], str) else ""
+        for key in text.keys
+    ]
+    times = Counter(heads)
+    return [head if times[head] == 1 else "" for head in heads]
 
 
 def says_the_same(one: bytes, other: bytes, form: Form) -> bool:
@@ -96,7 +126,7 @@ class _Change:
 def _changes(old: Sequence[Key], new: Sequence[Key]) -> list[_Change]:
     """In order, line by line where as many lines are replaced."""
     found: list[_Change] = []
-    for step, i1, i2, j1, j2 in SequenceMatcher(None, old, new, autojunk=False).get_opcodes():
+    for step, i1, i2, j1, j2 in _steps(old, new):
         if step != "equal" and i2 - i1 == j2 - j1:
             found += [_Change(i1 + k, i1 + k + 1, j1 + k, j1 + k + 1) for k in range(i2 - i1)]
         elif step != "equal":
@@ -104,13 +134,29 @@ def _changes(old: Sequence[Key], new: Sequence[Key]) -> list[_Change]:
     return found
 
 
+def _steps(old: Sequence[Key], new: Sequence[Key]) -> Iterator[tuple[str, int, int, int, int]]:
+    """As `SequenceMatcher.get_opcodes`, which looks only at what is between the first difference
+    and the last: its time grows with the square of lines that are often there.
+    """
+    pairs = zip(old, new, strict=False)
+    first = next((i for i, (a, b) in enumerate(pairs) if a != b), min(len(old), len(new)))
+    most = min(len(old), len(new)) - first
+    last = next((i for i in range(most) if old[-1 - i] != new[-1 - i]), most)
+    if first:
+        yield "equal", 0, first, 0, first
+    inner = SequenceMatcher(None, old[first : len(old) - last], new[first : len(new) - last])
+    for step, i1, i2, j1, j2 in inner.get_opcodes():
+        yield step, first + i1, first + i2, first + j1, first + j2
+    if last:
+        yield "equal", len(old) - last, len(old), len(new) - last, len(new)
+
+
 def _carried(mine: _Text, theirs: _Text) -> list[str]:
     """The lines of the other text, ours where they say the same, with our line ends."""
     spare = dict(zip(mine.keys, mine.lines, strict=True))
     end = next((e for line in mine.lines if (e := _end(line))), "\n")
-    steps = SequenceMatcher(None, mine.keys, theirs.keys, autojunk=False).get_opcodes()
     lines: list[str] = []
-    for step, i1, i2, j1, j2 in steps:
+    for step, i1, i2, j1, j2 in _steps(mine.keys, theirs.keys):
         block = mine.lines[i1:i2]
         if step == "equal" or (step == "delete" and not any(mine.keys[i1:i2])):
             lines += block  # the controller may not keep empty lines

@@ -105,7 +105,7 @@ def test_what_is_there_is_verified_listed_and_taken_back(capsys, here, irc5):
     status, out, _ = run(capsys, "rollback", "--to", "cell1")
     assert status != 0 and (irc5.folder / "c.mod").exists()
     status, out, _ = run(capsys, "rollback", "1", "--to", "cell1", "--replace", "*")
-    assert status == 0
+    assert status == 0 and "a.mod: put back" in out and "installed" not in out
     assert [file.name for file in irc5.folder.glob("*.mod")] == ["theirs.mod"]
     status, out, _ = run(capsys, "deployments", "--format", "json")
     first, second = json.loads(out)["deployments"]
@@ -166,3 +166,10 @@ def test_a_target_of_a_project_is_deployed_as_it_was_built(capsys, here, tmp_pat
     status, _, err = run(capsys, "plan", "--target", "other")
     assert status == 2 and "CL272" in err and "`cell1`" in err
     assert run(capsys, "rollback", "--target", "cell1")[0] == 0 and cr.names() == ()
+    text += '[controllers.cell2]\naddress = "virtual:irc5"\n'
+    text += '[targets.cell2]\nprograms = ["a.mod"]\n'
+    (tmp_path / "assistant.toml").write_text(text)
+    module(tmp_path, "a")
+    status, _, err = run(capsys, "rollback")
+    assert status == 2 and "CL273" in err and "`cell2`" in err
+    assert run(capsys, "plan", "--to", "cell2")[0] == 1, "not built"
