@@ -17,6 +17,8 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import BinaryIO, Final, Generic, TypeVar
 
+from assistant.controllers.credentials import without_passwords
+
 A = TypeVar("A")
 B = TypeVar("B")
 
@@ -72,6 +74,7 @@ class _Worker(Generic[A, B]):
             [sys.executable, "-c", SERVE, *sys.path],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
+            env=without_passwords(),
         )
 
     def answered(self, argument: A) -> B:

@@ -18,6 +18,13 @@ def test_each_argument_gets_its_answer_in_another_process():
     assert ids[0] == ids[1] != os.getpid()
 
 
+def test_no_process_is_given_a_password(monkeypatch):
+    for name in ("ROBOT_ASSISTANT_PASSWORD", "ROBOT_ASSISTANT_CELL1_PASSWORD"):
+        monkeypatch.setenv(name, "secret")
+    asked = ["ROBOT_ASSISTANT_PASSWORD", "ROBOT_ASSISTANT_CELL1_PASSWORD", "PATH"]
+    assert at_once(os.getenv, asked, 1, str) == [None, None, os.environ["PATH"]]
+
+
 def test_only_what_a_dead_process_was_at_is_lost():
     assert at_once(_or_die, [1, 0, 3], 1, lambda argument: -1) == [1, -1, 3]
 

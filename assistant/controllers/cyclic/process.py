@@ -18,6 +18,7 @@ from typing import IO, Final
 
 import numpy as np
 
+from assistant.controllers.credentials import without_passwords
 from assistant.controllers.cyclic import rules
 from assistant.controllers.cyclic.link import Endpoint, Link
 from assistant.controllers.cyclic.report import Delays, Report
@@ -115,7 +116,7 @@ def _run(
 ) -> tuple[dict[str, object], str]:
     """What the process said last, and what it died of if that tells nothing."""
     command = [sys.executable, "-m", "assistant.controllers.cyclic.worker", str(folder)]
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, sys.path))}
+    environment = {**without_passwords(), "PYTHONPATH": os.pathsep.join(map(str, sys.path))}
     with (folder / "errors.txt").open("w+", encoding="utf-8", errors="replace") as errors:
         worker = subprocess.Popen(  # noqa: S603
             command,
