@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
@@ -15,10 +15,12 @@ from assistant.deploy.archive import packed
 from assistant.deploy.carrying import PATIENCE, Carrying, Progress
 from assistant.deploy.claiming import alone_here, check_claim, claim, holder, unclaim
 from assistant.deploy.held import Digests
+from assistant.deploy.identifying import of_another
 from assistant.deploy.journal import Entry, Journal, Step, create, open_journal, place_of
 from assistant.deploy.outcome import Deployment, FileState
 from assistant.deploy.plan import Change, Plan
 from assistant.deploy.record import Record, new_record
+from assistant.deploy.remembering import last_record
 from assistant.deploy.resting import check_at_rest, pointers_lost, tasks
 from assistant.deploy.site import RECORD, UNDER_WAY, Site
 from assistant.program.diagnostics import Diagnostic, Refused
@@ -41,14 +43,15 @@ def deploy(
     files_only: whether programs may be replaced whose taught points this session cannot see.
     patience: seconds for which what cannot be put back is tried again.
     """
-    return _Run(plan, place_of(plan.address, history), patience).done(files_only, progress)
+    return _Run(plan, history, patience).done(files_only, progress)
 
 
 class _Run:
     """One deployment under way. place: of its controller in the history."""
 
-    def __init__(self, plan: Plan, place: FilePath, patience: float) -> None:
-        self.plan, self.place, self.patience = plan, place, patience
+    def __init__(self, plan: Plan, history: str | FilePath | None, patience: float) -> None:
+        self.plan, self.history, self.patience = plan, history, patience
+        self.place = place_of(plan.address, history)
         self.site = plan.site
         self.site.patience = min(self.site.patience, patience)
         self.findings: list[Diagnostic] = []
@@ -66,8 +69,8 @@ class _Run:
                 with alone_here(self.place):
                     self._check_ended()
                     with self.site:
-                        self._check_unchanged()
-                        check_at_rest(self.site, [file.entry for file in plan.changes])
+                        if self.site.identity() != plan.identity:
+                            raise Refused(rules.ANOTHER(place=str(plan.address)))
                         self._install(progress)
         except Refused as refusal:
             self.findings += refusal.findings
@@ -90,9 +93,7 @@ class _Run:
             raise Refused(rules.STILL_OPEN(place=str(one.folder), name=one.record.name))
 
     def _check_unchanged(self) -> None:
-        """Raises Refused if the controller is not what the plan saw."""
-        if self.site.identity() != self.plan.identity:
-            raise Refused(rules.ANOTHER(place=str(self.plan.address)))
+        """Raises Refused if the controller is not what the plan saw, or a program runs."""
         changed = [
             rules.CHANGED_SINCE(place=file.name, name=file.name)
             for file in self.plan.files
@@ -100,10 +101,22 @@ class _Run:
         ]
         if changed:
             raise Refused(*changed)
+        record, _ = last_record(self.site, self.history)
+        if of_another(self.plan.identity, record) is None and record != self.plan.record:
+            raise Refused(rules.DEPLOYED_SINCE(place=str(self.plan.address)))
+        check_at_rest(self.site, [file.entry for file in self.plan.changes])
 
     def _install(self, progress: Progress | None) -> None:
         entries = [file.entry for file in self.plan.changes]
-        done = carry_out(self.site, self.place, self._record(), entries, self.patience, progress)
+        done = carry_out(
+            self.site,
+            self.place,
+            self._record(),
+            entries,
+            self._check_unchanged,
+            self.patience,
+            progress,
+        )
         self.journal = done.journal
         self.states |= done.states
         self.findings += done.findings
@@ -121,19 +134,20 @@ def carry_out(
     place: FilePath,
     record: Record,
     entries: Sequence[Entry],
+    check: Callable[[], None],
     patience: float,
     progress: Progress | None = None,
 ) -> Carrying:
     """Brings programs to a controller, with a journal; what fails is put back.
 
     So is what is interrupted, from outside or by Ctrl-C: only once, what comes behind that
-    waits. The findings of what comes back say what failed. Raises Refused if nothing could be
-    begun.
+    waits. check: is asked once nobody else can deploy to it. The findings of what comes back say
+    what failed. Raises Refused if nothing could be begun.
     """
     stood = tasks(site)
     with told_to_end(once=True) as ending:
-        carrying = Carrying(site, _begun(site, place, record, entries, patience, ending), patience)
-        journal = carrying.journal
+        journal = _begun(site, place, record, entries, check, patience, ending)
+        carrying = Carrying(site, journal, patience)
         try:
             try:
                 carrying.forward(journal.entries, progress)
@@ -162,12 +176,14 @@ def _begun(
     place: FilePath,
     record: Record,
     entries: Sequence[Entry],
+    check: Callable[[], None],
     patience: float,
     ending: Ending,
 ) -> Journal:
     """Everything that is written down before a program is touched, here and there."""
     try:
         claim(site, record, patience)
+        check()
         earlier = site.controller.read(RECORD) if site.disk is not None else None
         journal = create(place, record, entries, earlier)
         if site.disk is not None:

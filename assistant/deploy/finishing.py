@@ -246,7 +246,13 @@ def _undo(
         check_same(identity, journal.record, str(site.address))
     before, _ = last_record(site, history)
     allowed = {name.lower() for name in replace}
-    now = {name: site.held(name, held.file or left[name].file) for name, held in wanted.items()}
+
+    def there() -> dict[str, Held]:
+        return {
+            name: site.held(name, held.file or left[name].file) for name, held in wanted.items()
+        }
+
+    now = there()
     changes = [
         rules.CHANGED_BETWEEN(place=name, name=name)
         for name, held in now.items()
@@ -265,7 +271,13 @@ def _undo(
     check_at_rest(site, entries)
     told = check_clashes(site, entries, sent=False)
     record = changed(begun, programs=programs)
-    done = carry_out(site, place, record, entries, patience)
+
+    def check() -> None:
+        since = [name for name, held in there().items() if not site.same(held, now[name])]
+        if since:
+            raise Refused(*(rules.CHANGED_SINCE(place=name, name=name) for name in since))
+
+    done = carry_out(site, place, record, entries, check, patience)
     findings = (*told, *done.findings)
     back = done.journal.last is Step.DONE
     states = done.states

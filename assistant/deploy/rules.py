@@ -140,6 +140,12 @@ NOT_OURS_ANY_MORE = error(
     "nothing was changed by this run",
     "plan again; the history here does not hold it for open any more",
 )
+DEPLOYED_SINCE = error(
+    "DP217",
+    "somebody else has deployed to the controller since the plan was made; nothing was changed by "
+    "this run",
+    "plan again",
+)
 CLAIM_GONE = error(
     "DP215",
     "somebody took the controller from this deployment before a program was changed",

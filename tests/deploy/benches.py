@@ -96,6 +96,16 @@ class Bench:
         history = ["--history", str(self.history)]
         return ["deploy", *files, "--to", self.address(), "--files-only", *history]
 
+    def refused(self, steps):
+        """Steps of a conversation, with what may be answered instead."""
+        return [(step, answer) for step in range(steps) for answer in self.refusals]
+
+    @contextlib.contextmanager
+    def refusing(self, step, answer):
+        self.proxy.arm(step=step, answer=answer)
+        yield
+        self.proxy.arm()
+
     def resume(self):
         return deploying.resume(self.client(), history=self.history, patience=3.0)
 
@@ -222,7 +232,6 @@ class FtpBench(Bench):
 
 
 class SftpBench(FtpBench):
-    refusals = ()
     password = PASSWORD
 
     def __init__(self, folder, **options):
@@ -236,6 +245,21 @@ class SftpBench(FtpBench):
         with SftpServer(self.home, **self._options) as self.server:
             self.real_port = self.server.port
             yield
+
+    def refused(self, steps):
+        """Only the server can answer otherwise: what goes by is encrypted."""
+        self.server.requests = 0
+        assert self.deploy().ok
+        self.restore(self.start)
+        return [(step, b"failure") for step in range(self.server.requests)]
+
+    @contextlib.contextmanager
+    def refusing(self, step, answer):
+        self.proxy.arm()
+        self.server.requests, self.server.refuse = 0, step
+        yield
+        self.proxy.arm()
+        self.server.refuse = None
 
     def address(self):
         pinned = f"fingerprint={self.server.fingerprint}"

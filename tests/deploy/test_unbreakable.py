@@ -236,3 +236,16 @@ def test_a_history_that_is_gone_is_no_reason_for_a_mixture(died):
     shutil.rmtree(died.history)
     assert died.rollback().ok, "the controller has kept it"
     assert died.programs() == died.old and died.rests() == []
+
+
+def test_a_plan_is_not_carried_out_behind_another_deployment(bench):
+    """Its record would forget what the other one brought."""
+    one, other = (
+        deploying.plan([file], bench.client(), history=bench.history) for file in bench.local[:2]
+    )
+    assert deploying.deploy(one, history=bench.history, files_only=True).ok
+    before = bench.programs()
+    done = deploying.deploy(other, history=bench.history, files_only=True)
+    assert codes(done.findings) == ["DP217"] and bench.programs() == before
+    assert bench.rests() == []
+    assert bench.deploy().ok
