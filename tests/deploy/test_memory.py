@@ -111,36 +111,29 @@ def text(irc5, module="seam"):
     return irc5.cabinet.do(lambda p: p.text(p.modules[module]) if module in p.modules else None)
 
 
-def test_a_module_is_loaded_verified_and_the_same_ever_after(irc5, client, work):
+def test_another_layout_is_no_difference_and_a_value_is(irc5, client, work):
     seam = work.file("seam.mod", SEAM.format(1))
     done = work.installed(client, seam)
     assert done.states == {"seam.mod": FileState.INSTALLED}
     assert text(irc5) == SEAM.format(1) == (irc5.folder / "seam.mod").read_text()
-    again = work.plan(client, seam)
-    assert [f.change for f in again.files] == [Change.SAME] and not again.findings
-
-
-def test_another_layout_is_no_difference_and_a_value_is(irc5, either, work):
-    seam = work.file("seam.mod", SEAM.format(1))
-    work.installed(either, seam)
     irc5.cabinet.do(lambda programs: setattr(programs, "anew", True))
     assert "!" not in text(irc5) and "[[400,0,500]" in text(irc5)
-    (same,) = work.plan(either, seam).files
+    (same,) = work.plan(client, seam).files
     assert (same.change, same.taught) == (Change.SAME, "")
-    with either:
-        either.set_variable("shift", "[1.5,2,3.26]")
-    (changed,) = work.plan(either, seam).files
+    with client:
+        client.set_variable("shift", "[1.5,2,3.26]")
+    (changed,) = work.plan(client, seam).files
     assert changed.change is Change.CONFLICT
     lines = [line for line in changed.taught.splitlines()[2:] if line[0] in "+-"]
     assert [line.replace(" ", "") for line in lines] == [
         "-PERSposshift:=[1.5,2,3.25];",
         "+PERSposshift:=[1.5,2,3.26];",
     ]
-    again = work.plan(either, seam, replace=["seam.mod"])
+    again = work.plan(client, seam, replace=["seam.mod"])
     assert work.deploy(again).ok and "shift:=[1.5,2,3.25]" in text(irc5)
 
 
-@pytest.mark.parametrize("anew", [False, True])
+@pytest.mark.parametrize("anew", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_a_taught_point_is_a_conflict_with_its_difference(irc5, work, anew):
     client = over(irc5)
     seam = work.file("seam.mod", SEAM.format(1))
@@ -202,6 +195,7 @@ def test_a_new_module_leaves_memory_and_disk_with_a_rollback(irc5, client, work)
     assert text(irc5, "other") is not None
 
 
+@pytest.mark.slow
 def test_comments_alone_are_brought_into_memory_too(irc5, work):
     client = over(irc5)
     seam = work.file("seam.mod", SEAM.format(1))
@@ -286,8 +280,15 @@ def test_names_move_between_modules_of_one_deployment(irc5, client, work):
     assert "PROC x" in text(irc5, "a") and "PROC y" in text(irc5, "b")
 
 
-@pytest.mark.parametrize("finish", ["resume", "rollback"])
-@pytest.mark.parametrize("cut", ["mastership", "loadmod"])
+@pytest.mark.parametrize(
+    ("cut", "finish"),
+    [
+        ("mastership", "resume"),
+        ("loadmod", "rollback"),
+        pytest.param("mastership", "rollback", marks=pytest.mark.slow),
+        pytest.param("loadmod", "resume", marks=pytest.mark.slow),
+    ],
+)
 def test_a_death_between_file_and_memory(irc5, client, work, finish, cut):
     """Before the load is asked for, and before its answer arrives."""
     files = [work.file("seam.mod", SEAM.format(1)), work.file("other.mod", OTHER)]
@@ -372,6 +373,7 @@ def test_a_lost_program_pointer_is_said(irc5, work):
     assert not irc5.cabinet.do(lambda programs: programs.running or programs.ready)
 
 
+@pytest.mark.slow
 def test_attributes_of_a_module_do_not_keep_it_from_being_replaced(irc5, work):
     client = over(irc5)
     heading = "MODULE Seam(SYSMODULE,NOSTEPIN,READONLY)"
@@ -403,6 +405,7 @@ def test_a_module_whose_text_is_kept_secret(irc5, client, work):
     work.installed(client, other)
 
 
+@pytest.mark.slow
 def test_a_list_of_modules_goes_along_and_is_not_loaded(irc5, work):
     client = over(irc5)
     seam = work.file("seam.mod", SEAM.format(1))
