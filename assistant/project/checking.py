@@ -81,7 +81,7 @@ def _checked(project: Project, target: str, arm: str | None, made: Sequence[Made
     if not files:
         return ProjectCheck(0, ())
     origins = {name: origin for one in made for name, origin in one.origins.items()}
-    told = {finding.code for one in made if not one.origins for finding in one.findings}
+    told = [finding for one in made if not one.origins for finding in one.findings]
     try:
         project.kept.mkdir(exist_ok=True)
         with tempfile.TemporaryDirectory(prefix="check-", dir=project.kept) as folder:
@@ -106,15 +106,22 @@ def _checked(project: Project, target: str, arm: str | None, made: Sequence[Made
 
 
 def _is_news(
-    finding: Diagnostic, paths: Mapping[str, str], origins: Mapping[str, str], told: set[str]
+    finding: Diagnostic,
+    paths: Mapping[str, str],
+    origins: Mapping[str, str],
+    told: Sequence[Diagnostic],
 ) -> bool:
     """Whether a finding tells what the making of a program has not told.
 
-    Notes about texts that we wrote are of no interest to those who cannot change them.
+    Notes about texts that we wrote are of no interest to those who cannot change them. Beside files
+    that somebody else wrote, what is found may be about any of them: only the same is told already.
     """
     if paths.get(finding.path or "") in origins:
         return True
-    return finding.severity is not Severity.INFO and finding.code not in told
+    same = (one for one in told if one.code == finding.code)
+    if origins:
+        same = (one for one in same if one.place == finding.place)
+    return finding.severity is not Severity.INFO and not any(same)
 
 
 def _place(path: str | None, places: Mapping[str, str]) -> str | None:

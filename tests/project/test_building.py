@@ -212,3 +212,29 @@ def test_a_folder_that_cannot_be_written(two):
     done = build(project_of(), jobs=1)
     assert (done.status, {one.state for one in done.programs}) == (2, {FAILED})
     assert {finding.code for finding in done.findings} == {"CO201"}
+
+
+def test_one_source_is_taken_as_it_is_and_translated(home):
+    source = "MODULE rest\n  PROC main()\n    WaitTime 0.5;\n  ENDPROC\nENDMODULE\n"
+    home.put("rest.mod", source)
+    home.states(
+        '[programs.rest]\nsource = "rest.mod"\n'
+        '[targets.cell1]\nprograms = ["rest"]\n[targets.cell2]\nprograms = ["rest"]\n'
+    )
+    assert states() == [BUILT, BUILT]
+    assert home.built("cell1") == {"rest.mod": source.encode()}
+    (text,) = home.built("cell2").values()
+    assert b"DLY 0.5" in text.upper()
+    first, second = targets_of()
+    assert list(first.sources().values()) == [home.folder / "rest.mod"]
+    assert list(second.sources().values()) == [home.folder / "rest.mod"]
+
+
+def test_what_a_link_beside_a_program_leads_to_is_not_taken(home, tmp_path_factory):
+    outside = tmp_path_factory.mktemp("outside") / "two.mod"
+    outside.write_text(module("two"))
+    home.put("hand/all.pgf", "<Program><Module>two.mod</Module></Program>")
+    (home.folder / "hand/two.mod").symlink_to(outside)
+    home.states('[targets.cell1]\nprograms = ["hand/all.pgf"]\n')
+    assert codes() == ["PR205"]
+    assert not (home.folder / "build").exists()

@@ -1,5 +1,7 @@
 """`check` of a project: sources, and what is made of them, on the robot of each target."""
 
+import re
+
 import pytest
 
 from assistant.project import build, project_of
@@ -53,6 +55,33 @@ def test_the_programs_of_a_target_are_looked_at_together(cell):
     text = (cell.folder / "assistant.toml").read_text()
     cell.put("assistant.toml", text.replace('seam.mod"', 'seam.mod", "hand/other.mod"'))
     assert found(cell) == []
+
+
+TURNING = """program turning
+
+target a [400, 0, 400] [0, 0, 1, 0]
+target b [402, 0, 400] [0, 0, 1, 0]
+target c [402, 2, 400] [0, 0, 1, 0]
+
+procedure main
+  move joint a speed 100 mm/s blend fine
+  move linear b speed 100 mm/s blend 50 mm
+  move linear c speed 100 mm/s blend fine
+end
+"""
+
+
+def test_what_is_made_tells_once_what_its_source_tells(cell):
+    cell.put("waiting.pseudo", TURNING)
+    text = (cell.folder / "assistant.toml").read_text()
+    cell.put("assistant.toml", f'{text}[severity]\nCK322 = "warning"\n')
+    assert found(cell) == [("CK322", "waiting.pseudo")]
+    made = build(project_of(), jobs=1).programs[0].files[0].read_text()
+    by_hand = made.replace("turning", "seam").replace("main", "go")
+    cell.put("hand/seam.mod", re.sub(r"\b([abc])\b", r"\1_seam", by_hand))
+    places = [finding.place for finding in check(project_of(), jobs=1).findings]
+    assert places[0] == "main: 1 of 3 targets (b)"
+    assert "go: 1 of 3 targets (b_seam)" in str(places[1])
 
 
 def test_names_that_clash_on_the_controller(cell):
