@@ -31,8 +31,8 @@ SAME_MODULE = error(
 )
 CLASH = error(
     "DP106",
-    "the {kind} `{name}` of the module `{own}` is {there} of the module `{other}` as well, which "
-    "is loaded there; nothing was changed",
+    "`{name}` is declared by the module `{own}` ({kind}) and by the module `{other}` ({there}), "
+    "which share one memory; nothing was changed",
     "rename one of them, make it known to its own module only, or take the other module out of the "
     "memory",
 )

@@ -231,7 +231,8 @@ def test_a_name_that_a_loaded_module_has_is_refused_before_anything_is_changed(i
         work.plan(client, seam, load=True)
     (finding,) = refused.value.findings
     assert finding.code == "DP106"
-    assert "`MAIN` of the module `Seam`" in finding.message and "`MainModule`" in finding.message
+    assert finding.message.startswith("`MAIN` is declared by the module `Seam` (procedure)")
+    assert "by the module `MainModule` (procedure)" in finding.message
     assert text(irc5) is None and not (irc5.folder / "seam.mod").exists()
     local = work.file("seam.mod", clash.replace("PROC MAIN", "LOCAL PROC MAIN"))
     assert work.deploy(work.plan(client, local, load=True)).ok
