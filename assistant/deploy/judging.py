@@ -6,6 +6,7 @@ from collections.abc import Collection
 from pathlib import Path as FilePath
 from typing import Final
 
+from assistant import languages
 from assistant.deploy import rules
 from assistant.deploy.comparing import changed
 from assistant.deploy.differences import difference, since
@@ -114,9 +115,10 @@ class Judging:
         It is so after the change was brought home, whoever did it, on whichever computer.
         """
         forms = [self.site.forms(held) for held in (left, before)]
-        files = (left.file, before.file, after.file, self.site.controller.stored)
-        loaded = (left.loaded, before.loaded, after.loaded, self.site.in_memory)
-        for same, (base, there, sent, form) in (
+        files = (left.file, before.file, after.file, self.site.controller.stored, "")
+        mark = languages.get(self.site.language).comment_mark  # a memory may not keep comments
+        loaded = (left.loaded, before.loaded, after.loaded, self.site.in_memory, mark)
+        for same, (base, there, sent, form, comment) in (
             (forms[0].file == forms[1].file, files),
             (forms[0].loaded == forms[1].loaded, loaded),
         ):
@@ -124,7 +126,7 @@ class Judging:
                 continue
             if base is None or there is None or sent is None:
                 return False
-            both = merged(base, sent, there, form)
-            if both is None or not says_the_same(both, sent, form):
+            both = merged(base, sent, there, form, comment)
+            if both is None or not says_the_same(both, sent, form, comment):
                 return False
         return True

@@ -28,6 +28,7 @@ _WORD: Final = re.compile(
 _NUMBER: Final = re.compile(r"[+-]?\.?\d")
 _BEFORE_SIGNS: Final = frozenset("[(,=:")
 """Words behind which a sign is of the number that follows."""
+_LINE_END: Final = re.compile(r"[\r\n]")
 _LINE: Final = re.compile(r"[^\r\n]*(?:\r\n|\r|\n)|[^\r\n]+")
 DIGITS: Final = 6
 """Decimals to which numbers of two texts must agree that were written by different programs."""
@@ -44,16 +45,23 @@ class _Text:
     encoding: str
 
 
-def in_layout(own: bytes, other: bytes, form: Form) -> bytes:
-    """What `other` says, in the layout of `own` as far as both say the same."""
-    mine, theirs = _text(own, form), _text(_in_order(own, other, form), form)
-    return _bytes(_carried(mine, theirs), mine.encoding)
+def in_layout(own: bytes, other: bytes, form: Form, mark: str = "") -> bytes:
+    """What `other` says, in the layout of `own` as far as both say the same.
+
+    mark: begins a comment where comments say nothing, because what is compared may have lost
+    them; "" where they count.
+    """
+    mine, theirs = (
+        _text(own, form, None, mark),
+        _text(_in_order(own, other, form), form, None, mark),
+    )
+    return _bytes(_carried(mine, theirs, mark), mine.encoding)
 
 
-def merged(base: bytes, own: bytes, other: bytes, form: Form) -> bytes | None:
+def merged(base: bytes, own: bytes, other: bytes, form: Form, mark: str = "") -> bytes | None:
     """`own` with the changes that lead from `base` to `other`, None where it changed there too."""
-    ground, mine = _text(base, form, DIGITS), _text(own, form, DIGITS)
-    theirs = _text(in_layout(base, other, form), form, DIGITS)
+    ground, mine = _text(base, form, DIGITS, mark), _text(own, form, DIGITS, mark)
+    theirs = _text(in_layout(base, other, form, mark), form, DIGITS, mark)
     ours = _changes(ground.keys, mine.keys)
     lines, at = [], 0
     for change in _changes(ground.keys, theirs.keys):
@@ -100,9 +108,9 @@ def _heads(text: _Text) -> list[str]:
     return [head if times[head] == 1 else "" for head in heads]
 
 
-def says_the_same(one: bytes, other: bytes, form: Form) -> bool:
+def says_the_same(one: bytes, other: bytes, form: Form, mark: str = "") -> bool:
     """Whether two texts say the same, numbers to DIGITS decimals."""
-    return _text(one, form, DIGITS).keys == _text(other, form, DIGITS).keys
+    return _text(one, form, DIGITS, mark).keys == _text(other, form, DIGITS, mark).keys
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,7 +159,7 @@ def _steps(old: Sequence[Key], new: Sequence[Key]) -> Iterator[tuple[str, int, i
         yield "equal", len(old) - last, len(old), len(new) - last, len(new)
 
 
-def _carried(mine: _Text, theirs: _Text) -> list[str]:
+def _carried(mine: _Text, theirs: _Text, mark: str) -> list[str]:
     """The lines of the other text, ours where they say the same, with our line ends."""
     spare = dict(zip(mine.keys, mine.lines, strict=True))
     end = next((e for line in mine.lines if (e := _end(line))), "\n")
@@ -160,20 +168,22 @@ def _carried(mine: _Text, theirs: _Text) -> list[str]:
         block = mine.lines[i1:i2]
         if step == "equal" or (step == "delete" and not any(mine.keys[i1:i2])):
             lines += block  # the controller may not keep empty lines
-        elif step == "replace" and (text := _with_values("".join(block), theirs.lines[j1:j2])):
+        elif step == "replace" and (
+            text := _with_values("".join(block), theirs.lines[j1:j2], mark)
+        ):
             lines += _LINE.findall(text)
         elif i2 - i1 == j2 - j1:
             pairs = zip(block, theirs.lines[j1:j2], strict=True)
-            lines += [_with_values(own, [new]) or _taken(new, end) for own, new in pairs]
+            lines += [_with_values(own, [new], mark) or _taken(new, end) for own, new in pairs]
         else:
             taken = zip(theirs.keys[j1:j2], theirs.lines[j1:j2], strict=True)
             lines += [spare.get(key) or _taken(line, end) for key, line in taken]
     return lines
 
 
-def _with_values(own: str, other: Sequence[str]) -> str | None:
+def _with_values(own: str, other: Sequence[str], mark: str) -> str | None:
     """Our text with the numbers of the other one, None if more than numbers differs."""
-    mine, theirs = list(_words(own)), list(_words("".join(other)))
+    mine, theirs = list(_words(own, mark)), list(_words("".join(other), mark))
     if len(mine) != len(theirs):
         return None
     text, at = [], 0
@@ -186,12 +196,17 @@ def _with_values(own: str, other: Sequence[str]) -> str | None:
     return "".join([*text, own[at:]])
 
 
-def _words(text: str) -> Iterator[tuple[str, int]]:
-    """The words, each with where it begins; numbers with their signs."""
-    before = "["
+def _words(text: str, mark: str) -> Iterator[tuple[str, int]]:
+    """The words, each with where it begins; numbers with their signs. mark: of comments."""
+    before, behind = "[", 0
     sign: int | None = None
     for found in _WORD.finditer(text):
         word, start = found[0], found.start()
+        if start < behind:
+            continue
+        if word == mark:
+            behind = len(text) if (end := _LINE_END.search(text, start)) is None else end.end()
+            continue
         if sign is not None:
             if _NUMBER.match(word) and sign + 1 == start:
                 word, start = text[sign] + word, sign
@@ -215,17 +230,17 @@ def _end(line: str) -> str:
     return line[len(line.rstrip("\r\n")) :]
 
 
-def _text(data: bytes, form: Form, digits: int | None = None) -> _Text:
+def _text(data: bytes, form: Form, digits: int | None = None, mark: str = "") -> _Text:
     source = decode(data, None, ENCODINGS)
     lines = _LINE.findall(source.text)
-    known = {line: _key(line, source.encoding, form, digits) for line in set(lines)}
+    known = {line: _key(line, source.encoding, form, digits, mark) for line in set(lines)}
     return _Text(lines, [known[line] for line in lines], source.encoding)
 
 
-def _key(line: str, encoding: str, form: Form, digits: int | None) -> Key:
+def _key(line: str, encoding: str, form: Form, digits: int | None, mark: str) -> Key:
     with suppress(Refused):  # a line alone may be no program
         line = form(line.encode(encoding)).decode(encoding, "replace")
-    return tuple(_says(word, digits) for word, _ in _words(line))
+    return tuple(_says(word, digits) for word, _ in _words(line, mark))
 
 
 def _says(word: str, digits: int | None = None) -> str | float:

@@ -124,12 +124,14 @@ class _Run:
         self, file: PlannedFile, base: bytes | None, own: bytes, there: bytes, form: Form
     ) -> bytes:
         """Our text with what was changed there."""
+        in_memory = there == file.before.loaded and there != file.before.file
+        mark = languages.get(self.site.language).comment_mark if in_memory else ""
         if base is not None and form(base) != form(own):
-            both = merged(base, own, there, form)
+            both = merged(base, own, there, form, mark)
             if both is None:
                 raise Refused(rules.BOTH_CHANGED(path=file.path, name=file.name))
             return both
-        text = in_layout(own, there, form)
+        text = in_layout(own, there, form, mark)
         return text if self._are_same(text, there, file) else there
 
     def _are_same(self, one: bytes, other: bytes, file: PlannedFile) -> bool:

@@ -48,6 +48,19 @@ def test_what_says_the_same_stays_as_it_was_written(there, expected):
     assert in_layout(OWN, there, plain) == expected
 
 
+def test_comments_that_a_memory_does_not_keep_stay():
+    there = (
+        b"MODULE m\nCONST num a:=1.5;\nCONST pos p:=[[0,-2],\n[3,-4.5]];\n"
+        b"PROC main()\ngo a,p;\nENDPROC\nENDMODULE\n"
+    )
+    expected = OWN.replace(b"[3, 4]", b"[3, -4.5]")
+    assert in_layout(OWN, there, plain, "!") == expected
+    other = OWN.replace(b"1.50;   ! one and a half", b"1.75;   ! more")
+    both = merged(OWN, other, there, plain, "!")
+    assert both == other.replace(b"[3, 4]", b"[3, -4.5]")
+    assert in_layout(OWN, there, plain).count(b"!") < 2, "elsewhere a comment counts"
+
+
 CR = b"10 MOV P2\r\n20 DLY 0.5  ' wait\r\n30 END\r\nP2=(+1.234,+2.00)\r\nP1=(3,+4)\r\n"
 
 
