@@ -13,8 +13,8 @@ from assistant.program.text import decode
 
 ENCODINGS: Final = ("utf-8", "latin-1")
 """To show a program in; differences are found on its bytes."""
-
-
+STEERING: Final = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069]")
+"""Characters that a terminal obeys, and those that end a line or turn the direction of a text."""
 NOWHERE: Final = "/dev/null"
 """Where a program is that is not there, as a unified difference says it."""
 
@@ -46,4 +46,4 @@ def since(site: Site, name: str, left: Held | None, now: Held) -> str:
 def _shown(data: bytes) -> list[str]:
     """The lines, with no character in them that a terminal would obey."""
     lines = re.split(r"\r\n|\r|\n", decode(data, None, ENCODINGS).text)
-    return [re.sub(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]", "�", line) for line in lines if line]
+    return [STEERING.sub("�", line) for line in lines if line]

@@ -205,6 +205,15 @@ def test_markup_in_a_record_stays_text(irc5, capsys):
     assert "<img" not in outside and "evil" not in outside
 
 
+def test_what_a_program_says_steers_nothing(irc5):
+    """In the difference that is shown; characters that turn the direction of a text do not, too."""
+    text = MODULE.format(4).replace("PROC", "! \x1b[2J \x9b31m \u202e \u2066 \u2028 end\r\n  PROC")
+    (irc5.folder / "seam.mod").write_bytes(text.encode())
+    (file,) = plan(irc5).files
+    assert "-  ! �[2J �31m � � � end\n" in file.diff
+    assert not re.search(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069]", file.diff)
+
+
 def test_what_a_claim_says_steers_nothing(irc5, capsys):
     (irc5.folder / CLAIM).mkdir()
     claim = {"deployment": STEERING, "who": STEERING, "time": STEERING}
