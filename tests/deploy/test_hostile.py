@@ -100,9 +100,6 @@ def kept_in(irc5, name):
     return json.loads((irc5.folder / name).read_bytes())
 
 
-# -------------------------------------------------------------------------------------- the listing
-
-
 def test_names_of_a_listing_lead_nowhere(project, tmp_path, capsys):
     """They are told without what would steer a terminal, and no file is made of them."""
     names = [name for name in OUTSIDE if "\n" not in name] + ["\x1b[2Jx.mod", "[red]x.mod"]
@@ -119,9 +116,6 @@ def test_names_of_a_listing_lead_nowhere(project, tmp_path, capsys):
     assert_harmless(told.out, told.err)
     after = {path for path in tmp_path.rglob("*") if ".robot-assistant" not in path.parts}
     assert after == before
-
-
-# --------------------------------------------------------------------------------------- the record
 
 
 def test_a_record_that_was_changed_is_told(irc5, project):
