@@ -98,5 +98,5 @@ def test_what_a_file_server_cannot_do(capsys, irc5, here):
 
 def test_deploying_by_name(capsys, cr, tmp_path):
     (tmp_path / "here" / "pick.prg").write_text(PROGRAM.format(1), encoding="utf-8")
-    assert run(capsys, "deploy", "pick.prg", "--to", "cell1", "--backup", tmp_path / "b")[0] == 0
+    assert run(capsys, "deploy", "pick.prg", "--to", "cell1", "--history", tmp_path / "b")[0] == 0
     assert cr.names() == ("PICK",)
