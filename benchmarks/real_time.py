@@ -13,7 +13,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import Final
+from typing import Final, cast
 
 import numpy as np
 
@@ -55,9 +55,9 @@ class _Naive(asyncio.DatagramProtocol):
         self.samples: list[dict[str, object]] = []
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        assert isinstance(transport, asyncio.DatagramTransport)
-        self.transport = transport
-        transport.sendto(self.link.hello(0))
+        # Before Python 3.12 what arrives here is of another class.
+        self.transport = cast("asyncio.DatagramTransport", transport)
+        self.transport.sendto(self.link.hello(0))
 
     def datagram_received(self, data: bytes, addr: object) -> None:
         del addr
