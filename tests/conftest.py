@@ -40,6 +40,8 @@ def pytest_configure(config: pytest.Config) -> None:
 # A job in the background of a script has Ctrl+C ignored, and so would have the servers that
 # tests stop with it.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+if hasattr(signal, "SIGHUP"):  # `nohup` has it ignored
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 
 @pytest.fixture(scope="session")
