@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path as FilePath
 from typing import Final
@@ -74,15 +74,6 @@ def told_name(name: str) -> str:
         reason = "it cannot be a file of this computer"
         raise Refused(rules.FILE_NAME(place=repr(name), name=repr(name), reason=reason))
     return name
-
-
-def told_names(names: Collection[str]) -> tuple[str, ...]:
-    """The names of a listing, sorted; raises Refused if one would steer a terminal."""
-    for name in names:
-        if not name.isprintable():
-            reason = "it holds a control character"
-            raise Refused(rules.FILE_NAME(place=repr(name), name=repr(name), reason=reason))
-    return tuple(sorted(names))
 
 
 MODULE: Final = re.compile(

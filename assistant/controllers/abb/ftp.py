@@ -17,7 +17,6 @@ from assistant.controllers.abb.files import (
     checked_name,
     checked_path,
     first_difference,
-    told_names,
 )
 from assistant.controllers.abb.ftp_session import FtpSession
 from assistant.program.diagnostics import Refused
@@ -47,7 +46,7 @@ class Ftp(FtpSession):
             # A list that was cut looks whole; that the session goes on tells that it was not.
             with suppress(ftplib.error_perm):
                 self.session.voidcmd("NOOP")
-        return told_names({line.rsplit("/", 1)[-1] for line in found} - {".", ".."})
+        return tuple(sorted({line.rsplit("/", 1)[-1] for line in found} - {".", ".."}))
 
     def read(self, name: str) -> bytes | None:
         checked_name(name)

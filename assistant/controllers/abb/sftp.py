@@ -24,7 +24,6 @@ from assistant.controllers.abb.files import (
     checked_name,
     checked_path,
     told_name,
-    told_names,
 )
 from assistant.controllers.address import Address
 from assistant.controllers.credentials import Credentials
@@ -91,7 +90,11 @@ class Sftp(FileSession):
     def names(self) -> tuple[str, ...]:
         with self._during("listing the folder", UNTOUCHED, LISTING) as (files, _):
             found = files.listdir(".")
-        return told_names(found)
+        for name in found:
+            if not name.isprintable():
+                reason = "it holds a control character"
+                raise Refused(rules.FILE_NAME(place=repr(name), name=repr(name), reason=reason))
+        return tuple(sorted(found))
 
     def read(self, name: str) -> bytes | None:
         checked_name(name)
