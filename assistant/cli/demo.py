@@ -104,7 +104,8 @@ def _installed(
 
     paths = write_files(compiled.files, output)
     say(f"  written: {', '.join(str(path) for path in paths)}")
-    done = deploy.deploy(deploy.plan(paths, controller), history=output / "backup")
+    history = output / "deployments"
+    done = deploy.deploy(deploy.plan(paths, controller, history=history), history=history)
     if not done.ok:
         raise Refused(*done.findings)
     say(f"  {done.summary}")
