@@ -9,6 +9,7 @@ import json
 import os
 import pty
 import re
+import select
 import signal
 import subprocess
 import sys
@@ -156,7 +157,10 @@ def test_a_table_on_a_terminal(two, files, tmp_path, capsys, monkeypatch):
         patch.setattr(sys, "stdout", terminal)
         assert run_many(cells, Manner(), tmp_path / "kept", False, Format.TEXT) == 0
         terminal.flush()
-        shown = os.read(ours, 10_000).decode()
+        shown = ""
+        while shown.count("\n") < 4:  # a terminal hands over what it has so far
+            assert select.select([ours], [], [], 30)[0], shown
+            shown += os.read(ours, 10_000).decode()
     os.close(ours)
     head, first, second, last = shown.splitlines()
     assert head.split() == ["controller", "address", "result", "programs"]
