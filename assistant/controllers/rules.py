@@ -97,7 +97,13 @@ FILE_NAME = error("CN207", "`{name}` cannot be a file on this controller: {reaso
 CERTIFICATE = error(
     "CN208",
     "{address} showed no certificate that can be trusted: {reason}; nothing was changed by that",
-    "name the file that holds its certificate",
+    "write the file that holds its certificate, or that of its authority, into the project: "
+    '`certificate = "cell1.pem"` in the controller\'s table of assistant.toml, docs/controllers',
+)
+NO_TLS = error(
+    "CN214",
+    "{address} does not go over to TLS: {reply}; {state}",
+    "switch TLS on there, or have a gateway do it; `ftp://` goes without, in clear text",
 )
 NOT_KEPT = error(
     "CN219",

@@ -293,7 +293,7 @@ def test_a_wrong_certificate_is_refused_before_anything_is_sent(
         )
         refused_before_anything(client, project)
     heard = b"".join(server.heard)
-    assert heard in (b"", b"AUTH TLS\r\n" * 2), "neither name nor password nor program"
+    assert heard.replace(b"AUTH TLS\r\n", b"") == b"", "neither name nor password nor program"
 
 
 def test_a_wrong_host_key_is_refused_before_anything_is_sent(project, tmp_path, monkeypatch):

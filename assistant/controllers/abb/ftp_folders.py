@@ -59,7 +59,12 @@ def tree(session: FtpSession, folder: str = "") -> tuple[Entry, ...]:
             _enter(session, folder)
         with session.during("asking for the folder", UNTOUCHED):
             top = session.session.pwd()
+        spelling = session.session.spelling
         _walk(session, top.rstrip("/"), "", 0, found)
+        if session.session.spelling != spelling:  # what was read before is spelled anew
+            found.clear()
+            _enter(session, top)
+            _walk(session, top.rstrip("/"), "", 0, found)
     except rules.Lost:
         raise
     except Refused:

@@ -15,7 +15,9 @@ from pathlib import Path as FilePath
 from typing import Final, NoReturn, Self
 
 from assistant.controllers import rules
+from assistant.controllers.abb import trust
 from assistant.controllers.abb.files import FileSession
+from assistant.controllers.abb.ftp_lines import BYTES, Lines, TlsLines, cut, decoded, shown_by
 from assistant.controllers.address import Address
 from assistant.controllers.credentials import Credentials
 from assistant.controllers.os_errors_in_words import reason_of
@@ -28,29 +30,9 @@ LISTING: Final = 10
 """Time-outs in which a whole listing has to come."""
 PIECE: Final = 65536
 """Bytes that are sent or received at once."""
-FAILURES: Final = (OSError, EOFError, ftplib.Error, OverflowError, UnicodeDecodeError)
+FAILURES: Final = (OSError, EOFError, ftplib.Error, OverflowError)
 """What ftplib raises where there is no connection any more, or the answer makes no sense: no port
-is that large, no text has those bytes."""
-
-
-class _InTime(ftplib.FTP):
-    """Answers that are whole within the time-out of the socket; ftplib grants it to each byte."""
-
-    def getmultiline(self) -> str:
-        channel = self.sock
-        assert channel is not None
-        with Pace(channel.gettimeout() or 0.0, partial(_cut, channel)):
-            return super().getmultiline()
-
-
-class _TlsInTime(_InTime, ftplib.FTP_TLS):
-    """The same, encrypted."""
-
-
-def _cut(channel: socket.socket) -> None:
-    """Ends a line in both directions, below TLS, so that whoever waits for it meets its end."""
-    with suppress(OSError):
-        socket.socket.shutdown(channel, socket.SHUT_RDWR)
+is that large."""
 
 
 class FtpSession(FileSession):
@@ -69,7 +51,7 @@ class FtpSession(FileSession):
         certificate: str | FilePath | None = None,
     ) -> None:
         super().__init__(address, credentials, timeout=timeout, certificate=certificate)
-        self._ftp: ftplib.FTP | None = None
+        self._ftp: Lines | None = None
 
     def __enter__(self) -> Self:
         """Connects, logs in and goes to the folder of the address."""
@@ -89,7 +71,7 @@ class FtpSession(FileSession):
         self._hang_up()
 
     @property
-    def session(self) -> ftplib.FTP:
+    def session(self) -> Lines:
         if self._ftp is None:
             raise rules.Lost(
                 rules.LOST(
@@ -101,38 +83,60 @@ class FtpSession(FileSession):
             )
         return self._ftp
 
-    def _connected(self) -> ftplib.FTP:
-        ftp: ftplib.FTP = _InTime()
-        if self.address.scheme == "ftps":
-            ftp = _TlsInTime(context=self._trust())
+    def _connected(self) -> Lines:
+        secure = self.address.scheme == "ftps"
+        ftp = TlsLines(self._trust()) if secure else Lines()
         ftp.set_pasv(self.address.option("mode", "passive") == "passive")
         try:
             ftp.connect(self.address.host, self.address.port, timeout=self._timeout)
         except FAILURES as error:
             ftp.close()
             self._unreachable(error)
+        if isinstance(ftp, TlsLines):
+            self._encrypt(ftp)
         return ftp
 
-    def _trust(self) -> ssl.SSLContext:
+    def _encrypt(self, ftp: TlsLines) -> None:
+        """Goes over to TLS before anything that is secret is sent."""
         try:
-            return ssl.create_default_context(
-                cafile=str(self._certificate) if self._certificate else None
-            )
-        except (OSError, ssl.SSLError) as error:
-            self._untrusted(f"`{self._certificate}`: {reason_of(error)}")
+            ftp.auth()
+        except ssl.SSLError as error:
+            ftp.close()
+            self._untrusted(reason_of(error))
+        except ftplib.error_perm as error:
+            ftp.close()
+            self._no_tls(error, "nothing that is secret was sent")
+        except FAILURES as error:
+            ftp.close()
+            self._unreachable(error)
 
-    def _login(self, ftp: ftplib.FTP) -> None:
+    def _trust(self) -> ssl.SSLContext:
+        """What the server is checked with; its certificate is looked at where a file is given."""
+        shown = partial(shown_by, self.address.host, self.address.port, self._timeout)
+        try:
+            return trust.context(self._certificate, shown)
+        except trust.BadFile as error:
+            self._untrusted(f"`{self._certificate}`: {error}")
+        except ftplib.error_perm as error:
+            self._no_tls(error, "nothing that is secret was sent")
+        except FAILURES as error:
+            self._unreachable(error)
+
+    def _no_tls(self, error: ftplib.Error, state: str) -> NoReturn:
+        """Of a server that refused to go over to TLS."""
+        place, reply = self.address, self.said(error)
+        raise Refused(
+            rules.NO_TLS(place=str(place), address=place, reply=reply, state=state), exit_status=2
+        ) from None
+
+    def _login(self, ftp: Lines) -> None:
         name = self._credentials.user
         try:
             ftp.login(name, self._credentials.password)
-            if isinstance(ftp, ftplib.FTP_TLS):
-                ftp.prot_p()
-        except ssl.SSLError as error:
-            self._untrusted(reason_of(error))
-        except UnicodeDecodeError as error:
-            self._unreachable(error)
+            if isinstance(ftp, TlsLines):
+                self._keep_private(ftp)
         except ftplib.error_perm as error:
-            reply = self._credentials.hidden(str(error))
+            reply = self.said(error)
             raise Refused(
                 rules.LOGIN(place=str(self.address), address=self.address, user=name, reply=reply),
                 exit_status=2,
@@ -151,7 +155,14 @@ class FtpSession(FileSession):
         except FAILURES as error:
             self._unreachable(error)
 
-    def _enter_folder(self, ftp: ftplib.FTP) -> None:
+    def _keep_private(self, ftp: TlsLines) -> None:
+        """Has the files go over TLS as well as the commands."""
+        try:
+            ftp.prot_p()
+        except ftplib.error_perm as error:
+            self._no_tls(error, "no file was sent")
+
+    def _enter_folder(self, ftp: Lines) -> None:
         try:
             ftp.cwd(self.address.folder)
         except ftplib.error_perm as error:
@@ -234,21 +245,21 @@ class FtpSession(FileSession):
 
         self.receive(command, take, kind="TYPE A")
         try:
-            text = data.decode("utf-8")
+            text = data.decode(self.session.spelling)
         except UnicodeDecodeError:
-            text = data.decode("latin-1")
-            self.session.encoding = "latin-1"  # names go back as they came
+            text = data.decode(BYTES)
+            self.session.spelling = BYTES  # names go back as they came
         return [line for line in re.split(r"\r?\n", text) if line]
 
     @contextmanager
     def _transfer(
-        self, ftp: ftplib.FTP, command: str, kind: str = "TYPE I", start: int = 0
+        self, ftp: Lines, command: str, kind: str = "TYPE I", start: int = 0
     ) -> Iterator[tuple[socket.socket, Pace]]:
         """The channel of a transfer, which is cut where it does not keep its pace."""
         ftp.voidcmd(kind)
         with (
             ftp.transfercmd(command, start or None) as channel,
-            Pace(self._timeout, partial(_cut, channel)) as pace,
+            Pace(self._timeout, partial(cut, channel)) as pace,
         ):
             yield channel, pace
             if isinstance(channel, ssl.SSLSocket):
@@ -281,6 +292,13 @@ class FtpSession(FileSession):
             raise rules.Lost(
                 rules.LOST(place=place, doing=doing, reason=self.said(error), state=state)
             ) from None
+
+    def said(self, error: Exception) -> str:
+        """What a server said is UTF-8 or Latin-1; see `FileSession.said`."""
+        text = reason_of(error)
+        if isinstance(error, ftplib.Error):
+            text = decoded(text)
+        return self._credentials.hidden(text)
 
     def _hang_up(self) -> None:
         if self._ftp is not None:

@@ -172,7 +172,11 @@ class _Conversation:
             self.data.close()
             return self.say("550 permission denied")
         with self.channel() as channel:
-            channel.sendall("".join(f"{name}\r\n" for name in self.peer.names).encode())
+            channel.sendall(
+                "".join(f"{name}\r\n" for name in self.peer.names).encode(
+                    "utf-8", "surrogateescape"
+                )
+            )
         return self.say("226 done")
 
     def do_retr(self, argument):

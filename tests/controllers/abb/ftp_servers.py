@@ -11,6 +11,7 @@ import socket
 import subprocess
 import threading
 import time
+from pathlib import Path
 
 import pytest
 
@@ -19,18 +20,26 @@ from assistant.controllers import connect
 PASSWORD = "correct horse"
 PATHS = os.pathsep.join((os.environ.get("PATH", ""), "/usr/sbin", "/usr/local/sbin"))
 
+MODULES = [
+    *(Path(place).parent / "lib" / "proftpd" for place in PATHS.split(os.pathsep)),
+    *(Path("/usr/lib/proftpd"), Path("/usr/libexec/proftpd")),
+]
+"""Where modules of proftpd are: beside its program, or in the system's place."""
+
 
 class Server:
     """root: what it serves. commands: those that it got, where it is one that tells."""
 
-    def __init__(self, root, port, user, commands=None):
+    def __init__(self, root, port, user, commands=None, certificate=None):
         self.root, self.port, self.user, self.commands = root, port, user, commands
+        self.certificate = certificate
         self.home = root / "HOME:"
         self.home.mkdir(exist_ok=True)
 
     def client(self, options="", port=None, timeout=10.0):
-        address = f"ftp://{self.user}@127.0.0.1:{port or self.port}/HOME:{options}"
-        return connect(address, password=PASSWORD, timeout=timeout)
+        scheme = "ftps" if self.certificate else "ftp"
+        address = f"{scheme}://{self.user}@127.0.0.1:{port or self.port}/HOME:{options}"
+        return connect(address, password=PASSWORD, timeout=timeout, certificate=self.certificate)
 
 
 @contextlib.contextmanager
@@ -83,7 +92,8 @@ def never_replacing(root):
 
 
 @contextlib.contextmanager
-def vsftpd(root):
+def vsftpd(root, certificate=None):
+    """certificate: file with it and its key, for TLS; transfers have to go on with its session."""
     config, empty = root.parent / "vsftpd.conf", root.parent / "empty"
     empty.mkdir()
     port = free_port()
@@ -96,13 +106,19 @@ def vsftpd(root):
         "seccomp_sandbox": "NO", "allow_writeable_chroot": "YES", "anon_world_readable_only": "NO",
         "xferlog_enable": "NO", "isolate": "NO", "isolate_network": "NO",
     }  # fmt: skip
+    if certificate is not None:
+        settings |= {
+            "ssl_enable": "YES", "allow_anon_ssl": "YES", "require_ssl_reuse": "YES",
+            "rsa_cert_file": certificate, "rsa_private_key_file": certificate,
+            "force_anon_logins_ssl": "YES", "force_anon_data_ssl": "YES", "ssl_tlsv1": "YES",
+        }  # fmt: skip
     config.write_text("".join(f"{name}={value}\n" for name, value in settings.items()))
     with running([program("vsftpd"), str(config)], port):
-        yield Server(root, port, "anonymous")
+        yield Server(root, port, "anonymous", certificate=certificate)
 
 
 @contextlib.contextmanager
-def proftpd(root):
+def proftpd(root, certificate=None):
     config, users = root.parent / "proftpd.conf", root.parent / "users"
     port, name = free_port(), getpass.getuser()
     hashed = crypted(PASSWORD)
@@ -119,8 +135,15 @@ def proftpd(root):
         "<IfModule mod_delay.c>\nDelayEngine off\n</IfModule>\n"
         "<IfModule mod_ident.c>\nIdentLookups off\n</IfModule>\n"
     )
+    if certificate is not None:
+        module = find_file("mod_tls.so", MODULES)
+        tls = (
+            f"ModulePath {module.parent}\nLoadModule mod_tls.c\nTLSEngine on\nTLSRequired on\n"
+            f"TLSRSACertificateFile {certificate}\nTLSRSACertificateKeyFile {certificate}\n"
+        )
+        config.write_text(tls + config.read_text())
     with running([program("proftpd"), "-n", "-q", "-c", str(config)], port):
-        yield Server(root, port, "user")
+        yield Server(root, port, "user", certificate=certificate)
 
 
 @contextlib.contextmanager
@@ -147,6 +170,28 @@ def pure_ftpd(root):
 SERVERS = {
     "pyftpdlib": pyftpdlib, "vsftpd": vsftpd, "proftpd": proftpd, "pure-ftpd": pure_ftpd,
 }  # fmt: skip
+
+
+def own_certificate(folder, host="127.0.0.1"):
+    """A file with a key and the certificate that a controller made of it for itself."""
+    key, made = folder / "key.pem", folder / "own.pem"
+    command = ["req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1"]
+    names = ["-subj", "/CN=a robot", "-addext", f"subjectAltName=DNS:{host}"]
+    files = ["-nodes", "-days", "2", "-keyout", str(key), "-out", str(made)]
+    subprocess.run(
+        [program("openssl"), *command, *names, *files], check=True, capture_output=True, timeout=10
+    )
+    made.write_bytes(key.read_bytes() + made.read_bytes())
+    made.chmod(0o600)
+    return made
+
+
+def find_file(name, folders):
+    """A file of a server's package, skipped where the package is not there."""
+    for folder in folders:
+        if (Path(folder) / name).is_file():
+            return Path(folder) / name
+    pytest.skip(f"{name} is not installed")
 
 
 def program(name):

@@ -4,6 +4,7 @@ Servers that are not installed are skipped, and counted so.
 """
 
 import json
+import os
 import socket
 
 import pytest
@@ -106,6 +107,23 @@ def test_folders_are_fetched_from_servers_that_know_less(tmp_path, without):
         assert client.fetch_folder("", tmp_path / "all") == tuple(sorted(TREE))
         assert set(server.commands) & {"MLSD", "LIST"} == {"MLSD", "LIST"}
     assert folders.contents(tmp_path / "all", "abb files") == TREE
+
+
+@pytest.mark.parametrize("server", ["vsftpd", "proftpd", "pure-ftpd"], indirect=True)
+def test_names_in_whatever_spelling_stop_nothing(server, tmp_path):
+    """Latin-1 beside UTF-8, in folders as well: all of it is listed, and fetched as it is."""
+    named = {b"a/\xc3\xa4.txt": b"utf-8", b"b/M\xe4rz.mod": b"latin-1", b"\xfcber/c.mod": b"c"}
+    for name, data in named.items():
+        fill(server.home, {os.fsdecode(name): data})
+    fill(server.home, {"seam.mod": TREE["seam.mod"]})
+    with server.client() as client:
+        assert "seam.mod" in client.names() and len(client.names()) == 4
+        assert client.read("seam.mod") == TREE["seam.mod"]
+        client.write("other.mod", b"other")
+        assert len(client.fetch_folder("", tmp_path / "all")) == 5
+        assert client.read("other.mod") == b"other"
+    fetched = folders.contents(tmp_path / "all", "abb files")
+    assert sorted(fetched.values()) == sorted([*named.values(), TREE["seam.mod"], b"other"])
 
 
 class Cut(Exception):

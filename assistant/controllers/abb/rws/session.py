@@ -6,12 +6,14 @@ import importlib.util
 import re
 import ssl
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path as FilePath
 from typing import Final, NoReturn
 from urllib.parse import quote, urlencode, urljoin
 
 from assistant.controllers import rules
-from assistant.controllers.abb.rws import codes, trust
+from assistant.controllers.abb import trust
+from assistant.controllers.abb.rws import codes
 from assistant.controllers.abb.rws.answers import Answer, parse, plain
 from assistant.controllers.abb.rws.dialects import ANYTHING, DIALECTS, XHTML, Operation
 from assistant.controllers.abb.rws.transport import BUSY, Broken, Response, Transport
@@ -218,7 +220,8 @@ class Session:
     def _trusted(self) -> ssl.SSLContext:
         host, port = self.address.host, self.address.port
         try:
-            return trust.context(host, port, self._certificate, self.timeout)
+            shown = partial(trust.shown_at, host, port, self.timeout)
+            return trust.context(self._certificate, shown)
         except trust.BadFile as error:
             self._untrusted(f"`{self._certificate}`: {error}")
         except (OSError, ValueError) as error:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import ssl
+from collections.abc import Callable
 from pathlib import Path as FilePath
 from typing import Final
 
@@ -16,14 +17,13 @@ class BadFile(Exception):
     """The file of the certificate cannot be used."""
 
 
-def context(
-    host: str, port: int, certificate: str | FilePath | None, timeout: float
-) -> ssl.SSLContext:
-    """What connections are checked with; raises BadFile, or OSError where nobody answers.
+def context(certificate: str | FilePath | None, shown: Callable[[], bytes]) -> ssl.SSLContext:
+    """What connections are checked with; raises BadFile, and what `shown` raises.
 
     certificate: file of an authority, or of the controller's own certificate. Controllers make
     their own with names that are not their address: if the one shown is the very one in the
-    file, its key is trusted, and its name is not asked for.
+    file, its key is trusted, and its name is not asked for. shown: fetches the one that the
+    controller shows, in DER, unchecked.
     """
     if certificate is None:
         return ssl.create_default_context()
@@ -33,15 +33,23 @@ def context(
         known = {ssl.PEM_cert_to_DER_cert(found) for found in PEM.findall(text)}
     except (OSError, ValueError) as error:
         raise BadFile(reason_of(error)) from None
-    if _shown(host, port, timeout) in known:
+    if shown() in known:
         trusted.check_hostname = False
         trusted.verify_flags &= ~ssl.VERIFY_X509_STRICT  # what controllers make is not strict
         trusted.verify_flags |= ssl.VERIFY_X509_PARTIAL_CHAIN
     return trusted
 
 
-def _shown(host: str, port: int, timeout: float) -> bytes:
-    """The certificate that a controller shows, unchecked; raises OSError but no ssl.SSLError."""
+def unchecked() -> ssl.SSLContext:
+    """For a connection that only looks at the certificate, and over which nothing else goes."""
+    anyone = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+    anyone.check_hostname = False
+    anyone.verify_mode = ssl.CERT_NONE
+    return anyone
+
+
+def shown_at(host: str, port: int, timeout: float) -> bytes:
+    """The certificate of a server that speaks TLS from the start; raises OSError, no SSLError."""
     try:
         return ssl.PEM_cert_to_DER_cert(ssl.get_server_certificate((host, port), timeout=timeout))
     except ssl.SSLError as error:  # of a line that is cut, or a server without TLS
