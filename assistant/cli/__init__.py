@@ -9,8 +9,10 @@ import sys
 from contextvars import copy_context
 from typing import Final
 
+from assistant.program.budgets import VARIABLE
 from assistant.program.diagnostics import Refused, error
 from assistant.program.failing import details_wanted, failure
+from assistant.program.watchdog import Reached
 
 NOT_PRINTED = error(
     "CL901",
@@ -26,7 +28,14 @@ def main(arguments: list[str] | None = None) -> None:
     if arguments is None:
         _settle_in()
     # In a context of its own: what one command was asked for, the next one was not.
-    copy_context().run(_run, arguments)
+    before = os.environ.get(VARIABLE)
+    try:
+        copy_context().run(_run, arguments)
+    finally:
+        if before is None:
+            os.environ.pop(VARIABLE, None)
+        else:
+            os.environ[VARIABLE] = before
 
 
 NEW_OBJECTS: Final = 100_000
@@ -50,6 +59,9 @@ def _run(arguments: list[str] | None) -> None:
     except Refused as refused:
         print_refused(refused.findings)
         sys.exit(refused.exit_status)
+    except Reached as reached:  # between two stages
+        print_refused([failure(reached)])
+        sys.exit(2)
     except KeyboardInterrupt:
         sys.exit(INTERRUPTED)
     except BrokenPipeError:

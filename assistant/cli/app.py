@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Annotated, Final
 
@@ -50,6 +51,16 @@ app.add_typer(robots, name="robots")
 app.add_typer(exchange, name="exchange")
 
 
+def _budget(text: str | None) -> None:
+    """For this command, and for the processes that it starts."""
+    from assistant.program.budgets import VARIABLE, factor, factor_of
+
+    if text is not None:
+        factor_of(text)
+        os.environ[VARIABLE] = text
+    factor()  # what the environment states is looked at before anything is done
+
+
 def _version(wanted: bool) -> None:
     if wanted:
         typer.echo(f"robot-assistant {__version__}")
@@ -62,8 +73,17 @@ def options(
         bool,
         typer.Option("--version", callback=_version, is_eager=True, help="Print the version."),
     ] = False,
+    budget: Annotated[
+        str | None,
+        typer.Option(
+            "--budget",
+            metavar="FACTOR",
+            help="Times all limits of time, memory and size.",
+        ),
+    ] = None,
 ) -> None:
     """Drawings, trajectories and robot programs to proven ABB RAPID and MELFA-BASIC."""
+    _budget(budget)
 
 
 @app.command()

@@ -20,7 +20,7 @@ from assistant.cli.presentation import (
     print_json,
     say,
 )
-from assistant.program.diagnostics import Diagnostic, Refused, Unreadable, error, has_errors
+from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors
 
 if TYPE_CHECKING:
     from assistant.compiler import Compiled, Loaded
@@ -170,11 +170,9 @@ def standard_input(language: str | None) -> tuple[SourceText, str | None]:
     """
     from assistant import languages
     from assistant.compiler.loading import PSEUDO_ENCODINGS, language_of
-    from assistant.program.text import EMPTY, decode
+    from assistant.program.text import decode, read_input
 
-    data = sys.stdin.buffer.read()
-    if not data:
-        raise Unreadable(EMPTY(path="standard input", name="standard input"))
+    data = read_input(sys.stdin.buffer)
     if language is None and not _PSEUDO.search(data):
         known = map(languages.get, languages.names())
         language = next((one.name for one in known if one.recognises(data)), None)

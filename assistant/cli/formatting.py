@@ -13,6 +13,7 @@ from assistant.cli.compiling import STANDARD, TWICE, working
 from assistant.cli.presentation import print_findings, say
 from assistant.program.diagnostics import Refused, error, has_errors
 from assistant.program.failing import details_wanted, failure
+from assistant.program.text import read_input
 
 if TYPE_CHECKING:
     from assistant.compiler.formatting import Formatted
@@ -44,7 +45,7 @@ def run_fmt(
                 with working(f"formatting {name}"):
                     if name == STANDARD:
                         done = format_bytes(
-                            sys.stdin.buffer.read(), "standard input", language, numbering
+                            read_input(sys.stdin.buffer), "standard input", language, numbering
                         )
                     else:
                         done = format_file(name, language, numbering)

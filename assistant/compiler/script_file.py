@@ -32,6 +32,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path as FilePath
 from typing import Any, Final
 
+from assistant.program.budgets import SETTINGS_FILE
 from assistant.program.diagnostics import Refused, error, has_errors
 from assistant.program.text import SourceText, decode, read_bytes
 from assistant.sources.process import values
@@ -136,7 +137,7 @@ TOP: Final[Mapping[str, Read]] = {"set": _as_it_is, "answer": _as_it_is, "option
 
 def read_script(path: str | FilePath) -> Script:
     """What a script says; raises Unreadable if it is no TOML, Refused for what is wrong in it."""
-    return parse_script(decode(read_bytes(path), str(path), ENCODINGS))
+    return parse_script(decode(read_bytes(path, most=SETTINGS_FILE), str(path), ENCODINGS))
 
 
 def parse_script(source: SourceText) -> Script:

@@ -27,6 +27,7 @@ _OWN_FAMILIES: Final = {
     "DX": "Drawings",
     "FN": "Severities and ignored findings",
     "IN": "Reading files",
+    "LM": "Limits",
     "NM": "Names",
     "PR": "Projects",
     "PS": "Pseudo-program text",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from typing import Final
 
+from assistant.program.budgets import overrun
 from assistant.program.diagnostics import Diagnostic, error
 
 INTERNAL: Final = error(
@@ -20,5 +21,5 @@ def details_wanted() -> bool:
 
 
 def failure(error: BaseException) -> Diagnostic:
-    """The finding that stands for an error."""
-    return INTERNAL(kind=type(error).__name__, error=error)
+    """The finding that stands for an error: ours, or of what the machine has no more of."""
+    return overrun(error, "the command") or INTERNAL(kind=type(error).__name__, error=error)

@@ -9,9 +9,11 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path as FilePath
-from typing import Any, Final
+from typing import Any, BinaryIO, Final
 
 from assistant.program import japanese
+from assistant.program.bounded import NoFile, TooLarge, read_file, read_stream
+from assistant.program.budgets import FILE
 from assistant.program.diagnostics import Diagnostic, Refused, Rule, Span, Unreadable, error
 
 NOT_FOUND = error("IN001", "there is no file `{name}`", "check the name and folder")
@@ -19,6 +21,16 @@ IS_FOLDER = error("IN002", "`{name}` is a folder", "name a file inside it")
 NOT_PERMITTED = error("IN003", "`{name}` may not be read", "ask for permission or copy the file")
 NOT_READ = error("IN004", "`{name}` cannot be read: {reason}", "try the file again")
 EMPTY = error("IN005", "`{name}` is empty", "export or save it again")
+NO_FILE = error(
+    "IN009",
+    "`{name}` cannot be read as a file: {reason}",
+    "copy what it gives into a file, or hand a robot program over on standard input, as `-`",
+)
+TOO_LARGE = error(
+    "IN010",
+    "`{name}` is not read: {reason}",
+    "split it; or allow more: `robot-assistant --budget 10 …`",
+)
 UNDECODABLE = error(
     "IN006", "`{name}` is not text in any of the encodings {encodings}", "save it as plain text"
 )
@@ -168,14 +180,20 @@ def comments(text: str, mark: str) -> Iterator[Span]:
     return (Span(*match.span()) for match in re.finditer(pattern, text) if match[1] is not None)
 
 
-def read_bytes(path: str | FilePath, *, allow_empty: bool = False) -> bytes:
-    """The bytes of a file.
+def read_bytes(path: str | FilePath, *, allow_empty: bool = False, most: int = FILE) -> bytes:
+    """The bytes of a file, see `bounded.read_file`.
 
     Raises Unreadable, with a finding, for whatever keeps it from being read.
     """
     name = str(path)
     try:
-        data = FilePath(path).read_bytes()
+        data = read_file(path, most)
+    except NoFile as error:
+        raise Unreadable(NO_FILE(path=name, name=name, reason=error.strerror)) from None
+    except TooLarge as error:
+        raise Unreadable(TOO_LARGE(path=name, name=name, reason=error.strerror)) from None
+    except Refused:
+        raise
     except FileNotFoundError:
         raise Unreadable(NOT_FOUND(path=name, name=name)) from None
     except (IsADirectoryError, NotADirectoryError):
@@ -188,6 +206,17 @@ def read_bytes(path: str | FilePath, *, allow_empty: bool = False) -> bytes:
         reason = getattr(error, "strerror", None) or str(error)
         raise Unreadable(NOT_READ(path=name, name=name, reason=reason)) from None
     if not data and not allow_empty:
+        raise Unreadable(EMPTY(path=name, name=name))
+    return data
+
+
+def read_input(stream: BinaryIO, name: str = "standard input") -> bytes:
+    """All that comes on a stream; raises Unreadable if that is nothing, or too much."""
+    try:
+        data = read_stream(stream, name=name)
+    except TooLarge as error:
+        raise Unreadable(TOO_LARGE(path=name, name=name, reason=error.strerror)) from None
+    if not data:
         raise Unreadable(EMPTY(path=name, name=name))
     return data
 

@@ -10,6 +10,8 @@ from contextlib import contextmanager
 from pathlib import Path as FilePath
 from typing import Final
 
+from assistant.program.bounded import read_file
+
 Digests = Mapping[str, str | None]
 """File or folder (with a `/` at its end), from the project's folder → SHA-256 of its bytes or of
 the names of its files but for reports; None for one that is not there.
@@ -63,7 +65,7 @@ def _digest(folder: FilePath, name: str) -> str | None:
             names = sorted(one.name for one in path.iterdir() if one.is_file())
             plain = (n for n in names if not n.startswith(".") and not n.lower().endswith(REPORTS))
             return digest_of("\0".join(plain).encode("utf-8", "surrogateescape"))
-        return digest_of(path.read_bytes())
+        return digest_of(read_file(path))
     except OSError:
         return None
 

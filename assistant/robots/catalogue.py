@@ -7,6 +7,7 @@ from importlib.resources import files
 from importlib.resources.abc import Traversable
 from pathlib import Path as FilePath
 
+from assistant.program.budgets import SETTINGS_FILE
 from assistant.program.text import read_bytes
 from assistant.robots.robot import Robot
 from assistant.robots.robot_file import read
@@ -35,7 +36,7 @@ def _of_catalogue(name: str) -> Robot:
 
 def load(path: str | FilePath) -> Robot:
     """A robot from a file of the user's own; raises Unreadable or Refused."""
-    return read(read_bytes(path), str(path))
+    return read(read_bytes(path, most=SETTINGS_FILE), str(path))
 
 
 def _folder() -> Traversable:

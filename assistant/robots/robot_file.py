@@ -12,6 +12,7 @@ from typing import Any, Final
 import numpy as np
 
 from assistant.program.arrays import Floats
+from assistant.program.budgets import SETTINGS_FILE
 from assistant.program.diagnostics import Refused, Unreadable, error
 from assistant.program.text import read_bytes
 from assistant.robots import urdf
@@ -64,7 +65,7 @@ def read(data: bytes, path: str | None = None) -> Robot:
     if not isinstance(drawing, str):
         raise Refused(WRONG_FIELD(path=path, place="urdf", field="urdf", reason="is no text"))
     file = FilePath(path or "robot.toml").parent / drawing
-    return _over(table, urdf.read(read_bytes(file), str(file)), path)
+    return _over(table, urdf.read(read_bytes(file, most=SETTINGS_FILE), str(file)), path)
 
 
 def _over(table: dict[str, Any], drawn: urdf.Drawn, path: str | None) -> Robot:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Any, Final
 
+from assistant.program.budgets import SETTINGS_FILE
 from assistant.program.diagnostics import Diagnostic, Rule, Span
 from assistant.program.text import SourceText, decode, read_bytes
 
@@ -63,7 +64,9 @@ def read_project(file: FilePath, table: tuple[str, ...]) -> Project | None:
     from assistant.sources.process.file import read_toml
     from assistant.sources.process.lines import key_spans
 
-    source = decode(read_bytes(file, allow_empty=True), str(file), ("utf-8-sig", "utf-8"))
+    source = decode(
+        read_bytes(file, allow_empty=True, most=SETTINGS_FILE), str(file), ("utf-8-sig", "utf-8")
+    )
     content: Any = read_toml(source).content
     for key in table:
         content = content.get(key) if isinstance(content, Mapping) else None

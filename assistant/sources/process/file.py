@@ -63,6 +63,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path as FilePath
 from typing import Any, Final
 
+from assistant.program.budgets import SETTINGS_FILE
 from assistant.program.diagnostics import Diagnostic, Refused, Unreadable, error, has_errors
 from assistant.program.geometry import BASE, FLANGE, Frame, Load, Pose, Tool
 from assistant.program.program import Signal
@@ -147,7 +148,7 @@ def read_process(path: str | FilePath) -> Process:
 
     Raises Unreadable for what is no TOML, Refused, with every finding, for what is wrong in it.
     """
-    return parse_process(decode(read_bytes(path), str(path), ENCODINGS))
+    return parse_process(decode(read_bytes(path, most=SETTINGS_FILE), str(path), ENCODINGS))
 
 
 def parse_process(source: SourceText) -> Process:

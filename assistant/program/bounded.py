@@ -1,0 +1,88 @@
+"""Reading with an end: regular files alone, and no more of them than a stated size.
+
+A named pipe waits for somebody who writes into it, a device may never end, and a file may be
+larger than the memory. Everything that a user or a client names is read here.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+from pathlib import Path as FilePath
+from typing import BinaryIO, Final
+
+from assistant.program.budgets import FILE, factor
+
+KINDS: Final = {
+    stat.S_IFIFO: "a named pipe",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+    stat.S_IFSOCK: "a socket",
+}
+PART: Final = 1 << 20
+"""Bytes that are read at once of what does not say how long it is."""
+_FLAGS: Final = (
+    os.O_RDONLY
+    | getattr(os, "O_BINARY", 0)
+    | getattr(os, "O_CLOEXEC", 0)
+    | getattr(os, "O_NOCTTY", 0)
+    | getattr(os, "O_NONBLOCK", 0)  # what became a pipe since it was looked at does not wait
+)
+
+
+class NoFile(OSError):
+    """It is there, but no regular file; `strerror` says what it is."""
+
+
+class TooLarge(OSError):
+    """It has more bytes than are read; `strerror` says how many that are."""
+
+
+def read_file(path: str | FilePath, most: int = FILE) -> bytes:
+    """The bytes of a regular file; raises OSError, of it NoFile and TooLarge, and ValueError.
+
+    most: bytes, times the factor of all budgets. Looked at before and while it is read: a file
+    may grow, and those of `/proc` say that they are empty.
+    """
+    _regular(FilePath(path).stat(), path)
+    number = os.open(path, _FLAGS)
+    with os.fdopen(number, "rb", buffering=0) as file:
+        found = os.fstat(file.fileno())
+        _regular(found, path)
+        limit = int(most * factor())
+        if found.st_size > limit:
+            raise too_large(limit, path)
+        return _all_of(file, limit, path, found.st_size + 1)
+
+
+def read_stream(stream: BinaryIO, most: int = FILE, name: str = "") -> bytes:
+    """All that comes until the stream ends; raises TooLarge and other OSErrors."""
+    return _all_of(stream, int(most * factor()), name, PART)
+
+
+def _all_of(file: BinaryIO, limit: int, path: str | FilePath, first: int) -> bytes:
+    parts: list[bytes] = []
+    total, wanted = 0, first
+    while True:
+        part = file.read(min(wanted, limit + 1 - total))
+        if part is None:
+            raise OSError(errno.EAGAIN, os.strerror(errno.EAGAIN), str(path))
+        if not part:
+            return parts[0] if len(parts) == 1 else b"".join(parts)
+        parts.append(part)
+        total, wanted = total + len(part), PART
+        if total > limit:
+            raise too_large(limit, path)
+
+
+def too_large(limit: int, path: str | FilePath) -> TooLarge:
+    return TooLarge(errno.EFBIG, f"it is larger than {limit / 1e6:.0f} MB", str(path))
+
+
+def _regular(found: os.stat_result, path: str | FilePath) -> None:
+    if stat.S_ISDIR(found.st_mode):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    if not stat.S_ISREG(found.st_mode):
+        kind = KINDS.get(stat.S_IFMT(found.st_mode), "a special file")
+        raise NoFile(errno.EINVAL, f"it is {kind}", str(path))

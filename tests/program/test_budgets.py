@@ -1,0 +1,133 @@
+"""Budgets of time and memory: what reaches them ends, also in threads, and nothing else does."""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+import time
+from collections.abc import Callable
+
+import pytest
+
+from assistant.program.budgets import STAGES, VARIABLE, Stage, within
+from assistant.program.diagnostics import Refused
+
+SMALL = Stage("trying", "bytes", 0.1, 0.0, 60, 0)
+ROOM = Stage("trying", "bytes", 1e6, 0.0, 60, 0)
+LARGE = Stage("trying", "bytes", 1e6, 0.0, 1e6, 0)
+
+
+def spin() -> None:
+    while True:
+        try:
+            time.monotonic()
+        except Exception:  # noqa: BLE001 - what tries again for ever ends as well
+            continue
+
+
+def grow() -> None:
+    kept = []
+    while True:
+        kept.append(bytearray(10_000))
+
+
+def at_once() -> None:
+    bytearray(1 << 45)
+
+
+def deep() -> None:
+    deep()
+
+
+def great() -> None:
+    assert 10.0**400 > 0
+
+
+def code_of(what: Callable[[], None], stage: Stage = SMALL) -> str:
+    with pytest.raises(Refused) as refused, within(stage, "a.mod", 1234):
+        what()
+    (finding,) = refused.value.findings
+    assert finding.path == "a.mod" and "trying" in finding.message and finding.cure
+    return finding.code
+
+
+@pytest.mark.parametrize(
+    ("what", "stage", "code"),
+    [
+        (spin, SMALL, "LM001"),
+        (grow, ROOM, "LM002"),
+        (at_once, ROOM, "LM002"),
+        (deep, LARGE, "LM003"),
+        (great, LARGE, "LM004"),
+    ],
+)
+def test_what_has_no_end_is_a_finding(what: Callable[[], None], stage: Stage, code: str) -> None:
+    assert code_of(what, stage) == code
+
+
+def test_the_budget_of_the_inner_or_the_outer_stage_is_reached() -> None:
+    def inside() -> None:
+        with within(SMALL, "inner.mod", 1):
+            spin()
+
+    with pytest.raises(Refused) as refused, within(LARGE, "outer.mod", 1):
+        inside()
+    assert refused.value.findings[0].path == "inner.mod"
+
+    def outside() -> None:
+        with within(LARGE, "inner.mod", 1):
+            spin()
+
+    with pytest.raises(Refused) as refused, within(SMALL, "outer.mod", 1):
+        outside()
+    assert refused.value.findings[0].path == "outer.mod"
+
+
+def test_it_ends_in_the_thread_that_takes_too_much_and_in_no_other() -> None:
+    codes: list[str] = []
+    other = threading.Thread(target=lambda: codes.append(code_of(spin)))
+    other.start()
+    turns = 0
+    with within(LARGE, "b.mod", 1):
+        while other.is_alive():
+            turns += 1
+    assert codes == ["LM001"] and turns
+
+
+def test_waiting_is_no_processor_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(VARIABLE, "0.1")
+    with within(SMALL, "a.mod", 1):  # 0.01 s
+        time.sleep(0.15)
+
+
+def test_the_factor_multiplies_time_and_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    for stage in STAGES:
+        monkeypatch.delenv(VARIABLE, raising=False)
+        before = stage.time_for(1000), stage.memory_for(1000)
+        monkeypatch.setenv(VARIABLE, "3")
+        assert (stage.time_for(1000), stage.memory_for(1000)) == pytest.approx(
+            [3 * value for value in before]
+        )
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="another limit, or none")
+def test_afterwards_all_is_as_it_was() -> None:
+    import resource
+
+    before = resource.getrlimit(resource.RLIMIT_DATA)
+    with within(SMALL, "a.mod", 1):
+        assert resource.getrlimit(resource.RLIMIT_DATA) != before
+    assert resource.getrlimit(resource.RLIMIT_DATA) == before
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="the system has no forks")
+def test_a_fork_has_budgets_of_its_own() -> None:
+    with within(LARGE, "a.mod", 1):
+        child = os.fork()
+        if child == 0:
+            try:
+                code = code_of(spin)
+            finally:
+                os._exit(0 if code == "LM001" else 1)
+    assert os.waitpid(child, 0)[1] == 0
