@@ -6,7 +6,7 @@ BIN := .venv/bin
 # Every command that the tests start would compile all modules and grammars anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test test-slow bench lint format clean
+.PHONY: demo test test-slow fuzz bench lint format clean
 
 .venv/demo: pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -21,6 +21,11 @@ unexport PYTHONDONTWRITEBYTECODE
 .venv/lint: pyproject.toml
 	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --editable '.[lint]'
+	touch $@ .venv/test .venv/demo
+
+.venv/fuzz: pyproject.toml
+	$(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --editable '.[fuzz]'
 	touch $@ .venv/test .venv/demo
 
 .venv/bench: pyproject.toml
@@ -39,6 +44,11 @@ test: .venv/test
 test-slow: .venv/test
 	$(BIN)/python -m pytest --numprocesses 2 --dist worksteal --hypothesis-profile=fresh \
 	  -m "slow or hypothesis"
+
+# Goes on from what earlier runs left in .fuzz: SECONDS of all targets, or INPUTS of each of them.
+SECONDS ?= 300
+fuzz: .venv/fuzz
+	$(BIN)/python -m tests.fuzz $(TARGETS) $(if $(INPUTS),--inputs=$(INPUTS),--seconds=$(SECONDS))
 
 bench: .venv/bench
 	$(BIN)/python -m benchmarks

@@ -1,0 +1,209 @@
+"""Files that are no programs: tables, drawings, process files, robots, projects, histories."""
+
+from __future__ import annotations
+
+import io
+import os
+import shutil
+import zipfile
+from collections.abc import Callable, Iterable
+from typing import Final
+
+import numpy as np
+
+import assistant
+from assistant.compiler.checking import check_files
+from assistant.compiler.script_file import parse_script
+from assistant.controllers.named import controllers_of
+from assistant.deploy.journal import read_journal, steps_of
+from assistant.deploy.record import Record, read_record
+from assistant.findings.severity import severities_for
+from assistant.program import pseudo
+from assistant.program.text import decode
+from assistant.project import project_of
+from assistant.project.kept import FILE, read_entries
+from assistant.robots import robot_file
+from assistant.sources.process.file import ENCODINGS, read_process
+from tests.fuzz.target import (
+    ROOT,
+    Target,
+    file,
+    files_of,
+    folder,
+    promise,
+    refusing,
+    sound,
+)
+
+
+def source(name: str) -> Callable[[bytes], None]:
+    """A drawing, a table, or poses: loaded, checked, and printed as pseudo text."""
+
+    def run(data: bytes) -> None:
+        path = file(name, data)
+        with refusing():
+            loaded = assistant.load(path)
+            sound(loaded.findings)
+            promise(bool(pseudo.print_program(loaded.program).text), "it prints as nothing")
+            sound(check_files([path]).findings)
+
+    return run
+
+
+def process(data: bytes) -> None:
+    path = file("input.process.toml", data)
+    table = file("points.csv", b"x,y,z\n1,2,3\n4,5,6\n")
+    with refusing():
+        sound(read_process(path).findings)
+        sound(assistant.load(table, process=path).findings)
+        drawing = ROOT / "samples" / "plate.dxf"
+        sound(assistant.load(drawing, process=path).findings)
+
+
+def robot(data: bytes) -> None:
+    with refusing():
+        arm = robot_file.read(data, str(folder() / "robot.toml"))
+        promise(bool(arm.name), "a robot without a name")
+
+
+def script(data: bytes) -> None:
+    with refusing():
+        parse_script(decode(data, "input.signals.toml", ENCODINGS))
+
+
+def project(data: bytes) -> None:
+    """Everything that reads a project's file, each by itself: one refuses what another takes."""
+    place = folder() / "project"
+    place.mkdir(exist_ok=True)
+    (place / "assistant.toml").write_bytes(data)
+    for read in (project_of, controllers_of, severities_for):
+        with refusing():
+            read(place)
+
+
+def record(data: bytes) -> None:
+    with refusing():
+        one = read_record(data, "record.json")
+        again = read_record(one.written(), "record.json")
+        promise(again == one, "written again, the record is another one")
+
+
+def history(data: bytes) -> None:
+    """The folder of a deployment, its files in one: see `_PARTS`."""
+    place = folder() / "0001"
+    shutil.rmtree(place, ignore_errors=True)
+    for name in ("before", "after"):
+        (place / name).mkdir(parents=True)
+    for name, part in zip(_PARTS, data.split(_CUT), strict=False):
+        (place / name).write_bytes(part)
+    with refusing():
+        steps_of(place)
+        read_journal(place)
+
+
+def kept(data: bytes) -> None:
+    place = folder() / "kept"
+    (place / ".robot-assistant").mkdir(parents=True, exist_ok=True)
+    (place / "assistant.toml").write_text("")
+    there = project_of(place)
+    (there.kept / FILE).write_bytes(data)
+    read_entries(there)
+
+
+# ------------------------------------------------------------------------------ seeds
+
+_CUT: Final = b"\n=====\n"
+_PARTS: Final = ("record.json", "programs.json", "journal.jsonl", "after/1-a.mod", "earlier.json")
+
+
+def npz(data: bytes) -> None:
+    """An archive, or the arrays of one by turns with their names: their sums fit then."""
+    if not data.startswith(b"PK"):
+        made = io.BytesIO()
+        names = (f"{name}.npy" for name in ("positions", "quaternions", "unit", "../a", ""))
+        with zipfile.ZipFile(made, "w") as archive:
+            for name, part in zip(names, data.split(_CUT), strict=False):
+                archive.writestr(name, part)
+        data = made.getvalue()
+    source("input.npz")(data)
+
+
+def array(values: object) -> bytes:
+    made = io.BytesIO()
+    np.save(made, np.asarray(values))
+    return made.getvalue()
+
+
+POSES: Final = [[1.0, 2.0, 3.0, 1.0, 0.0, 0.0, 0.0], [4.0, 5.0, 6.0, 0.0, 0.0, 1.0, 0.0]]
+
+
+def _npy() -> Iterable[bytes]:
+    return [
+        array(POSES),
+        array(np.array(POSES, dtype=">f4")),
+        array(np.asfortranarray(np.stack([np.eye(4)] * 2))),
+        array([1, 2]),
+        array([["a"]]),
+    ]
+
+
+def _npz() -> Iterable[bytes]:
+    whole = io.BytesIO()
+    np.savez(whole, positions=np.ones((2, 3)), quaternions=np.eye(4)[:2], unit="mm")
+    packed = io.BytesIO()
+    np.savez_compressed(packed, a=np.array(POSES))
+    parts = (array(np.ones((2, 3))), array(np.eye(4)[:2]), array("mm"))
+    return [whole.getvalue(), packed.getvalue(), _CUT.join(parts), _CUT.join([array(POSES)])]
+
+
+def _record() -> Iterable[bytes]:
+    one = Record("20260101T000000Z-abcdef", "ftp://h", "2026-01-01T00:00:00+00:00", "me@here")
+    return [one.written()]
+
+
+def _history() -> Iterable[bytes]:
+    programs = b'[{"name": "a.mod", "before": {"file": null, "loaded": null}, "after": {"file": '
+    programs += (
+        b'"after/1-a.mod", "loaded": null}, "sha256": {"after/1-a.mod": "'
+        + os.fsencode("ca978112ca1bbdcafac231b39a23dc4da786eff8147c4e72b9807785afee48bb")
+        + b'"}}]'
+    )
+    steps = b'{"time": "", "step": "begun"}\n{"time": "", "step": "done"}\n'
+    (one,) = _record()
+    return [_CUT.join((one, programs, steps, b"a"))]
+
+
+_TOML: Final = (
+    "\n[a]\n",
+    "\n[[a]]\n",
+    "=",
+    '"""',
+    "'''",
+    "{a = 1}",
+    "1979-05-27T07:32:00Z",
+    "0x1F",
+)
+
+TARGETS: Final = (
+    Target("csv", source("input.csv"), files_of("samples/*.csv", "tests/fuzz/seeds/csv/*")),
+    Target("taught", source("input.toml"), files_of("tests/fuzz/seeds/taught/*"), lambda: _TOML),
+    Target("npy", source("input.npy"), _npy),
+    Target("npz", npz, _npz),
+    Target("json", source("input.json"), files_of("tests/fuzz/seeds/json/*")),
+    Target(
+        "dxf",
+        source("input.dxf"),
+        files_of("tests/fuzz/seeds/dxf/*"),
+        together=2,
+        most=6000,
+        tried=12,
+    ),
+    Target("process", process, files_of("tests/fuzz/seeds/process/*"), lambda: _TOML, tried=12),
+    Target("robot", robot, files_of("assistant/robots/catalogue/r*.toml"), lambda: _TOML),
+    Target("urdf", robot, files_of("tests/fuzz/seeds/urdf/*")),
+    Target("script", script, files_of("tests/fuzz/seeds/script/*"), lambda: _TOML),
+    Target("project", project, files_of("tests/fuzz/seeds/project/*"), lambda: _TOML),
+    Target("record", record, _record),
+    Target("history", history, _history),
+    Target("kept", kept, files_of("tests/fuzz/seeds/kept/*")),
+)

@@ -1,0 +1,13 @@
+"""All targets. A module of targets has a `TARGETS` of its own, which is named here."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from tests.fuzz import command, files, programs
+from tests.fuzz.target import Target
+
+TARGETS: Final[dict[str, Target]] = {
+    target.name: target for module in (programs, files, command) for target in module.TARGETS
+}
+"""By name, in the order in which they are run."""
