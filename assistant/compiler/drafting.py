@@ -19,10 +19,10 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic, Severity, Span, error
 from assistant.program.kept import effect_of
+from assistant.program.lines import lines_of
 from assistant.program.program import Procedure, Program, Variable
 from assistant.program.rewriting import Body, map_bodies, records
 from assistant.program.subjects import DATA, Declared, Inner
-from assistant.program.text import lines_of
 
 LEFT_OUT = error(
     "CO007", "`{name}` is declared by what cannot be said there", "see to its declaration first"

@@ -11,7 +11,8 @@ from typing import Final
 
 from assistant.program import japanese
 from assistant.program import text as texts
-from assistant.program.text import SourceText, dominant_newline
+from assistant.program.lines import dominant_newline
+from assistant.program.text import SourceText
 
 JAPANESE: Final = ("cp932", japanese.CODEC)
 WESTERN: Final = ("cp1252", "cp1250", "cp1254")

@@ -8,13 +8,22 @@ from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import islice
 from pathlib import Path as FilePath
 from typing import Any, BinaryIO, Final
 
-from assistant.program import japanese
+from assistant.program import japanese, lines
 from assistant.program.bounded import NoFile, TooLarge, read_file, read_stream
 from assistant.program.budgets import FILE
-from assistant.program.diagnostics import Diagnostic, Refused, Rule, Span, Unreadable, error
+from assistant.program.diagnostics import (
+    Diagnostic,
+    Refused,
+    Rule,
+    Severity,
+    Span,
+    Unreadable,
+    error,
+)
 
 NOT_FOUND = error("IN001", "there is no file `{name}`", "check the name and folder")
 IS_FOLDER = error("IN002", "`{name}` is a folder", "name a file inside it")
@@ -39,33 +48,6 @@ UNWRITABLE = error(
     "`{character}` cannot be written in the file's encoding, {encoding}",
     "write it in other characters, or save the file as UTF-8 before the change",
 )
-LINE_END_INSIDE = error(
-    "IN008",
-    "a {character} stands inside the line: it ends the line for some readers, not for others",
-    "end the line with CR LF there, or take the character out",
-)
-LINE_ENDS: Final = {
-    "\r": "carriage return without a line feed",
-    "\v": "vertical tab",
-    "\f": "form feed",
-    "\x1c": "file separator",
-    "\x1d": "group separator",
-    "\x1e": "record separator",
-    "\x85": "next line",
-    "\u2028": "line separator",
-    "\u2029": "paragraph separator",
-}
-"""Characters that end a line for Python or Unicode; here only a line feed does, with carriage
-returns in front of it or none, or a carriage return in a text without line feeds."""
-_ANY: Final = re.compile(f"[\n{''.join(LINE_ENDS)}]+")
-_OTHER: Final = f"[{''.join(LINE_ENDS.keys() - {chr(13)})}]"
-_INSIDE: Final = {
-    "\n": re.compile(rf"{_OTHER}|\r(?!\r*(?:\n|\Z))"),
-    "\r": re.compile(_OTHER),
-}
-"""What may end a line sooner, by what ends the lines of the text."""
-_LONE_RETURN: Final = re.compile(r"\r(?!\n)")
-
 _WORD: Final = re.compile(r"\w+")
 SEVERAL_CODES: Final = ("cp932", japanese.CODEC)
 """Encodings that have characters twice, so that a text need not give its bytes back."""
@@ -86,8 +68,7 @@ class SourceText:
 
     @cached_property
     def _line_end(self) -> str:
-        """What ends the lines: a carriage return in a file of the old Macintosh."""
-        return "\r" if "\n" not in self.text and "\r" in self.text else "\n"
+        return lines.line_end(self.text)
 
     @cached_property
     def _starts(self) -> list[int]:
@@ -123,42 +104,18 @@ class SourceText:
             **fields,
         )
 
-    def line_ends_inside(self) -> Iterator[Diagnostic]:
-        """A finding for each line that ends sooner for some readers, and says more behind that.
-
-        What stands between such a character and an end of its line may be blank: then it does
-        not matter where the line ends.
-        """
-        if not self._may_end_inside():
-            return
-        at, pattern = 0, _INSIDE[self._line_end]
-        while (found := pattern.search(self.text, at)) is not None:
-            begin = self.text.rfind(self._line_end, 0, found.start()) + 1
-            end = self.text.find(self._line_end, found.start())
-            end = len(self.text) if end < 0 else end
-            line = self.text[begin:end]
-            first, last = begin + len(line) - len(line.lstrip()), begin + len(line.rstrip())
-            if (inside := pattern.search(self.text, first, last)) is not None:
-                name = LINE_ENDS[inside[0]]
-                yield self.finding(LINE_END_INSIDE, Span(*inside.span()), character=name)
-            at = end + 1
-
-    def _may_end_inside(self) -> bool:
-        """Whether there is any character that could; nearly no text has one, and most are long."""
-        if any(one in self.text for one in LINE_ENDS if one != "\r"):
-            return True
-        return self._line_end == "\n" and _LONE_RETURN.search(self.text) is not None
+    def odd_characters(self) -> Iterator[Diagnostic]:
+        """Findings for what other readers take for an end of a line or of the text: see `lines`."""
+        for character, at in lines.odd_characters(self.text):
+            rule, names = next(row for row in _ODD if character in row[1])
+            yield self.finding(rule, Span(at, at + 1), character=names[character])
 
 
-def lines_of(text: str) -> list[str]:
-    """The lines of a text without their ends: see LINE_ENDS. No empty one behind the last end."""
-    lines = text.split("\n") if "\n" in text else text.split("\r")
-    return [line.rstrip("\r") for line in (lines if lines[-1] else lines[:-1])]
-
-
-def one_line(text: str) -> str:
-    """The text with a blank for what may end a line: see LINE_ENDS."""
-    return _ANY.sub(" ", text)
+_ODD: Final = (
+    (lines.LINE_END_INSIDE, lines.LINE_ENDS),
+    (lines.TEXT_END_INSIDE, lines.TEXT_ENDS),
+    (lines.MISLEADING, lines.MISLEADS),
+)
 
 
 def words_of(text: str) -> list[str]:
@@ -166,18 +123,11 @@ def words_of(text: str) -> list[str]:
     return _WORD.findall(text.lower())
 
 
-def dominant_newline(text: str) -> str:
-    r"""`\r\n`, `\n` or `\r`: the one that ends most lines, `\r\n` for a text of one line."""
-    feeds, both = text.count("\n"), text.count("\r\n")
-    if not feeds:
-        return "\r" if "\r" in text else "\r\n"
-    return "\r\n" if 2 * both >= feeds else "\n"
-
-
 def comments(text: str, mark: str) -> Iterator[Span]:
     """Where comments stand, from the mark to the end of the line; none is in a string ("…")."""
-    pattern = rf'"(?:[^"\r\n]|"")*+(?:"|(?=[\r\n])|\Z)|({re.escape(mark)}[^\r\n]*)'
-    return (Span(*match.span()) for match in re.finditer(pattern, text) if match[1] is not None)
+    pattern = rf'"(?:[^"\r\n]|"")*+(?:"|(?=[\r\n])|\Z)|({re.escape(mark)}{lines.REST})'
+    found = re.finditer(pattern, lines.with_line_feeds(text))
+    return (Span(*match.span()) for match in found if match[1] is not None)
 
 
 def read_bytes(path: str | FilePath, *, allow_empty: bool = False, most: int = FILE) -> bytes:
@@ -238,6 +188,29 @@ def decode(data: bytes, path: str | None, encodings: Sequence[str]) -> SourceTex
             return SourceText(text, path, encoding, newline)
     name = path or "input"
     raise Unreadable(UNDECODABLE(path=path, name=name, encodings=", ".join(encodings)))
+
+
+def check_sent(data: bytes, path: str) -> None:
+    """Raises Refused for a text whose lines or end a controller may see elsewhere than we do.
+
+    Whatever code page it is in: control characters are the same in all of them. What is no text at
+    all, but an encrypted module, is left to the controller; it begins beyond ASCII and letters.
+    """
+    try:
+        wide = data[:2] in (b"\xff\xfe", b"\xfe\xff")
+        text = data.decode("utf-16" if wide else "utf-8-sig")
+    except UnicodeDecodeError:
+        if data[:1] >= b"\xf0":
+            return
+        # next line is a letter, or half of one, in the code pages of Windows
+        text = data.decode("latin-1").replace("\x85", ".")
+    source = SourceText(text, path)
+    found = [odd for odd in islice(source.odd_characters(), 100) if odd.severity is Severity.ERROR]
+    if lines.line_end(text) == "\r" and len(lines.lines_of(text)) > 1:
+        at = text.index("\r")
+        found.append(source.finding(lines.LONE_RETURNS, Span(at, at + 1)))
+    if found:
+        raise Refused(*found)
 
 
 def encode(source: SourceText) -> bytes:

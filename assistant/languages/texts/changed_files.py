@@ -23,7 +23,8 @@ from assistant.languages.texts.changed_lines import (
     parts_of,
 )
 from assistant.languages.texts.lines import Lines
-from assistant.program.text import SourceText, dominant_newline
+from assistant.program.lines import dominant_newline
+from assistant.program.text import SourceText
 
 
 def render(source: SourceText, old: Sequence[Any], lines: Lines) -> str:

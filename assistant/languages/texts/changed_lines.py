@@ -17,7 +17,7 @@ from typing import Any, Final
 from assistant.languages.texts.alignment import aligned
 from assistant.languages.texts.laying_out import INDENT
 from assistant.languages.texts.words import Word
-from assistant.program.text import one_line
+from assistant.program.lines import one_line
 
 _PARTS: Final = re.compile(r"([ \t]*)([0-9]*)([ \t\f]*)")
 

@@ -14,7 +14,7 @@ from itertools import groupby
 from typing import Final, Literal
 
 from assistant.languages.texts.words import Word
-from assistant.program.text import dominant_newline
+from assistant.program.lines import dominant_newline
 
 INDENT: Final = 4
 """Columns of a level."""

@@ -11,7 +11,8 @@ from assistant.languages.texts import changed_lines
 from assistant.languages.texts.changed_lines import Parts, parts_of
 from assistant.languages.texts.laying_out import INDENT, TAB, Line, aligned
 from assistant.languages.texts.lines import Lines
-from assistant.program.text import SourceText, dominant_newline
+from assistant.program.lines import dominant_newline
+from assistant.program.text import SourceText
 
 
 def lay_out(source: SourceText, lines: Lines) -> str:

@@ -16,8 +16,8 @@ from assistant import languages
 from assistant.program import statements as p
 from assistant.program.comparison import compare
 from assistant.program.diagnostics import Unreadable
+from assistant.program.lines import LINE_ENDS
 from assistant.program.program import Program
-from assistant.program.text import LINE_ENDS
 from tests.languages.laws.subjects import (
     LANGUAGES,
     TEXTS,

@@ -10,7 +10,8 @@ from typing import Final
 from lark import Lark, UnexpectedToken
 
 from assistant.program.diagnostics import Diagnostic, Span
-from assistant.program.text import SourceText, dominant_newline
+from assistant.program.lines import dominant_newline
+from assistant.program.text import SourceText
 
 from . import tables
 from .tree import File, Line
@@ -28,7 +29,7 @@ def parse(source: SourceText | str) -> File:
     """The tree of a file, with a finding for each line that is wrong."""
     if isinstance(source, str):
         source = SourceText(source, None, "utf-8", dominant_newline(source))
-    findings = [*source.line_ends_inside()]
+    findings = [*source.odd_characters()]
     lines = tuple(_line(source, span, findings) for span in _spans(source.text))
     return File(lines, tuple(findings), source, lines)
 

@@ -16,6 +16,7 @@ from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
 from assistant.languages.melfa_basic.tree.targets import exits_of
 from assistant.languages.recovery.lexemes import Stop
 from assistant.program.diagnostics import Diagnostic, Span
+from assistant.program.lines import with_line_feeds
 from assistant.program.text import SourceText
 from assistant.program.without_gc import uncollected
 
@@ -36,9 +37,9 @@ def parse(source: SourceText | str, dialect: str, *, runs: bool = True) -> s.Fil
         finding = rules.TOKENISED(path=source.path, line=1, column=1)
         whole = s.Unread(source.text, Span(0, len(source.text)))
         return s.File(dialect, (whole,), (finding,), source, (whole,))
-    text = source.text if "\n" in source.text else source.text.replace("\r", "\n")
+    text = with_line_feeds(source.text)
     items: list[s.Item] = []
-    findings: list[Diagnostic] = list(source.line_ends_inside())
+    findings: list[Diagnostic] = list(source.odd_characters())
     for start, end in _pieces(text, items, runs):
         stop = start + len(text[start:end].rstrip("\r\n"))
         node = read_line(text, start, stop, end)

@@ -10,7 +10,7 @@ from assistant.languages.melfa_basic.tables.operators import NOT, POWER, PRECEDE
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.texts.laying_out import INDENT
 from assistant.languages.texts.templates import Templates
-from assistant.program.text import one_line
+from assistant.program.lines import one_line
 
 SIGNS: Final = ("+", "-")
 SYMBOLS: Final = frozenset({"+", "-", "*", "/", "\\", "<<", ">>", "MOD"})

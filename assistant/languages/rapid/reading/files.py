@@ -34,11 +34,6 @@ def read_text(data: bytes, path: str | None, encodings: Sequence[str]) -> Source
     return SourceText(source.text, path, source.encoding, newline_of(source.text))
 
 
-def with_line_feeds(text: str) -> str:
-    """A text in which line feeds end the lines, each character where it was."""
-    return text if "\n" in text else text.replace("\r", "\n")
-
-
 def newline_of(text: str) -> str:
     """The line end that new lines of a text get."""
     if "\r\n" in text or not ("\n" in text or "\r" in text):

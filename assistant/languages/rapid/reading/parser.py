@@ -14,6 +14,7 @@ from assistant.languages.rapid.tree.syntax import File, Item, Origin, StatementN
 from assistant.languages.runs.reading import Found
 from assistant.languages.shortened import RunInTheWay, Shortened
 from assistant.program.diagnostics import Diagnostic, Span
+from assistant.program.lines import with_line_feeds
 from assistant.program.text import SourceText
 from assistant.program.without_gc import uncollected
 
@@ -34,7 +35,9 @@ def parse(source: SourceText | str, *, runs: bool = True) -> File:
     (header, parts), findings = reading
     if findings and not text.text.lstrip().startswith("%%%"):
         header = None  # a header that was put in to read on
-    noted = (*text.line_ends_inside(), *files.notes(text), *findings)
+    told = {finding.span.start for finding in findings if finding.span}
+    odd = (one for one in text.odd_characters() if one.span is None or one.span.start not in told)
+    noted = (*odd, *files.notes(text), *findings)
     return File(parts, header, Origin(text, parts), noted)
 
 
@@ -73,7 +76,7 @@ def _read(
     from assistant.languages.rapid.reading.nodes import Nodes
     from assistant.languages.rapid.reading.scanner import table_words
 
-    text = files.with_line_feeds(source.text)
+    text = with_line_feeds(source.text)
     tables = grammar().tables[start]
     found: Runs = list(find_runs(text)) if runs else []
     while True:

@@ -10,6 +10,7 @@ from typing import Final
 from assistant.languages.rapid.reading.grammar import grammar
 from assistant.languages.scanning import Words, pattern
 from assistant.languages.texts.words import Word
+from assistant.program.lines import with_line_feeds
 
 SILENT: Final = frozenset({"NOTE", "COMMENT", "BLANK"})
 """Terminals that stand between words."""
@@ -65,8 +66,11 @@ def words(text: str, start: int = 0, end: int | None = None) -> Iterator[Word]:
     or `newline` (a line end).
     """
     kinds = _kinds()
-    for match in scanner().finditer(text, start, len(text) if end is None else end):
+    ended = with_line_feeds(text)
+    for match in scanner().finditer(ended, start, len(text) if end is None else end):
         kind, found, at = kinds[match.lastgroup], match[0], match.start()
+        if ended is not text:
+            found = text[at : match.end()]
         if kind == "blank":
             if found == " ":
                 continue

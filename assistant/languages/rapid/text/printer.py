@@ -11,7 +11,7 @@ from assistant.languages.rapid.tree.runs import moves_text, targets_text
 from assistant.languages.texts.printed_blocks import Block
 from assistant.languages.texts.templates import BlockPrinter, Templates, joined
 from assistant.program.diagnostics import Refused
-from assistant.program.text import LINE_ENDS, one_line
+from assistant.program.lines import LINE_ENDS, one_line
 
 INDENT: Final = "    "
 NEWLINE: Final = "\r\n"
