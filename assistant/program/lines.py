@@ -21,17 +21,17 @@ LINE_END_INSIDE = error(
     "end the line with CR LF there, or take the character out",
 )
 TEXT_END_INSIDE = error(
-    "IN009",
+    "IN021",
     "a {character} stands in the text: it ends the text for some readers, not for others",
     "take the character out",
 )
 MISLEADING = warning(
-    "IN010",
+    "IN022",
     "a {character} stands in the text: what people see there is not what a controller reads",
     "take the character out",
 )
 LONE_RETURNS = error(
-    "IN011",
+    "IN023",
     "the lines end at a carriage return alone: for a controller all may be one line",
     "save it with CR LF",
 )
