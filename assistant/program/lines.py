@@ -61,15 +61,15 @@ MISLEADS: Final = {
     "\b": "backspace",
     "\x1b": "escape",
     "\x7f": "delete",
-    "\ufeff": "byte order mark",
+    "\ufeff": "zero width no-break space",
     "\u200b": "zero width space",
     "\u2060": "word joiner",
     **dict.fromkeys("\u202a\u202b\u2066\u2067\u2068", "mark that turns the direction of a text"),
     **dict.fromkeys("\u202d\u202e", "mark that overrides the direction of a text"),
     **dict.fromkeys("\u202c\u2069", "mark that ends a direction of a text"),
 }
-"""What hides or reorders what stands beside it (CVE-2021-42574, "Trojan Source"). A byte order mark
-may begin a text.
+"""What hides or reorders what stands beside it (CVE-2021-42574, "Trojan Source"). U+FEFF, the byte
+order mark, may begin a text.
 """
 
 REST: Final = r"[^\r\n]*+(?:\r++(?!\n|\Z)[^\r\n]*+)*+"
