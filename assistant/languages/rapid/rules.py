@@ -35,6 +35,9 @@ LONG_NAME: Final = error("RA202", "the name `{name}` has {length} characters", "
 LONG_STRING: Final = error(
     "RA203", "a string has {length} characters", "use at most 80; join several with `+`"
 )
+LARGE_NUMBER: Final = error(
+    "RA230", "`{number}` is larger than any {type}", "write a smaller number"
+)
 UNKNOWN_SPEED: Final = error(
     "RA204", "unknown speed `{name}`", "write {near}, or declare a speeddata of that name"
 )

@@ -27,7 +27,6 @@ KEYWORDS: Final = frozenset(
 
 _WORD: Final = re.compile(r"[A-Za-z][A-Za-z0-9_.\-]*")
 _ESCAPE: Final = re.compile(r"\\(x[0-9A-Fa-f]{2}|u[0-9A-Fa-f]{4}|U[0-9A-Fa-f]{8}|.|$)", re.DOTALL)
-_MOST_DIGITS: Final = 4000
 _SHORT: Final = {"n": "\n", "r": "\r", "t": "\t", "\\": "\\", '"': '"', "`": "`"}
 _LONG: Final = {"\n": "\\n", "\r": "\\r", "\t": "\\t", "\\": "\\\\"}
 
@@ -98,8 +97,8 @@ def read_number(token: Token) -> float:
 
 
 def read_integer(token: Token) -> int:
-    """Raises Wrong beyond the digits that Python itself would convert."""
-    if len(token) > _MOST_DIGITS:
+    """Raises Wrong beyond what a float holds: no controller's number reaches further."""
+    if math.isinf(float(token)):
         raise Wrong(NUMBER_SIZE, token, number=shortened(token))
     return int(token)
 

@@ -87,7 +87,10 @@ def _placed(w: Writer, target: s.Expression, frame: str) -> s.Expression:
     """A target in its frame: as it stands where `Base` is the frame, else multiplied by it."""
     if not w.names.products or frame.lower() == BASE:
         return target
-    return s.Binary("*", s.Variable(w.names.frames[frame.lower()]), target)
+    name = w.names.frames.get(frame.lower())
+    if name is None:
+        raise Unsayable(f"a target in `{frame}`, whose place is not known", "declare the frame")
+    return s.Binary("*", s.Variable(name), target)
 
 
 def _destination(w: Writer, value: e.Expression, frame: str) -> tuple[s.Expression, ...]:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+import sys
 from typing import Final
 
 from assistant.languages import nodes
 from assistant.languages.melfa_basic.tables.words import spelled
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.columnar import FLAGS
 from assistant.languages.nodes import Children, Place, row, without_place
 from assistant.program.diagnostics import Span
 
@@ -18,9 +20,9 @@ def number_of(text: str, suffix: str = "") -> s.Number:
     """A number literal of any base; raises ValueError for one that is too large."""
     mark = text[:2].upper()
     if mark == "&H":
-        return s.Number(int(text[2:], 16), 16, suffix)
+        return s.Number(_whole(text[2:], 16), 16, suffix)
     if mark == "&B":
-        return s.Number(int(text[2:], 2), 2, suffix)
+        return s.Number(_whole(text[2:], 2), 2, suffix)
     if text.isdigit() and len(text) <= _INTEGER_LIMIT:
         return s.Number(int(text), 10, suffix)
     return s.Number(_finite(text), 10, suffix)
@@ -34,6 +36,13 @@ def constant_of(text: str, span: Span | None = None) -> s.Constant:
         return s.Constant(elements, None, span)
     one, two = (_flag(f) for f in _elements(flags.rstrip().rstrip(")")))
     return s.Constant(elements, (one, two), span)
+
+
+def _whole(digits: str, base: int) -> int:
+    value = int(digits, base)
+    if value > sys.float_info.max:
+        raise ValueError(f"{digits} is too large")
+    return value
 
 
 def _finite(text: str) -> float:
@@ -50,9 +59,10 @@ def _elements(text: str) -> list[str]:
 def _flag(text: str) -> int | None:
     if not text:
         return None
-    if text[0] == "&":
-        return int(number_of(text).value)
-    return int(text)
+    value = int(number_of(text).value) if text[0] == "&" else int(text)
+    if value not in FLAGS:
+        raise ValueError(f"{text} is too large")
+    return value
 
 
 def label_of(text: str) -> str:

@@ -116,6 +116,8 @@ def move_text(rows: MoveRows, newline: bytes, upper: bool, indent: int = 0) -> s
 
 # -------------------------------------------------------------------------- from text
 
+FLAGS: Final = range(-(2**31), 2**32)
+"""What a flag may be, with a sign or without: 32 bits, four for the turns of each axis."""
 _NATURAL: Final = r"(?:0|[1-9][0-9]{0,8})"
 _REAL: Final = r"[+-]?[0-9]{1,9}(?:\.[0-9]{0,9})?"
 _SPACE: Final = r"[ \t]*+"
@@ -158,7 +160,9 @@ def rows_at(text: str, at: int) -> PositionRows | MoveRows | None:
     for elements, pattern in zip((6, 7, 8), _POSITIONS, strict=True):
         found = pattern.match(text, at)
         if found:
-            return _table(found, partial(_positions, groups_of(elements)))
+            rows = _table(found, partial(_positions, groups_of(elements)))
+            inside = (rows.flags >= FLAGS.start) & (rows.flags < FLAGS.stop)
+            return rows if inside.all() else None
     return None
 
 

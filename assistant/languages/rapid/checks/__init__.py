@@ -40,6 +40,7 @@ CHECKS: Final[tuple[Check[Look], ...]] = (
     Check(storage.assignments),
     Check(storage.connections),
     Check(names.strings),
+    Check(names.numbers),
     Check(targets.quaternions),
     Check(targets.configurations),
     Check(motions.arguments),

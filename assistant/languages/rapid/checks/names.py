@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import chain
 from typing import Any, Final
 
@@ -19,8 +20,13 @@ from assistant.languages.rapid.checks.module_view import (
 )
 from assistant.languages.rapid.tables.words import LONGEST_NAME, LONGEST_STRING, SPEEDS, ZONES
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.gather import literal_number
 from assistant.program.diagnostics import Severity
 
+PLAIN_NUMBER: Final = 24
+"""Characters of a number without an exponent that any type holds."""
+LARGEST_NUM: Final = 3.40282347e38
+"""A `num` is an IEEE 754 number of 32 bits, a `dnum` one of 64 bits (RAPID manual 3HAC050917)."""
 DECLARING: Final[tuple[Any, ...]] = (s.Data, s.Routine, s.Record, s.Alias, s.ParameterNode)
 
 
@@ -111,6 +117,24 @@ def strings(look: Look) -> Found:
     for node in look.all(s.StringLiteral):
         if len(node.value) > LONGEST_STRING:
             yield look.finding(rules.LONG_STRING, node, length=len(node.value))
+
+
+def numbers(look: Look) -> Found:
+    """No number is larger than a `dnum` holds, nor the first value of a `num` than that one."""
+    for node in look.all(s.NumberLiteral):
+        if len(node.text) > PLAIN_NUMBER or "e" in node.text.lower():
+            number = literal_number(node)
+            if number is not None and math.isinf(number):
+                yield look.finding(rules.LARGE_NUMBER, node, number=short(node.text), type="dnum")
+    for data in look.all(s.Data):
+        number = literal_number(data.value) if data.type.lower() == "num" and data.value else None
+        if number is not None and LARGEST_NUM < abs(number) < math.inf:
+            yield look.finding(rules.LARGE_NUMBER, data, number=f"{number:g}", type="num")
+
+
+def short(text: str) -> str:
+    """A number as it can stand in a message."""
+    return text if len(text) <= PLAIN_NUMBER else text[: PLAIN_NUMBER - 1] + "…"
 
 
 def _name(look: Look, node: s.Node, name: str) -> Found:

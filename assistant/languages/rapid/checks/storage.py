@@ -119,7 +119,7 @@ def dimensions(look: Look) -> Found:
             yield look.finding(rules.DIMENSIONS, node, name=node.name, what=what)
         for size in node.dimensions:
             number = literal_number(size)
-            if number is not None and (number < 1 or number != int(number)):
+            if number is not None and (number < 1 or not float(number).is_integer()):
                 what = f"has a dimension of {number:g}"
                 yield look.finding(rules.DIMENSIONS, node, name=node.name, what=what)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Final
 
@@ -60,7 +61,7 @@ def _size(size: s.Expression, scope: Scope) -> int | None:
         value = found.node.value if isinstance(found.node, s.Data) else None
         return None if value is None or isinstance(value, s.NameRef) else _size(value, scope)
     number = literal_number(size)
-    return None if number is None else int(number)
+    return None if number is None or not math.isfinite(number) else int(number)
 
 
 def indices(node: s.Element, scope: Scope) -> Found:

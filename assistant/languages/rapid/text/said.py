@@ -10,6 +10,7 @@ exactly. Comments count for nothing.
 
 from __future__ import annotations
 
+import math
 import struct
 from collections.abc import Iterator
 from typing import Final
@@ -89,9 +90,10 @@ def _number(text: str, digits: int) -> str:
     """digits: that count of one with a point or an exponent; 0 for all of them."""
     if text.startswith(("0x", "0b", "0o")):
         return str(int(text, 0))
-    if text.removeprefix("0d").isdecimal():
-        return str(int(text.removeprefix("0d")))
-    value = float(text)
+    plain = text.removeprefix("0d")
+    value = float(plain)
+    if plain.isdecimal() and math.isfinite(value):
+        return str(int(plain))
     if digits == 0 or digits > DIGITS:
         shown = f"{value:.{digits}G}" if digits else repr(value)
     else:

@@ -6,7 +6,9 @@ tree the one that its text is read as; so all three go through `gathered`.
 
 from __future__ import annotations
 
+import math
 import re
+import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any, Final
@@ -98,7 +100,7 @@ def literal_target(value: s.Expression | None) -> list[float] | None:
 
 
 def literal_number(node: s.Expression) -> float | int | None:
-    """A signed decimal number, None for anything else."""
+    """A signed number, None for anything else; infinite where a float does not reach it."""
     if isinstance(node, s.Prefix) and isinstance(node.operand, s.NumberLiteral):
         value = literal_number(node.operand)
         if value is None or node.operator == "NOT":
@@ -108,11 +110,16 @@ def literal_number(node: s.Expression) -> float | int | None:
         return None
     text = node.text.lower()
     if text[:2] in BASES:
-        return int(text[2:], BASES[text[:2]])
+        digits, base = text[2:], BASES[text[:2]]
+        if base == DECIMAL and math.isinf(float(digits)):
+            return math.inf
+        value = int(digits, base)
+        return value if value <= sys.float_info.max else math.inf
     return int(text) if text.isdigit() and len(text) < 16 else float(text)
 
 
-BASES: Final = {"0x": 16, "0o": 8, "0b": 2, "0d": 10}
+DECIMAL: Final = 10
+BASES: Final = {"0x": 16, "0o": 8, "0b": 2, "0d": DECIMAL}
 
 
 def _plain_name(name: str) -> bool:
