@@ -5,12 +5,15 @@ from __future__ import annotations
 import atexit
 import gc
 import os
+import signal
 import sys
+from contextlib import suppress
 from contextvars import copy_context
 from typing import Final
 
 from assistant.program.budgets import VARIABLE
 from assistant.program.diagnostics import Refused, error
+from assistant.program.ending import BY_SIGNAL, ORDINARY, told_to_end
 from assistant.program.failing import details_wanted, failure
 from assistant.program.watchdog import Reached
 
@@ -24,18 +27,33 @@ INTERRUPTED: Final = 130
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Runs one command; exits 0 clean, 1 with findings, 2 for wrong usage or unreadable input."""
+    """Runs one command; exits 0 clean, 1 with findings, 2 for wrong usage or unreadable input.
+
+    What ends it from outside is told, and gives 130 for Ctrl-C, 143 for SIGTERM, 129 for SIGHUP,
+    unless the command was over by then, or is one that Ctrl-C ends as it should.
+    """
     if arguments is None:
         _settle_in()
-    # In a context of its own: what one command was asked for, the next one was not.
     before = os.environ.get(VARIABLE)
-    try:
-        copy_context().run(_run, arguments)
-    finally:
-        if before is None:
-            os.environ.pop(VARIABLE, None)
-        else:
-            os.environ[VARIABLE] = before
+    status: str | int | None = INTERRUPTED
+    with suppress(KeyboardInterrupt), told_to_end(signals=ORDINARY) as ending:
+        try:
+            # In a context of its own: what one command was asked for, the next one was not.
+            copy_context().run(_run, arguments)
+        except SystemExit as ended:
+            status = ended.code
+        finally:
+            ending.hold()
+            if before is None:
+                os.environ.pop(VARIABLE, None)
+            else:
+                os.environ[VARIABLE] = before
+    if ending.number is not None and status:
+        status = BY_SIGNAL + ending.number
+        with suppress(OSError):  # the terminal may be what was closed
+            sys.stderr.write(f"ended by {signal.Signals(ending.number).name}\n")
+            sys.stderr.flush()
+    sys.exit(status)
 
 
 NEW_OBJECTS: Final = 100_000
@@ -53,17 +71,17 @@ def _settle_in() -> None:
 def _run(arguments: list[str] | None) -> None:
     from assistant.cli.app import app
     from assistant.cli.presentation import print_findings, print_refused
+    from assistant.program.leftovers import told_by
 
     try:
-        app(args=arguments, prog_name="robot-assistant")
+        with told_by(lambda finding: print_findings([finding])):
+            app(args=arguments, prog_name="robot-assistant")
     except Refused as refused:
         print_refused(refused.findings)
         sys.exit(refused.exit_status)
     except Reached as reached:  # between two stages
         print_refused([failure(reached)])
         sys.exit(2)
-    except KeyboardInterrupt:
-        sys.exit(INTERRUPTED)
     except BrokenPipeError:
         _discard_output()  # the reader went away, as `head` does; its end is not our error
         sys.exit(0)

@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
-from assistant.compiler.output import write_files
 from assistant.program.diagnostics import Diagnostic, Refused, info
 from assistant.program.failing import details_wanted, failure
 from assistant.program.program import identifier
+from assistant.program.writing import place_of, write_all
 
 SAME_FILE: Final = info(
     "CL001",
@@ -74,16 +74,13 @@ def write_each(
     files: Mapping[str, Files], folders: Mapping[str, str], output: str | Path
 ) -> list[str]:
     """Writes the files of all sources, and of those that have a folder of their own there."""
-    together = {
-        name: data
-        for source, made in files.items()
-        if source not in folders
-        for name, data in made.items()
+    ordered = sorted(files, key=lambda source: source in folders)  # those without one first
+    wanted = {
+        place_of(name, Path(output) / folders.get(source, "")): data
+        for source in ordered
+        for name, data in files[source].items()
     }
-    written = write_files(together, output) if together else ()
-    for source, folder in folders.items():
-        written += write_files(files[source], Path(output) / folder)
-    return [str(path) for path in written]
+    return [str(path) for path in write_all(wanted)]
 
 
 def paths_of(

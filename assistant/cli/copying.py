@@ -48,7 +48,7 @@ def run_get(
     cell: str, names: Sequence[str], output: str | None, replace: bool, format: Format
 ) -> int:
     """Programs into files named like them; -o: a folder that is there, a file, or - to print."""
-    from assistant.compiler.output import write_files
+    from assistant.program.writing import write_files
 
     into = Path(output or ".")
     if len(names) > 1 and (output == "-" or not into.is_dir()):

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Final
 from assistant.cli.cells import joints_line, pose_line, reached, record, state_lines
 from assistant.cli.presentation import Format, say
 from assistant.program.diagnostics import Refused, error
+from assistant.program.ending import by_hand
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -62,8 +63,9 @@ def run_monitor(cell: str, options: Options) -> int:
                 tell(sample)
                 if options.seconds is not None and sample.seconds >= options.seconds:
                     break
-        except KeyboardInterrupt:
-            return 0
+        except KeyboardInterrupt as caught:
+            if not by_hand(caught):
+                raise
     return 0
 
 

@@ -73,8 +73,8 @@ def moving(text: str, command: str) -> Iterator[Moving]:
     stopped all the same: a part of it may have begun before.
     """
     from assistant.controllers import Controller
-    from assistant.controllers.ending import told_to_end
     from assistant.controllers.stopping import PATIENCE, brought_to_rest
+    from assistant.program.ending import told_to_end
 
     motion: Moving | None = None
     try:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import signal
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
@@ -219,22 +218,24 @@ class _Running:
 
     @contextmanager
     def _ended_by_hand(self) -> Iterator[None]:
-        """Ctrl-C ends the run before its next statement; what it did until then is told."""
+        """Ctrl-C ends the run before its next statement; what it did until then is told.
+
+        So do SIGTERM and SIGHUP; a second one ends the command at once.
+        """
+        from assistant.program.ending import ORDINARY, Ended, handled
         from assistant.virtual.kernel import Ending
 
-        def interrupt(*_: object) -> None:
+        def interrupt(number: int, _frame: object) -> None:
+            if self.interrupted:
+                raise Ended(number)
             self.interrupted = True
-            signal.signal(signal.SIGINT, before)
             self.kernel.watch = lambda task: self.kernel.halt(task, Ending("until"))
 
         if self.options.step or self.points or self.options.ask:
             yield  # A person is asked there, who can end the run.
             return
-        before = signal.signal(signal.SIGINT, interrupt)
-        try:
+        with handled(interrupt, ORDINARY):
             yield
-        finally:
-            signal.signal(signal.SIGINT, before)
 
     # ------------------------------------------------------------------------------- stops
 
@@ -317,7 +318,7 @@ class _Running:
         }
 
     def _written(self, run: Run) -> list[Path]:
-        from assistant.compiler.output import write_files
+        from assistant.program.writing import write_all
         from assistant.virtual.tracing import event_columns, motion_columns, npz
 
         trace, plot = self.options.trace, self.options.plot
@@ -333,10 +334,7 @@ class _Running:
 
             title = f"{PurePath(self.programs.title).name} on {self.arm.title}"
             files[plot] = run_plot(samples, self.arm, title, format_of(plot.name))
-        written: list[Path] = []
-        for path, data in files.items():
-            written += write_files({path.name: data}, path.parent)
-        return written
+        return list(write_all(files))
 
 
 def _unused(programs: Programs, script: Script) -> Iterator[Diagnostic]:

@@ -45,7 +45,7 @@ def run_show(source: str, wanted: Wanted, output: Path | None) -> int:
     if output is None:
         sys.stdout.write(pseudo.print_program(program).text)
         return 0
-    from assistant.compiler.output import write_files
+    from assistant.program.writing import write_files
 
     printed = pseudo.print_program(program, side_tables_above=SIDE_TABLES_ABOVE)
     if not output.name or output.name in (".", ".."):

@@ -129,14 +129,10 @@ def _wanted(source: str, outputs: Sequence[str]) -> list[Path]:
 
 
 def _put(source: str, files: Mapping[Path, bytes]) -> list[Path]:
-    from assistant.compiler.output import write_files
+    from assistant.program.writing import write_all
 
     keep_sources([source], list(files))
-    written: list[Path] = []
-    for folder in dict.fromkeys(path.parent for path in files):
-        inside = {path.name: data for path, data in files.items() if path.parent == folder}
-        written += write_files(inside, folder)
-    return written
+    return list(write_all(files))
 
 
 def _written(name: str, done: Simulation, source: str) -> bytes:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Literal, TypeVar
 from assistant.cli.presentation import say
 from assistant.controllers.credentials import PASSWORD
 from assistant.program.diagnostics import Refused, error
+from assistant.program.ending import by_hand, held
 
 if TYPE_CHECKING:
     from assistant.virtual.cr import Faults, VirtualCr
@@ -191,10 +192,13 @@ def _run(
             say(f"password: {password} (set {PASSWORD} to choose one)")
         sys.stdout.flush()
         threading.Event().wait()
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as caught:
         say("ended")
+        if not by_hand(caught):
+            raise
     finally:
-        controller.stop()
+        with held():
+            controller.stop()
 
 
 def _report(line: str) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import stat
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
@@ -10,10 +9,10 @@ from typing import Any, Final
 
 from assistant import languages
 from assistant.compiler.loading import files_in, language_of
-from assistant.compiler.output import write_files
 from assistant.languages import Language
 from assistant.program.diagnostics import Diagnostic, Refused, Unreadable, error, has_errors
 from assistant.program.text import SourceText, comments, encode, read_bytes
+from assistant.program.writing import write_all
 
 NOT_THE_SAME: Final = error(
     "CO401",
@@ -139,10 +138,7 @@ def rewrite(formatted: Formatted) -> None:
     A link stays one, permissions stay. Raises Refused (exit status 2) if it cannot be written.
     """
     assert formatted.source.path is not None
-    file = FilePath(formatted.source.path).resolve()
-    mode = stat.S_IMODE(file.stat().st_mode)
-    (written,) = write_files({file.name: formatted.encoded()}, file.parent)
-    written.chmod(mode)
+    write_all({FilePath(formatted.source.path): formatted.encoded()})
 
 
 def programs_in(path: str, language: str | None = None) -> Iterator[str]:

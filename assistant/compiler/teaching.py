@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from assistant.compiler.output import write_files
 from assistant.controllers.states import Position
 from assistant.program import rotations
 from assistant.program.diagnostics import Refused, error
@@ -20,6 +19,7 @@ from assistant.program.geometry import Configuration, Pose
 from assistant.program.program import Program
 from assistant.program.statements import Motion, Move, MoveCircular
 from assistant.program.text import SourceText, decode, encode, read_bytes
+from assistant.program.writing import write_files
 from assistant.sources import process_of
 from assistant.sources.process.file import ENCODINGS
 from assistant.sources.reading import Reading

@@ -5,8 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import math
-import os
-import secrets
 import zipfile
 from array import array
 from collections.abc import Mapping, Sequence
@@ -17,6 +15,7 @@ import numpy as np
 
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Refused, error
+from assistant.program.writing import put
 
 NO_FORMAT: Final = error(
     "CN601", "a recording cannot be written as `{suffix}`", "name a file that ends in {known}"
@@ -100,16 +99,8 @@ def save_columns(
         finding = NO_FORMAT(path=str(target), suffix=target.suffix, known=known)
         raise Refused(finding, exit_status=2)
     data = _csv(columns) if form == ".csv" else _npz(columns if arrays is None else arrays)
-    beside = target.with_name(f".{target.name}.{secrets.token_hex(4)}")
     try:
-        try:
-            with beside.open("xb") as file:
-                file.write(data)
-                file.flush()
-                os.fsync(file.fileno())
-            beside.replace(target)
-        finally:
-            beside.unlink(missing_ok=True)
+        put({target: data})
     except OSError as wrong:
         reason = wrong.strerror or str(wrong)
         raise Refused(NOT_SAVED(path=str(target), reason=reason), exit_status=2) from None

@@ -15,7 +15,6 @@ from collections.abc import Mapping
 from pathlib import Path as FilePath
 from typing import Final
 
-from assistant.deploy import durably
 from assistant.deploy.journal import (
     EARLIER,
     KEPT,
@@ -30,6 +29,7 @@ from assistant.deploy.journal import (
 )
 from assistant.deploy.record import LONGEST, read_record
 from assistant.deploy.site import UNDER_WAY
+from assistant.program import durably
 
 MOST_BYTES: Final = 256 * 2**20
 """Of an archive, packed and unpacked."""

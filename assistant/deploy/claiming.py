@@ -12,10 +12,11 @@ from pathlib import Path as FilePath
 from typing import Final
 
 from assistant.controllers.rules import Lost
-from assistant.deploy import durably, rules
+from assistant.deploy import rules
 from assistant.deploy.journal import failing
 from assistant.deploy.record import Record, plain
 from assistant.deploy.site import BETWEEN, CLAIM, CLAIMANT, Site
+from assistant.program import durably
 from assistant.program.diagnostics import Refused
 
 LOCK: Final = "lock"

@@ -8,7 +8,6 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path as FilePath
 
-from assistant.controllers.ending import Ending, told_to_end
 from assistant.controllers.rules import Lost
 from assistant.deploy import rules
 from assistant.deploy.archive import packed
@@ -24,6 +23,7 @@ from assistant.deploy.remembering import last_record
 from assistant.deploy.resting import check_at_rest, pointers_lost, tasks
 from assistant.deploy.site import RECORD, UNDER_WAY, Site
 from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.ending import Ending, told_to_end
 
 
 def deploy(

@@ -9,7 +9,6 @@ from dataclasses import replace as changed
 from pathlib import Path as FilePath
 
 from assistant.controllers import Programs
-from assistant.controllers.ending import told_to_end
 from assistant.deploy import rules
 from assistant.deploy import site as site_names
 from assistant.deploy.archive import unpack
@@ -39,6 +38,7 @@ from assistant.deploy.remembering import last_record
 from assistant.deploy.resting import check_at_rest, pointers_lost, tasks
 from assistant.deploy.site import UNDER_WAY, Site
 from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.ending import told_to_end
 
 
 def resume(

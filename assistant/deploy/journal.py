@@ -31,10 +31,11 @@ from pathlib import Path as FilePath
 from typing import Final
 
 from assistant.controllers import Address
-from assistant.deploy import durably, rules
+from assistant.deploy import rules
 from assistant.deploy.held import Held
 from assistant.deploy.record import NAME, Record, read_record
 from assistant.deploy.site import of_deployments
+from assistant.program import durably
 from assistant.program.diagnostics import Refused, has_errors
 
 HISTORY: Final = FilePath(".robot-assistant") / "deployments"

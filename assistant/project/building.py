@@ -8,8 +8,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path as FilePath
 
-from assistant.compiler.output import write_files
 from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.writing import write_files
 from assistant.project import kept, rules
 from assistant.project.inputs import digest_of
 from assistant.project.layout import BUILT, Place, Project, Recipe

@@ -13,7 +13,7 @@ from pathlib import Path as FilePath
 from typing import Any, Final
 
 from assistant import __version__
-from assistant.compiler.output import write_files
+from assistant.program.writing import write_files
 from assistant.project.inputs import Digests, digest_of, same
 from assistant.project.layout import BUILT, KEPT, Project
 from assistant.project.making import Order

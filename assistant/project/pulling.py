@@ -15,13 +15,13 @@ from pathlib import Path as FilePath
 from typing import Final
 
 from assistant import languages
-from assistant.compiler.output import write_files
 from assistant.deploy import Change, Held, Plan, PlannedFile
 from assistant.deploy.merging import Form, in_layout, merged
 from assistant.deploy.record import GIT
 from assistant.deploy.site import Site
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
 from assistant.program.text import read_bytes
+from assistant.program.writing import write_all
 from assistant.project import rules
 from assistant.project.pulled_targets import changed_targets, with_targets
 from assistant.robots import Robot
@@ -66,7 +66,7 @@ def pull(
         if not has_errors(run.findings):
             run.check_committed()
         if not has_errors(run.findings):
-            _write(run.wanted)
+            write_all(run.wanted)
     except Refused as refusal:
         run.findings += refusal.findings
     done = not has_errors(run.findings)
@@ -170,23 +170,3 @@ def _known_to_git(path: FilePath) -> bool | None:
     if done.returncode != 0 or done.stdout.startswith("!!"):
         return None
     return not done.stdout.strip()
-
-
-def _write(wanted: Mapping[FilePath, bytes]) -> None:
-    """Writes all files, or none; raises Refused."""
-    before: dict[FilePath, bytes] = {}
-    folders = sorted({path.parent for path in wanted})
-    try:
-        for folder in folders:
-            inside = [path for path in wanted if path.parent == folder]
-            old = {path: path.read_bytes() for path in inside if path.is_file()}
-            write_files({path.name: wanted[path] for path in inside}, folder)
-            before |= old
-    except Refused:
-        _put_back(before)
-        raise
-
-
-def _put_back(before: Mapping[FilePath, bytes]) -> None:
-    for path, data in before.items():
-        write_files({path.name: data}, path.parent)

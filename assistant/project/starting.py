@@ -8,8 +8,8 @@ from pathlib import Path as FilePath
 from typing import Final
 
 from assistant import __version__
-from assistant.compiler.output import write_files
 from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.writing import write_all
 from assistant.project import rules
 from assistant.project.schema import FILE, schema_text
 from assistant.resources import resource
@@ -17,11 +17,14 @@ from assistant.sources.project import read_project
 
 PROJECT: Final = "assistant.toml"
 EXAMPLE: Final[Mapping[str, str]] = {
-    PROJECT: "assistant.toml",
     "drawings/plate.dxf": "drawings/plate.dxf",
     "drawings/plate.process.toml": "drawings/plate.process.toml",
+    PROJECT: "assistant.toml",
 }
-"""Files of the example → their templates; written where there is no project yet."""
+"""Files of the example → their templates; written where there is no project yet.
+
+The project is the last: who is killed before it begins anew.
+"""
 AROUND: Final[Mapping[str, str]] = {
     ".gitignore": "gitignore",
     ".pre-commit-config.yaml": "pre-commit-config.yaml",
@@ -51,7 +54,7 @@ def start(folder: FilePath) -> Started:
     contents[FILE] = schema_text().encode()
     if not _has_project(folder):
         contents = {**{name: _text(EXAMPLE[name]) for name in EXAMPLE}, **contents}
-    written: list[FilePath] = []
+    wanted: dict[FilePath, bytes] = {}
     found: list[Diagnostic] = []
     for name, data in contents.items():
         file = folder / name
@@ -60,8 +63,8 @@ def start(folder: FilePath) -> Started:
                 found.append(rules.KEPT(file=name, cure=_cure(name)))
             continue
         _check_folders(folder, file)
-        written += write_files({file.name: data}, file.parent)
-    return Started(folder, tuple(written), tuple(found))
+        wanted[file] = data
+    return Started(folder, write_all(wanted), tuple(found))
 
 
 def _has_project(folder: FilePath) -> bool:

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Final
 from assistant import robots
 from assistant.controllers import Credentials, Named, Programs, connect
 from assistant.program.diagnostics import Refused
+from assistant.program.durably import write_whole
 from assistant.project import rules
-from assistant.virtual.atomic import write_whole
 
 if TYPE_CHECKING:
     from assistant.virtual.irc5.programs import Programs as Memory

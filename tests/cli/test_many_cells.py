@@ -345,7 +345,7 @@ def test_a_process_that_is_told_to_end_ends_in_order(project, tmp_path, name):
     )
     out, err = process[0].communicate(timeout=60)
     answer = json.loads(out)
-    assert process[0].returncode == 1
+    assert process[0].returncode == 128 + getattr(signal, name)
     assert [one["state"] for one in answer["controllers"]] == ["failed", "failed", "not begun"]
     assert "ending in order" in err.decode()
     assert all(one.text("A") == one.text("B") == PROGRAM.format(1) for one in there)

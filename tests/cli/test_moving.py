@@ -127,7 +127,8 @@ def test_ctrl_c_stops_the_arm_and_tells_where_it_is(capsys, loaded, ending):
         assert "Ctrl-C stops it" in child.stdout.readline()
         child.send_signal(getattr(signal, ending))
         _, said = child.communicate(timeout=30)
-    assert child.returncode == 130
+    assert child.returncode == 128 + getattr(signal, ending)
+    assert said.endswith(f"ended by {ending}\n")
     assert "CL240" in said and "stands at J1 " in said and "Traceback" not in said
     state, first = now()
     assert not state.running and f"J1 {first:.2f}" in said

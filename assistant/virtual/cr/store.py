@@ -9,7 +9,7 @@ from datetime import datetime
 from pathlib import Path as FilePath
 from typing import Final
 
-from assistant.virtual.atomic import write_whole
+from assistant.program.durably import write_whole
 
 ENCODING: Final = "latin-1"
 """Bytes are kept one to one, whatever code page the client writes its comments in."""

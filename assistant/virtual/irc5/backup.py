@@ -10,7 +10,7 @@ import shutil
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
-from assistant.virtual.atomic import ARRIVING
+from assistant.program.durably import ARRIVING
 from assistant.virtual.irc5.parameters import DOMAINS, parse
 from assistant.virtual.irc5.programs import TASK, Programs, read_module
 

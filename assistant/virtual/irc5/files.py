@@ -17,7 +17,7 @@ from pyftpdlib.filesystems import AbstractedFS
 from pyftpdlib.handlers import DTPHandler, FTPHandler
 
 from assistant.program.diagnostics import Diagnostic, Severity
-from assistant.virtual.atomic import ARRIVING, write_whole
+from assistant.program.durably import ARRIVING, write_whole
 from assistant.virtual.irc5.modules import is_looked_at, look
 
 UNIT: Final = "HOME:"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Final, get_args
 
-from assistant.virtual.atomic import write_whole
+from assistant.program.durably import write_whole
 from assistant.virtual.irc5.cabinet import Cabinet
 from assistant.virtual.irc5.parameters import DOMAINS, NAMES, How, Instance, parse
 from assistant.virtual.irc5.rws import reasons

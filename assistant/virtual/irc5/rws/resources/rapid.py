@@ -6,7 +6,7 @@ from typing import Final, Literal
 from urllib.parse import quote
 from xml.etree import ElementTree
 
-from assistant.virtual.atomic import write_whole
+from assistant.program.durably import write_whole
 from assistant.virtual.irc5.cabinet import Behind, Cabinet
 from assistant.virtual.irc5.programs import (
     MAIN,

@@ -8,8 +8,8 @@ import sys
 
 import pytest
 
-from assistant.compiler.output import write_files
 from assistant.program.diagnostics import Refused
+from assistant.program.writing import write_files
 
 
 def test_writes_all_files_and_nothing_else(tmp_path):
@@ -53,7 +53,7 @@ FULL = """
 import resource, signal, sys
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
-from assistant.compiler.output import write_files
+from assistant.program.writing import write_files
 from assistant.program.diagnostics import Refused
 try:
     write_files({"a.mod": b"new", "b.mod": b"x" * 5000}, sys.argv[1])

@@ -1,0 +1,131 @@
+"""What ends this program from outside, met as Ctrl-C is, so that nothing is left half way.
+
+with told_to_end() as ending:
+    try:
+        …                   # an arm moves, programs are replaced
+    except KeyboardInterrupt:
+        ending.hold()       # from here on nothing interrupts
+        …                   # stop it, put them back
+
+with held():
+    …                       # files take their places; what came meanwhile comes behind it
+"""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Final
+
+ENDS: Final = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK", "SIGQUIT", "SIGTSTP")
+"""What ends a program from outside: Ctrl-C, a pipeline that is cancelled, a terminal that is
+closed, a key beside Ctrl-C. One that Ctrl-Z halts could not see to its controller any more.
+"""
+ORDINARY: Final = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
+"""Those that end every command in order. Ctrl-Z halts it, and SIGQUIT ends it where it is."""
+BY_SIGNAL: Final = 128
+"""What shells add to the number of a signal for the exit status of what it ended."""
+Met = Callable[[int, object], None]
+
+
+class Ended(KeyboardInterrupt):
+    """number: of the signal that ends this program."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__(signal.Signals(number).name)
+        self.number = number
+
+
+def by_hand(caught: KeyboardInterrupt) -> bool:
+    """Whether it was Ctrl-C, which is how some commands end as they should."""
+    return not isinstance(caught, Ended) or caught.number == signal.SIGINT
+
+
+class Ending:
+    """What comes raises Ended until it is held. number: of the first signal that came, or None."""
+
+    def __init__(self, *, once: bool = False) -> None:
+        self._held, self._once = False, once
+        self.number: int | None = None
+
+    def hold(self) -> None:
+        """Whatever comes from here on is let pass: what is under way goes on to its end."""
+        self._held = True
+
+    def met(self, number: int, _frame: object) -> None:
+        if not self._held:
+            self._held = self._once
+            raise Ended(number)
+
+
+@dataclass(frozen=True, slots=True)
+class _Handler:
+    """Meets signals for this module."""
+
+    met: Met
+
+    def __call__(self, number: int, frame: object) -> None:
+        for ending in _endings:
+            if ending.number is None:
+                ending.number = number
+        self.met(number, frame)
+
+
+_endings: Final[list[Ending]] = []
+"""Those that are waited for, the innermost last: all of them know what came."""
+
+
+@contextmanager
+def told_to_end(*, once: bool = False, signals: Sequence[str] = ENDS) -> Iterator[Ending]:
+    """Meanwhile whatever would end this program at once raises Ended instead.
+
+    once: only the first time. What somebody ignores or handles already stays so (nohup, a program
+    that uses this package); in other threads than the main one, which get no signals, nothing
+    changes.
+    """
+    ending = Ending(once=once)
+    with handled(ending.met, signals):
+        _endings.append(ending)
+        try:
+            yield ending
+        finally:
+            _endings.remove(ending)
+
+
+@contextmanager
+def handled(met: Met, signals: Sequence[str] = ENDS) -> Iterator[None]:
+    """Meanwhile that is called instead of ending this program; see `told_to_end`."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    known = [getattr(signal, name) for name in signals if hasattr(signal, name)]
+    before = {one: handler for one in known if _is_ours(handler := signal.getsignal(one))}
+    try:
+        for number in before:
+            signal.signal(number, _Handler(met))
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _is_ours(handler: object) -> bool:
+    """Whether it is what Python begins with, or of this module."""
+    first = handler in (signal.SIG_DFL, signal.default_int_handler)
+    return first or isinstance(handler, _Handler)
+
+
+@contextmanager
+def held() -> Iterator[None]:
+    """Meanwhile nothing ends this program from outside: what comes is met behind the block.
+
+    For what is short and must not be left half way.
+    """
+    came: list[int] = []
+    with handled(lambda number, _: came.append(number)):
+        yield
+    if came:
+        signal.raise_signal(came[0])

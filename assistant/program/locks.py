@@ -1,0 +1,75 @@
+"""Locks on folders, which the system frees when who has them dies."""
+
+from __future__ import annotations
+
+import errno
+import os
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path as FilePath
+from typing import Final
+
+PATIENCE: Final = 30.0
+"""Seconds for which somebody else may have a folder."""
+BETWEEN: Final = 0.02
+"""Seconds between two looks at whether it is free."""
+LOCK: Final = ".lock"
+"""The file that is the lock where folders themselves have none: on Windows."""
+TAKEN: Final = (errno.EAGAIN, errno.EACCES, errno.EEXIST)
+
+
+@contextmanager
+def alone(folder: FilePath) -> Iterator[bool]:
+    """While nobody else of this computer has the folder; raises OSError if that takes too long.
+
+    Tells whether the file system has locks at all; where it has none, nobody is kept out.
+    """
+    until = time.monotonic() + PATIENCE
+    while (lock := take(folder)) is None:
+        if time.monotonic() > until:
+            raise BlockingIOError(errno.EBUSY, "another process writes there", str(folder))
+        time.sleep(BETWEEN)
+    try:
+        yield lock != NONE
+    finally:
+        free(lock)
+
+
+NONE: Final = -1
+"""Instead of a lock where there are none."""
+
+if sys.platform == "win32":
+
+    def take(folder: FilePath) -> int | None:
+        """The lock of a folder, None if somebody has it, NONE if it has none; raises OSError."""
+        try:  # a file that goes away with who has it open
+            return os.open(folder / LOCK, os.O_CREAT | os.O_EXCL | os.O_RDWR | os.O_TEMPORARY)
+        except (FileExistsError, PermissionError):
+            return None
+
+    def free(lock: int) -> None:
+        if lock != NONE:
+            os.close(lock)
+
+else:
+    import fcntl
+
+    def take(folder: FilePath) -> int | None:
+        """The lock of a folder, None if somebody has it, NONE if it has none; raises OSError."""
+        try:
+            number = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+        except PermissionError:  # one that may be written but not read
+            return NONE
+        try:
+            fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            os.close(number)
+            return None if error.errno in TAKEN else NONE
+        return number
+
+    def free(lock: int) -> None:
+        if lock != NONE:
+            fcntl.flock(lock, fcntl.LOCK_UN)  # which a process that was forked may have open, too
+            os.close(lock)

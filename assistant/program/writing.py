@@ -1,0 +1,287 @@
+"""Writing: a set of files appears in a folder complete, or not at all.
+
+A name never disappears, and at every instant holds all old or all new bytes. Each folder that is
+written into gets a hidden one for the time:
+
+    .robot-assistant-…/new/    the new files, on the disk before anything else happens
+    .robot-assistant-…/old/    those that they replace: links to them, or copies
+    .robot-assistant-…/ready   what is to be replaced; from here on names change
+
+Then each new file takes the place of the old one. What fails is put back, and nothing interrupts
+that. Who is killed leaves the folder behind, and `leftovers` sees to it at the next run.
+"""
+
+from __future__ import annotations
+
+import errno
+import hashlib
+import json
+import os
+import stat
+import tempfile
+from collections.abc import Iterable, Mapping
+from contextlib import ExitStack, suppress
+from dataclasses import dataclass, field
+from pathlib import Path as FilePath
+from typing import Final
+
+from assistant.program import durably, leftovers, locks
+from assistant.program.diagnostics import Refused, error
+from assistant.program.ending import held
+from assistant.program.leftovers import HOLDING, NEW, OLD, READY
+
+NOT_WRITTEN: Final = error(
+    "CO201",
+    "`{name}` cannot be written: {reason}",
+    "free space or name another folder; what was there before is untouched",
+)
+BAD_NAME: Final = error("CO202", "`{name}` is no plain file name", "rename the program")
+NOT_PUT_BACK: Final = error(
+    "CO205",
+    "{names} could not be put back as they were: {reason}",
+    "what they were is in `{holding}`; it is put back by the next command that can write there",
+)
+
+
+class Stuck(OSError):
+    """What was replaced could not be put back. names: of the files; holding: where they are."""
+
+    def __init__(self, wrong: OSError, names: Iterable[str], holding: FilePath) -> None:
+        super().__init__(wrong.errno, wrong.strerror or str(wrong), str(holding))
+        self.names, self.holding = tuple(names), holding
+
+
+def write_files(files: Mapping[str, bytes], folder: str | FilePath) -> tuple[FilePath, ...]:
+    """Writes files into a folder, which is made; all of them or none.
+
+    Raises Refused (exit status 2) if the folder or a file cannot be written.
+    """
+    return write_all({place_of(name, folder): data for name, data in files.items()})
+
+
+def place_of(name: str, folder: str | FilePath) -> FilePath:
+    """A file of a folder; raises Refused (exit status 2) for a name that leads elsewhere."""
+    if FilePath(name).name != name or name in {"", ".", ".."}:
+        raise Refused(BAD_NAME(path=str(folder), name=name), exit_status=2)
+    return FilePath(folder) / name
+
+
+def write_all(files: Mapping[FilePath, bytes]) -> tuple[FilePath, ...]:
+    """Writes files, of several folders too; all of them or none.
+
+    Only what is killed between two folders leaves one of them new and the other old. Raises Refused
+    (exit status 2).
+    """
+    try:
+        put(files)
+    except Stuck as wrong:
+        names = ", ".join(f"`{name}`" for name in wrong.names)
+        place, reason = str(wrong.holding.parent), wrong.strerror
+        finding = NOT_PUT_BACK(path=place, names=names, reason=reason, holding=wrong.holding)
+        raise Refused(finding, exit_status=2) from None
+    except OSError as wrong:
+        first = next(iter(files))
+        name = _as_given(wrong, files) or first.parent
+        reason = wrong.strerror or str(wrong)
+        finding = NOT_WRITTEN(path=str(first.parent), name=name, reason=reason)
+        raise Refused(finding, exit_status=2) from None
+    return tuple(files)
+
+
+def put(files: Mapping[FilePath, bytes]) -> None:
+    """The same for who says in words of his own what went wrong; raises OSError.
+
+    A link stays one, and what it leads to is written.
+    """
+    made: list[FilePath] = []
+    sets: list[_Set] = []
+    try:
+        for folder, inside in _by_folder(files).items():
+            made += durably.make_folders(folder)
+            sets.append(_Set(folder, inside))
+            sets[-1].begin()
+        for one in sets:
+            one.prepare()
+        with ExitStack() as here:
+            for one in sorted(sets, key=lambda one: one.folder):
+                here.enter_context(locks.alone(one.folder))
+            for one in sets:
+                one.keep_old()
+            with held():
+                _take_their_places(sets)
+    except BaseException:
+        with held():
+            for one in sets:
+                one.end()
+            for folder in made:
+                with suppress(OSError):  # somebody has put something there
+                    folder.rmdir()
+        raise
+    with held():
+        for one in sets:
+            one.end()
+
+
+def _by_folder(files: Mapping[FilePath, bytes]) -> dict[FilePath, dict[str, bytes]]:
+    """The files of each folder by their names, where links lead to."""
+    found: dict[FilePath, dict[str, bytes]] = {}
+    for path, data in files.items():
+        real = FilePath(os.path.realpath(path))
+        inside = found.setdefault(real.parent, {})
+        if inside.setdefault(real.name, data) is not data:
+            raise OSError(errno.EINVAL, "two files have this one place", str(path))
+    return found
+
+
+def check_replaceable(target: FilePath) -> os.stat_result | None:
+    """What is to be replaced, None where nothing is; raises OSError if it must not be."""
+    try:
+        facts = target.lstat()
+    except FileNotFoundError:
+        return None
+    if stat.S_ISDIR(facts.st_mode):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(target))
+    if stat.S_ISLNK(facts.st_mode):
+        raise OSError(errno.ELOOP, os.strerror(errno.ELOOP), str(target))
+    if not stat.S_ISREG(facts.st_mode):
+        raise OSError(errno.EINVAL, "it is no plain file", str(target))
+    return facts
+
+
+@dataclass(slots=True)
+class _Set:
+    """The files of one folder. placed: those that have taken their places, with their inodes."""
+
+    folder: FilePath
+    files: Mapping[str, bytes]
+    holding: FilePath | None = None
+    lock: int = locks.NONE
+    placed: dict[str, int] = field(default_factory=dict)
+    stuck: bool = False
+
+    def begin(self) -> None:
+        """Makes the hidden folder; what others have left is seen to before."""
+        with locks.alone(self.folder) as locked:
+            leftovers.see_to(self.folder, locked)
+            with held():
+                self.holding = FilePath(tempfile.mkdtemp(prefix=HOLDING, dir=self.folder))
+                lock = locks.take(self.holding)
+                self.lock = locks.NONE if lock is None else lock
+
+    def prepare(self) -> None:
+        """Writes the new files, with the permissions of those that they replace."""
+        new = self._held(NEW)
+        new.mkdir()
+        for name, data in self.files.items():
+            facts = check_replaceable(self.folder / name)
+            durably.write_new(new / name, data)
+            if facts is not None:
+                _make_alike(new / name, facts)
+
+    def keep_old(self) -> None:
+        """Links the old files aside, and says what is to be replaced."""
+        old = self._held(OLD)
+        old.mkdir()
+        kept = [name for name in self.files if _is_kept(self.folder / name, old / name)]
+        if len(self.files) == 1:
+            return  # one file takes its place at once, there is nothing to be put back
+        rows = {
+            name: {"old": name in kept, "new": hashlib.sha256(data).hexdigest()}
+            for name, data in self.files.items()
+        }
+        durably.settle(old)
+        durably.write_new(self._held(READY), json.dumps(rows).encode())
+        durably.settle(self._held(""))
+        durably.settle(self.folder)
+
+    def place(self) -> None:
+        for name in self.files:
+            new = self._held(NEW) / name
+            self.placed[name] = new.stat().st_ino
+            new.replace(self.folder / name)
+        durably.settle(self.folder)
+
+    def put_back(self) -> None:
+        """Raises Stuck if that cannot be."""
+        failed: dict[str, OSError] = {}
+        leftovers.turn_back(self._held(""))
+        for name, inode in reversed(self.placed.items()):
+            target, old = self.folder / name, self._held(OLD) / name
+            try:
+                if not target.exists() or target.stat().st_ino != inode:
+                    continue  # it was not replaced, or somebody else has written it since
+                if old.exists():
+                    old.replace(target)
+                else:
+                    target.unlink()
+            except OSError as wrong:
+                failed[name] = wrong
+        if failed:
+            self.stuck = True
+            raise Stuck(next(iter(failed.values())), failed, self._held(""))
+        with suppress(OSError):
+            durably.settle(self.folder)
+
+    def end(self) -> None:
+        """Takes the hidden folder away, unless it has what nobody else has."""
+        if self.holding is not None and not self.stuck:
+            leftovers.take_away(self.holding, self.lock)
+        else:
+            locks.free(self.lock)
+        self.holding, self.lock = None, locks.NONE
+
+    def _held(self, part: str) -> FilePath:
+        assert self.holding is not None
+        return self.holding / part
+
+
+def _take_their_places(sets: Iterable[_Set]) -> None:
+    """All new files, or none of them; raises OSError."""
+    begun: list[_Set] = []
+    try:
+        for one in sets:
+            begun.append(one)
+            one.place()
+    except BaseException:
+        stuck: Stuck | None = None
+        for one in reversed(begun):
+            try:
+                one.put_back()
+            except Stuck as wrong:
+                stuck = wrong
+        if stuck is not None:
+            raise stuck from None
+        raise
+
+
+def _is_kept(target: FilePath, aside: FilePath) -> bool:
+    """Whether there is an old file; it has a second name then, or a copy."""
+    try:
+        os.link(target, aside)
+    except FileNotFoundError:
+        return False
+    except OSError:
+        durably.write_new(aside, target.read_bytes())
+        _make_alike(aside, target.stat())
+    return True
+
+
+def _make_alike(file: FilePath, facts: os.stat_result) -> None:
+    """Gives a file the permissions of another and, where that is allowed, its owner."""
+    own = file.stat()
+    if (own.st_uid, own.st_gid) != (facts.st_uid, facts.st_gid) and hasattr(os, "chown"):
+        with suppress(PermissionError):
+            os.chown(file, facts.st_uid, facts.st_gid)
+    file.chmod(stat.S_IMODE(facts.st_mode))
+
+
+def _as_given(wrong: OSError, files: Mapping[FilePath, bytes]) -> FilePath | str | None:
+    """The file or folder that an error is about, as the user names it; None for one of ours."""
+    named = str(wrong.filename or "")
+    if not named or HOLDING in named:
+        return None
+    for path in files:
+        for one in (path, path.parent):
+            if os.path.realpath(one) == named:
+                return one
+    return named
