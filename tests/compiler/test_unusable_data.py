@@ -121,3 +121,13 @@ def test_flags_of_a_table_are_no_larger_than_those_of_a_line() -> None:
     tree = language.parse("1 End\n" + "".join(rows).format(*[0] * 30, 4294967296, *[0] * 8))
     assert [(f.line, "too large" in f.message) for f in tree.findings] == [(32, True)]
     assert not language.parse("1 End\n" + "".join(rows).format(*[4294967295] * 39)).findings
+
+
+@pytest.mark.parametrize("places", ["1e400", "9" * 30, "1e9"])
+def test_more_decimals_than_a_number_has_take_no_time(tmp_path: Path, places: str) -> None:
+    file = tmp_path / "a.mod"
+    body = f"VAR num n;\nVAR string t;\nPROC main()\nt:=NumToStr(n,{places});\nENDPROC"
+    file.write_text(f"MODULE m\n{body}\nENDMODULE\n", encoding="utf-8")
+    rows = translate(file, to="melfa-basic-6").rows
+    (row,) = [row for row in rows if "NumToStr" in row.text]
+    assert "MB231" in [f.code for f in row.reasons]

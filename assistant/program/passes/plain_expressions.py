@@ -48,11 +48,15 @@ def floor(x: e.Expression) -> e.Expression:
     return e.Binary("-", e.Binary("+", whole, e.Apply("trunc", (rest,))), e.Number(1))
 
 
-def fixed(value: e.Expression, places: int) -> e.Expression:
-    """A number as text with so many decimals at most."""
+MOST_DECIMALS: Final = 15
+"""A float has no more digits than these for sure."""
+
+
+def fixed(value: e.Expression, places: float) -> e.Expression:
+    """A number as text with so many decimals at most, and no more than a float has."""
     if places <= 0:
         return e.Apply("text", (e.Apply("round", (value,)),))
-    power = e.Number(10**places)
+    power = e.Number(10 ** int(min(places, MOST_DECIMALS)))
     whole = e.Apply("round", (e.Binary("*", value, power),))
     return e.Apply("text", (e.Binary("/", whole, power),))
 

@@ -5,6 +5,7 @@ Truth values are numbers, and `not` is turned into its opposite: the language's 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -95,10 +96,10 @@ class Plain(Rewording):
                 return e.Binary(operator, _seconds(limit), timer)
             case e.Apply("relative" | "offset"):
                 return shifted(x)
-            case e.Apply("fixed", (number, e.Number(places))):
+            case e.Apply("fixed", (number, e.Number(places))) if not math.isnan(places):
                 if places > 0:
                     self.job.findings.append(rules.ROUNDED_TEXT())
-                return fixed(number, int(places))
+                return fixed(number, places)
             case e.Text(text):
                 return self.text(text)
             case e.Verbatim():
