@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 from assistant.checks.arcs import arcs
 from assistant.checks.magnitudes import magnitudes
 from assistant.checks.outputs import outputs
+from assistant.program.budgets import MEANING, staged
 from assistant.program.diagnostics import Diagnostic, fold
 from assistant.program.program import Program
 
@@ -21,6 +22,7 @@ RULES: Final[tuple[Callable[[Program], Iterator[Diagnostic]], ...]] = (
 )
 
 
+@staged(MEANING, Program.size)
 def check(program: Program) -> tuple[Diagnostic, ...]:
     """Findings of every rule, those that differ only in their place folded."""
     return fold(finding for rule in RULES for finding in rule(program))

@@ -18,6 +18,7 @@ from assistant.compiler.motion import MotionProof, Proving, prove_motion
 from assistant.compiler.motion_sides import Made
 from assistant.compiler.proof import SAYS_OTHERWISE, Proof, prove
 from assistant.compiler.source_map import Places
+from assistant.program.budgets import PRINTING, within
 from assistant.program.diagnostics import (
     Diagnostic,
     Refused,
@@ -201,10 +202,11 @@ def compile_program(
     if has_errors(findings):
         return replace(compiled, found=tuple(findings), wanting=adapted.wanting)
     units = dict.fromkeys([None, *(p.unit for p in program.procedures)])
-    files = {
-        target.file_name(program, unit): target.encode(target.built(adapted, arm, unit))
-        for unit in units
-    }
+    with within(PRINTING, None, program.size()):
+        files = {
+            target.file_name(program, unit): target.encode(target.built(adapted, arm, unit))
+            for unit in units
+        }
     proof = prove(target, program, files, arm)
     own = () if proof.holds else _own_faults(program.origin)
     findings += own or _explained(proof.findings, program)
@@ -234,7 +236,8 @@ def _converted(
     compiled = Compiled(source, target.name, Proof(None), source, places)
     if has_errors(findings):
         return replace(compiled, found=tuple(findings))
-    files = {name: target.encode(tree) for name, tree in conversion.files.items()}
+    with within(PRINTING, None, source.size()):
+        files = {name: target.encode(tree) for name, tree in conversion.files.items()}
     proof = prove(target, source, files, arm, conversion.compared)
     own = () if proof.holds else _own_faults(source.origin)
     kept = files if proof.holds else {}

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from assistant.program.budgets import COMPARING, within
 from assistant.program.comparison import Comparison, Tolerance, compare
 from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, error, has_errors
 from assistant.program.program import Program
@@ -89,7 +90,8 @@ def prove(
         return Proof(None, tuple(reasons))
     precision = language.precision
     tolerance = Tolerance(precision.position, precision.angle, precision.number)
-    comparison = compare(expected, actual, tolerance)
+    with within(COMPARING, None, expected.size()):
+        comparison = compare(expected, actual, tolerance)
     otherwise = [
         SAYS_OTHERWISE(message=m.message, about=m.about, span=None if compared else m.span)
         for m in comparison.mismatches

@@ -11,6 +11,7 @@ from pathlib import Path as FilePath
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Generic, Literal, Protocol, Self, TypeVar
 
+from assistant.languages.budgeted import budgeted
 from assistant.program.diagnostics import Diagnostic, Refused, Severity, Span
 from assistant.program.effects import Effect, KeptKind, unknown
 from assistant.program.program import Origin, Program
@@ -159,6 +160,12 @@ class Language(abc.ABC, Generic[T]):
     steps: bool = False
     """Whether its lines have step numbers."""
 
+    def __init_subclass__(cls) -> None:
+        """What takes time or memory is done within a budget, whichever language does it."""
+        super().__init_subclass__()
+        for name, method in budgeted({**vars(cls)}).items():
+            setattr(cls, name, method)
+
     def read(self, path: str | FilePath) -> SourceText:
         """A file decoded as this vendor's are; raises Unreadable."""
         return self.decode(read_bytes(path), str(path))
@@ -183,7 +190,10 @@ class Language(abc.ABC, Generic[T]):
 
     @abc.abstractmethod
     def parse(self, source: SourceText | str) -> T:
-        """The typed tree; never raises on bad text, the tree's `findings` say what is wrong."""
+        """The typed tree; never raises on bad text, the tree's `findings` say what is wrong.
+
+        Raises Refused for what reaches the budget of reading, as other stages do with theirs.
+        """
 
     @abc.abstractmethod
     def render(self, tree: T) -> str:

@@ -13,9 +13,11 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import wraps
 from types import TracebackType
-from typing import Final
+from typing import Final, ParamSpec, TypeVar
 
 from assistant.program.diagnostics import Diagnostic, Refused, error
 from assistant.program.watchdog import Charge, Reached, watch
@@ -92,10 +94,24 @@ class Stage:
 READING: Final = Stage("reading", "bytes", 10, 300, 512, 5000)
 CHECKING: Final = Stage("checking", "bytes", 10, 300, 512, 5000)
 LIFTING: Final = Stage("lifting", "bytes", 10, 300, 512, 5000)
+LAYING_OUT: Final = Stage("laying out", "bytes", 10, 300, 512, 5000)
+TABLE: Final = Stage("reading the table", "bytes", 10, 300, 512, 5000)
+DRAWING: Final = Stage("reading the drawing", "bytes", 10, 300, 512, 5000)
+INSERTING: Final = Stage("inserting blocks", "entities", 10, 600, 512, 20000)
+CONTOURS: Final = Stage("joining contours", "curves", 10, 600, 512, 20000)
+MEANING: Final = Stage("checking what it does", "points", 10, 300, 512, 5000)
+SOLVING: Final = Stage("solving for the arm", "points", 10, 300, 512, 5000)
+TIMING: Final = Stage("timing", "points", 10, 300, 512, 5000)
 ADAPTING: Final = Stage("adapting", "points", 10, 600, 512, 20000)
+BUILDING: Final = Stage("building", "points", 10, 600, 512, 20000)
 PRINTING: Final = Stage("printing", "points", 10, 600, 512, 20000)
+COMPARING: Final = Stage("comparing", "points", 10, 600, 512, 20000)
 
-STAGES: Final = (READING, CHECKING, LIFTING, ADAPTING, PRINTING)
+STAGES: Final = (
+    *(READING, CHECKING, LIFTING, LAYING_OUT),
+    *(TABLE, DRAWING, INSERTING, CONTOURS, MEANING),
+    *(SOLVING, TIMING, ADAPTING, BUILDING, PRINTING, COMPARING),
+)
 
 
 def factor() -> float:
@@ -152,6 +168,24 @@ class within:  # noqa: N801 (used as a `with` word)
         if isinstance(raised, Reached | MemoryError):
             return MEMORY(path=place, stage=name, megabytes=charge.bytes / MEGABYTE, size=size)
         return overrun(raised, name, place)
+
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def staged(stage: Stage, size: Callable[..., int]) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """A function that is a stage. size: of its input, told by the arguments of a call."""
+
+    def bounded(function: Callable[P, R]) -> Callable[P, R]:
+        @wraps(function)
+        def run(*given: P.args, **named: P.kwargs) -> R:
+            with within(stage, None, size(*given, **named)):
+                return function(*given, **named)
+
+        return run
+
+    return bounded
 
 
 def overrun(

@@ -14,6 +14,7 @@ from assistant.program.expressions import Expression
 from assistant.program.geometry import Frame, JointTarget, Target, Tool
 from assistant.program.motion import Blend, Speed
 from assistant.program.statements import (
+    Follow,
     For,
     If,
     Spanned,
@@ -191,6 +192,12 @@ class Program:
         """Every statement, nested ones after the one that holds them."""
         for procedure in self.procedures:
             yield from walk(procedure.body)
+
+    def size(self) -> int:
+        """Its statements, those of a path counted one by one, and what it declares."""
+        said = sum(len(one.path) if isinstance(one, Follow) else 1 for one in self.statements())
+        declared = len(self.targets) + len(self.joint_targets) + len(self.variables)
+        return said + declared + len(self.declarations)
 
 
 def walk(body: tuple[Statement, ...]) -> Iterator[Statement]:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program.arrays import Floats
+from assistant.program.budgets import SOLVING, staged
 from assistant.program.diagnostics import Diagnostic, fold
 from assistant.program.expressions import Expression, JointValue, Name
 from assistant.program.geometry import BASE, FLANGE, Frame, JointTarget, Target, Tool
@@ -58,6 +59,7 @@ def configure(program: Program, robot: Robot) -> tuple[Program, tuple[Diagnostic
     return solved.program, solved.findings
 
 
+@staged(SOLVING, lambda program, *_: program.size())
 def solve_program(program: Program, robot: Robot) -> SolvedProgram:
     """Solves every move of a program, and fills in the configurations that it leaves open.
 

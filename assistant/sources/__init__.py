@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Final, cast
 
+from assistant.program.budgets import TABLE, UNPACKED, within
 from assistant.program.diagnostics import Unreadable, error
 from assistant.sources.lengths import known_unit, unit_stated
 from assistant.sources.process import NO_PROCESS, Process
@@ -59,8 +62,29 @@ def read(
         chosen = replace(chosen, unit=known_unit(unit))
         if source.suffix.lower() in STATE_LENGTHS:
             findings += (unit_stated(path, unit),)
-    reading = reader(source, chosen)
+    with _stage(source):
+        reading = reader(source, chosen)
     return replace(reading, findings=(*findings, *reading.findings))
+
+
+def _stage(source: FilePath) -> AbstractContextManager[None]:
+    """Reading a table; a drawing has stages of its own, as it stands for more than its bytes."""
+    if source.suffix.lower() == ".dxf":
+        return contextlib.nullcontext()
+    return within(TABLE, str(source), _size(source))
+
+
+def _size(source: FilePath) -> int:
+    """Bytes of a file, of an archive what it unpacks to; 0 of what cannot be read anyway."""
+    if not source.is_file():
+        return 0
+    size = source.stat().st_size
+    if source.suffix.lower() == ".npz":
+        import zipfile
+
+        with contextlib.suppress(zipfile.BadZipFile, OSError), zipfile.ZipFile(source) as archive:
+            size = max(size, min(UNPACKED, sum(one.file_size for one in archive.infolist())))
+    return size
 
 
 def process_of(source: FilePath, process: str | FilePath | None = None) -> Process:

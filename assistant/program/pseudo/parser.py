@@ -8,6 +8,7 @@ from typing import Any, Final, cast
 
 from lark import Token
 
+from assistant.program.budgets import READING, within
 from assistant.program.diagnostics import Diagnostic, Refused, Rule, Span
 from assistant.program.program import Declaration, Procedure, Program
 from assistant.program.pseudo.blocks import (
@@ -66,7 +67,8 @@ def parse(text: SourceText | str, *, side_tables: SideTables = None) -> Program:
     source = text if isinstance(text, SourceText) else SourceText(text)
     if side_tables is None and source.path:
         side_tables = FilePath(source.path).parent
-    return _Reader(source, side_tables).program()
+    with within(READING, source.path, len(source.text)):
+        return _Reader(source, side_tables).program()
 
 
 class _Reader:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from assistant.program.budgets import TIMING, staged
 from assistant.program.diagnostics import Refused, has_errors
 from assistant.program.program import Program
 from assistant.robots.solved_program import SolvedProgram
@@ -32,6 +33,7 @@ __all__ = [
 ]
 
 
+@staged(TIMING, lambda solution, **_: solution.program.size())
 def simulate(
     solution: SolvedProgram,
     *,

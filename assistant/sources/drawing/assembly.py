@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Final
 
+from assistant.program.budgets import CONTOURS, within
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
 from assistant.program.expressions import Name
 from assistant.program.geometry import Target
@@ -41,7 +42,9 @@ def assemble(contents: Contents, path: FilePath, process: Process) -> Reading:
     taken = {title, MAIN, LOCATIONS, *process.tools, *process.frames, *process.signals}
     named = name_locations(contents.locations, taken, name)
     taken |= set(named.names)
-    contours, ends, followed = contour_program(contents.curves, process, taken=taken, path=name)
+    with within(CONTOURS, name, len(contents.curves)):
+        curves = contents.curves
+        contours, ends, followed = contour_program(curves, process, taken=taken, path=name)
     order = visiting_order(contents.locations, name)
     findings = [*contents.findings, *named.findings, *order.findings, *followed]
     if title != path.stem:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from assistant.program.budgets import INSERTING, within
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import BASE, FLANGE
 from assistant.program.statements import Motion
@@ -61,13 +62,14 @@ def read_contents(path: FilePath, process: Process) -> Contents:
     locations = Locations(document, name, tags, process, tally)
     curves: list[Curve] = []
     found: list[Location] = []
-    for placed in traversal.model(scaling(factor)):
-        if placed.entity.dxftype() in ("POINT", "INSERT"):
-            location = locations.read(placed)
-            found += [location] if location else []
-        else:
-            curves += _curves(placed, tally, traversal)
-    traversal.paper()
+    with within(INSERTING, name, traversal.count()):
+        for placed in traversal.model(scaling(factor)):
+            if placed.entity.dxftype() in ("POINT", "INSERT"):
+                location = locations.read(placed)
+                found += [location] if location else []
+            else:
+                curves += _curves(placed, tally, traversal)
+        traversal.paper()
     counted = (f.within(name) for f in tally.findings())
     findings = (*opened, *units, *_ucs(document, name), *traversal.findings, *locations.findings)
     return Contents(unit, tuple(curves), tuple(found), (*findings, *counted))

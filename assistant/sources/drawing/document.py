@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
+from assistant.program.budgets import DRAWING, within
 from assistant.program.diagnostics import Diagnostic, Unreadable
 from assistant.program.text import read_bytes
 from assistant.sources.drawing.findings import (
@@ -80,10 +81,10 @@ def open_drawing(path: FilePath) -> tuple[Drawing, tuple[Diagnostic, ...]]:
     """The document, and what had to be repaired to read it; raises Unreadable."""
     data = read_bytes(path)
     binary = data.startswith(BINARY_SENTINEL)
-    _check_kind(path, data, binary)
-    _check_end(path, data, binary)
     notes: list[str] = []
-    with _heard(notes):
+    with within(DRAWING, str(path), len(data)), _heard(notes):
+        _check_kind(path, data, binary)
+        _check_end(path, data, binary)
         document, repairs = _load(path, binary)
     if (BINARY_VARIABLE if binary else VARIABLE).search(data) is None:
         _forget_header(document)

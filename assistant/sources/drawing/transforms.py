@@ -88,11 +88,18 @@ def cells(insert: Insert) -> Iterator[tuple[float, float]]:
     One for a plain insert. Where the spacing is 0 copies would coincide: then there is one.
     """
     dxf = insert.dxf
+    columns, rows = copies(insert)
+    for row in range(rows):
+        for column in range(columns):
+            yield column * dxf.column_spacing, row * dxf.row_spacing
+
+
+def copies(insert: Insert) -> tuple[int, int]:
+    """How many columns and rows of an insert there are, see `cells`."""
+    dxf = insert.dxf
     columns = dxf.column_count if dxf.column_spacing else 1
     rows = dxf.row_count if dxf.row_spacing else 1
-    for row in range(max(rows, 1)):
-        for column in range(max(columns, 1)):
-            yield column * dxf.column_spacing, row * dxf.row_spacing
+    return max(columns, 1), max(rows, 1)
 
 
 def check_insert(insert: Insert) -> None:

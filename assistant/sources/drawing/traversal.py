@@ -17,8 +17,10 @@ from typing import TYPE_CHECKING, Any, Final, cast
 import numpy as np
 
 from assistant.program.arrays import Floats
+from assistant.program.budgets import factor
 from assistant.program.diagnostics import Diagnostic, Refused, Rule
 from assistant.sources.drawing.attributes import Tags, texts_of
+from assistant.sources.drawing.counting import Count
 from assistant.sources.drawing.document import library_errors
 from assistant.sources.drawing.entities import check_stated, follows
 from assistant.sources.drawing.findings import (
@@ -101,7 +103,6 @@ class Traversal:
     tags: Tags
     tally: Tally
     findings: list[Diagnostic] = field(default_factory=list)
-    seen: int = 0
     states: dict[str, str] = field(default_factory=dict)
     """Layer in lower case → `frozen` or `off`."""
 
@@ -113,9 +114,24 @@ class Traversal:
     def model(self, root: Floats) -> Iterator[Placed]:
         """Curves, points and location inserts of the model space, in order of drawing.
 
-        root: scale from drawing units to mm. Raises Refused if there is no end to it.
+        root: scale from drawing units to mm.
         """
         yield from self._walk(self.document.modelspace(), _Owner(root))
+
+    def count(self) -> int:
+        """Entities of the model space with all inserts; raises Refused if there are too many."""
+        entities = self.document.modelspace()
+        count = Count(self.document, self._layered, MOST_NESTED).of(entities)
+        if count > MOST_ENTITIES * factor():
+            raise Refused(TOO_MANY(path=self.path, most=int(MOST_ENTITIES * factor())))
+        return count
+
+    def _layered(self, entity: DXFGraphic, around: str) -> tuple[str, bool]:
+        """The layer of an entity in a block that is inserted on another, and if it is followed."""
+        layer = layer_of(entity)
+        if layer == "0" and around:
+            layer = around
+        return layer, self._hidden(entity, layer) in (None, OFF)
 
     def paper(self) -> None:
         """Counts what stands in paper space; viewports there are windows, no drawing."""
@@ -129,9 +145,6 @@ class Traversal:
 
     def _walk(self, entities: Iterable[DXFGraphic], owner: _Owner) -> Iterator[Placed]:
         for entity in entities:
-            self.seen += 1
-            if self.seen > MOST_ENTITIES:
-                raise Refused(TOO_MANY(path=self.path, most=MOST_ENTITIES))
             layer = layer_of(entity)
             if layer == "0" and owner.blocks:
                 layer = owner.layer
@@ -177,7 +190,6 @@ class Traversal:
             if location:
                 yield Placed(insert, owner.matrix, layer, place, cell)
             if block is None:
-                self.seen += 1
                 continue
             with np.errstate(all="ignore"):  # what overflows is found not to be finite
                 inner = owner.matrix @ insert_matrix(insert, block.base_point.xyz, cell)

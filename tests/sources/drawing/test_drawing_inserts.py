@@ -316,3 +316,60 @@ def test_nested_inserts_against_matrices(
         assert np.abs(after.at(t) - expected).max() < 1e-6
         if isinstance(before, Line):
             assert isinstance(after, Line)
+
+
+def inserts(name: str, times: int) -> str:
+    """An INSERT of so many columns and rows."""
+    grid = f"70\n{times}\n71\n{times}\n44\n1\n45\n1\n" if times > 1 else ""
+    return f"0\nINSERT\n8\n0\n2\n{name}\n10\n0\n20\n0\n{grid}"
+
+
+def of_blocks(blocks: dict[str, str], model: str) -> bytes:
+    """A drawing without a header."""
+    told = "".join(
+        f"0\nBLOCK\n8\n0\n2\n{name}\n10\n0\n20\n0\n{content}0\nENDBLK\n"
+        for name, content in blocks.items()
+    )
+    text = f"0\nSECTION\n2\nBLOCKS\n{told}0\nENDSEC\n0\nSECTION\n2\nENTITIES\n{model}0\nENDSEC\n"
+    return f"{text}0\nEOF\n".encode()
+
+
+LINE = "0\nLINE\n8\n0\n10\n0\n20\n0\n11\n1\n21\n0\n"
+
+
+@pytest.mark.parametrize(
+    "drawing",
+    [
+        of_blocks({}, inserts("NOWHERE", 30_000)),
+        of_blocks({"B": inserts("B", 1000)}, inserts("B", 2)),
+        of_blocks(
+            {f"B{i}": 2 * inserts(f"B{i + 1}", 1) for i in range(40)} | {"B40": LINE},
+            inserts("B0", 1),
+        ),
+        of_blocks(
+            {f"B{i}": "".join(inserts(f"B{k}", 1) for k in range(9)) for i in range(9)},
+            inserts("B0", 1),
+        ),
+    ],
+    ids=["a grid", "a grid of itself", "twice at each of 40 levels", "each in each other"],
+)
+def test_what_blocks_stand_for_is_known_before_they_are_inserted(
+    drawing: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROBOT_ASSISTANT_BUDGET", "0.1")  # a second
+    file = tmp_path / "x.dxf"
+    file.write_bytes(drawing)
+    assert [e.code for e in errors(file)] == ["DX209"]
+
+
+def test_blocks_on_frozen_layers_stand_for_nothing(save: Save, drawing: Drawing) -> None:
+    drawing.layers.add("COLD").freeze()
+    for i in range(40):
+        block = drawing.blocks.new(f"B{i}")
+        for _ in range(2):
+            block.add_blockref(f"B{i + 1}", (1, 1))
+    drawing.blocks.new("B40").add_line((0, 0), (1, 0))
+    drawing.modelspace().add_blockref("B0", (0, 0), dxfattribs={"layer": "COLD"})
+    segment(drawing)
+    found = read_contents(save(drawing), NO_PROCESS).findings
+    assert not [f for f in found if f.severity == "error"]
