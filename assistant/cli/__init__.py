@@ -71,9 +71,11 @@ def _settle_in() -> None:
 def _run(arguments: list[str] | None) -> None:
     from assistant.cli.app import app
     from assistant.cli.presentation import print_findings, print_refused
+    from assistant.cli.secrets import check_arguments
     from assistant.program.leftovers import told_by
 
     try:
+        check_arguments(sys.argv[1:] if arguments is None else arguments)
         with told_by(lambda finding: print_findings([finding])):
             app(args=arguments, prog_name="robot-assistant")
     except Refused as refused:

@@ -107,27 +107,32 @@ class Address:
 
 
 def parse(text: str) -> Address:
-    """The address that a text says; raises Refused with what is wrong in it.
+    """The address that a text says; raises Refused, of exit status 2, with what is wrong in it.
 
-    A password in it is refused and never repeated in the finding.
+    A password in it is refused and never repeated in the finding, however mistyped it is.
     """
     shown = without_password(text)
-    if shown != text:
-        raise Refused(rules.PASSWORD_IN_ADDRESS(place=shown))
+    if holds_password(text):
+        raise Refused(rules.PASSWORD_IN_ADDRESS(place=shown), exit_status=2)
     if re.search(r"[\x00-\x1f\x7f]", text):
-        raise Refused(rules.BAD_ADDRESS(place=repr(shown), reason="it holds a control character"))
+        raise _bad(repr(shown), "it holds a control character")
     try:
         parts = urlsplit(text)
-        port = parts.port
-    except ValueError as error:
-        raise Refused(rules.BAD_ADDRESS(place=shown, reason=str(error))) from None
+    except ValueError:  # which would be said with what may be a password
+        raise _bad(shown, "the host is no name") from None
     scheme = SCHEMES.get(parts.scheme.lower())
     if scheme is None:
-        raise Refused(rules.UNKNOWN_SCHEME(place=shown, given=parts.scheme, known=_known()))
+        known = ", ".join(f"`{name}://`" for name in SCHEMES)
+        given = parts.scheme if "://" in text else ""
+        raise Refused(rules.UNKNOWN_SCHEME(place=shown, given=given, known=known), exit_status=2)
+    try:
+        port = parts.port
+    except ValueError:
+        raise _bad(shown, "the port is no number from 1 to 65535") from None
     wrong = _wrong_device(parts) if scheme.device else _wrong(parts, port, scheme)
     wrong = wrong or _wrong_options(parts, scheme)
     if wrong:
-        raise Refused(rules.BAD_ADDRESS(place=shown, reason=wrong))
+        raise _bad(shown, wrong)
     options = tuple(sorted(parse_qsl(parts.query)))
     if scheme.device:
         return Address(parts.scheme.lower(), parts.netloc + parts.path, 0, options=options)
@@ -137,12 +142,17 @@ def parse(text: str) -> Address:
     return Address(parts.scheme.lower(), parts.hostname, port or scheme.port, user, folder, options)
 
 
+def _bad(shown: str, reason: str) -> Refused:
+    return Refused(rules.BAD_ADDRESS(place=shown, reason=reason), exit_status=2)
+
+
 def _wrong(parts: SplitResult, port: int | None, scheme: Scheme) -> str | None:
     """The first thing wrong with the parts of an address."""
     said = unquote(parts.path + (parts.username or ""))
     checks = (
         (not parts.hostname, "it names no host"),
         (port == 0, "port 0 cannot be connected to"),
+        ("@" in parts.path + (parts.username or ""), "one `@` may stand there, others are `%40`"),
         (bool(parts.hostname and re.search(r"[\s%/\\]", parts.hostname)), "the host is no name"),
         (bool(re.search(r"[\x00-\x1f\x7f]", said)), "it holds a control character"),
         (".." in unquote(parts.path).split("/"), "the folder must not lead upwards"),
@@ -173,17 +183,75 @@ def _wrong_options(parts: SplitResult, scheme: Scheme) -> str | None:
         return f"what follows the `?` must be of {known}"
     for name, value in pairs:
         if not re.fullmatch(scheme.options.get(name, "(?!)"), value):
-            return f"`{name}={value}` is none of {known}"
+            return f"what follows the `?` must be of {known}"
     return None if len(dict(pairs)) == len(pairs) else "an option stands twice"
 
 
-def without_password(text: str) -> str:
-    """The text with `***` for whatever could be a password between `:` and `@`.
+BEGINNING: Final = re.compile(
+    rf"(?:(?:{'|'.join(sorted(SCHEMES, key=len, reverse=True))}|https?):?"
+    r"|[a-z][a-z0-9+.-]*:(?=//))?[/\\]*",
+    re.IGNORECASE,
+)
+"""What an address begins with, also one whose `://` is mistyped. No word with a `:` alone: that may
+be a user with a password."""
+SECRET: Final = re.compile(r"[^/@:]*:.*@", re.DOTALL)
+"""A user and a password, with whatever a password may hold."""
+HARMLESS: Final = re.compile(
+    r"(?:\[[0-9A-Fa-f:.]*\]|[^:=\s\[\]]*)(?::[0-9]{0,5}(?=/|$))?(?:/[^:]*(?:\bHOME:[^:]*)?)?",
+    re.IGNORECASE,
+)
+"""Host, port and folder: nothing after a `:` but a port, and the beginning of a folder."""
+
+
+def holds_password(text: str) -> bool:
+    """Whether it is an address, well written or not, in which a password may stand.
 
     Not left to the URL's syntax: a password with `/`, `?` or `#` would pass for something else.
     """
-    return re.sub(r"(//[^/@:]*):.*@", r"\1:***@", text, flags=re.DOTALL)
+    rest = text[_beginning(text) :]
+    inside = re.split(r"[/?#]", rest, maxsplit=1)[0]
+    return bool(SECRET.match(rest) or SECRET.match(_plain(inside)))
 
 
-def _known() -> str:
-    return ", ".join(f"`{name}://`" for name in SCHEMES)
+def without_password(text: str) -> str:
+    """An address as it may be shown, with `***` for all in it that could be a password.
+
+    That is all before the last `@`, unless nothing is wrong with it; all that follows a `?` or a
+    `#`; and where no host, port and folder are left, all after the first word. Percent signs hide
+    nothing.
+    """
+    if not holds_password(text) and _is_plain(text):
+        return text
+    start = _beginning(text)
+    place, *options = re.split(r"[?#]", text[start:], maxsplit=1)
+    _, at, rest = _plain(place).rpartition("@")
+    mark = "?***" if options else ""
+    if not HARMLESS.fullmatch(rest):
+        rest, mark = re.split(r"[:=\s]", rest, maxsplit=1)[0] + ":***", ""
+    return f"{text[:start]}{'***@' if at else ''}{rest}{mark}"
+
+
+def _is_plain(text: str) -> bool:
+    """Whether nothing can be secret in it: its parts are of an address, none of them a password."""
+    try:
+        parts = urlsplit(text)
+        port = parts.port
+    except ValueError:
+        return False
+    scheme = SCHEMES.get(parts.scheme.lower())
+    if scheme is None or not text.lower().startswith(f"{parts.scheme.lower()}://"):
+        return False
+    wrong = _wrong_device(parts) if scheme.device else _wrong(parts, port, scheme)
+    return not wrong and not _wrong_options(parts, scheme)
+
+
+def _beginning(text: str) -> int:
+    found = BEGINNING.match(text)
+    return found.end() if found else 0
+
+
+def _plain(text: str) -> str:
+    """The text without any `%` that stands for a character, however often it was quoted."""
+    while (once := unquote(text)) != text:
+        text = once
+    return text

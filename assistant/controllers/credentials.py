@@ -72,7 +72,9 @@ def find(
 
     name = user or address.user or stated("USER", USER)
     if not name:
-        raise Refused(rules.NO_USER(place=str(address), address=address))
+        raise Refused(rules.NO_USER(place=str(address), address=address), exit_status=2)
+    if ":" in name:
+        raise Refused(rules.USER_AND_PASSWORD(place=str(address), address=address), exit_status=2)
     sources: tuple[Callable[[], str | None], ...] = (
         lambda: password,
         lambda: stated("PASSWORD", PASSWORD),
@@ -81,7 +83,8 @@ def find(
     )
     secret = next((found for source in sources if (found := source()) is not None), None)
     if secret is None:
-        raise Refused(rules.NO_PASSWORD(place=str(address), address=address, user=name))
+        missing = rules.NO_PASSWORD(place=str(address), address=address, user=name)
+        raise Refused(missing, exit_status=2)
     return Credentials(name, secret)
 
 

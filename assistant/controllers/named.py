@@ -24,7 +24,7 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.controllers import rules
-from assistant.controllers.address import Address, parse, without_password
+from assistant.controllers.address import Address, holds_password, parse, without_password
 from assistant.controllers.credentials import variable
 from assistant.program.diagnostics import Diagnostic, Refused, Rule
 
@@ -80,10 +80,7 @@ def named(text: str, folder: FilePath | None = None) -> Named:
     Raises Refused and Unreadable, of exit status 2, if there is none.
     """
     if NAME.fullmatch(text) is None:
-        try:
-            address = parse(text)
-        except Refused as refused:
-            raise Refused(*refused.findings, exit_status=2) from None
+        address = parse(text)
         return Named(str(address), address)
     there = controllers_of(folder or FilePath.cwd())
     if text not in there:
@@ -139,7 +136,7 @@ class _Reader:
     def entry(self, name: str) -> Named | None:
         """A controller, None if what is said of it is wrong."""
         if NAME.fullmatch(name) is None:
-            self.table.say(rules.BAD_NAME, name, name=name)
+            self.table.say(rules.BAD_NAME, name, name=without_password(name))
             return None
         given = self.table.content[name]
         if isinstance(given, str):
@@ -156,7 +153,11 @@ class _Reader:
         address = self._address(found["address"], (name, "address")) if "address" in found else None
         if address is None:
             return None
-        if "user" in found:
+        if ":" in found.get("user", ""):
+            table.say(
+                rules.PASSWORD_IN_FILE, "user", name=name, variable=variable(name, "PASSWORD")
+            )
+        elif "user" in found:
             if address.user not in (None, found["user"]):
                 table.say(rules.TWO_USERS, "user", name=name, one=address.user, other=found["user"])
             address = replace(address, user=found["user"])
@@ -171,7 +172,7 @@ class _Reader:
     def _address(self, text: str, at: tuple[str, ...]) -> Address | None:
         """The address, or None with the finding that it gives, placed at its key."""
         page, path = self.table.page, (*self.table.path, *at)
-        if without_password(text) != text:
+        if holds_password(text):
             page.say(rules.PASSWORD_IN_FILE, path, name=at[0], variable=variable(at[0], "PASSWORD"))
             return None
         kind = _virtual(text)

@@ -62,6 +62,11 @@ NO_PASSWORD = error(
     "no password is known for user `{user}` of {address}",
     "set ROBOT_ASSISTANT_PASSWORD, store it with keyring, or run where it can be asked for",
 )
+USER_AND_PASSWORD = error(
+    "CN114",
+    "the user that is stated for {address} holds a `:`, and may hold a password after it",
+    "state the user alone; the password has a variable of its own, ROBOT_ASSISTANT_PASSWORD",
+)
 UNREACHABLE = error(
     "CN201",
     "{address} cannot be reached: {reason}; nothing was changed by that",

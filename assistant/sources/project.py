@@ -6,13 +6,14 @@ RA211 = "warning"
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from typing import Any, Final
 
 from assistant.program.budgets import SETTINGS_FILE
-from assistant.program.diagnostics import Diagnostic, Rule, Span
+from assistant.program.diagnostics import Diagnostic, Rule, Span, Unreadable
 from assistant.program.text import SourceText, decode, read_bytes
 
 FILES: Final[Mapping[str, tuple[str, ...]]] = {
@@ -29,6 +30,28 @@ TARGETS: Final = "targets"
 """Which programs go to which controller."""
 DEPLOY: Final = "deploy"
 """How they are brought there."""
+DOUBTFUL: Final = re.compile(r":.*[@%]|//[^/\s]*:(?![0-9]{1,5}(?:[/?#\s\"'`]|$))", re.DOTALL)
+"""What may be an address with a password, well written or not."""
+SECRET: Final = re.compile(r"\bpass|\bpwd|secret|token", re.IGNORECASE)
+"""What somebody may write a password behind."""
+
+
+class SettingsText(SourceText):
+    """The text of a project's file, of which findings repeat nothing that may be a password."""
+
+    def finding(self, rule: Rule, span: Span, **fields: Any) -> Diagnostic:
+        said = {
+            key: "***" if isinstance(value, str) and DOUBTFUL.search(value) else value
+            for key, value in fields.items()
+        }
+        return _unspoken(super().finding(rule, span, **said))
+
+
+def _unspoken(finding: Diagnostic) -> Diagnostic:
+    """Without its line, if a password may stand in it."""
+    line = finding.excerpt or ""
+    doubtful = DOUBTFUL.search(line) or SECRET.search(line)
+    return replace(finding, excerpt=None) if doubtful else finding
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,10 +87,14 @@ def read_project(file: FilePath, table: tuple[str, ...]) -> Project | None:
     from assistant.sources.process.file import read_toml
     from assistant.sources.process.lines import key_spans
 
-    source = decode(
+    read = decode(
         read_bytes(file, allow_empty=True, most=SETTINGS_FILE), str(file), ("utf-8-sig", "utf-8")
     )
-    content: Any = read_toml(source).content
+    source = SettingsText(read.text, read.path, read.encoding, read.newline)
+    try:
+        content: Any = read_toml(source).content
+    except Unreadable as refused:
+        raise Unreadable(*map(_unspoken, refused.findings)) from None
     for key in table:
         content = content.get(key) if isinstance(content, Mapping) else None
     if content is None:
