@@ -3,30 +3,32 @@
 
 PYTHON ?= python3
 BIN := .venv/bin
+SUPPLY := .venv/tools/bin
+COMPILE := $(SUPPLY)/uv pip compile --quiet --upgrade --universal --generate-hashes --python-version 3.11 \
+  --custom-compile-command 'make pins'
 # Every command that the tests start would compile all modules and grammars anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test test-slow fuzz bench lint format clean
+.PHONY: demo test test-slow fuzz bench lint format pins audit sbom wheel clean
 
 .venv/demo: pyproject.toml
 	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --editable '.[plot,virtual,rws]'
 	touch $@
 
-.venv/test: pyproject.toml
-	$(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --editable '.[test]'
+# What tests and lint need, by its hashes.
+.venv/test: pyproject.toml .ci/install .ci/backends.txt .ci/pins.txt
+	.ci/install $(PYTHON)
 	touch $@ .venv/demo
 
-.venv/lint: pyproject.toml
-	$(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --editable '.[lint]'
-	touch $@ .venv/test .venv/demo
+.venv/supply: pyproject.toml
+	$(PYTHON) -m venv .venv/tools
+	$(SUPPLY)/python -m pip install --quiet cyclonedx-bom pip-audit uv
+	touch $@
 
-.venv/fuzz: pyproject.toml
-	$(PYTHON) -m venv .venv
+.venv/fuzz: .venv/test
 	$(BIN)/python -m pip install --quiet --editable '.[fuzz]'
-	touch $@ .venv/test .venv/demo
+	touch $@
 
 .venv/bench: pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -53,14 +55,37 @@ fuzz: .venv/fuzz
 bench: .venv/bench
 	$(BIN)/python -m benchmarks
 
-lint: .venv/lint
+lint: .venv/test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-format: .venv/lint
+format: .venv/test
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
+
+# What tests and lint are installed by, for all systems and Python 3.11 and later.
+pins: .venv/supply
+	$(COMPILE) --group backends --output-file .ci/backends.txt
+	$(COMPILE) pyproject.toml --extra lint --output-file .ci/pins.txt
+
+# Known vulnerabilities of the pinned versions; needs the network, and fails without it.
+audit: .venv/supply
+	$(SUPPLY)/pip-audit --strict --disable-pip --require-hashes --requirement .ci/pins.txt || \
+	  { echo 'Vulnerable, or not audited: see above. Of what was not audited nothing is known.' >&2; false; }
+
+# What somebody gets who installs all extras today, as CycloneDX, checked against its schema.
+sbom: .venv/supply
+	rm -rf .venv/user && $(PYTHON) -m venv .venv/user
+	.venv/user/bin/python -m pip install --quiet '.[all]'
+	.venv/user/bin/python -m pip uninstall --quiet --yes pip setuptools
+	mkdir -p dist
+	$(SUPPLY)/cyclonedx-py environment --pyproject pyproject.toml --mc-type application \
+	  --output-reproducible --output-format JSON --output-file dist/robot-assistant.cdx.json .venv/user
+
+# The same commit gives the same bytes.
+wheel: .venv/test
+	SOURCE_DATE_EPOCH=$$(git log -1 --format=%ct) $(BIN)/python -m build --no-isolation
 
 clean:
 	rm -rf .venv build dist out

@@ -26,7 +26,17 @@ def run(*command: object, cwd: Path) -> str:
     "dependencies", ["of these tests", pytest.param("of its own", marks=pytest.mark.slow)]
 )
 def test_a_sample_compiles_from_the_installed_wheel(tmp_path, dependencies):
-    run(sys.executable, "-m", "build", "--wheel", "--outdir", tmp_path, PROJECT, cwd=tmp_path)
+    run(
+        sys.executable,
+        "-m",
+        "build",
+        "--wheel",
+        "--no-isolation",
+        "--outdir",
+        tmp_path,
+        PROJECT,
+        cwd=tmp_path,
+    )
     (wheel,) = tmp_path.glob("*.whl")
     venv.create(tmp_path / "empty")
     scripts = tmp_path / "empty" / ("Scripts" if sys.platform == "win32" else "bin")
