@@ -14,6 +14,7 @@ from __future__ import annotations
 import json
 import pathlib
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import Any, Final, Literal
 
 import numpy as np
@@ -23,6 +24,7 @@ from assistant.program.diagnostics import (
     Diagnostic,
     Refused,
     Severity,
+    Span,
     Unreadable,
     error,
     has_errors,
@@ -175,10 +177,10 @@ def _read_json(data: bytes, path: str, stem: str, process: Process) -> Reading:
     try:
         document = json.loads(source.text, object_pairs_hook=lambda pairs: _object(pairs, path))
     except json.JSONDecodeError as error:
-        place: dict[str, Any] = {"line": error.lineno, "column": error.colno}
-        excerpt = source.line_text(error.lineno)
+        found = source.finding(NOT_JSON, Span(error.pos, error.pos + 1), reason=error.msg)
+        excerpt = found.excerpt or ""
         shows = excerpt if excerpt.isprintable() and len(excerpt) <= 200 else None
-        raise Unreadable(NOT_JSON(path=path, **place, excerpt=shows, reason=error.msg)) from None
+        raise Unreadable(replace(found, excerpt=shows)) from None
     except Refused:
         raise
     except (RecursionError, ValueError) as error:

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from random import Random
 from typing import Final
 
-from assistant.program.text import LINE_ENDS
 from tests.fuzz.target import Target
 
 EXTREMES: Final = (
@@ -28,7 +27,7 @@ EXTREMES: Final = (
 )
 """Numbers at and behind the ends of what machines, controllers and files have."""
 ODD: Final = (
-    *LINE_ENDS,
+    *("\r", "\r\n", "\v", "\f", "\x1c", "\x1d", "\x1e", "\x85", "\u2028", "\u2029"),
     *(
         "\0",
         "\x1a",

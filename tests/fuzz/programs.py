@@ -7,7 +7,7 @@ from collections.abc import Callable
 from functools import cache, partial
 from typing import Any, Final
 
-from assistant import languages
+from assistant import checks, languages
 from assistant.compiler.checking import check_text
 from assistant.compiler.formatting import NOT_THE_SAME, format_text
 from assistant.compiler.loading import parse_pseudo
@@ -18,7 +18,7 @@ from assistant.program.diagnostics import has_errors
 from assistant.program.program import Program
 from assistant.program.text import SourceText
 from assistant.resources import read_grammar
-from tests.fuzz.target import ROOT, Target, files_of, promise, refusing, sound
+from tests.fuzz.target import ROOT, Target, files_of, one_in, promise, refusing, sound
 
 NAME: Final = "input"
 CLOSE: Final = Tolerance(angle=1e-9)
@@ -35,16 +35,20 @@ def vendor(name: str, data: bytes) -> None:
         promise(language.render(tree) == source.text, "the text does not come back")
         promise(language.encode(tree) == data, "the bytes do not come back")
         placed(tree.findings, source)
-        list(language.said(source.text))
         list(language.parts(tree))
-        checked = check_text(source, language=name)
-        sound(checked.findings)
-        laid_out(language, source, tree)
+        sound(language.check([tree]))
+        if not has_errors(tree.findings):
+            laid_out(language, source, tree)
         with refusing():
             program = language.lift(tree)
-            said(program)
-            if not has_errors(tree.findings):
-                promise(language.lower(program) is not None, "nothing is lowered")
+            if has_errors(tree.findings):
+                return
+            promise(language.lower(program) is tree, "lowered unchanged, it is another tree")
+            sound(checks.check(program))
+            if one_in(4, data):
+                list(language.said(source.text))
+                said(program)
+                sound(check_text(source, language=name, robot="rv-2aj").findings)
 
 
 def laid_out(language: Language[Any], source: SourceText, tree: Any) -> None:
@@ -113,9 +117,9 @@ def _words(grammar: str, *tables: str) -> Callable[[], tuple[str, ...]]:
 
 def _language(name: str, folder: str) -> Target:
     data = folder.replace("-", "_")
-    seeds = files_of(f"tests/fuzz/seeds/{folder}/*", f"tests/languages/{data}/data/*")
+    seeds = files_of(f"tests/fuzz/seeds/{folder}/*", f"tests/languages/{data}/data/*", most=900)
     words = _words(f"{data}.lark", f"assistant/languages/{data}/tables/**/*.txt")
-    return Target(name, partial(vendor, name), seeds, words, tried=12)
+    return Target(name, partial(vendor, name), seeds, words, most=1200, tried=20)
 
 
 TARGETS: Final = (
@@ -124,8 +128,9 @@ TARGETS: Final = (
     Target(
         "pseudo",
         pseudo_text,
-        files_of("tests/program/fixtures/plate.pseudo", "tests/fuzz/seeds/pseudo/*"),
+        files_of("tests/fuzz/seeds/pseudo/*"),
         lambda: (*of_grammar("pseudo.lark"), *_lines("tests/program/fixtures/lines.txt")),
+        most=1200,
         tried=20,
     ),
 )

@@ -10,7 +10,6 @@ import argparse
 import contextlib
 import mmap
 import os
-import resource
 import signal
 import sys
 import time
@@ -42,7 +41,9 @@ def main() -> None:
     parser.add_argument("--seed", type=int, required=True)
     parser.add_argument("--engine", choices=ENGINES, required=True)
     given = parser.parse_args()
-    with contextlib.suppress(ValueError, OSError):
+    with contextlib.suppress(ImportError, ValueError, OSError):
+        import resource
+
         resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
     os.environ["ROBOT_ASSISTANT_TRACEBACK"] = "1"  # what fails inside is raised
     ENGINES[given.engine](given)

@@ -46,7 +46,8 @@ DAMAGE: Final = (
     AttributeError,
     LookupError,
     OSError,
-    RecursionError,
+    RuntimeError,  # also of generators, and of what is nested too deeply
+    StopIteration,
     TypeError,
     ValueError,
     struct.error,
@@ -146,17 +147,18 @@ def _load(path: FilePath, binary: bool) -> tuple[Drawing, tuple[Diagnostic, ...]
     from ezdxf.filemanagement import readfile
 
     try:
-        return readfile(path), ()
+        return _named(readfile(path)), ()
     except library_errors() as error:
         strict = error
     if binary:  # ezdxf repairs text only
         raise _broken(path, strict) from strict
     try:
         document, auditor = recover.readfile(path)
+        _named(document)
     except library_errors() as error:
         raise _broken(path, error) from error
     name = str(path)
-    first = REPAIRED(path=name, place="file", what=shown(str(strict)))
+    first = REPAIRED(path=name, place="file", what=shown(_said(strict)))
     repairs = [
         (LOST if _code(entry.code) in LOSSES else REPAIRED)(
             path=name, place=_code(entry.code), what=shown(entry.message)
@@ -170,14 +172,33 @@ def _load(path: FilePath, binary: bool) -> tuple[Drawing, tuple[Diagnostic, ...]
     return document, (first, *kept)
 
 
+def _named(document: Drawing) -> Drawing:
+    """The document, if all its spaces and layers have names; raises DXFStructureError.
+
+    ezdxf reads block records and layers without one, and fails where it is asked for.
+    """
+    from ezdxf.lldxf.const import DXFStructureError
+
+    names = {"space": [layout.block_record_name for layout in document.layouts]}
+    names["layer"] = [layer.dxf.name for layer in document.layers]
+    for kind, given in names.items():
+        if not all(isinstance(name, str) for name in given):
+            raise DXFStructureError(f"a {kind} has no name")
+    return document
+
+
 def _code(code: int) -> str:
     from ezdxf.audit import AuditError
 
     return AuditError(code).name
 
 
+def _said(error: Exception) -> str:
+    return str(error) or type(error).__name__
+
+
 def _broken(path: FilePath, error: Exception) -> Unreadable:
-    reason = shown(str(error) or type(error).__name__)
+    reason = shown(_said(error))
     return Unreadable(BROKEN(path=str(path), name=shown(path.name), reason=reason))
 
 

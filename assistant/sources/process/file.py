@@ -64,7 +64,7 @@ from pathlib import Path as FilePath
 from typing import Any, Final
 
 from assistant.program.budgets import SETTINGS_FILE
-from assistant.program.diagnostics import Diagnostic, Refused, Unreadable, error, has_errors
+from assistant.program.diagnostics import Diagnostic, Refused, Span, Unreadable, error, has_errors
 from assistant.program.geometry import BASE, FLANGE, Frame, Load, Pose, Tool
 from assistant.program.program import Signal
 from assistant.program.statements import Motion
@@ -187,9 +187,18 @@ def read_toml(source: SourceText) -> Table:
         content = tomllib.loads(source.text)
     except tomllib.TOMLDecodeError as error:
         raise Unreadable(_not_toml(source, str(error))) from None
+    except ValueError:  # as `int` refuses it, without a place
+        finding = source.finding(NOT_TOML, _long_number(source.text), reason="a number is too long")
+        raise Unreadable(finding) from None
     except RecursionError:
         raise Unreadable(_not_toml(source, "brackets are nested too deeply")) from None
     return Table(Page.of(source), (), content)
+
+
+def _long_number(text: str) -> Span:
+    """The longest number of a text."""
+    numbers = (Span(*found.span()) for found in re.finditer(r"\d[\d_]*", text))
+    return max(numbers, key=lambda span: span.end - span.start)
 
 
 def _not_toml(source: SourceText, reason: str) -> Diagnostic:

@@ -61,6 +61,9 @@ _BROKEN_ZIP: Final = (
 _NUMBERS: Final = {("f", 4), ("f", 8), *((kind, 2**i) for kind in "iu" for i in range(4))}
 """Kinds and sizes of elements that are taken."""
 _MAGIC: Final = b"\x93NUMPY"
+_MOST_DIMENSIONS: Final = 64
+_MOST_SIZE: Final = 2**63 - 1
+"""Of arrays of numpy 2: how many extents, and bytes, extents of 0 not counted."""
 _LONGEST_HEADER: Final = 1 << 16
 _LONGEST_TEXT: Final = 1000
 
@@ -159,6 +162,9 @@ def _npy_header(data: bytes, path: str, place: str | None) -> _Header:
 
 def _elements(data: bytes, path: str, place: str | None, header: _Header) -> NDArray[np.generic]:
     dtype: np.dtype[np.generic] = np.dtype(header.descr)
+    full = math.prod(max(extent, 1) for extent in header.shape) * dtype.itemsize
+    if len(header.shape) > _MOST_DIMENSIONS or full > _MOST_SIZE:
+        raise Unreadable(NOT_NPY(path=path, place=place, reason="no array has such a shape"))
     count = math.prod(header.shape)
     wanted, there = count * dtype.itemsize, len(data) - header.start
     if wanted > there:
@@ -177,7 +183,7 @@ def _npy_text(data: bytes, path: str, name: str) -> str | None:
         return None
     try:
         return str(_elements(data, path, shown(name), header))
-    except ValueError as error:  # code points that there are not
+    except (ValueError, SystemError) as error:  # code points that there are not
         if isinstance(error, Refused):
             raise
         raise Unreadable(NOT_NPY(path=path, place=shown(name), reason=_reason(error))) from None

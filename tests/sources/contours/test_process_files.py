@@ -259,6 +259,7 @@ def test_all_that_is_wrong_is_found_at_once_in_order_of_lines():
         ("{\\rtf1}", 1),
         ("a = [1,\n", 2),
         ("a = " + "[" * 5000, 1),
+        ("b = 1\na = 1" + "0" * 4999, 2),
     ],
 )
 def test_what_is_no_toml_is_unreadable(text, line):

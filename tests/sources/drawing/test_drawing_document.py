@@ -88,6 +88,74 @@ def test_no_drawing(tmp_path: Path, data: bytes) -> None:
     assert codes(path) == ["DX001"]
 
 
+LAYOUT_OF_NO_NAME = """0
+SECTION
+2
+HEADER
+9
+$ACADVER
+1
+AC1027
+0
+ENDSEC
+0
+SECTION
+2
+OBJECTS
+0
+DICTIONARY
+5
+C
+3
+ACAD_LAYOUT
+350
+1A
+0
+DICTIONARY
+5
+1A
+3
+L
+350
+22
+0
+LAYOUT
+5
+22
+100
+AcDbPlotSettings
+100
+AcDbLayout
+1
+L
+330
+1F
+0
+BLOCK_RECORD
+5
+1F
+0
+ENDSEC
+0
+EOF
+"""
+
+
+@pytest.mark.parametrize(
+    ("data", "why"),
+    [
+        (LAYOUT_OF_NO_NAME, "cannot be repaired"),
+        ("0\nSECTION\n2\nHEADER\n0\nEOF\n", "StopIteration"),
+    ],
+)
+def test_what_the_library_fails_at(tmp_path: Path, data: str, why: str) -> None:
+    path = tmp_path / "no.dxf"
+    path.write_text(data)
+    with pytest.raises(Refused) as caught:
+        read(path, NO_PROCESS)
+    assert any(why in f.message for f in caught.value.findings if f.code in ("DX003", "DX004"))
+
+
 def test_dwg_is_named(tmp_path: Path) -> None:
     path = tmp_path / "no.dxf"
     path.write_bytes(b"AC1032\x00" + bytes(100))

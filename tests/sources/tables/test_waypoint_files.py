@@ -42,6 +42,19 @@ def homogeneous(positions: np.ndarray, quaternions: np.ndarray) -> np.ndarray:
 MATRICES = homogeneous(POSITIONS, QUATERNIONS)
 
 
+def shaped(shape: str, kind: str = "<f8") -> bytes:
+    """The begin of an array, with nothing behind it."""
+    said = f"{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}\n".encode()
+    return b"\x93NUMPY\1\0" + len(said).to_bytes(2, "little") + said
+
+
+def zipped(name: str, data: bytes) -> bytes:
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as archive:
+        archive.writestr(name, data)
+    return stream.getvalue()
+
+
 def npy(array: np.ndarray, **options: Any) -> bytes:
     stream = io.BytesIO()
     np.save(stream, array, **options)
@@ -194,6 +207,12 @@ BAD: dict[str, tuple[str, bytes | str, str, str | None]] = {
     "a size that is not there": (
         "a.npy", npy(SEVENS).replace(b"(9, 7), }       ", b"(900000000, 7), }"), "TB402", None,
     ),
+    "an extent beyond all": ("a.npy", shaped("(0, 9999999999999999999999)"), "TB401", None),
+    "extents beyond all together": ("a.npy", shaped("(0, 9223372036854775807, 7)"), "TB401", None),
+    "seventy dimensions": ("a.npy", shaped(str((1,) * 70)) + bytes(8), "TB401", None),
+    "no character": (
+        "a.npz", zipped("unit.npy", shaped("()", "<U1") + b"m\0\0?"), "TB401", "`unit`",
+    ),
     "no zip": ("a.npz", b"PK..", "TB406", None),
     "cut zip": ("a.npz", npz(seam=SEVENS)[:-30], "TB406", None),
     "member of no array": ("a.npz", b"", "TB408", "zip"),
@@ -231,10 +250,7 @@ BAD: dict[str, tuple[str, bytes | str, str, str | None]] = {
 def test_bad_input_is_refused_with_its_place_and_a_cure(case: str, read: Any) -> None:
     name, data, code, place = BAD[case]
     if place == "zip":
-        stream = io.BytesIO()
-        with zipfile.ZipFile(stream, "w") as archive:
-            archive.writestr("../../readme.txt", "hello")
-        data, place = stream.getvalue(), None
+        data, place = zipped("../../readme.txt", b"hello"), None
     with pytest.raises(Refused) as refused:
         read(name, data)
     (finding,) = [f for f in refused.value.findings if f.severity is Severity.ERROR]
@@ -252,6 +268,13 @@ def test_a_json_mistake_is_shown_with_line_and_column(read: Any) -> None:
     assert (finding.line, finding.column) == (3, 9)
     assert finding.excerpt == "  [1, 2 3, 1, 0, 0, 0]"
     assert refused.value.exit_status == 2
+
+
+def test_lines_of_json_are_told_as_those_of_the_file(read: Any) -> None:
+    with pytest.raises(Refused) as refused:
+        read("a.json", '{"unit": "mm",\r "poses": x}')
+    (finding,) = refused.value.findings
+    assert (finding.line, finding.column, finding.excerpt) == (2, 11, ' "poses": x}')
 
 
 @given(at=st.integers(0, 10_000), put=st.binary(max_size=4), gone=st.integers(0, 4))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from itertools import chain
-from typing import Any, TypeVar
+from typing import Any, Final, TypeVar
 
 from assistant.languages.rapid.lift.expressions import lift
 from assistant.languages.rapid.tables.motions import speed_of, zone_of
@@ -20,6 +20,7 @@ from assistant.program.passes.motions import Words
 from assistant.program.program import Variable
 
 T = TypeVar("T", Speed, Blend)
+STORAGES: Final = {"CONST": "constant", "VAR": "variable", "PERS": "persistent"}
 
 
 class DataLift:
@@ -103,9 +104,9 @@ class DataLift:
         if type is None:
             return None
         size = [literal_number(d) for d in item.dimensions]
-        if not all(isinstance(n, int) and n > 0 for n in size):
+        storage: Any = STORAGES.get(item.storage)  # none in a damaged text
+        if storage is None or not all(isinstance(n, int) and n > 0 for n in size):
             return None
-        storage: Any = {"CONST": "constant", "VAR": "variable", "PERS": "persistent"}[item.storage]
         initial = None if item.value is None else lift(item.value, self.original)
         extents = tuple(n for n in size if isinstance(n, int))
         span = item.span and item.span.moved(self.start)
