@@ -9,9 +9,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
 from datetime import datetime
-from pathlib import PurePath
+from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Final
 
+from assistant.cli.presentation import note
 from assistant.program.diagnostics import Diagnostic, Refused, error
 
 if TYPE_CHECKING:
@@ -33,7 +34,19 @@ def client_of(one: Named, timeout: float | None = None) -> Programs:
     """A client that is not connected yet; asks for a password where somebody can answer."""
     from assistant.controllers import connect
 
+    _tell_clear_text(one)
     return connect(one, ask=_ask if sys.stdin.isatty() else None, timeout=timeout)
+
+
+def _tell_clear_text(one: Named) -> None:
+    """Says that what is sent can be read on the way, once, unless the project has accepted it."""
+    from assistant.controllers.clear_text import clear_text
+    from assistant.findings.severity import severities_for
+
+    told = clear_text(one.address)
+    wanted = told and severities_for(Path.cwd()).of(told)
+    if wanted:
+        note(str(one.address), wanted)
 
 
 def _ask(prompt: str) -> str | None:

@@ -6,7 +6,7 @@ import enum
 import json
 import re
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextvars import ContextVar
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, TypeVar
@@ -175,8 +175,37 @@ text from outside: printed as JSON escapes it.
 """
 
 
+_noted: Final[ContextVar[Mapping[str, Diagnostic]]] = ContextVar("noted", default={})
+"""What is said of the way to a controller, by the address of it."""
+
+
+def note(address: str, finding: Diagnostic) -> None:
+    """Says something of the way to a controller, once: at once, or in the JSON of the answer."""
+    if address in _noted.get():
+        return
+    _noted.set({**_noted.get(), address: finding})
+    if _asked.get() != Format.JSON:
+        print_findings([finding])
+
+
 def print_json(answer: object) -> None:
-    say(json.dumps(answer, indent=2, ensure_ascii=False))
+    say(json.dumps(_with_notes(answer), indent=2, ensure_ascii=False))
+
+
+def _with_notes(answer: object) -> object:
+    """The answer, with what was noted of the controller that it is about."""
+    if isinstance(answer, list):
+        return [_with_notes(one) for one in answer]
+    if not isinstance(answer, dict):
+        return answer
+    if "controllers" in answer:
+        return {**answer, "controllers": _with_notes(answer["controllers"])}
+    noted = _noted.get().get(answer.get("address", ""))
+    if noted is None:
+        return answer
+    from assistant.findings.formats import finding_record
+
+    return {**answer, "findings": [*answer.get("findings", []), finding_record(noted)]}
 
 
 def say(line: str) -> None:

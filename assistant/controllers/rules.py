@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from assistant.program.diagnostics import Refused, Severity, error
+from assistant.program.diagnostics import Refused, Severity, error, info, warning
 
 ERROR: Final = Severity.ERROR
 
@@ -66,6 +66,20 @@ USER_AND_PASSWORD = error(
     "CN114",
     "the user that is stated for {address} holds a `:`, and may hold a password after it",
     "state the user alone; the password has a variable of its own, ROBOT_ASSISTANT_PASSWORD",
+)
+CLEAR_LOGIN = warning(
+    "CN115",
+    "user, password and programs go to {address} in clear text: who can listen on the way can read "
+    "and change them",
+    "take `ftps://` or `sftp://` where the controller or a gateway has it, else a network of its "
+    'own, and write CN115 = "off" into [severity] of assistant.toml',
+)
+CLEAR = info(
+    "CN116",
+    "programs and commands go to {address} in clear text: who can listen on the way can read and "
+    "change them",
+    '{cure}; where the network is the controller\'s own, write CN116 = "off" into [severity] of '
+    "assistant.toml",
 )
 UNREACHABLE = error(
     "CN201",
