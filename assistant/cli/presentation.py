@@ -6,7 +6,7 @@ import enum
 import json
 import re
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from contextvars import ContextVar
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, TypeVar
@@ -175,15 +175,15 @@ text from outside: printed as JSON escapes it.
 """
 
 
-_noted: Final[ContextVar[Mapping[str, Diagnostic]]] = ContextVar("noted", default={})
-"""What is said of the way to a controller, by the address of it."""
+_noted: Final[ContextVar[tuple[tuple[str, Diagnostic], ...]]] = ContextVar("noted", default=())
+"""Addresses of controllers, each with what is said of the way there."""
 
 
 def note(address: str, finding: Diagnostic) -> None:
     """Says something of the way to a controller, once: at once, or in the JSON of the answer."""
-    if address in _noted.get():
+    if address in dict(_noted.get()):
         return
-    _noted.set({**_noted.get(), address: finding})
+    _noted.set((*_noted.get(), (address, finding)))
     if _asked.get() != Format.JSON:
         print_findings([finding])
 
@@ -200,7 +200,7 @@ def _with_notes(answer: object) -> object:
         return answer
     if "controllers" in answer:
         return {**answer, "controllers": _with_notes(answer["controllers"])}
-    noted = _noted.get().get(answer.get("address", ""))
+    noted = dict(_noted.get()).get(answer.get("address", ""))
     if noted is None:
         return answer
     from assistant.findings.formats import finding_record
