@@ -132,6 +132,11 @@ def factor_of(text: str) -> float:
     return value
 
 
+def unpacked() -> int:
+    """Bytes that an archive may unpack to."""
+    return int(UNPACKED * factor())
+
+
 class within:  # noqa: N801 (used as a `with` word)
     """What is done inside takes no more than the budget of a stage.
 

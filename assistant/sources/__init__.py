@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Final, cast
 
-from assistant.program.budgets import TABLE, UNPACKED, within
+from assistant.program.budgets import TABLE, unpacked, within
 from assistant.program.diagnostics import Unreadable, error
 from assistant.sources.lengths import known_unit, unit_stated
 from assistant.sources.process import NO_PROCESS, Process
@@ -83,7 +83,7 @@ def _size(source: FilePath) -> int:
         import zipfile
 
         with contextlib.suppress(zipfile.BadZipFile, OSError), zipfile.ZipFile(source) as archive:
-            size = max(size, min(UNPACKED, sum(one.file_size for one in archive.infolist())))
+            size = max(size, min(unpacked(), sum(one.file_size for one in archive.infolist())))
     return size
 
 

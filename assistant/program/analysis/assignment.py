@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -130,6 +131,8 @@ class _Reading:
         if place is None:
             return set()
         name, _ = place
+        if math.prod(self.sizes[name]) > len(state) + 1:  # not all of them, then
+            return {place}
         every = itertools.product(*(range(1, n + 1) for n in self.sizes[name]))
         return {place} if {(name, at) for at in every} - state - {place} else {place, name}
 

@@ -183,19 +183,25 @@ def _elements(name: str, variable: Variable, counters: Sequence[str]) -> Iterato
     if variable.initial is not None and variable.initial == NOTHING[variable.type]:
         yield from _alike(name, variable, variable.initial, counters)
         return
-    places = list(itertools.product(*(range(1, n + 1) for n in variable.size)))
-    values = []
-    for place in places:
+    if not _lists(variable.initial, variable.size):
+        return
+    for place in itertools.product(*(range(1, n + 1) for n in variable.size)):
         value = variable.initial
         for index in place:
-            if not isinstance(value, e.Aggregate) or index > len(value.items):
-                return
+            assert isinstance(value, e.Aggregate)
             value = value.items[index - 1]
-        values.append(value)
-    for place, value in zip(places, values, strict=True):
         if value is not None and value != e.NEVER_GIVEN:
             indices = tuple(e.Number(i) for i in place)
             yield p.Assign(e.Index(e.Name(name), indices), value, span=variable.span)
+
+
+def _lists(value: e.Expression | None, size: tuple[int, ...]) -> bool:
+    """Whether a value has one for each element: extents say more than a text can hold."""
+    if not size:
+        return True
+    if not isinstance(value, e.Aggregate) or len(value.items) < size[0]:
+        return False
+    return all(_lists(item, size[1:]) for item in value.items[: size[0]])
 
 
 def _alike(

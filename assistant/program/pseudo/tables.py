@@ -20,6 +20,7 @@ import numpy as np
 from lark import Token
 from numpy.typing import NDArray
 
+from assistant.program.budgets import unpacked
 from assistant.program.diagnostics import Unreadable
 from assistant.program.expressions import Name
 from assistant.program.motion import Blend, Speed
@@ -191,6 +192,9 @@ def _unpacked(data: bytes, rows: int) -> dict[str, NDArray[np.generic]]:
         names = sorted(archive.namelist())
         if names != sorted(f"{name}.npy" for name in COLUMNS):
             raise ValueError("its members are not the columns of a path")
+        size = sum(member.file_size for member in archive.infolist())
+        if size > unpacked():
+            raise ValueError(f"it unpacks to {size / 1e6:.0f} MB")
         return {
             name: _member(archive, name, rows, dtype, width)
             for name, (dtype, width) in COLUMNS.items()

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program.arrays import Floats
+from assistant.program.budgets import unpacked
 from assistant.program.diagnostics import Refused, Severity, Unreadable, error
 from assistant.sources.tables.headers import shown
 
@@ -44,8 +45,6 @@ NOT_AN_ARRAY = error(
     "TB408", "the archive holds {name}, which is no array", "write it with `numpy.savez`"
 )
 
-MOST_BYTES: Final = 4 * 1024**3
-"""Of an unpacked archive."""
 _BROKEN_ZIP: Final = (
     zipfile.BadZipFile,
     zlib.error,
@@ -108,10 +107,10 @@ def _members(data: bytes, path: str) -> list[tuple[str, bytes]]:
     too_large = None
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            size = sum(member.file_size for member in archive.infolist())
-            if size <= MOST_BYTES:
+            size, most = sum(member.file_size for member in archive.infolist()), unpacked()
+            if size <= most:
                 return [(member.filename, archive.read(member)) for member in archive.infolist()]
-            too_large = TOO_LARGE(path=path, size=size / 1e6, most=MOST_BYTES / 1e6)
+            too_large = TOO_LARGE(path=path, size=size / 1e6, most=most / 1e6)
     except _BROKEN_ZIP as error:
         raise Unreadable(NOT_NPZ(path=path, reason=_reason(error))) from None
     raise Unreadable(too_large)

@@ -13,7 +13,7 @@ from assistant.virtual.rapid.values import NUMBERS, Array, Record, Shape, Value,
 _WORD: Final = re.compile(
     r"""\s*(?:
         (?P<number>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)
-      | "(?P<text>(?:[^"]|"")*)"
+      | "(?P<text>(?:[^"]++|"")*+)"
       | (?P<word>[A-Za-z]+)
       | (?P<sign>[][,])
     )\s*""",

@@ -22,7 +22,7 @@ FOREIGN_AFTER: Final = {
     "FOREIGN_STRING": (
         r"[\u201c\u201d\u201e\u00ab\u2018\u2019'`][^\r\n;]*?[\u201c\u201d\u00bb\u2018\u2019'`]"
     ),
-    "BAD_ESCAPE": r'"(?:[^"\r\n]|"")*"',
+    "BAD_ESCAPE": r'"(?:[^"\r\n]++|"")*+"|"[^"\r\n]*+"',
     "OPEN_STRING": r'"[^"\r\n]*(?:\r?\n[^"\r\n;]*"(?=[^"\r\n]*$)|(?=;[ \t]*$)|$)',
     "STRANGE": r".",
 }
