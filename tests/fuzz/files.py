@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 import io
+import json
 import os
 import shutil
 import zipfile
@@ -81,7 +83,20 @@ def project(data: bytes) -> None:
             read(place)
 
 
+def signed(data: bytes) -> bytes:
+    """A record with the digest that fits what it says, so that more of it is looked at."""
+    try:
+        content = json.loads(data)
+        content["digest"] = ""
+        del content["digest"]
+        text = json.dumps(content, indent=2, sort_keys=True) + "\n"
+        return json.dumps({**content, "digest": hashlib.sha256(text.encode()).hexdigest()}).encode()
+    except (ValueError, TypeError, RecursionError):
+        return data
+
+
 def record(data: bytes) -> None:
+    data = signed(data)
     with refusing():
         one = read_record(data, "record.json")
         again = read_record(one.written(), "record.json")
@@ -95,7 +110,7 @@ def history(data: bytes) -> None:
     for name in ("before", "after"):
         (place / name).mkdir(parents=True)
     for name, part in zip(_PARTS, data.split(_CUT), strict=False):
-        (place / name).write_bytes(part)
+        (place / name).write_bytes(signed(part) if name == "record.json" else part)
     with refusing():
         steps_of(place)
         read_journal(place)
