@@ -14,7 +14,7 @@ from assistant.program import pseudo
 from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors
 from assistant.program.kept import with_effects
 from assistant.program.program import Program
-from assistant.program.text import SourceText, decode, read_bytes
+from assistant.program.text import SourceText, decode, folders_of, read_bytes
 from assistant.sources.lengths import unit_stated
 
 if TYPE_CHECKING:
@@ -113,9 +113,9 @@ def parse_pseudo(text: SourceText, side_tables: FilePath | None = None) -> Progr
 def files_in(folder: str, suffixes: Collection[str]) -> Iterator[str]:
     """Files of a folder and the folders in it, by name; hidden folders and pipes left aside.
 
-    suffixes: of the files, in lower case.
+    suffixes: of the files, in lower case. Raises Unreadable for a folder that may not be read.
     """
-    for inside, inner, names in os.walk(folder):
+    for inside, inner, names in folders_of(folder):
         inner[:] = sorted(name for name in inner if not name.startswith("."))
         for name in sorted(names):
             path = os.path.join(inside, name)  # noqa: PTH118 (keeps it as the user wrote it)
@@ -222,17 +222,24 @@ def _named(
     folder: FilePath,
 ) -> list[Any]:
     """The trees of the files in a folder that trees name, but for those that are known."""
-    there = {file.name.lower(): file for file in folder.iterdir() if file.is_file()}
+    there: dict[str, FilePath] | None = None
     seen = {name.lower() for name in known}
     found: list[Any] = []
     pending = list(trees)
     while pending:
         for name in names(pending.pop(0)):
+            there = _files_by_name(folder) if there is None else there
             if name.lower() in there and name.lower() not in seen:
                 seen.add(name.lower())
                 found.append(language.parse(language.read(there[name.lower()])))
                 pending.append(found[-1])
     return found
+
+
+def _files_by_name(folder: FilePath) -> dict[str, FilePath]:
+    """The files in a folder, by their names in lower case; raises Unreadable."""
+    _, _, names = next(folders_of(folder))
+    return {name.lower(): folder / name for name in names if (folder / name).is_file()}
 
 
 def _spoken(source: FilePath, data: bytes | None, named: str | None) -> Language[Any] | None:

@@ -11,7 +11,7 @@ from assistant.controllers import Programs
 from assistant.deploy import rules
 from assistant.languages import Language, Tree
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
-from assistant.program.text import read_bytes
+from assistant.program.text import folders_of, read_bytes
 
 
 def gathered(paths: Sequence[str | FilePath], controller: Programs) -> list[str]:
@@ -37,10 +37,11 @@ def gathered(paths: Sequence[str | FilePath], controller: Programs) -> list[str]
 
 
 def _inside(folder: str) -> Iterator[FilePath]:
-    for file in sorted(FilePath(folder).rglob("*")):
-        hidden = any(part.startswith(".") for part in file.relative_to(folder).parts)
-        if file.is_file() and not hidden:
-            yield file
+    found: list[FilePath] = []
+    for inside, inner, names in folders_of(folder):
+        inner[:] = [name for name in inner if not name.startswith(".")]
+        found += [FilePath(inside, name) for name in names if not name.startswith(".")]
+    yield from (file for file in sorted(found) if file.is_file())
 
 
 def _is_program(file: FilePath, spoken: Sequence[Language[Any]], controller: Programs) -> bool:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import islice
 from pathlib import Path as FilePath
-from typing import Any, BinaryIO, Final
+from typing import Any, BinaryIO, Final, NoReturn
 
 from assistant.program import japanese, lines
 from assistant.program.bounded import NoFile, TooLarge, read_file, read_stream
@@ -158,6 +158,21 @@ def read_bytes(path: str | FilePath, *, allow_empty: bool = False, most: int = F
     if not data and not allow_empty:
         raise Unreadable(EMPTY(path=name, name=name))
     return data
+
+
+def folders_of(folder: str | FilePath) -> Iterator[tuple[str, list[str], list[str]]]:
+    """As `os.walk`, but a folder that may not be read is told of, not left out.
+
+    Raises Unreadable.
+    """
+
+    def refuse(error: OSError) -> NoReturn:
+        name = str(error.filename or folder)
+        if isinstance(error, PermissionError):
+            raise Unreadable(NOT_PERMITTED(path=name, name=name)) from None
+        raise Unreadable(NOT_READ(path=name, name=name, reason=error.strerror)) from None
+
+    return os.walk(os.fspath(folder), onerror=refuse)
 
 
 def read_input(stream: BinaryIO, name: str = "standard input") -> bytes:

@@ -33,7 +33,7 @@ from assistant.program.leftovers import HOLDING, NEW, OLD, READY
 NOT_WRITTEN: Final = error(
     "CO201",
     "`{name}` cannot be written: {reason}",
-    "free space or name another folder; what was there before is untouched",
+    "free space, have it be writable, or name another folder; what was there before is untouched",
 )
 BAD_NAME: Final = error("CO202", "`{name}` is no plain file name", "rename the program")
 NOT_PUT_BACK: Final = error(
@@ -41,6 +41,10 @@ NOT_PUT_BACK: Final = error(
     "{names} could not be put back as they were: {reason}",
     "what they were is in `{holding}`; it is put back by the next command that can write there",
 )
+
+
+WRITABLE: Final = stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH
+"""What a file lacks that somebody has protected: a new one could still take its name."""
 
 
 class Stuck(OSError):
@@ -145,6 +149,8 @@ def check_replaceable(target: FilePath) -> os.stat_result | None:
         raise OSError(errno.ELOOP, os.strerror(errno.ELOOP), str(target))
     if not stat.S_ISREG(facts.st_mode):
         raise OSError(errno.EINVAL, "it is no plain file", str(target))
+    if not facts.st_mode & WRITABLE:  # whoever asks: to the administrator it is open
+        raise PermissionError(errno.EACCES, "it is read-only", str(target))
     return facts
 
 
