@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 from assistant.cli.cells import Cell, reached
 from assistant.cli.compiling import working
 from assistant.cli.confirming import confirmed
-from assistant.cli.presentation import Format, print_json, say
+from assistant.cli.presentation import Format, note, print_json, say
 from assistant.program.diagnostics import Refused, error
 
 if TYPE_CHECKING:
@@ -118,11 +118,24 @@ def run_backup(cell: str, folder: Path, format: Format) -> int:
         raise Refused(FOLDER_THERE(path=str(folder), folder=folder), exit_status=2)
     with reached(cell, "backup") as there, working(f"backing up {there.one.name}"):
         files = there.controller.backup(folder)
+        _tell_left_out(str(there.one.address), folder)
     if format is Format.JSON:
         print_json({"address": str(there.one.address), "folder": str(folder), "files": [*files]})
     else:
         say(f"{len(files)} files of {there.one.name} are in {folder}")
     return 0
+
+
+def _tell_left_out(address: str, folder: Path) -> None:
+    """Says what a controller has that its backup has not."""
+    from assistant.controllers import rules
+    from assistant.controllers.mitsubishi.backup import NOT_KEPT
+
+    listed = folder / NOT_KEPT
+    if listed.is_file():
+        names = listed.read_text("utf-8", errors="replace").splitlines()
+        some = ", ".join(names[:5]) + (" …" if len(names) > 5 else "")
+        note(address, rules.LEFT_OUT(path=str(folder), count=len(names), names=some, file=listed))
 
 
 def run_restore(

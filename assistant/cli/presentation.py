@@ -181,7 +181,7 @@ _noted: Final[ContextVar[tuple[tuple[str, Diagnostic], ...]]] = ContextVar("note
 
 def note(address: str, finding: Diagnostic) -> None:
     """Says something of the way to a controller, once: at once, or in the JSON of the answer."""
-    if address in dict(_noted.get()):
+    if (address, finding) in _noted.get():
         return
     _noted.set((*_noted.get(), (address, finding)))
     if _asked.get() != Format.JSON:
@@ -200,12 +200,12 @@ def _with_notes(answer: object) -> object:
         return answer
     if "controllers" in answer:
         return {**answer, "controllers": _with_notes(answer["controllers"])}
-    noted = dict(_noted.get()).get(answer.get("address", ""))
-    if noted is None:
+    noted = [finding for address, finding in _noted.get() if address == answer.get("address")]
+    if not noted:
         return answer
     from assistant.findings.formats import finding_record
 
-    return {**answer, "findings": [*answer.get("findings", []), finding_record(noted)]}
+    return {**answer, "findings": [*answer.get("findings", []), *map(finding_record, noted)]}
 
 
 def say(line: str) -> None:

@@ -218,6 +218,11 @@ RESTORED_PARTLY = error(
     "restoring stopped at `{name}`; restored by then: {done}",
     "put right what the other finding says and restore again; what was there before is in `{kept}`",
 )
+LEFT_OUT = warning(
+    "CN406",
+    "the controller has {count} files that are no programs and are not in the backup: {names}",
+    "keep them by RT ToolBox if they are wanted; all of their names are in `{file}`",
+)
 NEEDS_RWS = error(
     "CN220",
     "Robot Web Services need httpx and websockets, which are not installed",

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path as FilePath
 from typing import Final
@@ -24,6 +24,8 @@ TEMPORARY: Final = "~{name}"
 """Name of a file until it is whole; keeps the suffix, so that a server may look into it."""
 ASIDE: Final = "{name}~"
 """Where the old file waits while a server that never replaces gets the new one."""
+MOST_ASIDE: Final = 8
+"""Files of the names `seam.mod~`, `seam.mod~~` … that somebody else may have made."""
 MOST_FOLDERS: Final = 32
 """How deep folders are looked into."""
 MOST_ENTRIES: Final = 100_000
@@ -49,6 +51,23 @@ def checked_name(name: str) -> str:
         if wrong:
             raise Refused(rules.FILE_NAME(place=name, name=name, reason=reason))
     return name
+
+
+def free_aside(name: str, there: Iterable[str]) -> str:
+    """Where the old file waits: under a name that nobody has, for what has it may be somebody's."""
+    taken = {one.lower() for one in there}
+    aside = ASIDE.format(name=name)
+    while aside.lower() in taken:
+        aside = ASIDE.format(name=aside)
+    if len(aside) > len(name) + MOST_ASIDE:
+        reason = f"the names `{name}~` to `{name}{'~' * MOST_ASIDE}` are all taken"
+        raise Refused(rules.FILE_NAME(place=name, name=name, reason=reason))
+    return aside
+
+
+def asides(name: str, there: Iterable[str]) -> list[str]:
+    """The names under which an old file may have been left waiting."""
+    return [one for one in there if one.lower().rstrip("~") == name.lower() and one[-1] == "~"]
 
 
 def first_difference(left: bytes, right: bytes) -> int:
@@ -174,13 +193,11 @@ class FileSession(RapidFiles, ABC):
         there = {name.lower(): name for name in self.names()}
         for name, contents in known.items():
             temporary = there.get(TEMPORARY.format(name=checked_name(name)).lower())
-            aside = there.get(ASIDE.format(name=name).lower())
             if temporary is not None:
                 self.delete(temporary)
-            if aside is not None and (
-                contents is None or self.retrieve(aside, f"`{aside}` is there") in contents
-            ):
-                self.delete(aside)
+            for aside in asides(name, there.values()):
+                if contents is None or self.retrieve(aside, f"`{aside}` is there") in contents:
+                    self.delete(aside)
 
     @contextmanager
     def _discarding(self, temporary: str) -> Iterator[None]:

@@ -12,11 +12,11 @@ from typing import Final
 from assistant.controllers import rules
 from assistant.controllers.abb import ftp_folders, ftp_resuming
 from assistant.controllers.abb.files import (
-    ASIDE,
     TEMPORARY,
     checked_name,
     checked_path,
     first_difference,
+    free_aside,
 )
 from assistant.controllers.abb.ftp_session import FtpSession
 from assistant.program.diagnostics import Refused
@@ -158,11 +158,12 @@ class Ftp(FtpSession):
         except rules.Lost:
             raise
         except Refused:
-            if not self._has(name):
+            there = self.names()
+            if name.lower() not in map(str.lower, there):
                 raise
         else:
             return
-        aside = ASIDE.format(name=name)
+        aside = free_aside(name, there)
         state = f"`{name}` there is as it was"
         with self.during(f"renaming `{name}` to `{aside}`", state):
             session.rename(name, aside)

@@ -5,6 +5,7 @@ parameters.txt            the changed ones, `NAME=value` each, sorted
 programs/NAME.prg         as the controller lists it: steps, then positions; NAME_ for CON, NUL …
 variables/NAME.txt        the other variables of that program, where it has any
 variables/externals.txt   variables that belong to no program
+not-kept.txt              files of the controller that are no programs, if there are any: names only
 backup.json               hashes of the other files
 """
 
@@ -30,6 +31,7 @@ DEVICE: Final = re.compile(r"CON|PRN|AUX|NUL|(?:COM|LPT)[0-9]")
 Namespaces" of Microsoft)."""
 AFTER_DEVICE: Final = "_"
 EXTERNALS: Final = "variables/externals.txt"
+NOT_KEPT: Final = "not-kept.txt"
 
 
 def backup(session: Session, folder: str | FilePath) -> tuple[str, ...]:
@@ -37,7 +39,11 @@ def backup(session: Session, folder: str | FilePath) -> tuple[str, ...]:
     with folders.appearing(folder, KIND) as place, session.scope():
         identity = asdict(state.identify(session))
         folders.put(place, IDENTITY, (json.dumps(identity, indent=2) + "\n").encode())
-        for name in programs.names(session):
+        there, others = programs.directory(session)
+        if others:
+            text = "".join(f"{name}\n" for name in others)
+            folders.put(place, NOT_KEPT, text.encode())
+        for name in (entry.name for entry in there):
             folders.put(place, program_file(name), programs.listed(session, name))
             _put_lines(place, variable_file(name), variables.of_program(session, name))
         _put_lines(place, EXTERNALS, variables.externals(session))

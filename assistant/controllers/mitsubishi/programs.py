@@ -50,8 +50,17 @@ class Entry:
 
 def entries(session: Session) -> tuple[Entry, ...]:
     """All programs by name; raises rules.Lost for a list that does not end."""
+    return directory(session)[0]
+
+
+def directory(session: Session) -> tuple[tuple[Entry, ...], tuple[str, ...]]:
+    """All programs by name, and the names of files that are none; raises rules.Lost as `entries`.
+
+    What no known language has the suffix of cannot be listed as steps.
+    """
     doing = "listing the programs"
     found: dict[str, Entry] = {}
+    others: list[str] = []
     told: set[str] = set()
     text = session.ask("PDIRTOP", doing=doing).text
     for index in range(1, MOST_PROGRAMS):
@@ -62,12 +71,14 @@ def entries(session: Session) -> tuple[Entry, ...]:
         name, _, suffix = fields[0].partition(".")
         if name and (suffix.upper() in LANGUAGES or not suffix):
             found[name] = _entry(name, fields, first=index == 1)
+        elif fields[0]:
+            others.append(fields[0])
         text = session.ask(f"PDIR{index}", doing=doing).text
         if not text.strip("; "):
             break
     else:
         session.garbled(doing, text)
-    return tuple(found[name] for name in sorted(found))
+    return tuple(found[name] for name in sorted(found)), tuple(sorted(others))
 
 
 def _entry(name: str, fields: list[str], *, first: bool) -> Entry:

@@ -182,6 +182,14 @@ def test_a_server_that_never_replaces_by_renaming():
         assert peer.files == {"seam.mod": OTHER}
 
 
+def test_no_file_of_somebody_else_is_in_the_way_or_lost():
+    other = {"seam.mod~": b"somebody kept this"}
+    with FtpPeer({"seam.mod": GOOD, **other}, replaces=False) as peer:
+        with peer.connect() as client:
+            client.write("seam.mod", OTHER)
+        assert peer.files == {"seam.mod": OTHER, **other}
+
+
 def test_a_server_that_refuses_the_new_name_gets_the_old_file_back():
     def forbidden(source, target):
         return source.startswith("~") and target == "seam.mod"

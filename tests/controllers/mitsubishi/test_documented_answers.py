@@ -1,11 +1,13 @@
 """What real controllers and the manual's examples answer, and what the client makes of it."""
 
+import json
 import socketserver
 import threading
 from contextlib import contextmanager, suppress
 
 import pytest
 
+from assistant.cli import main
 from assistant.controllers import connect
 from assistant.controllers.rules import Lost
 from assistant.program.diagnostics import Refused
@@ -120,6 +122,22 @@ def test_the_directory_of_an_rv_3sb():
     assert (one.name, one.size, one.attributes) == ("1", 4767, "12")
     assert (two.name, two.size, two.attributes) == ("2", 100, "12")
     assert f"{one.changed:%Y-%m-%d %H:%M:%S}" == "2024-02-28 21:05:14"
+
+
+def test_files_that_are_no_programs_are_told_and_not_in_the_backup(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    answers = {
+        "PDIRTOP": "QoKUSERS.DAT;4767;24-02-2821:05:14;2;220160;12;;9;82;135256;6848;9661;14",
+        "PDIR1": "QoK2.MB7;100;24-02-2821:05:15;12;;9;82;135256;6848;9661;14",
+        "PMR=0": "QoK0;0;",
+    }
+    with answering(answers) as client, pytest.raises(SystemExit) as ended:
+        main(["backup", str(client.address), "kept", "--format", "json"])
+    answer = json.loads(capsys.readouterr().out)
+    assert ended.value.code == 0 and "not-kept.txt" in answer["files"], answer
+    (finding,) = answer["findings"]
+    assert finding["code"] == "CN406" and "2.MB7, USERS.DAT" in finding["message"]
+    assert (tmp_path / "kept" / "not-kept.txt").read_text() == "2.MB7\nUSERS.DAT\n"
 
 
 def test_parameters_of_an_rv_3sb():

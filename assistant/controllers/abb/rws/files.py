@@ -12,15 +12,13 @@ from dataclasses import dataclass
 from typing import Final
 
 from assistant.controllers import rules
-from assistant.controllers.abb.files import MOST_ENTRIES, first_difference
+from assistant.controllers.abb.files import MOST_ENTRIES, asides, first_difference, free_aside
 from assistant.controllers.abb.rws.session import NotThere, Session
 from assistant.controllers.abilities import Rests
 from assistant.program.diagnostics import Refused
 
 TEMPORARY: Final = "~{name}"
 """Name of a file until it is whole."""
-ASIDE: Final = "{name}~"
-"""Where the old file waits."""
 DEEPEST: Final = 30
 """Levels of folders after which a volume is taken for a fault."""
 
@@ -150,13 +148,11 @@ class Files:
         there = {found.name.lower(): found.name for found in self.listing(folder)}
         for name, contents in known.items():
             temporary = there.get(TEMPORARY.format(name=name).lower())
-            aside = there.get(ASIDE.format(name=name).lower())
             if temporary is not None:
                 self.remove(f"{folder}/{temporary}")
-            if aside is not None and (
-                contents is None or self.read(f"{folder}/{aside}") in contents
-            ):
-                self.remove(f"{folder}/{aside}")
+            for aside in asides(name, there.values()):
+                if contents is None or self.read(f"{folder}/{aside}") in contents:
+                    self.remove(f"{folder}/{aside}")
 
     def make_folder(self, name: str) -> None:
         """Makes a folder, and those above it, if there is none."""
@@ -205,13 +201,13 @@ class Files:
 
     def _replace(self, folder: str, temporary: str, name: str) -> None:
         """Puts the new file into the old one's place."""
-        old = next((f.name for f in self.listing(folder) if f.name.lower() == name.lower()), None)
+        there = [found.name for found in self.listing(folder)]
+        old = next((found for found in there if found.lower() == name.lower()), None)
         if old is None:
             self._rename(folder, temporary, name, f"there is no `{name}`, or it is the new file")
             return
-        aside = ASIDE.format(name=name)
+        aside = free_aside(name, there)
         state = f"`{name}` there is as it was, or is `{aside}`"
-        self.discard(f"{folder}/{aside}")
         self._rename(folder, old, aside, state)
         try:
             self._rename(folder, temporary, name, f"the old file is `{aside}`")

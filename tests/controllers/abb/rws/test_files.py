@@ -107,6 +107,14 @@ def test_a_new_name_that_is_refused_gives_the_old_file_back(kind):
         assert codes(refused) == ["CN301"] and peer.files == home(peer, **{"seam.mod": GOOD})
 
 
+def test_no_file_of_somebody_else_is_in_the_way_or_lost(kind):
+    others = {"seam.mod~": b"somebody kept this", "SEAM.MOD~~": b"and that"}
+    with kind() as peer, peer.connect() as client:
+        peer.files = home(peer, **{"seam.mod": GOOD}, **others)
+        client.write("seam.mod", OTHER)
+        assert peer.files == home(peer, **{"seam.mod": OTHER}, **others)
+
+
 def test_a_file_whose_end_is_not_told_is_compared_with_its_size(kind):
     with kind() as peer:
         peer.files = home(peer, **{"seam.mod": GOOD})
