@@ -98,6 +98,7 @@ def run_put(cell: str, files: Sequence[Path], replace: bool, format: Format) -> 
         session = there.session
         names = {file: session.name_for(file) for file in files}
         for file, name in names.items():
+            session.check_text(name, data[file])
             before = session.read(name)
             same = before is None or session.stored(before) == session.stored(data[file])
             if not same and not replace:

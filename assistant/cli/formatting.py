@@ -6,14 +6,15 @@ import re
 import sys
 from collections.abc import Iterator, Sequence
 from difflib import unified_diff
-from io import StringIO
 from typing import TYPE_CHECKING, Final
 
 from assistant.cli.compiling import STANDARD, TWICE, working
 from assistant.cli.presentation import print_findings, say
 from assistant.program.diagnostics import Refused, error, has_errors
 from assistant.program.failing import details_wanted, failure
+from assistant.program.lines import ended_lines
 from assistant.program.text import read_input
+from assistant.program.visible import visible
 
 if TYPE_CHECKING:
     from assistant.compiler.formatting import Formatted
@@ -101,10 +102,12 @@ def _files(path: str, language: str | None) -> Iterator[str | Refused]:
 
 
 def _difference(done: Formatted, name: str) -> Iterator[str]:
-    # not `splitlines`, to which a form feed ends a line as well
-    before, after = (
-        StringIO(text, newline="").readlines() for text in (done.source.text, done.text)
-    )
+    """A unified difference; the ends of its lines are as they are, so that it can be applied."""
+    before, after = (ended_lines(text) for text in (done.source.text, done.text))
     for line in unified_diff(before, after, name, f"{name} (formatted)"):
-        ended = line.endswith(("\n", "\r"))
-        yield line if ended else f"{line}\n\\ No newline at end of file\n"
+        said = line.rstrip("\r\n")
+        end = line[len(said) :]
+        if end:
+            yield visible(said) + (end if "\n" in end else "\n")
+        else:
+            yield f"{visible(said)}\n\\ No newline at end of file\n"

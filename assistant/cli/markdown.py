@@ -7,6 +7,8 @@ from collections.abc import Iterator, Sequence
 from typing import Final
 
 from assistant.program.diagnostics import Diagnostic
+from assistant.program.lines import lines_of
+from assistant.program.visible import visible
 
 MOST_LINES: Final = 300
 """Lines of a difference in a comment; a site takes 65,536 characters of one."""
@@ -29,7 +31,7 @@ def _longest(text: str) -> int:
 
 def code(text: str) -> str:
     """Text as inline code, whatever is in it; a line that it cannot end."""
-    text = "".join(c if c.isprintable() else "�" for c in text)
+    text = visible(text)
     fence = "`" * (_longest(text) + 1)
     return f"{fence} {text} {fence}" if "`" in text or not text.strip() else f"`{text}`"
 
@@ -44,7 +46,7 @@ def plain(text: str) -> str:
 
 
 def folded(title: str, text: str) -> Iterator[str]:
-    lines = text.splitlines()
+    lines = [visible(line) for line in lines_of(text)]
     shown = lines[:MOST_LINES]
     while sum(map(len, shown)) > MOST_CHARACTERS:
         shown = shown[: len(shown) // 2]

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from assistant.program.diagnostics import Refused, Rule, error
+from assistant.program.visible import visible
 
 if TYPE_CHECKING:
     from assistant.virtual.kernel import Kernel
@@ -64,7 +65,7 @@ def ask_here(kernel: Kernel, flush: Callable[[], None]) -> None:
     def asked(question: str) -> str | None:
         kernel.catch_up()
         flush()
-        sys.stderr.write(f"answer to `{question}`: ")
+        sys.stderr.write(f"answer to `{visible(question)}`: ")
         sys.stderr.flush()
         line = sys.stdin.readline()
         return line.strip() if line else None

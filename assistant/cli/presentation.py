@@ -12,6 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final, TypeVar
 
 from assistant.program.diagnostics import LONGEST_EXCERPT, Diagnostic, Severity
+from assistant.program.visible import STEERING
+from assistant.program.visible import visible as shown
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -129,8 +131,8 @@ def _window(line: str, column: int | None) -> tuple[str, int | None]:
 
 
 def visible(text: str) -> str:
-    """Text from outside without control characters that would steer the terminal."""
-    return "".join(c if c.isprintable() or c == " " else "�" for c in text.replace("\t", " "))
+    """The same for where a tab would be more than one character wide."""
+    return shown(text.replace("\t", " "))
 
 
 def print_for_programs(
@@ -169,10 +171,8 @@ def print_refused(findings: Sequence[Diagnostic]) -> None:
         print_for_programs(findings, (), FindingFormat(asked))
 
 
-_NO_CHARACTER: Final = re.compile(r"[\ud800-\udfff\x00-\x08\x0b-\x1f\x7f-\x9f]")
-"""What stands for bytes of a file name that are no text, and what would steer the terminal in a
-text from outside: printed as JSON escapes it.
-"""
+_NO_CHARACTER: Final = re.compile(f"[{STEERING}]")
+"""Printed as JSON escapes it."""
 
 
 _noted: Final[ContextVar[tuple[tuple[str, Diagnostic], ...]]] = ContextVar("noted", default=())
@@ -210,4 +210,4 @@ def _with_notes(answer: object) -> object:
 
 def say(line: str) -> None:
     """A line of the answer itself, on standard output."""
-    sys.stdout.write(_NO_CHARACTER.sub(lambda found: f"\\u{ord(found[0]):04x}", line) + "\n")
+    sys.stdout.write(_NO_CHARACTER.sub(lambda found: json.dumps(found[0])[1:-1], line) + "\n")

@@ -14,6 +14,7 @@ from assistant.program.diagnostics import Refused, error, fold
 if TYPE_CHECKING:
     from assistant.compiler import Loaded
     from assistant.program.program import Program
+    from assistant.program.pseudo.printer import Printed
 
 NO_PASS: Final = error("CL012", "the program goes through no pass `{name}`", "name one of {passes}")
 NO_LANGUAGE: Final = error(
@@ -43,17 +44,29 @@ def run_show(source: str, wanted: Wanted, output: Path | None) -> int:
     print_findings(fold(f.within(source) for f in loaded.findings))
     program = _on_the_way(loaded, wanted)
     if output is None:
-        sys.stdout.write(pseudo.print_program(program).text)
+        sys.stdout.write(_printed(program, source, None).text)
         return 0
     from assistant.program.writing import write_files
 
-    printed = pseudo.print_program(program, side_tables_above=SIDE_TABLES_ABOVE)
+    printed = _printed(program, source, SIDE_TABLES_ABOVE)
     if not output.name or output.name in (".", ".."):
         raise Refused(NO_FILE_NAME(path=str(output), name=output), exit_status=2)
     name = output.with_suffix(pseudo.SUFFIX).name
     for path in write_files({name: printed.text.encode(), **printed.tables}, output.parent):
         say(f"wrote {path}")
     return 0
+
+
+def _printed(program: Program, source: str, side_tables_above: int | None) -> Printed:
+    """The text of the program; what it cannot say is told at its line of the source."""
+    from assistant.compiler.source_map import Places
+    from assistant.program import pseudo
+
+    try:
+        return pseudo.print_program(program, side_tables_above=side_tables_above)
+    except Refused as refused:
+        places = Places(program)
+        raise Refused(*(places.finding(f).within(source) for f in refused.findings)) from None
 
 
 def _on_the_way(loaded: Loaded, wanted: Wanted) -> Program:

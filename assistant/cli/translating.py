@@ -26,6 +26,7 @@ from assistant.cli.presentation import (
     say,
 )
 from assistant.program.diagnostics import Refused, error
+from assistant.program.visible import visible
 
 if TYPE_CHECKING:
     from assistant.compiler import Loaded
@@ -198,16 +199,12 @@ def _table(one: Translated) -> None:
     table = Table("line", "level", "statement", "why", box=None, pad_edge=False)
     table.columns[0].justify = "right"
     for row in one.translation.rows:
-        why = "\n".join(f"{f.code} {f.message}" for f in row.reasons)
+        why = "\n".join(visible(f"{f.code} {f.message}") for f in row.reasons)
         count = f" ({row.count} rows)" if row.count > 1 else ""
         table.add_row(
             str(row.place.line),
             Text(row.level, style=STYLES[row.level]),
-            Text(_visible(row.text + count)),
-            Text(_visible(why)),
+            Text("\n".join(map(visible, (row.text + count).split("\n")))),
+            Text(why),
         )
     Console(highlight=False, emoji=False).print(table)
-
-
-def _visible(text: str) -> str:
-    return "".join(c if c.isprintable() or c in " \n" else "�" for c in text)

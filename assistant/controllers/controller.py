@@ -43,8 +43,14 @@ class Programs(Protocol):
     def read(self, name: str) -> bytes | None:
         """A program as the controller gives it back, None if there is none of that name."""
 
-    def write(self, name: str, data: bytes) -> None:
-        """Puts a program there, whole or not at all; replaces one of that name."""
+    def check_text(self, name: str, data: bytes) -> None:
+        """Raises Refused for a program of which the controller may see other lines than we do."""
+
+    def write(self, name: str, data: bytes, *, as_it_was: bool = False) -> None:
+        """Puts a program there, whole or not at all; replaces one of that name.
+
+        as_it_was: it was there before, and goes back whatever its lines are; see `check_text`.
+        """
 
     def remove(self, name: str) -> None:
         """Deletes a program; nothing happens if there is none."""

@@ -7,15 +7,13 @@ has now. So a text that came back from there is no difference by itself; a value
 from __future__ import annotations
 
 import difflib
-import re
 from collections.abc import Sequence
 from functools import lru_cache
-from typing import Final
 
 from assistant import languages
+from assistant.program.lines import lines_of
 from assistant.program.text import decode
-
-CONTROL: Final = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
+from assistant.program.visible import visible
 
 
 def said(data: bytes, language: str) -> bytes:
@@ -47,5 +45,5 @@ def _pieces(data: bytes, language: str) -> tuple[tuple[str, str], ...]:
 
 def _lines(texts: Sequence[str]) -> list[str]:
     """With no character in them that a terminal would obey."""
-    lines = (line for text in texts for line in text.splitlines())
-    return [CONTROL.sub("�", line.rstrip()) for line in lines if line.strip()]
+    lines = (line for text in texts for line in lines_of(text))
+    return [visible(line.rstrip()) for line in lines if line.strip()]

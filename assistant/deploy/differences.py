@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import difflib
-import re
 from typing import Final
 
 from assistant.deploy.comparing import changed
 from assistant.deploy.held import Held
 from assistant.deploy.site import Site
+from assistant.program.lines import lines_of
 from assistant.program.text import decode
+from assistant.program.visible import visible
 
 ENCODINGS: Final = ("utf-8", "latin-1")
 """To show a program in; differences are found on its bytes."""
-STEERING: Final = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069]")
-"""Characters that a terminal obeys, and those that end a line or turn the direction of a text."""
 NOWHERE: Final = "/dev/null"
 """Where a program is that is not there, as a unified difference says it."""
 
@@ -45,5 +44,5 @@ def since(site: Site, name: str, left: Held | None, now: Held) -> str:
 
 def _shown(data: bytes) -> list[str]:
     """The lines, with no character in them that a terminal would obey."""
-    lines = re.split(r"\r\n|\r|\n", decode(data, None, ENCODINGS).text)
-    return [STEERING.sub("�", line) for line in lines if line]
+    lines = lines_of(decode(data, None, ENCODINGS).text)
+    return [visible(line) for line in lines if line]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -85,10 +86,13 @@ def names_of(paths: Sequence[str], controller: Programs) -> dict[str, str]:
     return names
 
 
-def looked_at(data: dict[str, bytes], controller: Programs) -> dict[str, tuple[Diagnostic, ...]]:
+def looked_at(
+    data: dict[str, bytes], names: Mapping[str, str], controller: Programs
+) -> dict[str, tuple[Diagnostic, ...]]:
     """The findings of each file: of its own language, or that it is not the controller's.
 
-    The language's rules see all files together, as the controller will.
+    names: of the files on the controller, which may see other lines in them than we do. The
+    language's rules see all files together, as the controller will.
     """
     notes: dict[str, tuple[Diagnostic, ...]] = {}
     trees: dict[str, dict[str, Tree]] = {}
@@ -107,6 +111,13 @@ def looked_at(data: dict[str, bytes], controller: Programs) -> dict[str, tuple[D
             for finding in languages.get(name).check(list(files.values())):
                 path = finding.path if finding.path in files else first
                 notes[path] = (*notes[path], finding)
+    for path in data:
+        if not has_errors(notes.get(path, ())):
+            try:
+                controller.check_text(names[path], data[path])
+            except Refused as refused:
+                unsent = (replace(finding, path=path) for finding in refused.findings)
+                notes[path] = (*notes.get(path, ()), *unsent)
     return {path: tuple(dict.fromkeys(notes.get(path, ()))) for path in data}
 
 

@@ -50,7 +50,7 @@ def plan(
         identity = site.identity()
         untold = check_meant(identity, meant, str(controller.address)) if meant else ()
         # Only a session knows which version of a language the controller takes.
-        notes = looked_at({path: data[path] for path in ordered}, controller)
+        notes = looked_at({path: data[path] for path in ordered}, names, controller)
         errors = [finding for found in notes.values() if has_errors(found) for finding in found]
         if errors:
             raise Refused(*errors)

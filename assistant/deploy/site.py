@@ -152,7 +152,7 @@ class Site:
 
         What memory is to have is loaded from a file first, and the file that is to stay is
         written last. instead: what it replaces, whose module may have another name: that one
-        leaves the memory before anything else.
+        leaves the memory before anything else. A plan has looked at the text of what is new.
         """
         now = self.held(name, wanted.file or wanted.loaded)
         if self.memory is not None and not self.is_list(name):
@@ -164,7 +164,7 @@ class Site:
         if wanted.file is None:
             self._waited_for(partial(self.controller.remove, name))
         else:
-            self._waited_for(partial(self.controller.write, name, wanted.file))
+            self._waited_for(partial(self.controller.write, name, wanted.file, as_it_was=True))
 
     def clear_rests(self, known: Rests) -> None:
         """Deletes what transfers that were cut left beside programs; see `abilities.Disk`."""
@@ -189,5 +189,5 @@ class Site:
             return
         before = None if now.loaded is None else memory.stored_in_memory(now.loaded)
         if before != memory.stored_in_memory(wanted.loaded):
-            self.controller.write(name, wanted.loaded)
+            self.controller.write(name, wanted.loaded, as_it_was=True)
             memory.take_in(name, self.task)

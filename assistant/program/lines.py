@@ -35,6 +35,11 @@ LONE_RETURNS = error(
     "the lines end at a carriage return alone: for a controller all may be one line",
     "save it with CR LF",
 )
+WIDE = error(
+    "IN024",
+    "the file is written in UTF-16, which no controller reads",
+    "save it as ISO 8859-1, or as UTF-8",
+)
 LINE_ENDS: Final = {
     "\r": "carriage return without a line feed",
     "\v": "vertical tab",

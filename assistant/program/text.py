@@ -205,23 +205,25 @@ def decode(data: bytes, path: str | None, encodings: Sequence[str]) -> SourceTex
     raise Unreadable(UNDECODABLE(path=path, name=name, encodings=", ".join(encodings)))
 
 
-def check_sent(data: bytes, path: str) -> None:
+def check_sent(data: bytes, path: str, *, by_line: bool = False) -> None:
     """Raises Refused for a text whose lines or end a controller may see elsewhere than we do.
 
     Whatever code page it is in: control characters are the same in all of them. What is no text at
     all, but an encrypted module, is left to the controller; it begins beyond ASCII and letters.
+    by_line: each line is sent by itself, whatever ends it here.
     """
+    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        raise Refused(lines.WIDE(path=path))
     try:
-        wide = data[:2] in (b"\xff\xfe", b"\xfe\xff")
-        text = data.decode("utf-16" if wide else "utf-8-sig")
+        text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
         if data[:1] >= b"\xf0":
             return
         # next line is a letter, or half of one, in the code pages of Windows
         text = data.decode("latin-1").replace("\x85", ".")
     source = SourceText(text, path)
-    found = [odd for odd in islice(source.odd_characters(), 100) if odd.severity is Severity.ERROR]
-    if lines.line_end(text) == "\r" and len(lines.lines_of(text)) > 1:
+    found = [odd for odd in islice(source.odd_characters(), 10) if odd.severity is Severity.ERROR]
+    if not by_line and lines.line_end(text) == "\r" and len(lines.lines_of(text)) > 1:
         at = text.index("\r")
         found.append(source.finding(lines.LONE_RETURNS, Span(at, at + 1)))
     if found:

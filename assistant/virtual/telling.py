@@ -11,6 +11,7 @@ from typing import Any, Final
 from assistant.program.diagnostics import Diagnostic, Rule, error, info
 from assistant.program.geometry import Pose
 from assistant.program.text import SourceText
+from assistant.program.visible import visible
 from assistant.virtual.events import (
     Event,
     Logged,
@@ -74,10 +75,10 @@ def said(event: object) -> str:
         case Waited(seconds):
             return f"waits {seconds:g} s"
         case Said(text):
-            return f'says "{_visible(text)}"'
+            return f'says "{visible(text)}"'
         case Stopped(end):
             return "ends for good" if end else "stops until it is started again"
-    return _visible(str(getattr(event, "text", event)))
+    return visible(str(getattr(event, "text", event)))
 
 
 def _motion(moved: Moved) -> str:
@@ -107,10 +108,6 @@ def _on_way(at: OnWay | None) -> str:
     }[at.measure]
     ahead = f", {at.ahead:g} s ahead" if at.ahead else ""
     return f", on the way {where}{ahead}"
-
-
-def _visible(text: str) -> str:
-    return "".join(c if c.isprintable() else "�" for c in text)
 
 
 # -------------------------------------------------------------------------------------- table

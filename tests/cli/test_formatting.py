@@ -192,7 +192,7 @@ def test_a_form_feed_behind_a_comment_ends_no_line_of_a_diff(capsys, tmp_path):
     status, out, _ = run(capsys, "fmt", "--diff", name)
     assert status == 0
     assert out.split("\n", 2)[2] == (
-        "@@ -1,4 +1,4 @@\n MODULE m\n-    ! one\x0c\n-    VAR num a := 1;\n"
+        "@@ -1,4 +1,4 @@\n MODULE m\n-    ! one\ufffd\n-    VAR num a := 1;\n"
         "+    ! one\n+    VAR num a:=1;\n ENDMODULE\n"
     )
 

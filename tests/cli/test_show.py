@@ -50,3 +50,11 @@ def test_a_pass_that_is_not_there_is_told_with_those_that_are(capsys, module):
     assert (status, out) == (2, "") and "CL012" in err and "`counted-loops`" in err
     status, out, err = run(capsys, "show", module, "--after", "split")
     assert (status, out) == (2, "") and "CL013" in err and "--to" in err
+
+
+def test_what_the_pseudo_text_cannot_say_is_told_at_its_line(capsys, tmp_path):
+    file = tmp_path / "deep.mb5"
+    lines = ["Mov P1", *["If M1=1 Then"] * 60, "Hlt", *["EndIf"] * 60, "End"]
+    file.write_text("\n".join(lines))
+    status, _, err = run(capsys, "show", file)
+    assert status == 1 and f"PS105 error {file}:52:1: the block" in err

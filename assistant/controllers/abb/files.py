@@ -19,6 +19,7 @@ from assistant.controllers.address import Address
 from assistant.controllers.credentials import Credentials
 from assistant.controllers.os_errors_in_words import reason_of
 from assistant.program.diagnostics import Refused
+from assistant.program.text import check_sent
 
 TEMPORARY: Final = "~{name}"
 """Name of a file until it is whole; keeps the suffix, so that a server may look into it."""
@@ -95,6 +96,8 @@ def told_name(name: str) -> str:
     return name
 
 
+TEXTS: Final = (".mod", ".modx", ".sys", ".sysx", ".prg", ".pgf", ".cfg")
+"""Suffixes of what an ABB controller reads as programs and parameters."""
 MODULE: Final = re.compile(
     rb"^(?:\xef\xbb\xbf)?[ \t]*MODULE\s+([A-Za-z]\w{0,31})\b", re.I | re.M | re.A
 )
@@ -121,6 +124,11 @@ class RapidFiles:
 
     def name_for(self, file_name: str | FilePath) -> str:
         return checked_name(FilePath(file_name).name)
+
+    def check_text(self, name: str, data: bytes) -> None:
+        """Raises Refused; other files than programs and parameters are nobody's lines."""
+        if name.lower().endswith(TEXTS):
+            check_sent(data, name)
 
     def stored(self, data: bytes) -> bytes:
         """Controllers keep files byte for byte."""
@@ -162,7 +170,9 @@ class FileSession(RapidFiles, ABC):
     def replace(self, temporary: str, name: str) -> None:
         """Renames over the old file."""
 
-    def write(self, name: str, data: bytes) -> None:
+    def write(self, name: str, data: bytes, *, as_it_was: bool = False) -> None:
+        if not as_it_was:
+            self.check_text(name, data)
         self._put(name, data, compared=True)
 
     def hand_over(self, name: str, data: bytes) -> None:

@@ -85,8 +85,14 @@ class Cr:
         """The listing: steps, then variables, each line with CR LF."""
         return programs.read(self.session, name)
 
-    def write(self, name: str, data: bytes) -> None:
+    def check_text(self, name: str, data: bytes) -> None:
+        """Raises Refused for lines that the link cannot carry, or that others see elsewhere."""
+        programs.check_text(self.session, name, data)
+
+    def write(self, name: str, data: bytes, *, as_it_was: bool = False) -> None:
         """Replaces the program; its lines are all looked at before the first is sent."""
+        if not as_it_was:
+            self.check_text(name, data)
         programs.write(self.session, name, data)
 
     def remove(self, name: str) -> None:

@@ -20,6 +20,7 @@ from assistant.controllers.mitsubishi.errors import error
 from assistant.controllers.mitsubishi.listing import Line
 from assistant.controllers.mitsubishi.session import UNCHANGED, Session
 from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.text import check_sent
 
 VT: Final = "\v"
 PROGRAM_NAME: Final = re.compile(r"[A-Z0-9]{1,12}")
@@ -126,7 +127,7 @@ def listed(session: Session, name: str) -> bytes:
 def write(session: Session, name: str, data: bytes) -> None:
     """Replaces the program; its lines are all looked at before the first is sent."""
     checked_name(name)
-    most = session.most - len(f"1;{session.edit_slot};EMDAT")
+    most = _room(session)
     parcels = list(_parcels(checked_lines(name, data, most), most))
     state = f"`{name}` there is as it was"
     doing = f"writing `{name}`"
@@ -136,6 +137,17 @@ def write(session: Session, name: str, data: bytes) -> None:
             _send(session, name, parcel, doing, state)
         saved = f"`{name}` there is either the old program or the new one"
         session.ask("SAVE", doing=f"saving `{name}`", state=saved, shape=BARE)
+
+
+def check_text(session: Session, name: str, data: bytes) -> None:
+    """Raises Refused for lines that the link cannot carry, or that others see elsewhere."""
+    checked_lines(name, data, _room(session))
+    check_sent(data, name, by_line=True)
+
+
+def _room(session: Session) -> int:
+    """Bytes of lines that one command can carry."""
+    return session.most - len(f"1;{session.edit_slot};EMDAT")
 
 
 def remove(session: Session, name: str) -> None:

@@ -32,6 +32,7 @@ from assistant.controllers.mitsubishi.kept_back import why_left_out
 from assistant.controllers.mitsubishi.parameter_files import Kind
 from assistant.controllers.mitsubishi.session import Session
 from assistant.program.diagnostics import Refused
+from assistant.program.visible import visible
 
 FILE: Final = re.compile(
     r"programs/[A-Z0-9]{1,12}_?\.prg|variables/(?:[A-Z0-9]{1,12}_?|externals)\.txt"
@@ -169,6 +170,7 @@ def _programs(session: Session, files: Mapping[str, bytes], only: Sequence[str])
             continue
         before = programs.listed(session, name) if name in there else None
         if before is None or listing.listed(before) != listing.listed(data):
+            programs.check_text(session, name, data)
             yield Item(file, file, before, data, _program_writer(session, name, data))
 
 
@@ -271,4 +273,4 @@ def _difference(item: Item) -> str:
 
 def _shown(data: bytes) -> list[str]:
     lines = listing.lines_of(data)
-    return [re.sub(r"[\x00-\x1f\x7f-\x9f]", "?", line.text) for line in lines]
+    return [visible(line.text) for line in lines]

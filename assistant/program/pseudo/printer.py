@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 from assistant.program.diagnostics import Refused
@@ -42,7 +42,8 @@ def print_program(program: Program, *, side_tables_above: int | None = None) -> 
 
     side_tables_above: paths of more rows than this go to side tables; None keeps every path
     in the text.
-    Raises Refused for expressions or blocks of more levels than can be read back.
+    Raises Refused, with the span of the statement, for expressions or blocks of more levels than
+    can be read back.
     """
     printer = _Printer(program.name, side_tables_above)
     sections = [[*map(comment_text, program.comments), header_text(program)]]
@@ -73,16 +74,25 @@ class _Printer:
 
     def _body(self, body: tuple[Statement, ...]) -> Iterator[str]:
         for statement in body:
-            line = statement_text(statement)
-            if line is not None:
-                yield INDENT + line
-                continue
-            self._blocks += 1
-            if self._blocks > MOST_BLOCKS:
-                cure = "move the inner ones to procedures"
-                raise Refused(TOO_DEEP(what="block", cure=cure))
-            yield from _indented(_BLOCKS[type(statement)](self, statement))
-            self._blocks -= 1
+            try:
+                yield from self._statement(statement)
+            except Refused as refused:
+                place = statement.span
+                raise Refused(
+                    *(f if f.span else replace(f, span=place) for f in refused.findings)
+                ) from None
+
+    def _statement(self, statement: Statement) -> Iterator[str]:
+        line = statement_text(statement)
+        if line is not None:
+            yield INDENT + line
+            return
+        self._blocks += 1
+        if self._blocks > MOST_BLOCKS:
+            cure = "move the inner ones to procedures"
+            raise Refused(TOO_DEEP(what="block", cure=cure))
+        yield from _indented(_BLOCKS[type(statement)](self, statement))
+        self._blocks -= 1
 
     def _if(self, statement: If) -> Iterator[str]:
         if not statement.branches:

@@ -10,6 +10,7 @@ from pathlib import Path as FilePath
 from typing import Final
 
 from assistant.program.durably import write_whole
+from assistant.program.lines import lines_of
 
 ENCODING: Final = "latin-1"
 """Bytes are kept one to one, whatever code page the client writes its comments in."""
@@ -219,7 +220,7 @@ def program_of(text: str, *, strict: bool = False) -> CrProgram:
     else they are left out.
     """
     program = CrProgram()
-    for line in re.split(r"\r\n|\r|\n", text):
+    for line in lines_of(text):
         if STEP.fullmatch(line) or VARIABLE.fullmatch(line):
             program.put(line)
         elif strict and line.strip():

@@ -34,7 +34,7 @@ def test_files_go_there_and_come_back(server):
     with server.client() as client:
         assert client.names() == () and client.read("a.mod") is client.look("a.mod") is None
         for data in (BIG, b"shorter\r\n", b""):
-            client.write("a.mod", data)
+            client.write("a.mod", data, as_it_was=True)
             assert client.read("a.mod") == client.look("a.mod") == data
         client.hand_over("a.mod", b"handed over")
         assert client.names() == ("a.mod",) and client.read("a.mod") == b"handed over"

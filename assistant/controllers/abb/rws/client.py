@@ -32,6 +32,7 @@ from assistant.controllers.address import Address
 from assistant.controllers.credentials import Credentials
 from assistant.controllers.states import Fault, Identity, Jog, Position, Sample, State
 from assistant.program.diagnostics import Refused
+from assistant.program.lines import lines_of
 
 UNIT: Final = "ROB_1"
 """The arm of a controller that has one."""
@@ -92,7 +93,9 @@ class Rws(RapidFiles):
     def read(self, name: str) -> bytes | None:
         return self._files.read(self._path(name))
 
-    def write(self, name: str, data: bytes) -> None:
+    def write(self, name: str, data: bytes, *, as_it_was: bool = False) -> None:
+        if not as_it_was:
+            self.check_text(name, data)
         self._files.write(self.address.folder, checked_name(name), data)
 
     def remove(self, name: str) -> None:
@@ -139,7 +142,8 @@ class Rws(RapidFiles):
 
     def stored_in_memory(self, text: bytes) -> bytes:
         """Lines without the blanks at their ends, which controllers do not keep."""
-        return b"\n".join(line.rstrip() for line in text.strip().splitlines())
+        lines = lines_of(text.strip().decode("latin-1"))
+        return b"\n".join(line.encode("latin-1").rstrip() for line in lines)
 
     def identify(self) -> Identity:
         return self._panel.identify(self._system)

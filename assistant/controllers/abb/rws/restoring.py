@@ -17,6 +17,7 @@ from pathlib import Path as FilePath
 from typing import Final
 
 from assistant.controllers import folders, rules
+from assistant.controllers.abb.files import TEXTS
 from assistant.controllers.abb.rws.backup import KIND, back_up
 from assistant.controllers.abb.rws.files import Files
 from assistant.controllers.abb.rws.mastership import Mastership
@@ -24,6 +25,9 @@ from assistant.controllers.abb.rws.panel import Panel
 from assistant.controllers.abb.rws.rapid import Rapid
 from assistant.controllers.abb.rws.session import NotThere, Session
 from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.lines import lines_of
+from assistant.program.text import check_sent
+from assistant.program.visible import visible
 
 LEFT_OUT: Final = {
     "SYSPAR/MOC.cfg": "calibration offsets and other data of this very arm",
@@ -79,6 +83,9 @@ class Restore:
             name: why for name in differing if (why := self._why_not(name, wanted)) is not None
         }
         taken = [name for name in differing if name not in self.left_out]
+        for name in taken:
+            if name.lower().endswith(TEXTS):
+                check_sent(then[name], name)
         self.changes: Mapping[str, str] = {name: self._difference(name) for name in taken}
 
     @property
@@ -155,7 +162,9 @@ class Restore:
         before, after = self._now.get(name, b""), self._then[name]
         if b"\0" in before + after:
             return f"{name}: {len(before)} bytes there, {len(after)} in the backup\n"
-        left, right = (data.decode("latin-1").splitlines() for data in (before, after))
+        left, right = (
+            [visible(line) for line in lines_of(data.decode("latin-1"))] for data in (before, after)
+        )
         lines = difflib.unified_diff(
             left, right, f"{name} (there)", f"{name} (backup)", lineterm=""
         )

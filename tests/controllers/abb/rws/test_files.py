@@ -29,7 +29,7 @@ def test_a_module_goes_there_and_comes_back(kind):
     with kind() as peer, peer.connect() as client:
         assert client.names() == () and client.read("seam.mod") is None
         for one in (GOOD, OTHER, data):
-            client.write("seam.mod", one)
+            client.write("seam.mod", one, as_it_was=True)
             assert client.read("seam.mod") == one
             assert peer.files == {f"{peer.home}/seam.mod": one}
         client.remove("seam.mod")
