@@ -214,7 +214,9 @@ MODULE {{ module }}
         VAR pos posnow;
         pNow:=cur_pose();
         posnow:=pNow.trans;
+        bOpen:=FALSE;
         Open stHalf,selfposedata\Write;
+        bOpen:=TRUE;
         Rewind selfposedata;
         Write selfposedata,text_number;
         Write selfposedata,stWord;
@@ -225,8 +227,20 @@ MODULE {{ module }}
         Write selfposedata,""\Num:=ClkRead(clMotion);
         Write selfposedata,"END "+text_number;
         Close selfposedata;
+        bOpen:=FALSE;
         remove stAnswer;
         RenameFile stHalf,stAnswer;
+    ERROR
+        IF ERRNO=ERR_FILEOPEN OR ERRNO=ERR_FILEACC OR ERRNO=ERR_FILEEXIST OR ERRNO=ERR_FILNOTFND THEN
+            ! Something else has the name of the answer, as a folder; the next request tries again.
+            IF bOpen THEN
+                Close selfposedata;
+            ENDIF
+            TPWrite "Pose exchange: no answer can be written";
+            RETURN;
+        ELSE
+            RAISE;
+        ENDIF
     ENDPROC
 
     LOCAL PROC remove(string stFile)

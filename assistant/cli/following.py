@@ -72,8 +72,12 @@ def run_follow(cell: str, trajectory: str, options: Options) -> int:
         way = f"{len(led.seconds)} points in {led.seconds[-1]:.1f} s, {mode.title}"
         confirmed(there.one, f"leads the arm along {trajectory}: {way}", options.yes)
         motion.began = True
-        with _shown(f"following {trajectory}", options.format) as progress:
-            done = mode.run(session, led, options.wishes, progress)
+        try:
+            with _shown(f"following {trajectory}", options.format) as progress:
+                done = mode.run(session, led, options.wishes, progress)
+        except Refused as refused:
+            motion.began = not {finding.code for finding in refused.findings} <= mode.unbegun
+            raise
     print_findings(done.findings)
     if options.log is not None:
         done.save(options.log)

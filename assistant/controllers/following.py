@@ -104,7 +104,8 @@ class Mode:
     """A way to lead an arm.
 
     period: seconds between the moments that it is given. operates: whether the session must be
-    one that operates the controller. check: is asked before anybody confirms.
+    one that operates the controller. check: is asked before anybody confirms. unbegun: codes of
+    refusals after which nothing has been sent or started, so that nothing is to be stopped.
     """
 
     title: str
@@ -112,6 +113,7 @@ class Mode:
     period: float
     operates: bool = True
     check: Check = _anywhere
+    unbegun: frozenset[str] = frozenset()
 
 
 def _limits(led: Led) -> Limits:
@@ -312,5 +314,11 @@ MODES: Final[Mapping[str, Mode]] = {
     "exchange": Mode("poses by files, one after the other", _exchange, 0.5, operates=False),
     "data-link": Mode("joint positions on a line of data", _data_link, 0.1, check=_has_lines),
     "mxt": Mode("joints cycle by cycle", _mxt, 0.01, check=_on_network),
-    "egm": Mode("joints cycle by cycle, as a program asks for them", _egm, 0.01, operates=False),
+    "egm": Mode(
+        "joints cycle by cycle, as a program asks for them",
+        _egm,
+        0.01,
+        operates=False,
+        unbegun=frozenset({"CN701", "CN702", "CN703", "CN704", "CN711"}),
+    ),
 }

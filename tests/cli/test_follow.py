@@ -9,6 +9,7 @@ import socket
 import subprocess
 import sys
 import threading
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -131,6 +132,24 @@ def test_joints_are_led_as_a_program_asks_for_them(capsys, rws, here):
         status, out, said = run(capsys, *arguments, "--format", "json")
     assert status == 0, said
     assert json.loads(out)["followed"].startswith(tuple("123456789"))
+
+
+def test_a_motion_that_nobody_asked_for_stops_no_program(capsys, rws, here):
+    """The port is taken: nothing was sent, so what runs on the controller goes on."""
+    busy = "MODULE Busy\n  PROC main()\n    WaitTime 1000;\n  ENDPROC\nENDMODULE\n"
+    (here / "busy.mod").write_text(busy)
+    (here / "way.csv").write_text(SIX, encoding="utf-8")
+    for command in (("put", "cell1", "busy.mod"), ("motors", "cell1", "on", "--yes")):
+        assert run(capsys, *command)[0] == 0
+    assert run(capsys, "start", "cell1", "busy.mod", "--yes", "--no-wait")[0] == 0
+    with closing(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) as taken:
+        taken.bind(("", 0))
+        port = str(taken.getsockname()[1])
+        arguments = ("follow", "cell1", "way.csv", "--by", "egm", "--port", port, "--yes")
+        status, _, said = run(capsys, *arguments)
+    assert status in (1, 2) and "CN711" in said, said
+    with connect("cell1") as controller:
+        assert controller.state().running
 
 
 REFUSED = [

@@ -53,7 +53,11 @@ def _value(words: Words, shape: Shape, types: Types) -> tuple[Value, Words]:
             items.append(item)
         return Array(items), _behind(rest, "]")
     if shape.type in NUMBERS:
-        return fitted(float(first["number"] or "x"), shape), rest
+        number = float(first["number"] or "x")
+        fits = fitted(number, shape)
+        if isinstance(fits, float) and not math.isfinite(fits):
+            raise ValueError(f"{number:g} is beyond a {shape.type}")
+        return fits, rest
     if shape.type == "bool":
         return {"TRUE": True, "FALSE": False}[(first["word"] or "").upper()], rest
     if shape.type == "string":

@@ -386,3 +386,20 @@ def test_recordings_are_tables_with_units(exchange, tmp_path):
     columns = np.load(arrays)
     assert np.isnan(columns["asked_quaternion"][:2]).all()
     assert (np.diff(columns["seconds"]) > 0.0).all() and (columns["motion"][2] > 0.0)
+
+
+def test_a_folder_in_the_place_of_the_answer_ends_nothing(robot, programs):
+    """The program takes what comes next, and answers again once the folder is gone."""
+    in_the_way, request = (robot.home / f"exchange_{file}.txt" for file in ("answer", "request"))
+    with PoseExchange(programs) as exchange:
+        exchange.current_pose()
+        in_the_way.mkdir()
+        for number in (101, 102):
+            half = robot.home / "half"
+            half.write_bytes(b"%d\nwhere\n\n\n\nEND %d\n" % (number, number))
+            half.replace(request)
+            while request.exists() and robot.thread.is_alive():
+                threading.Event().wait(0.005)
+            assert robot.thread.is_alive(), robot.run
+        in_the_way.rmdir()
+        exchange.current_pose()

@@ -73,6 +73,16 @@ def test_a_new_pointer_leaves_the_way_of_the_arm(robot):
     wait_for(lambda: robot.joints()[0] == 0.0)  # from there to the first target
 
 
+@pytest.mark.parametrize("value", ["1e300", "-3.5E38", "9" * 400])
+def test_a_num_is_of_single_precision(robot, value):
+    ready(robot, "n := n + 1;", data=("PERS num n := 7;", "PERS dnum d := 7;"))
+    assert robot.set("T_ROB1/Work/n", value).status == 400
+    assert robot.value("T_ROB1/Work/n") == "7"
+    if value == "1e300":
+        assert robot.set("T_ROB1/Work/d", value).status == 204
+        assert robot.value("T_ROB1/Work/d") == "1E300"
+
+
 def test_forever_goes_on_until_the_end_of_a_cycle_is_asked_for(robot):
     ready(robot, "n := n + 1;", "WaitTime 0.1;", data=("PERS num n := 0;",))
     start(robot, "forever")
