@@ -93,6 +93,7 @@ VALUES: dict[str, Row] = {
     "a dimension of 0": ("Dim MA(0)", ["MB614 1:5"]),
     "an element beyond the end": ("Dim MA(3)\nMA(4)=1\nEnd", ["MB614 2:1"]),
     "the last element": ("Dim MA(3,2)\nMA(3,2)=1\nEnd", []),
+    "a spline by its number": ("MvSpl 1,50,2\nEMvSpl 3,20,10\nEnd", []),
     "one subscript too many": ("Dim MA(3)\nMA(3,2)=1\nEnd", ["MB614 2:1"]),
 }
 

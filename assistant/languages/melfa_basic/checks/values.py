@@ -115,6 +115,8 @@ is a finding of what it lacks.
 """
 POINTS: Final = {"Mov": ("PJ",), "Mvs": ("P",), "Mva": ("P",)}
 """Word of a move → types of its points; other moves have three positions."""
+SPLINES: Final = ("MvSpl", "EMvSpl")
+"""They go along a spline that is stored by its number (CR750 manual, appendix 7.3)."""
 ORDER: Final = ("the first argument", "the second argument", "the third argument", "an argument")
 
 
@@ -154,7 +156,7 @@ def _taken(look: Look) -> Iterator[tuple[s.Line, Taken]]:
     for line, motion in look.all(s.Motion):
         row = vocabulary.statement(motion.keyword)
         types = POINTS.get(motion.keyword, "PPP")
-        if row is not None:
+        if row is not None and motion.keyword not in SPLINES:
             word, given = motion.keyword, motion.arguments
             yield line, Taken(word, given, row.least, row.most, types, "M", TOO_FEW)
     for line, call in look.all(s.CallP):

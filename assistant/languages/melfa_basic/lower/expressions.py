@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from assistant.languages.melfa_basic.lower.logic import is_truth
 from assistant.languages.melfa_basic.lower.names import Names
 from assistant.languages.melfa_basic.reading.line import expression
 from assistant.languages.melfa_basic.tables import operators, poses, vocabulary
@@ -189,6 +190,8 @@ class Expressions:
             return self.own(callee, arguments)
         values = tuple(self.of(a) for a in arguments)
         if function in BITS and len(values) == 2:
+            if all(is_truth(argument, self.signals) for argument in arguments):
+                raise Unsayable(f"`{function}` of truths alone", "join them with and, or, xor")
             return s.Binary(BITS[function], *values)
         if function in PLAIN:
             return self.call(PLAIN[function], *values)

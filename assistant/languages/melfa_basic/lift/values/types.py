@@ -84,12 +84,24 @@ class Types:
         In a text that was written here 0 and 1 may be truths, and what a function gives.
         """
         sides = (left, right)
-        if any(self.is_bit(side) or any(map(is_comparison, nodes(side))) for side in sides):
+        if any(is_comparison(node) for side in sides for node in nodes(side)):
             return False
+        if any(map(self.is_bit, sides)):  # beside a number that was written here it is one too
+            others = [side for side in sides if not self.is_bit(side)]
+            return self.m.own and any(map(self._is_plain_number, others))
         kinds = [self.type_of(side) for side in sides]
         if not all(kind in ("number", "integer") for kind in kinds):
             return False
         return not self.m.own or not are_truths(*sides) or any(map(self._is_number, sides))
+
+    def _is_plain_number(self, node: s.Expression) -> bool:
+        """Whether it is a number's own variable, or what is worked out of numbers."""
+        match node:
+            case s.Number(value=value):
+                return value not in (0, 1)
+            case s.Variable() | s.Binary():
+                return self.type_of(node) in ("number", "integer") and self._is_number(node)
+        return False
 
     def _is_number(self, node: s.Expression) -> bool:
         """Whether a value that has the type of a number is one for certain."""

@@ -17,6 +17,7 @@ from assistant.languages.rapid.lower.names import NAMES
 from assistant.languages.rapid.lower.program import build
 from assistant.languages.rapid.tables.capabilities import capabilities
 from assistant.languages.rapid.text import verbatim
+from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.syntax import File
 from assistant.program import statements as p
 from assistant.program.analysis.signals import uses, with_used
@@ -31,7 +32,7 @@ from assistant.program.passes.paths import with_paths
 from assistant.program.passes.places import with_measured_places
 from assistant.program.passes.procedures import units
 from assistant.program.passes.splitting import split
-from assistant.program.program import Procedure, Program
+from assistant.program.program import Declaration, Procedure, Program
 from assistant.program.rewriting import map_bodies
 
 
@@ -91,7 +92,18 @@ def sayable(job: Legalising) -> Program:
         joint_targets=joints,
         variables=variables,
         procedures=procedures,
+        declarations=tuple(sorted(program.declarations, key=_rank)),
     )
+
+
+def _rank(declaration: Declaration) -> int:
+    """Where it stands in a module: types, then data, then routines, whatever came first."""
+    try:
+        items = verbatim.items(declaration.text)
+    except Refused:
+        return 0
+    ranks = {s.Record: 0, s.Alias: 0, s.Routine: 2}
+    return max((ranks.get(type(item), 1) for item in items), default=0)
 
 
 PASSES: Final[tuple[Pass, ...]] = (

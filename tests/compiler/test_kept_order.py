@@ -1,0 +1,42 @@
+"""What keeps its text is written where its language has room for it, and read back as that."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from assistant import compile, languages
+from assistant.compiler.loading import parse_pseudo
+from assistant.program.text import SourceText
+
+RAPID = languages.get("rapid")
+
+
+def test_kept_routines_stand_behind_kept_data() -> None:
+    kept = "PROC f(\\VAR bool a|switch s)\nENDPROC\n"
+    text = f"MODULE m\nPROC main()\nConfL\\Off;\nENDPROC\n{kept}VAR rawbytes r;\nENDMODULE\n"
+    program = replace(RAPID.lift(RAPID.parse(text)), origin=None)
+    made = compile(program, language="rapid")
+    assert made.proof.holds
+    again = compile(made.program, language="rapid")
+    assert again.files == made.files
+
+
+BITS = {"bitand(n, d)": True, "bitor(d, 6)": True, "bitxor(d, bitor(n, d))": True}
+BITS |= dict.fromkeys(("bitand(d, d)", "bitand(d, 1)"), False)
+
+
+@pytest.mark.parametrize("level", [4, 5, 6])
+@pytest.mark.parametrize(("value", "said"), BITS.items(), ids=BITS)
+def test_bits_of_a_signal_and_of_a_number_are_read_back_as_bits(
+    level: int, value: str, said: bool
+) -> None:
+    head = "program a\nsignal d digital input 7\nvariable n integer = 2\n"
+    text = f"{head}procedure main\n  n = {value}\n  if {value} > 0\n    stop\n  end\nend\n"
+    program = parse_pseudo(SourceText(text, "a.pseudo"))
+    made = compile(program, language=f"melfa-basic-{level}")
+    assert made.proof.holds is said
+    assert {f.code for f in made.findings if f.code in ("CO102", "MB209")} == (
+        set() if said else {"MB209"}
+    )
