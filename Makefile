@@ -9,7 +9,7 @@ COMPILE := $(SUPPLY)/uv pip compile --quiet --upgrade --universal --generate-has
 # Every command that the tests start would compile all modules and grammars anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test test-slow fuzz bench lint format pins audit sbom wheel clean
+.PHONY: demo test test-slow sweep fuzz bench lint format pins audit sbom wheel clean
 
 .venv/demo: pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -46,6 +46,11 @@ test: .venv/test
 test-slow: .venv/test
 	$(BIN)/python -m pytest --numprocesses 2 --dist worksteal --hypothesis-profile=fresh \
 	  -m "slow or hypothesis"
+
+# Cuts off every command that writes, at one of EVERY calls that change files, and tells what is lost.
+EVERY := 2
+sweep: .venv/test
+	$(BIN)/python -m tests.sweep --every $(EVERY) $(COMMANDS)
 
 # Goes on from what earlier runs left in .fuzz: SECONDS of all targets, or INPUTS of each of them.
 SECONDS ?= 300

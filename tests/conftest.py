@@ -10,7 +10,7 @@ find becomes a case of its own.
 from __future__ import annotations
 
 import signal
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -42,6 +42,23 @@ def pytest_configure(config: pytest.Config) -> None:
 signal.signal(signal.SIGINT, signal.default_int_handler)
 if hasattr(signal, "SIGHUP"):  # `nohup` has it ignored
     signal.signal(signal.SIGHUP, signal.SIG_DFL)
+
+
+TOLD = "told"
+
+
+@pytest.fixture
+def tell(record_property: Callable[[str, object], None]) -> Callable[[str], None]:
+    """Prints something below all tests, also where they run in several processes."""
+    return lambda text: record_property(TOLD, text)
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Counts of sweeps, which nobody would see else."""
+    reports = (one for kind in ("passed", "failed") for one in terminalreporter.getreports(kind))
+    said = [text for one in reports for name, text in one.user_properties if name == TOLD]
+    for text in said:
+        terminalreporter.write_line(str(text).strip())
 
 
 @pytest.fixture(scope="session")

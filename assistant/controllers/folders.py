@@ -9,9 +9,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
-import shutil
-import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path as FilePath
@@ -19,6 +16,7 @@ from pathlib import PurePosixPath
 from typing import Final
 
 from assistant.controllers import rules
+from assistant.program import durably, writing
 from assistant.program.diagnostics import Refused
 
 INDEX: Final = "backup.json"
@@ -35,30 +33,20 @@ def appearing(folder: str | FilePath, kind: str) -> Iterator[FilePath]:
     target = FilePath(folder)
     if target.exists():
         raise Refused(rules.BACKUP_EXISTS(folder=target, path=str(target)))
-    under_way: FilePath | None = None
     try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        under_way = FilePath(tempfile.mkdtemp(prefix=f".{target.name}.", dir=target.parent))
-        yield under_way
-        _seal(under_way, kind)
-        under_way.chmod(0o755)
-        under_way.rename(target)
+        with writing.appearing(target) as under_way:
+            yield under_way
+            _seal(under_way, kind)
     except OSError as error:
         reason = error.strerror or str(error)
         raise Refused(rules.BACKUP_WRITE(folder=target, reason=reason, path=str(target))) from None
-    finally:
-        if under_way is not None and under_way.exists():
-            shutil.rmtree(under_way, ignore_errors=True)
 
 
 def put(folder: FilePath, name: str, data: bytes) -> None:
     """Writes a file below the folder; raises OSError."""
     path = folder / name
     path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("xb") as file:
-        file.write(data)
-        file.flush()
-        os.fsync(file.fileno())
+    durably.write_new(path, data)
 
 
 def files(folder: FilePath) -> tuple[str, ...]:

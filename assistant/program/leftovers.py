@@ -115,7 +115,7 @@ def _see_to(folder: FilePath, holding: FilePath) -> None:
         return
     rows = _ready(holding)
     if rows is None:
-        names, state = _listed(_names(holding)), "each of them is whole"
+        names, state = _listed(_names(holding)), "each is whole, or as it was"
     else:
         names = _listed(rows)
         back, changed = _put_back(folder, holding, rows)

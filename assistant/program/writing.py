@@ -19,8 +19,8 @@ import json
 import os
 import stat
 import tempfile
-from collections.abc import Iterable, Mapping
-from contextlib import ExitStack, suppress
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 from typing import Final
@@ -115,15 +115,53 @@ def put(files: Mapping[FilePath, bytes]) -> None:
                 _take_their_places(sets)
     except BaseException:
         with held():
-            for one in sets:
-                one.end()
-            for folder in made:
-                with suppress(OSError):  # somebody has put something there
-                    folder.rmdir()
+            _give_up(sets, made)
         raise
     with held():
         for one in sets:
             one.end()
+
+
+@contextmanager
+def scratch(folder: FilePath) -> Iterator[FilePath]:
+    """A hidden folder in one that is made, for as long as the block lasts; raises OSError."""
+    made = durably.make_folders(folder)
+    one = _Set(FilePath(os.path.realpath(folder)), {})
+    try:
+        one.begin()
+        one.prepare()
+        yield one.inside(NEW)
+    except BaseException:
+        with held():
+            _give_up([one], made)
+        raise
+    with held():
+        one.end()
+
+
+@contextmanager
+def appearing(target: FilePath) -> Iterator[FilePath]:
+    """A folder to write into, which is `target` when the block ends well and gone else.
+
+    Raises OSError; nothing that is there may have that name.
+    """
+    with scratch(target.parent) as place:
+        new = place / target.name
+        new.mkdir()
+        yield new
+        for one in (*(one for one in new.rglob("*") if one.is_dir()), new):
+            durably.settle(one)
+        with held():
+            new.rename(target)
+            durably.settle(target.parent)
+
+
+def _give_up(sets: Iterable[_Set], made: Iterable[FilePath]) -> None:
+    for one in sets:
+        one.end()
+    for folder in made:
+        with suppress(OSError):  # somebody has put something there
+            folder.rmdir()
 
 
 def _by_folder(files: Mapping[FilePath, bytes]) -> dict[FilePath, dict[str, bytes]]:
@@ -176,7 +214,7 @@ class _Set:
 
     def prepare(self) -> None:
         """Writes the new files, with the permissions of those that they replace."""
-        new = self._held(NEW)
+        new = self.inside(NEW)
         new.mkdir()
         for name, data in self.files.items():
             facts = check_replaceable(self.folder / name)
@@ -186,7 +224,7 @@ class _Set:
 
     def keep_old(self) -> None:
         """Links the old files aside, and says what is to be replaced."""
-        old = self._held(OLD)
+        old = self.inside(OLD)
         old.mkdir()
         kept = [name for name in self.files if _is_kept(self.folder / name, old / name)]
         if len(self.files) == 1:
@@ -196,13 +234,13 @@ class _Set:
             for name, data in self.files.items()
         }
         durably.settle(old)
-        durably.write_new(self._held(READY), json.dumps(rows).encode())
-        durably.settle(self._held(""))
+        durably.write_new(self.inside(READY), json.dumps(rows).encode())
+        durably.settle(self.inside(""))
         durably.settle(self.folder)
 
     def place(self) -> None:
         for name in self.files:
-            new = self._held(NEW) / name
+            new = self.inside(NEW) / name
             self.placed[name] = new.stat().st_ino
             new.replace(self.folder / name)
         durably.settle(self.folder)
@@ -210,9 +248,9 @@ class _Set:
     def put_back(self) -> None:
         """Raises Stuck if that cannot be."""
         failed: dict[str, OSError] = {}
-        leftovers.turn_back(self._held(""))
+        leftovers.turn_back(self.inside(""))
         for name, inode in reversed(self.placed.items()):
-            target, old = self.folder / name, self._held(OLD) / name
+            target, old = self.folder / name, self.inside(OLD) / name
             try:
                 if not target.exists() or target.stat().st_ino != inode:
                     continue  # it was not replaced, or somebody else has written it since
@@ -224,7 +262,7 @@ class _Set:
                 failed[name] = wrong
         if failed:
             self.stuck = True
-            raise Stuck(next(iter(failed.values())), failed, self._held(""))
+            raise Stuck(next(iter(failed.values())), failed, self.inside(""))
         with suppress(OSError):
             durably.settle(self.folder)
 
@@ -236,7 +274,7 @@ class _Set:
             locks.free(self.lock)
         self.holding, self.lock = None, locks.NONE
 
-    def _held(self, part: str) -> FilePath:
+    def inside(self, part: str) -> FilePath:
         assert self.holding is not None
         return self.holding / part
 

@@ -6,7 +6,6 @@ Nothing is written into `build/`: programs are made anew in a folder that is gon
 from __future__ import annotations
 
 import contextlib
-import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
@@ -14,6 +13,7 @@ from pathlib import Path as FilePath
 from assistant.compiler.checking import check_files
 from assistant.findings.project_severities import settle
 from assistant.program.diagnostics import Diagnostic, Refused, Severity
+from assistant.program.writing import scratch
 from assistant.project import rules
 from assistant.project.building import Working, chosen, clashes
 from assistant.project.inputs import digest_of
@@ -83,9 +83,8 @@ def _checked(project: Project, target: str, arm: str | None, made: Sequence[Made
     origins = {name: origin for one in made for name, origin in one.origins.items()}
     told = [finding for one in made if not one.origins for finding in one.findings]
     try:
-        project.kept.mkdir(exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix="check-", dir=project.kept) as folder:
-            paths = _written(FilePath(folder), files)
+        with scratch(project.kept) as folder:
+            paths = _written(folder, files)
             checked = check_files(list(paths), robot=arm)
             settled = settle(checked.findings, checked.texts)
     except OSError as error:
@@ -96,7 +95,7 @@ def _checked(project: Project, target: str, arm: str | None, made: Sequence[Made
         path: shown_path(project.folder / origins.get(name, (BUILT / target / name).as_posix()))
         for path, name in paths.items()
     }
-    whole = {folder: shown_path(project.folder / BUILT / target)}
+    whole = {str(folder): shown_path(project.folder / BUILT / target)}
 
     def placed(findings: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
         return tuple(replace(one, path=_place(one.path, {**whole, **places})) for one in findings)

@@ -5,7 +5,6 @@ and, tried from the same state, `rollback` with all old, byte for byte. What is 
 """
 
 import os
-import sys
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -238,9 +237,9 @@ EVERY = {"cut": 30, "refuse": 30, "kill": 20, "full here": 200, "full there": 25
 
 
 @pytest.mark.slow
-def test_nothing_is_lost_whatever_happens(tmp_path, capsys):
+def test_nothing_is_lost_whatever_happens(tmp_path, tell):
     """Some 100 faults of each controller; a server that is not installed is left out."""
-    faults, losses = 0, []
+    faults, losses, lines = 0, [], []
     for number, (name, make) in enumerate(BENCHES.items()):
         folder = tmp_path / str(number)
         folder.mkdir()
@@ -254,10 +253,8 @@ def test_nothing_is_lost_whatever_happens(tmp_path, capsys):
                 told += tally.told()
                 faults += tally.faults
                 losses += [f"{name}, {loss}" for loss in tally.losses]
-            with capsys.disabled():
-                sys.stdout.write(f"\n{told}")
-    with capsys.disabled():
-        sys.stdout.write(f"\n{faults} faults, {len(losses)} losses\n")
+            lines.append(told)
+    tell("\n".join([*lines, f"deployments: {faults} faults, {len(losses)} losses"]))
     assert losses == []
     assert faults >= 300
 

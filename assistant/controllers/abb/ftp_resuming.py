@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ftplib
 import json
+import os
 from collections.abc import Callable
 from pathlib import Path as FilePath
 from typing import BinaryIO, Final
@@ -16,6 +17,7 @@ from typing import BinaryIO, Final
 from assistant.controllers import rules
 from assistant.controllers.abb.files import TEMPORARY, first_difference
 from assistant.controllers.abb.ftp_session import FtpSession
+from assistant.program import durably
 from assistant.program.diagnostics import Refused
 
 Progress = Callable[[int, int | None], None]
@@ -42,6 +44,7 @@ def read_whole(session: FtpSession, name: str) -> bytes:
 
 
 def download(session: FtpSession, name: str, to: FilePath, progress: Progress | None) -> int:
+    to = FilePath(os.path.realpath(to))  # a link stays one
     part, note = to.with_name(f"{to.name}.part"), to.with_name(f"{to.name}.part.json")
     stamp = _stamp(session, name)
     whole = None if stamp is None else int(stamp[0])
@@ -54,11 +57,14 @@ def download(session: FtpSession, name: str, to: FilePath, progress: Progress | 
         with part.open("r+b") as file:
             if not _went_on(session, name, file, start, whole, progress):
                 _fetch(session, name, file, 0, whole, progress)
+            file.flush()
+            os.fsync(file.fileno())
         length = part.stat().st_size
         if stamp != _stamp(session, name) or (whole is not None and length != whole):
             part.unlink()
             raise Refused(rules.SHORT(place=name, name=name, there=whole, back=length))
         part.replace(to)
+        durably.settle(to.parent)
         note.unlink(missing_ok=True)
     except OSError as error:
         reason = error.strerror or str(error)

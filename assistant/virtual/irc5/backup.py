@@ -10,7 +10,7 @@ import shutil
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
-from assistant.program.durably import ARRIVING
+from assistant.program.durably import ARRIVING, write_whole
 from assistant.virtual.irc5.parameters import DOMAINS, parse
 from assistant.virtual.irc5.programs import TASK, Programs, read_module
 
@@ -68,10 +68,27 @@ def restore(programs: Programs, source: FilePath, cabinet: Cabinet) -> None:
     programs.restore(read)
     for text in settings:
         cabinet.parameters.load(text, "add-with-reset")
-    for old in home.iterdir():
-        if old.is_dir():
-            shutil.rmtree(old)
+    _bring_back(kept, home)
+
+
+def _bring_back(kept: FilePath, home: FilePath) -> None:
+    """Has a folder hold what another one does; each file of it is whole at any time."""
+    wanted = {one.relative_to(kept): one for one in sorted(kept.rglob("*"))}
+    for name, one in wanted.items():
+        target = home / name
+        if target.exists() and target.is_dir() != one.is_dir():
+            _remove(target)
+        if one.is_dir():
+            target.mkdir(exist_ok=True)
         else:
-            old.unlink()
-    if kept.is_dir():
-        shutil.copytree(kept, home, dirs_exist_ok=True)
+            write_whole(target, one.read_bytes())
+    for old in sorted(home.rglob("*"), reverse=True):
+        if old.relative_to(home) not in wanted:
+            _remove(old)
+
+
+def _remove(old: FilePath) -> None:
+    if old.is_dir() and not old.is_symlink():
+        shutil.rmtree(old)
+    else:
+        old.unlink()

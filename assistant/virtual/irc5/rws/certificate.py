@@ -10,6 +10,7 @@ from pathlib import Path as FilePath
 from typing import Final
 
 from assistant.program.diagnostics import Refused, error
+from assistant.program.durably import write_whole
 
 NEEDS_PACKAGE = error(
     "VC002",
@@ -52,7 +53,7 @@ def certify(host: str, file: FilePath) -> ssl.SSLContext:
         .sign(key, hashes.SHA256())
     )
     data = made.public_bytes(serialization.Encoding.PEM)
-    file.write_bytes(data)
+    write_whole(file, data)
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     context.minimum_version = ssl.TLSVersion.TLSv1_2
     secret = key.private_bytes(

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Final
 
+from assistant.program.durably import write_whole
 from assistant.virtual.rapid.disk import CODES, MODES, UNITS, Stream
 from assistant.virtual.rapid.ends import UNSURE, Fault, NotSimulated
 from assistant.virtual.rapid.given import Given, takes
@@ -189,7 +190,7 @@ def _rename(given: Given) -> None:
 
 def _copy(given: Given) -> None:
     old, new = _new(given)
-    new.write_bytes(old.read_bytes())
+    write_whole(new, old.read_bytes())
 
 
 def _remove_directory(given: Given) -> None:

@@ -11,6 +11,7 @@ from typing import Final
 
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program.diagnostics import has_errors
+from assistant.program.durably import write_whole
 from assistant.program.text import SourceText
 from assistant.virtual.rapid.ends import UNSURE, Fault, NotSimulated
 from assistant.virtual.rapid.expressions import settled
@@ -145,7 +146,7 @@ def _file_of(machine: Machine, name: str) -> s.File:
 def _keep(path: Path, text: str, source: SourceText | None) -> None:
     encoding = "latin-1" if source is None else source.encoding
     try:
-        path.write_bytes(text.encode(encoding, "replace"))
+        write_whole(path, text.encode(encoding, "replace"))
     except OSError as error:
         raise Fault(f"`{path.name}` is not saved: {error.strerror}", "ERR_PATH") from None
 

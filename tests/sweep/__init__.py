@@ -1,0 +1,1 @@
+"""Commands that write are cut off at every call that changes files: `python -m tests.sweep`."""
