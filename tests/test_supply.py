@@ -31,7 +31,7 @@ def needed() -> list[Requirement]:
     for row in waiting:
         one = Requirement(row)
         if one.name == stated["project"]["name"]:
-            waiting += [deeper for extra in one.extras for deeper in extras[extra]]
+            waiting += [deeper for extra in sorted(one.extras) for deeper in extras[extra]]
         else:
             rows.append(one)
     return rows
