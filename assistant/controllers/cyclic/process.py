@@ -115,7 +115,8 @@ def _run(
     rows: int,
 ) -> tuple[dict[str, object], str]:
     """What the process said last, and what it died of if that tells nothing."""
-    command = [sys.executable, "-m", "assistant.controllers.cyclic.worker", str(folder)]
+    # -P: nothing is imported from the working folder, which may be anybody's.
+    command = [sys.executable, "-P", "-m", "assistant.controllers.cyclic.worker", str(folder)]
     environment = {**without_passwords(), "PYTHONPATH": os.pathsep.join(map(str, sys.path))}
     with (folder / "errors.txt").open("w+", encoding="utf-8", errors="replace") as errors:
         worker = subprocess.Popen(  # noqa: S603

@@ -62,7 +62,7 @@ class MxtProcess:
     def __enter__(self) -> Self:
         environment = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, sys.path))}
         self._process = subprocess.Popen(  # noqa: S603
-            [sys.executable, "-m", "assistant.virtual.cr.mxt_process", *self._arguments],
+            [sys.executable, "-P", "-m", "assistant.virtual.cr.mxt_process", *self._arguments],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
