@@ -12,22 +12,19 @@ import json
 import re
 import secrets
 import socket
-import subprocess
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path as FilePath
 from typing import Any, Final
 
-from assistant.controllers.credentials import without_passwords
 from assistant.controllers.states import Identity
 from assistant.deploy import rules
 from assistant.deploy.held import Digests
+from assistant.deploy.repository import commit_of
 from assistant.program.diagnostics import Refused
 
 FORMAT: Final = 1
-GIT: Final = ("git", "-c", "core.fsmonitor=false")
-"""Starts no program that a repository names to watch its files."""
 NAME: Final = re.compile(r"[A-Za-z0-9_][\w. ~-]{0,70}(?<![ .~])", re.ASCII)
 """Of a program; also a file of this computer can have it."""
 DIGEST: Final = re.compile("[0-9a-f]{64}")
@@ -114,23 +111,6 @@ def _check_texts(texts: Iterable[str], programs: Mapping[str, Digests]) -> None:
         named = NAME.fullmatch(name) is not None and plain(two.task) == two.task
         if not named or not all(map(DIGEST.fullmatch, digests)):
             raise ValueError("it names programs as no deployment does")
-
-
-def commit_of(folder: FilePath) -> str:
-    """Of the repository around a folder, with `-dirty` if it has changes; "" if there is none."""
-    command = [*GIT, "describe", "--always", "--abbrev=40", "--dirty", "--exclude=*"]
-    try:
-        done = subprocess.run(  # noqa: S603
-            command,
-            cwd=folder,
-            capture_output=True,
-            text=True,
-            timeout=10,
-            env=without_passwords(),
-        )
-    except (OSError, subprocess.TimeoutExpired):
-        return ""
-    return done.stdout.strip() if done.returncode == 0 else ""
 
 
 def _user() -> str:

@@ -7,8 +7,6 @@ a pseudo-program. All changes of a plan are brought home, or none is.
 
 from __future__ import annotations
 
-import os
-import subprocess
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path as FilePath
@@ -17,7 +15,7 @@ from typing import Final
 from assistant import languages
 from assistant.deploy import Change, Held, Plan, PlannedFile
 from assistant.deploy.merging import Form, in_layout, merged
-from assistant.deploy.record import GIT
+from assistant.deploy.repository import is_committed
 from assistant.deploy.site import Site
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
 from assistant.program.text import read_bytes
@@ -28,8 +26,6 @@ from assistant.robots import Robot
 
 KEPT: Final = ".orig"
 """Behind the name of a file that no repository keeps: what it said before."""
-TIMEOUT: Final = 10
-"""Seconds for git."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,30 +139,10 @@ class _Run:
     def check_committed(self) -> None:
         """What a repository does not know yet would be lost, so it is said and nothing written."""
         for path in list(self.wanted):
-            known = _known_to_git(path)
+            known = is_committed(path)
             if known is False:
                 self.findings.append(rules.NOT_COMMITTED(path=str(path), file=path))
             elif known is None:
                 kept = path.with_name(path.name + KEPT)
                 self.wanted[kept] = read_bytes(path)
                 self.findings.append(rules.KEPT_BESIDE(path=str(path), file=path, kept=kept))
-
-
-def _known_to_git(path: FilePath) -> bool | None:
-    """Whether a repository has a file as it is; None if it is in none, or there is no git."""
-    command = [*GIT, "status", "--porcelain", "--ignored", "--", path.name]
-    bare = {k: v for k, v in os.environ.items() if not k.startswith(("ROBOT_ASSISTANT_", "GIT_"))}
-    try:
-        done = subprocess.run(  # noqa: S603
-            command,
-            cwd=path.absolute().parent,
-            env=bare,
-            capture_output=True,
-            text=True,
-            timeout=TIMEOUT,
-        )
-    except (OSError, subprocess.TimeoutExpired):
-        return None
-    if done.returncode != 0 or done.stdout.startswith("!!"):
-        return None
-    return not done.stdout.strip()

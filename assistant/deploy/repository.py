@@ -1,0 +1,113 @@
+"""What git tells of the repository around a folder, without starting what the repository names.
+
+A repository's own configuration, which a clone does not bring but an archive or a shared folder
+does, may name programs: git-config(1) `core.fsmonitor`, `filter.<driver>.clean`, githooks(5)
+`post-index-change`, `remote.<name>.promisor` with `core.sshCommand`. Any folder of a clone may look
+like a bare repository with such a configuration.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+from pathlib import Path as FilePath
+from typing import Final
+
+from assistant.controllers.credentials import without_passwords
+
+OPTIONS: Final = (
+    "--literal-pathspecs",
+    *("-c", "core.fsmonitor=false"),
+    *("-c", f"core.hooksPath={os.devnull}"),
+    *("-c", "safe.bareRepository=explicit"),
+)
+ALONE: Final = {
+    "GIT_ALLOW_PROTOCOL": "none",  # what is missing is not fetched
+    "GIT_NO_LAZY_FETCH": "1",
+    "GIT_OPTIONAL_LOCKS": "0",
+    "GIT_TERMINAL_PROMPT": "0",
+}
+OWN: Final = ("system", "global", "command")
+"""Whose configuration is the user's."""
+FILTER: Final = re.compile(r"filter\.([\w. /-]+)\.[a-z]+", re.ASCII | re.IGNORECASE)
+TIMEOUT: Final = 10
+"""Seconds for each question."""
+DEEPEST: Final = 8
+"""Repositories in each other."""
+
+
+def commit_of(folder: FilePath) -> str:
+    """Of the repository around a folder, with `-dirty` if it has changes; "" if there is none."""
+    commit = _told(folder, "describe", "--always", "--abbrev=40", "--exclude=*")
+    changed = _has_changes(folder) if commit else None
+    return "" if commit is None or changed is None else commit.strip() + "-dirty" * changed
+
+
+def is_committed(path: FilePath) -> bool | None:
+    """Whether a repository has a file as it is; None if it is in none, or there is no git."""
+    said = _compared(path.absolute().parent, "--ignored", "--", path.name)
+    return None if said is None or said.startswith("!!") else not said.strip()
+
+
+def _has_changes(folder: FilePath, depth: int = 0) -> bool | None:
+    """Whether files of the repository differ from its commit, those of submodules among them."""
+    said = _compared(folder, "--untracked-files=no")
+    top = _told(folder, "rev-parse", "--show-toplevel")
+    if said is None or top is None:
+        return None
+    if said:
+        return True
+    place = FilePath(top.rstrip("\n"))
+    rows = (_told(place, "ls-files", "--stage", "-z") or "").split("\0")
+    inner = [place / row.partition("\t")[2] for row in rows if row.startswith("160000 ")]
+    there = [one for one in inner if (one / ".git").exists()]
+    if there and depth == DEEPEST:
+        return None
+    each = [_has_changes(one, depth + 1) for one in there]
+    return None if None in each else True in each
+
+
+def _compared(folder: FilePath, *words: str) -> str | None:
+    """The rows of `git status`, with the user's filters and none of the repository's own."""
+    listed = _told(folder, "config", "--list", "--show-scope", "--null", "--name-only")
+    if listed is None:  # git before 2.26 cannot tell whose a filter is
+        return None
+    fields = listed.split("\0")
+    without: list[str] = []
+    for scope, key in zip(fields[::2], fields[1::2], strict=False):
+        if scope not in OWN and key.startswith("filter."):
+            found = FILTER.fullmatch(key)
+            if found is None:
+                return None  # a name by which it cannot be switched off
+            for kind, value in (("clean", ""), ("process", ""), ("required", "false")):
+                without += ["-c", f"filter.{found[1]}.{kind}={value}"]
+    status = ("status", "--porcelain", "--ignore-submodules=dirty")
+    return _told(folder, *without, *status, *words)
+
+
+def _told(folder: FilePath, *words: str) -> str | None:
+    """Standard output; None where there is no git, no repository, or no answer in time."""
+    git = shutil.which("git")
+    if git is None or not FilePath(git).is_absolute():  # one that lies in the working folder
+        return None
+    theirs = {
+        name: value
+        for name, value in without_passwords().items()
+        if not name.startswith("GIT_") or name.startswith("GIT_CONFIG")
+    }
+    try:
+        done = subprocess.run(  # noqa: S603
+            [git, *OPTIONS, *words],
+            cwd=folder,
+            env={**theirs, **ALONE},
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            errors="surrogateescape",
+            timeout=TIMEOUT,
+        )
+    except (OSError, subprocess.TimeoutExpired):
+        return None
+    return done.stdout if done.returncode == 0 else None
