@@ -88,8 +88,14 @@ def _run(arguments: list[str] | None) -> None:
         _discard_output()  # the reader went away, as `head` does; its end is not our error
         sys.exit(0)
     except OSError as error:
-        print_findings([NOT_PRINTED(reason=error.strerror or error)])
-        _discard_output()
+        finding = NOT_PRINTED(reason=error.strerror or error)
+        try:
+            sys.stdout.flush()  # which fails where it was the output that was refused
+            print_refused([finding])
+            sys.stdout.flush()
+        except OSError:
+            print_findings([finding])
+            _discard_output()
         sys.exit(2)
     except Exception as error:
         if details_wanted():

@@ -26,6 +26,7 @@ from assistant.cli.presentation import (
     say,
 )
 from assistant.program.diagnostics import Refused, error
+from assistant.program.text import is_folder
 from assistant.program.visible import visible
 
 if TYPE_CHECKING:
@@ -127,7 +128,7 @@ def _programs(programs: Sequence[str], language: str | None, answers: Answers) -
 
     found: dict[str, None] = {}
     for program in programs:
-        if program == STANDARD or not Path(program).is_dir():
+        if program == STANDARD or not is_folder(program):
             found[program] = None
         else:
             with answers.of(program):

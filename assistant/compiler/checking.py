@@ -28,7 +28,7 @@ from assistant.program import pseudo
 from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors, info
 from assistant.program.failing import details_wanted, failure
 from assistant.program.program import Program
-from assistant.program.text import SourceText, read_bytes
+from assistant.program.text import SourceText, is_folder, read_bytes
 from assistant.sources.lengths import unit_stated
 
 if TYPE_CHECKING:
@@ -175,7 +175,7 @@ class _collecting:  # noqa: N801 (used as a `with` word)
 
 def _files(path: str, named: Language[Any] | None, checked: Checked) -> Iterator[str]:
     """The file itself, or what a folder holds; hidden folders are left aside."""
-    if not FilePath(path).is_dir() or FilePath(path).suffix.lower() in sources.READERS:
+    if not is_folder(path) or FilePath(path).suffix.lower() in sources.READERS:
         yield path
         return
     spoken = [named] if named else [languages.get(name) for name in languages.names()]

@@ -11,7 +11,7 @@ from assistant import languages
 from assistant.compiler.loading import files_in, language_of
 from assistant.languages import Language
 from assistant.program.diagnostics import Diagnostic, Refused, Unreadable, error, has_errors
-from assistant.program.text import SourceText, comments, encode, read_bytes
+from assistant.program.text import SourceText, comments, encode, is_folder, read_bytes
 from assistant.program.writing import write_all
 
 NOT_THE_SAME: Final = error(
@@ -147,7 +147,7 @@ def programs_in(path: str, language: str | None = None) -> Iterator[str]:
     Hidden folders are left aside, and files that do not look like a program. Raises Refused if
     there is none.
     """
-    if not FilePath(path).is_dir():
+    if not is_folder(path):
         yield path
         return
     spoken = [language_of(language)] if language else list(map(languages.get, languages.names()))

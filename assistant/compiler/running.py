@@ -22,7 +22,7 @@ from assistant.compiler.loading import (
 )
 from assistant.program import pseudo
 from assistant.program.diagnostics import Diagnostic, Refused, Severity, error, has_errors
-from assistant.program.text import SourceText, read_bytes
+from assistant.program.text import SourceText, is_folder, read_bytes
 from assistant.virtual.parts import Group, Part, Programs, groups
 
 if TYPE_CHECKING:
@@ -61,10 +61,10 @@ def programs(
     Raises Unreadable or Refused.
     """
     title = ", ".join(named)
-    folder = named[0] if FilePath(named[0]).is_dir() else None
+    folder = named[0] if is_folder(named[0]) else None
     if len(named) > 1:
         for name in named:
-            if FilePath(name).is_dir() or _is_source(name):
+            if is_folder(name) or _is_source(name):
                 raise Refused(ONE_SOURCE(path=name, name=name), exit_status=2)
     elif folder is None and _is_source(named[0], language):
         loaded = load(named[0], process=process, robot=robot, unit=unit)
@@ -119,7 +119,7 @@ def _is_source(name: str, language: str | None = None) -> bool:
     if suffix == pseudo.SUFFIX or suffix in sources.READERS:
         return True
     # What is no robot program is to be said as for any source that cannot be read.
-    return not FilePath(name).is_dir() and languages.of_file(name, read_bytes(name)) is None
+    return not is_folder(name) and languages.of_file(name, read_bytes(name)) is None
 
 
 def _one_language(files: Sequence[str], named: str | None) -> Language[Any]:

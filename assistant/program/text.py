@@ -160,6 +160,22 @@ def read_bytes(path: str | FilePath, *, allow_empty: bool = False, most: int = F
     return data
 
 
+def is_folder(path: str | FilePath) -> bool:
+    """Whether there is a folder of that name; False too for a name that nothing can have."""
+    try:
+        return FilePath(path).is_dir()
+    except (OSError, ValueError):
+        return False
+
+
+def is_file(path: str | FilePath) -> bool:
+    """Whether there is a file of that name; False too for a name that nothing can have."""
+    try:
+        return FilePath(path).is_file()
+    except (OSError, ValueError):
+        return False
+
+
 def folders_of(folder: str | FilePath) -> Iterator[tuple[str, list[str], list[str]]]:
     """As `os.walk`, but a folder that may not be read is told of, not left out.
 

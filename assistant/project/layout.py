@@ -17,6 +17,7 @@ from assistant.controllers.controller import LANGUAGES
 from assistant.controllers.named import ROBOT_FILES, SECRET
 from assistant.languages.language import Frames
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
+from assistant.program.text import is_file, is_folder
 from assistant.project import rules
 from assistant.project.links import check_no_links
 from assistant.project.tables import DEPLOYING, FILES, NAME, PROGRAM, ROBOTS, TARGET, readers
@@ -217,7 +218,7 @@ class _Reader:
         file = inside(self.folder, text)
         if file is None:
             table.say(rules.OUTSIDE, key, file=shown(text))
-        elif not file.is_file():
+        elif not is_file(file):
             cure = self._near_file(file)
             table.say(rules.NO_FILE, key, file=shown(text), cure=cure)
         else:
@@ -226,7 +227,7 @@ class _Reader:
 
     def _near_file(self, file: FilePath) -> str:
         """What to write instead of a file that is not there."""
-        beside = file.parent if file.parent.is_dir() else self.folder
+        beside = file.parent if is_folder(file.parent) else self.folder
         names = sorted(one.name for one in beside.iterdir() if one.is_file())
         near = nearest(file.name, names)
         if near is None:
@@ -280,7 +281,7 @@ class _Reader:
         for key, file in files.items():
             if file and inside(self.folder, os.path.relpath(file, self.folder)) is None:
                 self.top.page.say(rules.OUTSIDE, (*at, key), file=shown(file))
-            elif file and not FilePath(file).is_file():
+            elif file and not is_file(file):
                 cure = self._near_file(FilePath(file))
                 self.top.page.say(rules.NO_FILE, (*at, key), file=shown(file), cure=cure)
         if of_robot and not files["robot"] and of_robot not in robots.names():

@@ -11,6 +11,7 @@ from typing import Final, cast
 
 from assistant.program.budgets import TABLE, unpacked, within
 from assistant.program.diagnostics import Unreadable, error
+from assistant.program.text import is_file
 from assistant.sources.lengths import known_unit, unit_stated
 from assistant.sources.process import NO_PROCESS, Process
 from assistant.sources.reading import Reader, Reading
@@ -76,13 +77,15 @@ def _stage(source: FilePath) -> AbstractContextManager[None]:
 
 def _size(source: FilePath) -> int:
     """Bytes of a file, of an archive what it unpacks to; 0 of what cannot be read anyway."""
-    if not source.is_file():
+    if not is_file(source):
         return 0
     size = source.stat().st_size
     if source.suffix.lower() == ".npz":
         import zipfile
 
-        with contextlib.suppress(zipfile.BadZipFile, OSError), zipfile.ZipFile(source) as archive:
+        from assistant.sources.tables.arrays import BROKEN_ZIP
+
+        with contextlib.suppress(*BROKEN_ZIP), zipfile.ZipFile(source) as archive:
             size = max(size, min(unpacked(), sum(one.file_size for one in archive.infolist())))
     return size
 
@@ -90,7 +93,7 @@ def _size(source: FilePath) -> int:
 def process_of(source: FilePath, process: str | FilePath | None = None) -> Process:
     """The process file of a source, or none; raises Unreadable or Refused."""
     beside = source.with_suffix(PROCESS_SUFFIX)
-    chosen = FilePath(process) if process else beside if beside.is_file() else None
+    chosen = FilePath(process) if process else beside if is_file(beside) else None
     if chosen is None:
         return NO_PROCESS
     from assistant.sources.process.file import read_process

@@ -45,7 +45,7 @@ NOT_AN_ARRAY = error(
     "TB408", "the archive holds {name}, which is no array", "write it with `numpy.savez`"
 )
 
-_BROKEN_ZIP: Final = (
+BROKEN_ZIP: Final = (
     zipfile.BadZipFile,
     zlib.error,
     lzma.LZMAError,
@@ -111,7 +111,7 @@ def _members(data: bytes, path: str) -> list[tuple[str, bytes]]:
             if size <= most:
                 return [(member.filename, archive.read(member)) for member in archive.infolist()]
             too_large = TOO_LARGE(path=path, size=size / 1e6, most=most / 1e6)
-    except _BROKEN_ZIP as error:
+    except BROKEN_ZIP as error:
         raise Unreadable(NOT_NPZ(path=path, reason=_reason(error))) from None
     raise Unreadable(too_large)
 

@@ -1,0 +1,60 @@
+"""Whatever a command fails at, it answers in the form that it was asked for."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from enum import Enum
+from pathlib import Path
+from typing import Any
+
+import pytest
+import typer.main
+
+from assistant.cli import main
+from assistant.cli.app import app
+
+LONG = "a" * 300
+"""Longer than a name of a file may be on any system."""
+
+
+def commands(group: Any, *names: str) -> Iterator[tuple[tuple[str, ...], Any]]:
+    for name, command in group.commands.items():
+        if hasattr(command, "commands"):
+            yield from commands(command, *names, name)
+        else:
+            yield (*names, name), command
+
+
+def forms() -> Iterator[tuple[tuple[str, ...], str]]:
+    """Every command with `--format`, and each form that programs read."""
+    for names, command in commands(typer.main.get_command(app)):
+        for option in command.params:
+            if option.name == "format":
+                for form in {"json", "sarif"} & set(option.type_descriptor.annotation):
+                    yield (*names, *arguments(command, form)), form
+
+
+def arguments(command: Any, form: str) -> Iterator[str]:
+    yield f"--format={form}"
+    for one in command.params:
+        if one.required or one.param_type_name == "argument":
+            if one.param_type_name == "option":
+                yield one.opts[0]
+            kind = one.type_descriptor.annotation
+            is_choice = isinstance(kind, type) and issubclass(kind, Enum)
+            yield next(iter(kind)) if is_choice else "1" if kind in (int, float) else LONG
+
+
+@pytest.mark.parametrize(("words", "form"), sorted(forms()), ids=lambda one: "".join(one)[:40])
+def test_a_name_that_no_file_can_have(
+    words: tuple[str, ...], form: str, capfd: Any, tmp_path: Path, monkeypatch: Any
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit) as end:
+        main(list(words))
+    answer = json.loads(capfd.readouterr().out)
+    assert end.value.code in (0, 1, 2)
+    if end.value.code and isinstance(answer, dict):
+        assert answer.get("findings") or answer["runs"][0]["results"]
+    assert not list(tmp_path.iterdir())
