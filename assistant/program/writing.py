@@ -39,7 +39,8 @@ BAD_NAME: Final = error("CO202", "`{name}` is no plain file name", "rename the p
 NOT_PUT_BACK: Final = error(
     "CO205",
     "{names} could not be put back as they were: {reason}",
-    "what they were is in `{holding}`; it is put back by the next command that can write there",
+    "what they were is in `{holding}` until the next command that can write there has all of them "
+    "old, or all new",
 )
 
 
@@ -53,6 +54,12 @@ class Stuck(OSError):
     def __init__(self, wrong: OSError, names: Iterable[str], holding: FilePath) -> None:
         super().__init__(wrong.errno, wrong.strerror or str(wrong), str(holding))
         self.names, self.holding = tuple(names), holding
+
+    def told(self) -> Refused:
+        names = ", ".join(f"`{name}`" for name in self.names)
+        place, reason = str(self.holding.parent), self.strerror
+        finding = NOT_PUT_BACK(path=place, names=names, reason=reason, holding=self.holding)
+        return Refused(finding, exit_status=2)
 
 
 def write_files(files: Mapping[str, bytes], folder: str | FilePath) -> tuple[FilePath, ...]:
@@ -78,11 +85,6 @@ def write_all(files: Mapping[FilePath, bytes]) -> tuple[FilePath, ...]:
     """
     try:
         put(files)
-    except Stuck as wrong:
-        names = ", ".join(f"`{name}`" for name in wrong.names)
-        place, reason = str(wrong.holding.parent), wrong.strerror
-        finding = NOT_PUT_BACK(path=place, names=names, reason=reason, holding=wrong.holding)
-        raise Refused(finding, exit_status=2) from None
     except OSError as wrong:
         first = next(iter(files))
         name = _as_given(wrong, files) or first.parent
@@ -95,7 +97,8 @@ def write_all(files: Mapping[FilePath, bytes]) -> tuple[FilePath, ...]:
 def put(files: Mapping[FilePath, bytes]) -> None:
     """The same for who says in words of his own what went wrong; raises OSError.
 
-    A link stays one, and what it leads to is written.
+    A link stays one, and what it leads to is written. Raises Refused where files are not as they
+    were: no words of others are right then.
     """
     made: list[FilePath] = []
     sets: list[_Set] = []
@@ -113,9 +116,11 @@ def put(files: Mapping[FilePath, bytes]) -> None:
                 one.keep_old()
             with held():
                 _take_their_places(sets)
-    except BaseException:
+    except BaseException as wrong:
         with held():
             _give_up(sets, made)
+        if isinstance(wrong, Stuck):
+            raise wrong.told() from None
         raise
     with held():
         for one in sets:

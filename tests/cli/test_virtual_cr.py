@@ -1,5 +1,6 @@
 """`virtual cr`: its lines and faults, as a user starts it."""
 
+import os
 import re
 import signal
 import subprocess
@@ -41,6 +42,18 @@ def served(tmp_path):
         process.send_signal(signal.SIGINT)
         assert process.wait(10) == 0
         process.stdout.close()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="it has no such signals")
+def test_sigterm_ends_it_in_order(tmp_path):
+    command = [sys.executable, "-m", "assistant", "virtual", "cr", "--port", "0"]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    with subprocess.Popen(command, cwd=tmp_path, **pipes) as process:
+        assert "listening" in process.stdout.readline()
+        process.send_signal(signal.SIGTERM)
+        out, said = process.communicate(timeout=30)
+    assert (process.returncode, said) == (143, "ended by SIGTERM\n")
+    assert out.endswith("ended\n")
 
 
 def test_all_its_lines_are_told(served, tmp_path):

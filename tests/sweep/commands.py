@@ -70,7 +70,7 @@ LISTINGS: Final = {f"{STORE}/{name.upper()}.prg": LISTING for name in NAMES}
 BUILD: Final = ("build", "--jobs", "1")
 TEACH: Final = ("teach", "cell1", "--now", "--into", "points.toml")
 GET: Final = ("get", "cell1", "ONE", "TWO", "THREE", "-o", "out", "--replace")
-SIMULATED: Final = ("out/one.csv", "out/one.npz", "out/one.svg")
+SIMULATED: Final = ("out/one.csv", "out/one.npz", "out/one.moves.csv")
 
 COMMANDS: Final[Mapping[str, Command]] = {
     "compile": Command(("compile", *TABLES, "--language", "rapid", "-o", "out"), TABLES),
@@ -108,5 +108,4 @@ COMMANDS: Final[Mapping[str, Command]] = {
     "backup": Command(
         ("backup", "cell1", "kept"), {"assistant.toml": CELL, **LISTINGS}, over=False, again=False
     ),
-    "robots": Command(("robots", "show", "rv-2aj", "--draw", "arm.svg"), {}),
 }
