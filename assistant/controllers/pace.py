@@ -17,7 +17,7 @@ LARGEST: Final = 1 << 30
 
 
 class Pace:
-    """A context manager around a transfer, whose every error is a TimeoutError once it was cut.
+    """A context manager around a transfer, which ends with a TimeoutError once the line was cut.
 
     seconds: of the time-out. cut: ends the line, so that whoever waits for it meets an error.
     """
@@ -27,6 +27,7 @@ class Pace:
         self._count = 0
         self._done = threading.Event()
         self._over = threading.Event()
+        self._deciding = threading.Lock()
         self._thread = threading.Thread(target=self._watch, name="pace", daemon=True)
 
     def __enter__(self) -> Self:
@@ -34,8 +35,10 @@ class Pace:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: object, traceback: object) -> None:
-        self._done.set()
-        if kind is not None and issubclass(kind, Exception) and self._over.is_set():
+        with self._deciding:
+            self._done.set()
+        # Also where the last byte came just before the cut: the line is of no use any more.
+        if (kind is None or issubclass(kind, Exception)) and self._over.is_set():
             raise TimeoutError from None
 
     def moved(self, count: int) -> None:
@@ -50,7 +53,10 @@ class Pace:
         while not self._done.wait(self._seconds):
             count = self._count
             if count - seen < LEAST:
-                self._over.set()
+                with self._deciding:
+                    if self._done.is_set():
+                        return
+                    self._over.set()
                 self._cut()
                 return
             seen = count

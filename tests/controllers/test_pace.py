@@ -1,0 +1,28 @@
+"""A bound for transfers by their progress."""
+
+import threading
+
+import pytest
+
+from assistant.controllers.pace import LEAST, Pace
+
+
+def test_what_came_just_before_the_line_was_cut_counts_as_lost():
+    cut = threading.Event()
+    with pytest.raises(TimeoutError), Pace(0.01, cut.set):
+        assert cut.wait(30)
+
+
+def test_a_line_is_not_cut_behind_its_transfer():
+    cut = threading.Event()
+    pace = Pace(0.01, cut.set)
+    with pace:
+        pace.moved(LEAST)
+    assert not cut.wait(0.05)
+
+
+def test_what_raises_in_a_line_that_was_cut_was_too_slow():
+    cut = threading.Event()
+    with pytest.raises(TimeoutError), Pace(0.01, cut.set):
+        assert cut.wait(30)
+        raise ConnectionError
