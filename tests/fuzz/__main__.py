@@ -21,6 +21,9 @@ from tests.fuzz.worker import CURRENT, ENGINES
 PATIENCE = 120.0
 """Seconds that a process may live on after its time, until it counts as hanging."""
 
+MOST_DEATHS = 20
+"""Processes that may end in the middle of an input, in one run of a target."""
+
 
 class Died(Exception):
     """A process that ended, or had to be ended, in the middle of an input."""
@@ -67,7 +70,7 @@ def run(target: Target, seconds: float, inputs: int, place: Path, engine: str) -
     """Runs a target until its time or its inputs are used up, again where its process died."""
     state, before = state_of(target, place), state_of(target, place).counts().inputs
     end = time.monotonic() + seconds
-    while True:
+    for _ in range(MOST_DEATHS):
         left = inputs - (state.counts().inputs - before)
         seconds = end - time.monotonic()
         if left <= 0 or seconds <= 0:

@@ -13,7 +13,7 @@ import os
 import signal
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from random import Random
 from types import CodeType, FrameType
@@ -66,6 +66,12 @@ class Run:
             file.truncate(ROOM)
             self._current = mmap.mmap(file.fileno(), ROOM)
         signal.signal(signal.SIGVTALRM, _too_slow)
+
+    def warm(self, inputs: Iterable[bytes]) -> None:
+        """Runs sound inputs, at any length: modules that are needed are imported by that."""
+        for data in inputs:
+            with contextlib.suppress(Exception):  # it is run again, and counted then
+                self.target.run(data)
 
     def __call__(self, data: bytes) -> None:
         """Runs one input; what fails is written. Ends the process when its time is up."""
@@ -120,6 +126,7 @@ def by_atheris(given: argparse.Namespace) -> None:
         seeds = run.state.folder / "seeds"
         seeds.mkdir(exist_ok=True)
         sound = [*run.target.seeds(), *(case.read_bytes() for case in run.target.cases())]
+        run.warm(sound)
         for number, data in enumerate(sound):
             (seeds / str(number)).write_bytes(data)
         from tests.fuzz.mutating import changed, stock
@@ -135,7 +142,6 @@ def by_atheris(given: argparse.Namespace) -> None:
         options = [
             f"-max_len={run.target.most}",
             f"-seed={given.seed}",
-            "-timeout=0",
             "-verbosity=0",
         ]
         options += ["-rss_limit_mb=0", "-handle_segv=0", "-handle_abrt=0", "-handle_int=0"]
@@ -152,6 +158,7 @@ def by_changes(given: argparse.Namespace) -> None:
     run = Run(given)
     news = new_lines()
     inputs = [*run.target.seeds(), *(case.read_bytes() for case in run.target.cases())]
+    run.warm(inputs)
     known = run.state.inputs()
     for data in (*inputs, *known):
         run(data)
