@@ -162,7 +162,8 @@ def _follow(machine: Machine, guidance: Guidance, egm: Prepared) -> None:
     before, task = machine.arm.flange, machine.task
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as own:
         own.setblocking(False)
-        own.bind(("", 0))
+        with suppress(OSError):  # a host that cannot be reached now
+            own.connect(egm.target)  # nobody else is heard
         last = task.kernel.now
         try:
             while guidance.ended is None:
@@ -170,7 +171,7 @@ def _follow(machine: Machine, guidance: Guidance, egm: Prepared) -> None:
                 now = task.kernel.now
                 packet, last = guidance.step(max(now - last, 0.0) or egm.cycle), now
                 with suppress(OSError):  # nobody listens yet
-                    own.sendto(packet, egm.target)
+                    own.send(packet)
                 if guidance.kind == "joints":
                     task.kernel.motion.lead(task.kernel, guidance.values)
                 task.wait(None, egm.cycle, "packets of EGM", outside=True)

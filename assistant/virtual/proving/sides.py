@@ -91,9 +91,17 @@ class _Kind:
 
 
 def _begin_rapid(side: Side, kernel: Kernel) -> None:
+    from assistant.virtual.rapid.controller import Controller, Options
     from assistant.virtual.rapid.running import start_task
 
-    start_task(kernel, tuple(side.trees), robot=side.robot, entry=side.entry, start=side.start)
+    start_task(
+        kernel,
+        tuple(side.trees),
+        robot=side.robot,
+        entry=side.entry,
+        start=side.start,
+        controller=Controller(Options(sockets=False)),  # to prove a program is not to trust it
+    )
 
 
 def _begin_melfa(side: Side, kernel: Kernel) -> None:

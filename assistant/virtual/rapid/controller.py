@@ -30,7 +30,7 @@ class Options:
     goes to that of its caller, as the kernel manual says; else it stops the program at once, as
     the overview does. began: when the simulated clock is at 0, as CDate and CTime tell it.
     addresses: real hosts by the address that programs state; others than this computer are not
-    reached without it.
+    reached without it. sockets: whether programs may reach anything outside of the run at all.
     """
 
     retries: int = RETRIES
@@ -38,6 +38,7 @@ class Options:
     propagates: bool = True
     began: datetime = BEGAN
     addresses: Mapping[str, str] = field(default_factory=dict)
+    sockets: bool = True
 
 
 @dataclass(slots=True, eq=False)

@@ -1,6 +1,8 @@
 """EGM out of RAPID programs, run by the interpreter, with the client at the other end."""
 
+import re
 import socket
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
@@ -134,3 +136,22 @@ def test_without_a_pc_the_program_hears_of_the_time_out():
         deaf.bind(("127.0.0.1", 0))
         run = ran(text, deaf.getsockname()[1])
     assert run.ended == "error" and "41822" in run.message
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems do not tell the sender")
+def test_only_the_device_is_heard():
+    """A stranger that finds the port of the controller is told that nobody listens there."""
+    port = free_port()
+    text = re.sub(r"\\CommTimeout:=[\d.]+", r"\\CommTimeout:=0.1", GUIDED)
+    with ThreadPoolExecutor() as pool, socket.socket(type=socket.SOCK_DGRAM) as device:
+        device.bind(("127.0.0.1", port))
+        device.settimeout(20)
+        run = pool.submit(ran, text, port)
+        _, controller = device.recvfrom(2048)
+        with socket.socket(type=socket.SOCK_DGRAM) as stranger:
+            stranger.settimeout(5)
+            stranger.connect(controller)
+            stranger.send(b"move")
+            with pytest.raises(ConnectionRefusedError):
+                stranger.recv(2048)
+        assert any(isinstance(event, Said) for event in run.result().events)

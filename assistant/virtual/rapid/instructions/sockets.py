@@ -49,7 +49,10 @@ def _where(given: Given) -> tuple[str, int]:
     port = whole(given.number(2), "a port")
     if port not in PORTS:
         raise Fault(f"the port {port}", "ERR_SOCK_ADDR_INVALID")
-    return host_of(given.text(1), given.machine.controller.options.addresses), port
+    options = given.machine.controller.options
+    if not options.sockets:
+        raise NotSimulated("a socket where programs are compared, which reach nothing outside")
+    return host_of(given.text(1), options.addresses), port
 
 
 def _create(given: Given) -> None:
