@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
@@ -32,6 +33,7 @@ from assistant.program.expressions import Verbatim
 from assistant.program.passes.watching import passed
 from assistant.program.program import Origin, Program
 from assistant.program.rewriting import head, records
+from assistant.program.statements import Opaque
 
 if TYPE_CHECKING:
     from assistant.languages import Language
@@ -50,6 +52,12 @@ KEPT_TEXT = error(
     "CO104",
     "`{text}` keeps its text, but would be read back as something else where it is written",
     "say it in statements with plain conditions and numbers",
+)
+KEPT_BESIDE = error(
+    "CO107",
+    "`{text}` keeps its text, and the settings of the moves around it, which would be written"
+    " as well, change what it does",
+    "say it in plain statements, or take the moves around it out of the program",
 )
 UNIT_ALONE = error(
     "CO008",
@@ -209,7 +217,7 @@ def compile_program(
         }
     proof = prove(target, program, files, arm)
     own = () if proof.holds else _own_faults(program.origin)
-    findings += own or _explained(proof.findings, program)
+    findings += own or dict.fromkeys(_explained(proof, program))
     kept = files if proof.holds else {}
     return replace(compiled, proof=proof, files=kept, found=tuple(findings))
 
@@ -258,8 +266,12 @@ def _own_faults(written: Origin | None) -> tuple[Diagnostic, ...]:
     return tuple(f for f in found if f.severity is Severity.ERROR)
 
 
-def _explained(found: Sequence[Diagnostic], program: Program) -> Iterator[Diagnostic]:
-    """What is not read back as it was written, with the text that is kept there as the cause."""
+def _explained(proof: Proof, program: Program) -> Iterator[Diagnostic]:
+    """What is not read back as it was written, with the text that is kept there as the cause.
+
+    Settings that are read back as texts of their own were written for moves, but hold for kept
+    ones as well.
+    """
     kept = {
         node.span: part.text
         for node in program.statements()
@@ -267,7 +279,27 @@ def _explained(found: Sequence[Diagnostic], program: Program) -> Iterator[Diagno
         for part in records(head(node))
         if isinstance(part, Verbatim)
     }
-    for finding in found:
+    moving = _kept_moves(program)
+    beside = proof.lifted is not None and bool(_kept_texts(proof.lifted) - _kept_texts(program))
+    for finding in proof.findings:
         same = finding.code == SAYS_OTHERWISE.code and finding.line is None
         text = kept.get(finding.span) if same and finding.span else None
-        yield finding if text is None else KEPT_TEXT(text=text, span=finding.span)
+        if text is not None:
+            yield KEPT_TEXT(text=text, span=finding.span)
+        elif same and beside and moving is not None:
+            yield KEPT_BESIDE(text=moving.text, span=moving.span)
+        else:
+            yield finding
+
+
+def _kept_moves(program: Program) -> Opaque | None:
+    """The first statement that keeps its text and may move the robot."""
+    for node in program.statements():
+        if isinstance(node, Opaque) and (node.effect is None or node.effect.moves):
+            return node
+    return None
+
+
+def _kept_texts(program: Program) -> Counter[str]:
+    """Texts of statements, and how often each is there."""
+    return Counter(node.text for node in program.statements() if isinstance(node, Opaque))

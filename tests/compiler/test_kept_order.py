@@ -8,6 +8,7 @@ import pytest
 
 from assistant import compile, languages
 from assistant.compiler.loading import parse_pseudo
+from assistant.program.diagnostics import Severity
 from assistant.program.text import SourceText
 
 RAPID = languages.get("rapid")
@@ -40,3 +41,14 @@ def test_bits_of_a_signal_and_of_a_number_are_read_back_as_bits(
     assert {f.code for f in made.findings if f.code in ("CO102", "MB209")} == (
         set() if said else {"MB209"}
     )
+
+
+def test_a_kept_move_is_named_whose_settings_would_be_written_for_others() -> None:
+    language = languages.get("melfa-basic-4")
+    kept = "MVS SETFL2(P_CURR,M1,M2)"
+    text = f"10 MVS ,-50\n20 WHILE M_IN(3)=1\n30 {kept}\n40 WEND\n50 END\n"
+    program = replace(language.lift(language.parse(text)), origin=None)
+    made = compile(program, language="melfa-basic-4")
+    (told,) = [f for f in made.findings if f.severity is Severity.ERROR]
+    assert (told.code, made.files) == ("CO107", {})
+    assert kept in told.message
