@@ -12,6 +12,7 @@ from assistant.cli.cells import Cell, reached
 from assistant.cli.compiling import working
 from assistant.cli.confirming import confirmed
 from assistant.cli.presentation import Format, note, print_json, say
+from assistant.program.bounded import read_file
 from assistant.program.diagnostics import Refused, error
 
 if TYPE_CHECKING:
@@ -64,7 +65,7 @@ def run_get(
     files = {_file_name(name) if into.is_dir() else into.name: d for name, d in found.items()}
     for name, data in files.items():
         path = folder / name
-        if not replace and path.exists() and (path.is_dir() or path.read_bytes() != data):
+        if not replace and path.exists() and (path.is_dir() or read_file(path) != data):
             raise Refused(FILE_THERE(path=str(path), name=path))
     written = write_files(files, folder)
     if format is Format.JSON:

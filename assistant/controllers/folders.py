@@ -17,6 +17,7 @@ from typing import Final
 
 from assistant.controllers import rules
 from assistant.program import durably, writing
+from assistant.program.bounded import read_file
 from assistant.program.diagnostics import Refused
 
 INDEX: Final = "backup.json"
@@ -65,7 +66,7 @@ def contents(folder: str | FilePath, kind: str) -> Mapping[str, bytes]:
     try:
         if not (place / INDEX).is_file():  # a pipe would never end
             raise _refused(place, f"`{INDEX}` is no file there")
-        index = json.loads((place / INDEX).read_bytes())
+        index = json.loads(read_file(place / INDEX))
     except (OSError, ValueError) as error:
         raise _refused(place, f"`{INDEX}` cannot be read ({_reason(error)})") from None
     if not isinstance(index, dict) or index.get("format") != FORMAT:
@@ -85,7 +86,7 @@ def _checked(place: FilePath, name: str, digest: object) -> bytes:
     try:
         if not (place / name).is_file():
             raise _refused(place, f"`{name}` is no file there")
-        data = (place / name).read_bytes()
+        data = read_file(place / name)
     except OSError as error:
         raise _refused(place, f"`{name}` cannot be read ({_reason(error)})") from None
     if _digest(data) != digest:
@@ -94,7 +95,7 @@ def _checked(place: FilePath, name: str, digest: object) -> bytes:
 
 
 def _seal(folder: FilePath, kind: str) -> None:
-    hashes = {name: _digest((folder / name).read_bytes()) for name in files(folder)}
+    hashes = {name: _digest(read_file(folder / name)) for name in files(folder)}
     index = {"format": FORMAT, "kind": kind, "files": hashes}
     put(folder, INDEX, (json.dumps(index, indent=2) + "\n").encode())
 

@@ -30,6 +30,7 @@ from assistant.deploy.journal import (
 from assistant.deploy.record import LONGEST, read_record
 from assistant.deploy.site import UNDER_WAY
 from assistant.program import durably
+from assistant.program.bounded import read_file
 
 MOST_BYTES: Final = 256 * 2**20
 """Of an archive, packed and unpacked."""
@@ -46,7 +47,7 @@ def packed(journal: Journal) -> bytes:
         for file in sorted(journal.folder.rglob("*")):
             if file.is_file() and file.name != STEPS:
                 name = file.relative_to(journal.folder).as_posix()
-                archive.writestr(zipfile.ZipInfo(name), file.read_bytes(), zipfile.ZIP_DEFLATED)
+                archive.writestr(zipfile.ZipInfo(name), read_file(file), zipfile.ZIP_DEFLATED)
     return data.getvalue()
 
 

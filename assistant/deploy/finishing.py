@@ -37,6 +37,7 @@ from assistant.deploy.record import new_record, read_record
 from assistant.deploy.remembering import last_record
 from assistant.deploy.resting import check_at_rest, pointers_lost, tasks
 from assistant.deploy.site import UNDER_WAY, Site
+from assistant.program.bounded import read_file
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.ending import told_to_end
 
@@ -179,7 +180,7 @@ def _named(place: FilePath, name: str) -> Iterator[FilePath]:
     for folder in reversed(folders(place)):
         try:
             with failing(folder):
-                record = read_record((folder / RECORD).read_bytes(), str(folder))
+                record = read_record(read_file(folder / RECORD), str(folder))
         except Refused:
             continue
         if record.name == name:

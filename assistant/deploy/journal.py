@@ -36,6 +36,7 @@ from assistant.deploy.held import Held
 from assistant.deploy.record import NAME, Record, read_record
 from assistant.deploy.site import of_deployments
 from assistant.program import durably
+from assistant.program.bounded import read_file, read_text
 from assistant.program.diagnostics import Refused, has_errors
 
 HISTORY: Final = FilePath(".robot-assistant") / "deployments"
@@ -174,13 +175,13 @@ def appeared(place: FilePath, fill: Callable[[FilePath], None]) -> FilePath:
 def read_journal(folder: FilePath) -> Journal:
     """A deployment of a history; raises Refused if it is damaged."""
     with failing(folder):
-        record = read_record((folder / RECORD).read_bytes(), str(folder / RECORD))
-        rows = json.loads((folder / PROGRAMS).read_bytes())
+        record = read_record(read_file(folder / RECORD), str(folder / RECORD))
+        rows = json.loads(read_file(folder / PROGRAMS))
         entries = tuple(_entry(folder, row) for row in rows)
         if len({entry.name.lower() for entry in entries}) < len(entries):
             raise ValueError("a program is there twice")
         kept = folder / EARLIER
-        return Journal(folder, record, entries, kept.read_bytes() if kept.exists() else None)
+        return Journal(folder, record, entries, read_file(kept) if kept.exists() else None)
 
 
 def folders(place: FilePath) -> list[FilePath]:
@@ -208,7 +209,7 @@ def steps_of(folder: FilePath) -> list[tuple[Step, str]]:
     found: list[tuple[Step, str]] = []
     with failing(folder):
         try:
-            text = (folder / STEPS).read_text("utf-8", errors="replace")
+            text = read_text(folder / STEPS, "utf-8", "replace")
         except FileNotFoundError:
             return found
     for line in text.splitlines():
@@ -270,7 +271,7 @@ def _held(
             return None
         if KEPT.fullmatch(name) is None:
             raise ValueError(f"`{name}` is no file of it")
-        found = (folder / name).read_bytes()
+        found = read_file(folder / name)
         if hashlib.sha256(found).hexdigest() != digests[name]:
             raise ValueError(f"`{name}` is not as it was written")
         return found

@@ -20,6 +20,7 @@ from assistant.deploy.journal import (
 )
 from assistant.deploy.record import Record, read_record
 from assistant.deploy.site import RECORD, UNDER_WAY, Site
+from assistant.program.bounded import read_file
 from assistant.program.diagnostics import Diagnostic, Refused
 
 
@@ -42,7 +43,7 @@ def last_record(
     for folder in reversed(folders(place_of(site.address, history))):
         if last_step(folder) is Step.DONE:
             with failing(folder):
-                return read_record((folder / KEPT).read_bytes(), str(folder / KEPT)), ()
+                return read_record(read_file(folder / KEPT), str(folder / KEPT)), ()
     return None, ()
 
 

@@ -45,7 +45,7 @@ def read_file(path: str | FilePath, most: int = FILE) -> bytes:
     most: bytes, times the factor of all budgets. Looked at before and while it is read: a file
     may grow, and those of `/proc` say that they are empty.
     """
-    _regular(FilePath(path).stat(), path)
+    check_regular(path)
     number = os.open(path, _FLAGS)
     with os.fdopen(number, "rb", buffering=0) as file:
         found = os.fstat(file.fileno())
@@ -54,6 +54,17 @@ def read_file(path: str | FilePath, most: int = FILE) -> bytes:
         if found.st_size > limit:
             raise too_large(limit, path)
         return _all_of(file, limit, path, found.st_size + 1)
+
+
+def check_regular(path: str | FilePath) -> None:
+    """Raises NoFile for a pipe, a device or a socket, and OSError for a folder or nothing."""
+    _regular(FilePath(path).stat(), path)
+
+
+def read_text(path: str | FilePath, encoding: str = "utf-8", errors: str = "strict") -> str:
+    """The text of a regular file, with a line feed for each end of a line; raises as above."""
+    text = read_file(path).decode(encoding, errors)
+    return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
 def read_stream(stream: BinaryIO, most: int = FILE, name: str = "") -> bytes:

@@ -95,6 +95,7 @@ READING: Final = Stage("reading", "bytes", 10, 300, 512, 5000)
 CHECKING: Final = Stage("checking", "bytes", 10, 300, 512, 5000)
 LIFTING: Final = Stage("lifting", "bytes", 10, 300, 512, 5000)
 LAYING_OUT: Final = Stage("laying out", "bytes", 10, 300, 512, 5000)
+STORED: Final = Stage("reading what a client stored", "bytes", 2, 100, 256, 2000)
 TABLE: Final = Stage("reading the table", "bytes", 10, 300, 512, 5000)
 DRAWING: Final = Stage("reading the drawing", "bytes", 10, 300, 512, 5000)
 INSERTING: Final = Stage("inserting blocks", "entities", 10, 600, 512, 20000)
@@ -108,7 +109,7 @@ PRINTING: Final = Stage("printing", "points", 10, 600, 512, 20000)
 COMPARING: Final = Stage("comparing", "points", 10, 600, 512, 20000)
 
 STAGES: Final = (
-    *(READING, CHECKING, LIFTING, LAYING_OUT),
+    *(READING, CHECKING, LIFTING, LAYING_OUT, STORED),
     *(TABLE, DRAWING, INSERTING, CONTOURS, MEANING),
     *(SOLVING, TIMING, ADAPTING, BUILDING, PRINTING, COMPARING),
 )

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path as FilePath
 
+from assistant.program.bounded import read_file
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.writing import write_files
 from assistant.project import kept, rules
@@ -215,5 +216,5 @@ def _remove(folder: FilePath, files: Mapping[str, str]) -> None:
     """Files of an earlier build by their digests; not if somebody has put others there since."""
     for name, digest in files.items():
         with contextlib.suppress(OSError):
-            if digest_of((folder / name).read_bytes()) == digest:
+            if digest_of(read_file(folder / name)) == digest:
                 (folder / name).unlink()

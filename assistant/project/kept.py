@@ -13,6 +13,7 @@ from pathlib import Path as FilePath
 from typing import Any, Final
 
 from assistant import __version__
+from assistant.program.bounded import read_file
 from assistant.program.writing import write_files
 from assistant.project.inputs import Digests, digest_of, same
 from assistant.project.layout import BUILT, KEPT, Project
@@ -76,7 +77,7 @@ def why_stale(project: Project, target: str, order: Order, entry: Entry | None) 
     folder = project.folder / BUILT / target
     for name, digest in entry.files.items():
         try:
-            if digest_of((folder / name).read_bytes()) != digest:
+            if digest_of(read_file(folder / name)) != digest:
                 return f"`{BUILT}/{target}/{name}` was changed by somebody"
         except OSError:
             return f"`{BUILT}/{target}/{name}` is not there"
@@ -86,7 +87,7 @@ def why_stale(project: Project, target: str, order: Order, entry: Entry | None) 
 def read_entries(project: Project) -> Entries:
     """Those of the last build; none if the file is missing or damaged: all is built again then."""
     try:
-        content = json.loads((project.kept / FILE).read_bytes())
+        content = json.loads(read_file(project.kept / FILE))
         if content["format"] != FORMAT:
             return {}
         entries = {_key(key): _entry(row) for key, row in content["built"].items()}

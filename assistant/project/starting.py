@@ -8,6 +8,7 @@ from pathlib import Path as FilePath
 from typing import Final
 
 from assistant import __version__
+from assistant.program.bounded import read_file
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.writing import write_all
 from assistant.project import rules
@@ -83,7 +84,7 @@ def _check_folders(folder: FilePath, file: FilePath) -> None:
 
 def _differs(file: FilePath, data: bytes) -> bool:
     try:
-        return file.read_bytes().replace(b"\r\n", b"\n") != data
+        return read_file(file).replace(b"\r\n", b"\n") != data
     except OSError:
         return True
 

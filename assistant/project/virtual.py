@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Final
 
 from assistant import robots
 from assistant.controllers import Credentials, Named, Programs, connect
+from assistant.program.bounded import read_file
 from assistant.program.diagnostics import Refused
 from assistant.program.durably import write_whole
 from assistant.project import rules
@@ -145,7 +146,7 @@ def _remember(memory: Memory, file: FilePath) -> None:
     from assistant.virtual.irc5.programs import NotPossible, read_module
 
     with suppress(OSError, ValueError, KeyError, TypeError, NotPossible):
-        rows = json.loads(file.read_bytes())
+        rows = json.loads(read_file(file))
         texts = [(str(row["file"]), str(row["text"]).encode(ENCODING)) for row in rows]
         memory.restore([one for name, text in texts for one in read_module(name, text)])
     memory.keep = lambda changed: _keep(changed, file)

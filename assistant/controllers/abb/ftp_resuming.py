@@ -18,6 +18,7 @@ from assistant.controllers import rules
 from assistant.controllers.abb.files import TEMPORARY, first_difference
 from assistant.controllers.abb.ftp_session import FtpSession
 from assistant.program import durably
+from assistant.program.bounded import read_text
 from assistant.program.diagnostics import Refused
 
 Progress = Callable[[int, int | None], None]
@@ -153,7 +154,7 @@ def _left(part: FilePath, note: FilePath, stamp: tuple[str, str] | None) -> int:
     if stamp is None or not part.is_file() or not note.is_file():
         return 0
     try:
-        same = json.loads(note.read_text(encoding="utf-8")) == list(stamp)
+        same = json.loads(read_text(note)) == list(stamp)
     except ValueError:
         return 0
     length = part.stat().st_size

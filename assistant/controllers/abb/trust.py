@@ -9,6 +9,7 @@ from pathlib import Path as FilePath
 from typing import Final
 
 from assistant.controllers.os_errors_in_words import reason_of
+from assistant.program.bounded import read_text
 
 PEM: Final = re.compile(r"-----BEGIN CERTIFICATE-----.+?-----END CERTIFICATE-----", re.DOTALL)
 
@@ -28,8 +29,8 @@ def context(certificate: str | FilePath | None, shown: Callable[[], bytes]) -> s
     if certificate is None:
         return ssl.create_default_context()
     try:
+        text = read_text(certificate, "ascii", "replace")  # a pipe would never end
         trusted = ssl.create_default_context(cafile=str(certificate))
-        text = FilePath(certificate).read_text("ascii", errors="replace")
         known = {ssl.PEM_cert_to_DER_cert(found) for found in PEM.findall(text)}
     except (OSError, ValueError) as error:
         raise BadFile(reason_of(error)) from None

@@ -17,6 +17,7 @@ from typing import Final
 
 from assistant.controllers import rules
 from assistant.controllers.mitsubishi import values
+from assistant.program.bounded import read_file
 from assistant.program.diagnostics import Refused
 
 HEAD: Final = "NARC parameter system"
@@ -60,7 +61,7 @@ def kinds(files: Iterable[str | FilePath]) -> dict[str, Kind]:
     for file in files:
         path = FilePath(file)
         try:
-            text = path.read_bytes().decode("latin-1")
+            text = read_file(path).decode("latin-1")
         except OSError as error:
             reason = error.strerror or str(error)
             raise Refused(rules.NO_PARAMETERS(path=str(path), file=path, reason=reason)) from None

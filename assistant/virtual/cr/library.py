@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from assistant import languages
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.program.budgets import STORED, within
+from assistant.program.diagnostics import Refused
 from assistant.virtual.cr import cells
 from assistant.virtual.cr.store import ENCODING, CrProgram
 from assistant.virtual.events import Place
@@ -27,7 +30,11 @@ class Library:
             if program is None:
                 return None
             text = self._language.decode(program.text().encode(ENCODING), name)
-            file = self._language.parse(text)
+            try:
+                with within(STORED, name, len(text.text)):
+                    file = self._language.parse(text)
+            except Refused as refused:  # told as what is wrong in it when it is to run
+                file = replace(self._language.parse(""), findings=refused.findings)
             assert isinstance(file, s.File)
             self._files[name] = file
         return self._files[name]

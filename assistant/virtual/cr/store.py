@@ -9,6 +9,7 @@ from datetime import datetime
 from pathlib import Path as FilePath
 from typing import Final
 
+from assistant.program.bounded import read_file
 from assistant.program.durably import write_whole
 from assistant.program.lines import lines_of
 
@@ -230,7 +231,7 @@ def program_of(text: str, *, strict: bool = False) -> CrProgram:
 
 def _program_of(file: FilePath) -> CrProgram:
     """A file of an earlier run."""
-    program = program_of(file.read_bytes().decode(ENCODING))
+    program = program_of(read_file(file).decode(ENCODING))
     program.changed = datetime.fromtimestamp(file.stat().st_mtime)
     return program
 

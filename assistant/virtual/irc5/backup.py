@@ -10,6 +10,7 @@ import shutil
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
+from assistant.program.bounded import read_file, read_text
 from assistant.program.durably import ARRIVING, write_whole
 from assistant.virtual.irc5.parameters import DOMAINS, parse
 from assistant.virtual.irc5.programs import TASK, Programs, read_module
@@ -60,8 +61,8 @@ def is_backup(folder: FilePath) -> bool:
 def restore(programs: Programs, source: FilePath, cabinet: Cabinet) -> None:
     """Raises NotPossible or ValueError for what cannot be loaded, and changes nothing; OSError."""
     files = sorted((source / "RAPID").glob("TASK1/*/*"))
-    read = [one for file in files for one in read_module(file.name, file.read_bytes())]
-    settings = [file.read_text("latin-1") for file in sorted((source / "SYSPAR").glob("*.cfg"))]
+    read = [one for file in files for one in read_module(file.name, read_file(file))]
+    settings = [read_text(file, "latin-1") for file in sorted((source / "SYSPAR").glob("*.cfg"))]
     for text in settings:
         parse(text)
     home, kept = cabinet.disk.folder("HOME"), source / "HOME"

@@ -15,6 +15,7 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final, Self
 from urllib.parse import quote
 
+from assistant.program.bounded import read_file
 from assistant.program.diagnostics import Refused
 from assistant.virtual.irc5.cabinet import Cabinet, Signal
 from assistant.virtual.irc5.file_server import FileServer
@@ -220,9 +221,7 @@ class VirtualIrc5:
         Raises OSError for a file, `programs.NotPossible` for what does not load or has no main.
         """
         found = [
-            module
-            for file in files
-            for module in read_module(file, (self.folder / file).read_bytes())
+            module for file in files for module in read_module(file, read_file(self.folder / file))
         ]
 
         def start(programs: Programs) -> None:
@@ -272,7 +271,7 @@ class VirtualIrc5:
             if not file.is_file():
                 continue
             name = file.relative_to(self.folder).as_posix()
-            module = load(name, file.read_bytes())
+            module = load(name, read_file(file))
             other = first.setdefault(module.name.lower(), name)
             twice = () if other == name else (TWICE(path=name, name=module.name, first=other),)
             found.append(LoadedModule(module.name, name, (*module.findings, *twice)))

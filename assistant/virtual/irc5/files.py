@@ -16,6 +16,7 @@ from pyftpdlib.exceptions import FilesystemError
 from pyftpdlib.filesystems import AbstractedFS
 from pyftpdlib.handlers import DTPHandler, FTPHandler
 
+from assistant.program.bounded import read_file
 from assistant.program.diagnostics import Diagnostic, Severity
 from assistant.program.durably import ARRIVING, write_whole
 from assistant.virtual.irc5.modules import is_looked_at, look
@@ -63,7 +64,7 @@ class Home(AbstractedFS):  # type: ignore[misc]
         """A file that becomes a module by its new name is looked at then."""
         source, target = FilePath(src), FilePath(dst)
         if source.is_file() and is_looked_at(target.name):
-            self.look(target, source.read_bytes(), leaving=source.name)
+            self.look(target, read_file(source), leaving=source.name)
         if target.is_dir():
             raise FilesystemError("there is a folder of that name")
         source.replace(target)

@@ -13,6 +13,8 @@ from xml.etree import ElementTree
 from assistant import languages
 from assistant.languages import Tree
 from assistant.languages.rapid import rules
+from assistant.program.bounded import read_file
+from assistant.program.budgets import STORED, within
 from assistant.program.diagnostics import Diagnostic, Refused, Severity, error, has_errors, warning
 
 MODULE_SUFFIXES: Final = (".mod", ".sys", ".prg")
@@ -65,7 +67,12 @@ def look(file: str, data: bytes, folder: FilePath, leaving: str = "") -> tuple[D
     if tree is None or has_errors(module.findings):
         return module.findings
     loaded = [f for f in beside if f.suffix.lower() in MODULE_SUFFIXES]
-    return (*module.findings, *_rule_findings(module, tree, loaded))
+    try:
+        with within(STORED, file, len(data)):
+            found = _rule_findings(module, tree, loaded)
+    except Refused as error:
+        found = error.findings
+    return (*module.findings, *found)
 
 
 def load(file: str, data: bytes) -> LoadedModule:
@@ -81,7 +88,11 @@ def _read(file: str, data: bytes) -> tuple[LoadedModule, Tree | None]:
         source = rapid.decode(data, file)
     except Refused as error:
         return LoadedModule(stem, file, error.findings), None
-    tree = rapid.parse(source)
+    try:
+        with within(STORED, file, len(data)):
+            tree = rapid.parse(source)
+    except Refused as error:
+        return LoadedModule(stem, file, error.findings), None
     findings = tuple(finding.within(file) for finding in tree.findings)
     named = HEADING.search(source.text)
     if named is None:
@@ -102,7 +113,7 @@ def _rule_findings(
         return tuple(alone)
     trees = [tree]
     for file in loaded:
-        other, other_tree = _read(file.name, file.read_bytes())
+        other, other_tree = _read(file.name, read_file(file))
         if other_tree is None or has_errors(other.findings):
             continue
         if other.name.lower() != module.name.lower():  # else it is this one's own old self

@@ -19,6 +19,7 @@ from typing import Final, Literal
 
 from assistant import languages
 from assistant.languages.rapid.tree import syntax as s
+from assistant.program.budgets import STORED, within
 from assistant.program.diagnostics import has_errors
 from assistant.robots import Robot
 from assistant.virtual.events import Logged, Reported, Stopped
@@ -356,7 +357,8 @@ def read_module(file: str, data: bytes) -> list[Module]:
     """The modules of a file; raises NotPossible for what a controller would not load."""
     rapid = languages.get("rapid")
     try:
-        tree = rapid.parse(rapid.decode(data, file))
+        with within(STORED, file, len(data)):
+            tree = rapid.parse(rapid.decode(data, file))
     except ValueError as wrong:
         raise NotPossible(str(wrong)) from None
     if has_errors(tree.findings):

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Final, Literal
 
+from assistant.program.bounded import check_regular
 from assistant.virtual.rapid.ends import Fault, NotSimulated
 
 Mode = Literal["read", "write", "append"]
@@ -77,6 +78,8 @@ class Stream:
     @staticmethod
     def open(path: Path, mode: Mode, binary: bool) -> Stream:
         try:
+            if path.exists():
+                check_regular(path)
             return Stream(path.open(MODES[mode]), mode, binary)
         except OSError as error:
             message = f"`{path.name}` cannot be opened: {error.strerror}"

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Final
 
 from assistant import languages
+from assistant.program.bounded import read_text
 from assistant.program.diagnostics import Refused, error
 from assistant.virtual.parts import Group
 
@@ -90,7 +91,7 @@ FILES: Final = {"BACKINFO": "backinfo.txt", "SYSPAR": "SYS.cfg"}
 def _text(root: Path, folder: str) -> str:
     """A file of a backup, empty where it is not there or may not be read."""
     try:
-        return (root / folder / FILES[folder]).read_text("latin-1")
+        return read_text(root / folder / FILES[folder], "latin-1")
     except OSError:
         return ""
 

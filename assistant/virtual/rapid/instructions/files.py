@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Final
 
+from assistant.program.bounded import read_file
 from assistant.program.durably import write_whole
 from assistant.virtual.rapid.disk import CODES, MODES, UNITS, Stream
 from assistant.virtual.rapid.ends import UNSURE, Fault, NotSimulated
@@ -190,7 +191,7 @@ def _rename(given: Given) -> None:
 
 def _copy(given: Given) -> None:
     old, new = _new(given)
-    write_whole(new, old.read_bytes())
+    write_whole(new, read_file(old))
 
 
 def _remove_directory(given: Given) -> None:

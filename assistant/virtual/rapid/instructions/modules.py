@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Final
 
 from assistant.languages.rapid.tree import syntax as s
-from assistant.program.diagnostics import has_errors
+from assistant.program.diagnostics import Refused, has_errors
 from assistant.program.durably import write_whole
 from assistant.program.text import SourceText
 from assistant.virtual.rapid.ends import UNSURE, Fault, NotSimulated
@@ -54,7 +54,10 @@ def _parsed(path: Path) -> s.File:
     from assistant import languages
 
     rapid = languages.get("rapid")
-    file = rapid.parse(rapid.read(path))
+    try:
+        file = rapid.parse(rapid.read(path))
+    except Refused as refused:
+        raise Fault(f"`{path.name}` is not read: {refused}", "ERR_FILEACC") from None
     assert isinstance(file, s.File)
     if has_errors(file.findings):
         raise Fault(f"`{path.name}` has errors: {file.findings[0].message}", "ERR_SYNTAX")

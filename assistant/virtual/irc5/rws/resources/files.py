@@ -14,6 +14,7 @@ from pathlib import Path as FilePath
 from typing import Final
 from urllib.parse import unquote
 
+from assistant.program.bounded import read_file
 from assistant.program.durably import ARRIVING, write_whole
 from assistant.virtual.irc5.cabinet import Cabinet
 from assistant.virtual.irc5.rws import reasons
@@ -65,7 +66,7 @@ def read(cabinet: Cabinet, request: Request) -> Answer:
         if path.is_dir():
             names = sorted(one for one in path.iterdir() if not one.name.startswith(ARRIVING))
             return Answer(listed=[_item(one) for one in names])
-        return Answer(data=path.read_bytes())
+        return Answer(data=read_file(path))
     except OSError:
         raise _missing(request) from None
 
@@ -146,7 +147,7 @@ def copy(cabinet: Cabinet, request: Request) -> Answer:
         if source.is_dir():
             shutil.copytree(source, target)
         else:
-            write_whole(target, source.read_bytes())
+            write_whole(target, read_file(source))
     except OSError:
         raise _missing(request) from None
     return Answer(201)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from typing import Final, get_args
 
+from assistant.program.bounded import read_text
 from assistant.program.durably import write_whole
 from assistant.virtual.irc5.cabinet import Cabinet
 from assistant.virtual.irc5.parameters import DOMAINS, NAMES, How, Instance, parse
@@ -109,7 +110,7 @@ def validate(cabinet: Cabinet, request: Request) -> Answer:
 
 def _text(cabinet: Cabinet, request: Request) -> str:
     try:
-        return path_of(cabinet, unit_path(request.given("filepath"))).read_text("latin-1")
+        return read_text(path_of(cabinet, unit_path(request.given("filepath"))), "latin-1")
     except OSError:
         raise Rejected(reasons.NO_FILE if request.dialect == 1 else reasons.NO_PATH) from None
 

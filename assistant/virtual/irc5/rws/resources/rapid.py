@@ -6,6 +6,7 @@ from typing import Final, Literal
 from urllib.parse import quote
 from xml.etree import ElementTree
 
+from assistant.program.bounded import read_file
 from assistant.program.durably import write_whole
 from assistant.virtual.irc5.cabinet import Behind, Cabinet
 from assistant.virtual.irc5.programs import (
@@ -251,7 +252,7 @@ def load_module(cabinet: Cabinet, request: Request) -> Answer:
         _check_task(request)
     path = path_of(cabinet, unit_path(request.given("modulepath")))
     try:
-        data = path.read_bytes()
+        data = read_file(path)
     except OSError:
         raise Rejected(reasons.NO_MODULE_FILE) from None
     if behind is not None:
@@ -316,14 +317,14 @@ def load_program(cabinet: Cabinet, request: Request) -> Answer:
     _check_task(request)
     path = path_of(cabinet, unit_path(request.given("progpath")))
     try:
-        data = path.read_bytes()
+        data = read_file(path)
         if b"<!" in data.replace(b"<!--", b""):  # no entity of a stranger is ever expanded
             raise ValueError
         root = ElementTree.fromstring(data)  # noqa: S314 - without document type, see above
         names = [(one.text or "").strip() for one in root.iter("Module")]
         if not names or any("/" in name or "\\" in name for name in names):
             raise ValueError
-        datas = [(path.parent / name).read_bytes() for name in names]
+        datas = [read_file(path.parent / name) for name in names]
     except OSError:
         raise Rejected(reasons.NO_MODULE_FILE) from None
     except (ValueError, ElementTree.ParseError):
