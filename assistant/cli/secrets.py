@@ -9,8 +9,8 @@ from typing import Final
 
 from assistant.program.diagnostics import Refused
 
-GIVES_VALUE: Final = re.compile(r"[A-Za-z_$][^=:@/]*=")
-"""What gives something a value, `text="a:b@c"`, is no address."""
+NO_ADDRESS: Final = re.compile(r"[A-Za-z_$][^=:@/]*=|[A-Za-z]:[\\/]")
+"""What gives something a value, `text="a:b@c"`, and what stands on a drive of Windows."""
 
 
 def check_arguments(words: Sequence[str]) -> None:
@@ -19,7 +19,7 @@ def check_arguments(words: Sequence[str]) -> None:
     Whichever command and option it belongs to: what takes no address would take it for a file.
     """
     for word in words:
-        if not ("@" in word or "%" in word) or GIVES_VALUE.match(word) or _is_there(word):
+        if not ("@" in word or "%" in word) or NO_ADDRESS.match(word) or _is_there(word):
             continue
         from assistant.controllers import rules
         from assistant.controllers.address import holds_password, without_password

@@ -8,6 +8,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from assistant.cli import main
+from assistant.cli.secrets import check_arguments
 from assistant.controllers import connect
 from assistant.controllers.address import holds_password, parse, without_password
 from assistant.program.diagnostics import Refused
@@ -59,6 +60,11 @@ def test_what_holds_none_is_shown(text):
     assert not holds_password(text)
     if "://" in text:
         assert without_password(text) == text and parse(text)
+
+
+@pytest.mark.parametrize("word", ["C:/Users/me@firm/x.mod", 'text="a:b@c"', "me@firm/x.mod"])
+def test_what_only_looks_like_an_address_is_let_through(word):
+    check_arguments(["check", word])
 
 
 COMMANDS = (

@@ -5,12 +5,10 @@ from __future__ import annotations
 import atexit
 import logging
 import socket
-import tempfile
 import threading
 from collections.abc import Iterable
 from contextlib import suppress
 from functools import cache
-from pathlib import Path
 from typing import Final
 
 from assistant.virtual.cr import VirtualCr
@@ -19,7 +17,7 @@ from assistant.virtual.cr.commands import COMMANDS
 from assistant.virtual.cr.controller import CrSession
 from assistant.virtual.irc5 import VirtualIrc5, egm_packets
 from assistant.virtual.irc5.rws.http import Connection, Server
-from tests.fuzz.target import Target, promise
+from tests.fuzz.target import Target, folder, promise
 
 PASSWORD: Final = "secret"
 AROUND: Final = ("beside.txt", "home")
@@ -74,7 +72,8 @@ def frames(data: bytes) -> None:
 @cache
 def irc5() -> VirtualIrc5:
     """One for all inputs, which serves a folder that is empty before each of them."""
-    place = Path(tempfile.mkdtemp(prefix="fuzz-irc5-"))
+    place = folder() / "irc5"
+    place.mkdir()
     (place / "beside.txt").write_text("beside")
     logging.getLogger("pyftpdlib").addHandler(FAILED)
     controller = VirtualIrc5(place / "home", password=PASSWORD, rwss=None)
