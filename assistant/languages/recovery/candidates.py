@@ -170,7 +170,7 @@ def _reworded(b: Broken) -> Iterator[tuple[Repair, int, int]]:
                 mended = (*b.words[:row], word._replace(type=type))
                 behind = row + 1
                 if near in foreign and type in closers:  # what it ends may be named behind it
-                    while not b.words[behind].first:
+                    while behind < len(b.words) and not b.words[behind].first:
                         behind += 1
                 resume = b.words[behind - 1].end
                 yield (
