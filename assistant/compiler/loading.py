@@ -222,13 +222,14 @@ def _named(
     folder: FilePath,
 ) -> list[Any]:
     """The trees of the files in a folder that trees name, but for those that are known."""
-    there: dict[str, FilePath] | None = None
+    there = _files_by_name(folder)
     seen = {name.lower() for name in known}
     found: list[Any] = []
     pending = list(trees)
     while pending:
         for name in names(pending.pop(0)):
-            there = _files_by_name(folder) if there is None else there
+            if isinstance(there, Refused):
+                raise there
             if name.lower() in there and name.lower() not in seen:
                 seen.add(name.lower())
                 found.append(language.parse(language.read(there[name.lower()])))
@@ -236,9 +237,15 @@ def _named(
     return found
 
 
-def _files_by_name(folder: FilePath) -> dict[str, FilePath]:
-    """The files in a folder, by their names in lower case; raises Unreadable."""
-    _, _, names = next(folders_of(folder))
+def _files_by_name(folder: FilePath) -> dict[str, FilePath] | Refused:
+    """The files in a folder, by their names in lower case, or why it may not be read.
+
+    It is looked at even if nothing in it is named: a build is made anew when its files change.
+    """
+    try:
+        _, _, names = next(folders_of(folder))
+    except Refused as refused:
+        return refused
     return {name.lower(): folder / name for name in names if (folder / name).is_file()}
 
 

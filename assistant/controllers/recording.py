@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import csv
+import errno
 import io
 import math
+import os
 import zipfile
 from array import array
 from collections.abc import Mapping, Sequence
@@ -100,6 +102,8 @@ def save_columns(
         raise Refused(finding, exit_status=2)
     data = _csv(columns) if form == ".csv" else _npz(columns if arrays is None else arrays)
     try:
+        if not target.parent.is_dir():
+            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(target))
         put({target: data})
     except OSError as wrong:
         reason = wrong.strerror or str(wrong)
