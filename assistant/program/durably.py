@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import os
 import secrets
+from contextlib import suppress
 from pathlib import Path as FilePath
 from typing import Final
+
+from assistant.program import locks
 
 ARRIVING: Final = ".arriving-"
 """First characters of the name of a file that is being written."""
@@ -29,13 +32,26 @@ def write_new(path: FilePath, data: bytes) -> None:
 
 
 def write_whole(path: FilePath, data: bytes) -> None:
-    """Writes beside a file, then takes its place; leaves nothing behind."""
+    """Writes beside a file, then takes its place; leaves nothing behind.
+
+    What others who were killed have left beside it is taken away.
+    """
+    for one in path.parent.glob(f"{ARRIVING}*"):
+        with suppress(OSError):
+            if locks.is_free(one):
+                one.unlink()
     beside = path.with_name(f"{ARRIVING}{secrets.token_hex(8)}")
+    lock = locks.NONE
     try:
-        write_new(beside, data)
+        with beside.open("xb") as file:
+            lock = locks.hold(file.fileno())
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
         beside.replace(path)
     finally:
         beside.unlink(missing_ok=True)
+        locks.free(lock)
     settle(path.parent)
 
 

@@ -7,7 +7,7 @@ import os
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path as FilePath
 from typing import Final
 
@@ -53,6 +53,14 @@ if sys.platform == "win32":
         if lock != NONE:
             os.close(lock)
 
+    def hold(_number: int) -> int:
+        """Says that an open file is being written: Windows does by itself."""
+        return NONE
+
+    def is_free(_file: FilePath) -> bool:
+        """Whether nobody says that he writes a file: what is open cannot be deleted anyway."""
+        return True
+
 else:
     import fcntl
 
@@ -73,3 +81,20 @@ else:
         if lock != NONE:
             fcntl.flock(lock, fcntl.LOCK_UN)  # which a process that was forked may have open, too
             os.close(lock)
+
+    def hold(number: int) -> int:
+        """Says that an open file is being written, until that is freed; raises OSError."""
+        with suppress(OSError):
+            fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        return os.dup(number)
+
+    def is_free(_file: FilePath) -> bool:
+        """Whether nobody says that he writes a file; raises OSError."""
+        number = os.open(_file, os.O_RDONLY)
+        try:
+            fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            return False
+        finally:
+            os.close(number)
+        return True

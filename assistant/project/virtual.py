@@ -18,6 +18,7 @@ from assistant.controllers import Credentials, Named, Programs, connect
 from assistant.program.bounded import read_file
 from assistant.program.diagnostics import Refused
 from assistant.program.durably import write_whole
+from assistant.program.ending import held
 from assistant.project import rules
 
 if TYPE_CHECKING:
@@ -78,9 +79,11 @@ def _irc5(controller: Named, folder: FilePath, timeout: float | None) -> Iterato
             yield _client(controller, virtual.rws_port, timeout, virtual.user, virtual.password)
         finally:
             # What programs have made of their data since a module was last taken in.
-            virtual.cabinet.do(lambda memory: _keep(memory, folder / MEMORY))
+            with held():
+                virtual.cabinet.do(lambda memory: _keep(memory, folder / MEMORY))
     finally:
-        virtual.stop()
+        with held():
+            virtual.stop()
 
 
 @contextmanager
@@ -96,7 +99,8 @@ def _cr(controller: Named, folder: FilePath, timeout: float | None) -> Iterator[
     try:
         yield _client(controller, virtual.port, timeout)
     finally:
-        virtual.stop()
+        with held():
+            virtual.stop()
 
 
 STARTING: Final[dict[str, Starting]] = {"irc5": _irc5, "cr": _cr}

@@ -89,6 +89,7 @@ COMMANDS: Final[Mapping[str, Command]] = {
         ("run", "one.mod", "--trace", "one.npz", "--disk", "disk"),
         {**MODULES, "disk/kept.mod": MODULE.format("kept", 1)},
         together=False,
+        books=frozenset({"one.npz"}),
     ),
     "exchange": Command(("exchange", "module", "-o", "exchange.mod"), {}),
     "init": Command(("init", "."), {}, over=False),

@@ -1,0 +1,39 @@
+"""Files are written by one mechanism: who opens one to write it by himself is known, and why."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+PACKAGE = Path(__file__).parent.parent / "assistant"
+WRITES = re.compile(
+    r"\.write_(?:bytes|text)\((?!self\b|given\b)|\bopen\([^)\n]*[\"'][wxa]b?\+?[\"']"
+    r"|\bnp\.savez?(?:_compressed)?\(|\bsavefig\(|\bto_csv\(|\bos\.(?:replace|rename)\(|\bshutil\.(?:move|copy)"
+)
+KNOWN = {
+    "program/durably.py": "it is the mechanism",
+    "program/pseudo/tables.py": "into memory",
+    "report/figures.py": "into memory",
+    "report/timing.py": "into memory",
+    "cli/monitoring.py": "a log, which grows by a row at a time",
+    "controllers/abb/ftp_resuming.py": "a part that later runs go on with",
+    "controllers/abb/sftp.py": "on the controller",
+    "controllers/cyclic/process.py": "for a process of its own, in a folder for the moment",
+    "controllers/cyclic/worker.py": "for the process that started it, in the same folder",
+    "controllers/cyclic/scheduling.py": "no file, but a device",
+    "languages/grammar.py": "kept like bytecode, and made anew where it is damaged",
+    "project/checking.py": "in a folder for the moment",
+    "virtual/irc5/backup.py": "in a folder that appears whole, on the disk of a virtual controller",
+    "virtual/irc5/rws/certificate.py": "a key, in a folder for the moment",
+    "virtual/irc5/rws/resources/files.py": "folders, on the disk of a virtual controller",
+    "virtual/tracing.py": "into memory",
+}
+
+
+def test_nobody_else_writes_files_in_a_way_of_his_own() -> None:
+    found = {
+        file.relative_to(PACKAGE).as_posix()
+        for file in PACKAGE.rglob("*.py")
+        if WRITES.search(file.read_text(encoding="utf-8"))
+    }
+    assert found == set(KNOWN)
