@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Iterator
+from collections.abc import Hashable, Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Any, Final, Literal
 
@@ -37,6 +37,29 @@ MANGLED = info(
 )
 
 
+class TakenNames(set[str]):
+    """Names that are taken while many more are chosen: none of these choices looks at all of them.
+
+    Names are added, never taken back.
+    """
+
+    def __init__(self, names: Iterable[str] = ()) -> None:
+        super().__init__()
+        self.lower: set[str] = set()
+        self.counts: dict[Hashable, int] = {}
+        """By what a name is made of, the first number that may be free behind it."""
+        self.update(names)
+
+    def add(self, name: str) -> None:
+        super().add(name)
+        self.lower.add(name.lower())
+
+    def update(self, *names: Iterable[str]) -> None:
+        for some in names:
+            for name in some:
+                self.add(name)
+
+
 def identifier(given: str, taken: set[str] | frozenset[str] = frozenset()) -> str:
     """A name made of letters, digits and `_` that is close to the given one and not taken.
 
@@ -46,10 +69,13 @@ def identifier(given: str, taken: set[str] | frozenset[str] = frozenset()) -> st
     name = re.sub(r"[^A-Za-z0-9_]+", "_", _plain_letters(given)).strip("_")[:64] or "unnamed"
     if not name[0].isalpha():
         name = "n_" + name
-    used = {t.lower() for t in taken}
-    free, count = name, 2
-    while free.lower() in used:
-        free, count = f"{name}_{count}", count + 1
+    known = taken if isinstance(taken, TakenNames) else TakenNames(taken)
+    free, key = name, name.lower()
+    if key in known.lower:
+        count = known.counts.get(key, 2)
+        while (free := f"{name}_{count}").lower() in known.lower:
+            count += 1
+        known.counts[key] = count
     return free
 
 
@@ -184,9 +210,15 @@ class Program:
     variables: dict[str, Variable] = field(default_factory=dict)
     declarations: tuple[Declaration, ...] = ()
     origin: Origin | None = field(default=None, compare=False, repr=False)
+    _by_name: dict[str, Procedure] = field(
+        default_factory=dict, init=False, compare=False, repr=False
+    )
 
     def procedure(self, name: str) -> Procedure | None:
-        return next((p for p in self.procedures if p.name.lower() == name.lower()), None)
+        """The first procedure of a name, in any case."""
+        if not self._by_name:
+            self._by_name.update({p.name.lower(): p for p in reversed(self.procedures)})
+        return self._by_name.get(name.lower())
 
     def statements(self) -> Iterator[Statement]:
         """Every statement, nested ones after the one that holds them."""

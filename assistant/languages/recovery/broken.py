@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 from assistant.languages.lalr import Kept, Tables
 from assistant.languages.recovery.lexemes import Lexeme
-from assistant.languages.recovery.syntax import Syntax
+from assistant.languages.recovery.syntax import Blocks, Syntax
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -20,6 +22,36 @@ class HalfBlock:
     at: int
     line_end: int
     stack: Kept
+
+
+class Outline:
+    """Where the units of a text begin and end, looked up once for all of its damaged places."""
+
+    def __init__(self, blocks: Blocks, text: str) -> None:
+        self._blocks, self._text = blocks, text
+
+    @cached_property
+    def _begins(self) -> list[int]:
+        return [found.start() for found in self._blocks.unit_begin.finditer(self._text)]
+
+    @cached_property
+    def _first_end(self) -> int:
+        found = self._blocks.unit_end.search(self._text)
+        return len(self._text) + 1 if found is None else found.end()
+
+    @cached_property
+    def has_items(self) -> bool:
+        """Whether a declaration or routine begins anywhere."""
+        return self._blocks.item.search(self._text) is not None
+
+    def next_unit(self, at: int) -> int | None:
+        """Where the first unit behind an offset begins."""
+        row = bisect_right(self._begins, at)
+        return self._begins[row] if row < len(self._begins) else None
+
+    def ends_before(self, at: int) -> bool:
+        """Whether a unit ends before an offset."""
+        return self._first_end <= at
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +81,7 @@ class Broken:
     words: from the begin of the statement to some words behind the error. error: row of the word
     that does not fit. states, types, begins: the parser's stack; of each value on it its terminal
     (empty for a node) and its offset (-1 if it was put in). base: values before the statement.
+    kept: heads that may be half. outline: of the text.
     """
 
     syntax: Syntax
@@ -61,6 +94,7 @@ class Broken:
     begins: tuple[int, ...]
     base: int
     kept: tuple[HalfBlock, ...]
+    outline: Outline
 
     @property
     def word(self) -> Lexeme:
@@ -69,7 +103,7 @@ class Broken:
     @property
     def behind_unit(self) -> bool:
         """Whether a unit ends before the place."""
-        return self.syntax.blocks.unit_end.search(self.text, 0, self.word.start) is not None
+        return self.outline.ends_before(self.word.start)
 
     @property
     def closes(self) -> bool:

@@ -274,9 +274,9 @@ def _wrapped(b: Broken) -> Iterator[tuple[Repair, int, int]]:
     start, end = b.word.start, b.word.end
     for types in b.syntax.changes.wraps:
         whole = types[0] == blocks.unit
-        if whole and not b.behind_unit and blocks.unit_begin.search(b.text, start + 1):
+        if whole and not b.behind_unit and b.outline.next_unit(start) is not None:
             continue
-        if not whole or blocks.item.search(b.text) or len(types) > 2:
+        if not whole or b.outline.has_items or len(types) > 2:
             kind = "behind" if whole and b.behind_unit else "wrap"
             words = " ".join(type for type in types if type[0] == "_")
             put = b.syntax.holes.put(types, at)

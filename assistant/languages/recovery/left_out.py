@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
+from itertools import islice
 from typing import Final
 
 from assistant.languages.lalr import END
@@ -20,14 +22,12 @@ def left_out(b: Broken) -> Repair:
     blocks, put = syntax.blocks, syntax.holes.put
     blank = Repair("hole", b.base, (), word.end, word.start, max(word.end, word.start + 1))
     if b.at_file_level:
-        unit = blocks.unit_begin.search(b.text, word.start + 1)
-        if unit:
-            return replace(blank, resume=unit.start(), kind="outside")
+        unit = b.outline.next_unit(word.start)
+        if unit is not None:
+            return replace(blank, resume=unit, kind="outside")
         silent = () if b.behind_unit else put([blocks.unit, "NAME"], word.start)
         return replace(blank, resume=len(b.text), put=silent, kind="outside")
-    further = syntax.scanner.lexemes(b.text, word.start, word.start, MOST_WORDS)
-    words = b.words[: b.error] + further
-    opener = words[0]
+    opener = b.words[0]
     head = blocks.heads.get(opener.type)
     line_end = b.text.find("\n", word.start)
     line_end = len(b.text) if line_end < 0 else line_end
@@ -35,14 +35,14 @@ def left_out(b: Broken) -> Repair:
         line_end = word.start
     if head is not None and word.type != END:
         stop = None
-        for later in words[b.error :]:
+        for later in _further(b):
             if later.start >= line_end and later is not word:
                 break
             if head and later.type == head[-1] and head[-1] in blocks.last:
                 stop = later.end
         if not (opener.type == blocks.half.opener and stop is None):
-            return replace(blank, put=_head(b, words, head), resume=stop or line_end)
-    resume = _next_statement(b, words)
+            return replace(blank, put=_head(b, head), resume=stop or line_end)
+    resume = _next_statement(b)
     holes = syntax.data_holes if opener.type in syntax.data else syntax.statement_holes
     for type in holes:
         if b.fits((type,)):
@@ -50,10 +50,15 @@ def left_out(b: Broken) -> Repair:
     return replace(blank, resume=resume)
 
 
-def _head(b: Broken, words: list[Lexeme], head: tuple[str, ...]) -> tuple[Lexeme, ...]:
+def _further(b: Broken) -> Iterator[Lexeme]:
+    """The words from the error on, read as far as they are asked for."""
+    return islice(b.syntax.scanner.words(b.text, b.word.start), MOST_WORDS + 1)
+
+
+def _head(b: Broken, head: tuple[str, ...]) -> tuple[Lexeme, ...]:
     """A whole head, with the names that were read; nothing where none may stand."""
-    kept = [words[0]]
-    for type, word in zip(head, words[1 : b.error], strict=False):
+    kept = [b.words[0]]
+    for type, word in zip(head, b.words[1 : b.error], strict=False):
         if type != word.type:
             break
         kept.append(word)
@@ -62,16 +67,18 @@ def _head(b: Broken, words: list[Lexeme], head: tuple[str, ...]) -> tuple[Lexeme
     return whole if b.fits([w.type for w in whole]) else ()
 
 
-def _next_statement(b: Broken, words: list[Lexeme]) -> int:
+def _next_statement(b: Broken) -> int:
     """Offset behind the end of a damaged statement, or where another one begins."""
     glue = b.syntax.glue
-    for row in range(b.error, len(words)):
-        word = words[row]
+    ahead = b.words[b.error - 1] if b.error else None
+    at = b.word.start
+    for word in _further(b):
         if word.type == "SEMICOLON":
             return word.end
         if word.type == END:
             return word.start
-        fresh = word.first and row and words[row - 1].type not in glue and word.type not in glue
+        fresh = word.first and ahead and ahead.type not in glue and word.type not in glue
         if fresh and word.type not in _CLOSING:
             return word.start
-    return words[-1].start
+        ahead, at = word, word.start
+    return at

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Set
+from collections.abc import Iterable, Iterator, Mapping, Set
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
@@ -47,19 +47,24 @@ class Scanner:
         """All from one offset to another and a few further, END behind the last of the text."""
         found: list[Lexeme] = []
         beyond = 0
-        end = start
+        for word in self.words(text, start):
+            found.append(word)
+            beyond += word.type != END and word.start >= stop
+            if beyond > further:
+                break
+        return found
+
+    def words(self, text: str, start: int) -> Iterator[Lexeme]:
+        """All from an offset on, END behind the last: read as far as they are asked for."""
+        end = -1
         for match in self.pattern.finditer(text, start):
             type = match.lastgroup or STRANGE
             if type in self.silent:
                 continue
             begin, end = match.span()
-            line = text.rfind("\n", 0, begin) + 1
-            found.append(Lexeme(type, match[0], begin, end, not text[line:begin].strip()))
-            beyond += begin >= stop
-            if beyond > further:
-                return found
-        end = end if found else len(text[:start].rstrip())
-        return [*found, Lexeme(END, "", end, end, True)]
+            yield Lexeme(type, match[0], begin, end, _begins_line(text, begin))
+        end = _code_end(text, start) if end < 0 else end
+        yield Lexeme(END, "", end, end, True)
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,3 +76,19 @@ class Holes:
     def put(self, types: Iterable[str], at: int) -> tuple[Lexeme, ...]:
         """Words of no width at an offset."""
         return tuple(Lexeme(type, self.texts.get(type, ""), at, at) for type in types)
+
+
+def _begins_line(text: str, at: int) -> bool:
+    """Whether only blanks stand before an offset on its line."""
+    while at and text[at - 1] != "\n":
+        if not text[at - 1].isspace():
+            return False
+        at -= 1
+    return True
+
+
+def _code_end(text: str, at: int) -> int:
+    """Where the last word before an offset ends."""
+    while at and text[at - 1].isspace():
+        at -= 1
+    return at

@@ -7,12 +7,14 @@ made. What can be mended in no way is left out, with what stands for it in its p
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Final
 
 from assistant.languages.lalr import END, NOWHERE, Stack, Tables, Word
-from assistant.languages.recovery.broken import Broken, HalfBlock, Repair
+from assistant.languages.recovery.broken import Broken, HalfBlock, Outline, Repair
+from assistant.languages.recovery.lexemes import Lexeme
 from assistant.languages.recovery.repairs import best
 from assistant.languages.recovery.syntax import Syntax
 from assistant.languages.recovery.wording import Wording
@@ -81,6 +83,7 @@ class _Reading:
         self._at = 0
         self._quiet_until = -1
         self._kept: list[HalfBlock] = []
+        self._outline = Outline(reader.syntax.blocks, text)
 
     def value(self) -> Any:
         for _ in range(MOST_MENDS + 1):
@@ -136,6 +139,7 @@ class _Reading:
             self._begins(),
             base,
             tuple(self._kept),
+            self._outline,
         )
         full = len(self.findings) >= MOST_FINDINGS
         repair = broken.rest_left_out() if full else best(broken)
@@ -185,7 +189,7 @@ class _Reading:
             shifted = word.type, word.text, at, at + word.end - word.start
             self._tables.drive(self._stack, (shifted,), self._nodes)
         ended = broken.word.type == END and repair.resume >= broken.word.start
-        go_on = len(self.text) if ended else repair.resume
+        go_on = len(self.text) if ended else self._behind_alike(broken, repair)
         inside = self.short.run_around(self.text, go_on)
         if inside is not None:
             raise _InTheWay(inside)
@@ -198,3 +202,26 @@ class _Reading:
         line = self.text.find("\n", place)
         ends = len(self.text) if line < 0 else line
         self._quiet_until = max(ends, go_on)
+
+    def _behind_alike(self, broken: Broken, repair: Repair) -> int:
+        """Where reading goes on: what leaves out one word of many alike leaves the rest out too.
+
+        As long as nothing else is in sight each of them would be mended by the same change.
+        """
+        word, words = broken.word, broken.words
+        alone = repair.kind in ("hole", "delete") and (repair.resume, broken.error) == (word.end, 0)
+        if not alone or repair.keep != len(broken.types) or len(words) <= FURTHER:
+            return repair.resume
+        if any(_differs(word, other) for other in words[1:]):
+            return repair.resume
+        behind = deque((word.end,), FURTHER + 1)
+        for other in self.reader.syntax.scanner.words(self.text, word.end):
+            if _differs(word, other):
+                break
+            behind.append(other.end)
+        return behind[0]
+
+
+def _differs(word: Lexeme, other: Lexeme) -> bool:
+    """Whether a word is not the same once more, on the same line."""
+    return other.first or (other.type, other.text) != (word.type, word.text)

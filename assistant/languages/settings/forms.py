@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 from assistant.languages.settings.flow import UNKNOWN, Flow, Held, State, joined, resolved
-from assistant.program.program import identifier
+from assistant.program.program import TakenNames, identifier
 
 MOST_FORMS: Final = 8
 """Forms of one procedure; called in more ways, its settings count as unknown."""
@@ -67,7 +67,7 @@ class PassLabels:
     def __init__(
         self, passes: Sequence[Form], spelled: Callable[[Form], Mapping[str, str]]
     ) -> None:
-        self.taken: set[str] = set()
+        self.taken = TakenNames()
         self._names: dict[int, dict[str, str]] = {}
         for one in sorted(passes, key=lambda one: (one.number, one.part)):
             own = self._names[id(one)] = {}

@@ -19,7 +19,15 @@ from assistant.program.analysis.uses import names_in
 from assistant.program.diagnostics import Diagnostic
 from assistant.program.kept import effect_of, respelled
 from assistant.program.passes.legalising import Legalising
-from assistant.program.program import Procedure, Program, Variable, bodies, identifier, walk
+from assistant.program.program import (
+    Procedure,
+    Program,
+    TakenNames,
+    Variable,
+    bodies,
+    identifier,
+    walk,
+)
 from assistant.program.rewriting import Body, head, map_bodies, map_head, records
 
 Found = dict[tuple[str, str], Diagnostic]
@@ -62,9 +70,10 @@ def counted(
 def apart(program: Program) -> Program:
     """A program of such a language, in which a loop that hides a name that is used has its own."""
     uses = _Uses(program)
-    taken = {n.lower() for n in (*_globals(program), *(q.name for q in program.procedures))}
+    names = (*_globals(program), *(q.name for q in program.procedures))
+    taken = TakenNames(n.lower() for n in names)
     for procedure in program.procedures:
-        taken |= {*_own(procedure), *uses.of[id(procedure)].touched}
+        taken.update(_own(procedure), uses.of[id(procedure)].touched)
 
     def body(statements: Body, procedure: Procedure) -> Body:
         out: list[p.Statement] = []

@@ -21,9 +21,11 @@ def as_one(procedures: list[Procedure], origin: Mapping[str, int]) -> list[Proce
         exchanged: dict[str, str] = {}
         kept: dict[int, list[Procedure]] = {}
         for procedure in procedures:
-            forms = kept.setdefault(origin.get(procedure.name, -1), [])
+            if procedure.name not in origin:
+                continue
+            forms = kept.setdefault(origin[procedure.name], [])
             same = next((q for q in forms if replace(procedure, name=q.name) == q), None)
-            if same is None or procedure.name not in origin:
+            if same is None:
                 forms.append(procedure)
             else:
                 exchanged[procedure.name] = same.name

@@ -42,6 +42,8 @@ class Names:
     ) -> None:
         self.longest, self.legal = longest, legal
         self.taken = {name.lower() for name in taken}
+        self._numbers: dict[str, int] = {}
+        """By names in lower case, the first number behind them that may be free."""
 
     def take(self, name: str) -> None:
         self.taken.add(name.lower())
@@ -52,11 +54,22 @@ class Names:
         besides: more that are taken, in lower case.
         """
         base = self.legal(wanted)[: self.longest]
-        name, number = base, 2
-        while name.lower() in self.taken or name.lower() in besides:
-            end = f"_{number}"
-            name, number = base[: self.longest - len(end)] + end, number + 1
+        key = base.lower()
+        if key not in self.taken and key not in besides:
+            return base
+        number = self._numbers.get(key, 2)
+        while self._numbered(base, number).lower() in self.taken:
+            number += 1
+        self._numbers[key] = number
+        while (name := self._numbered(base, number)).lower() in self.taken or (
+            name.lower() in besides
+        ):
+            number += 1
         return name
+
+    def _numbered(self, base: str, number: int) -> str:
+        end = f"_{number}"
+        return base[: self.longest - len(end)] + end
 
 
 def free_counters(program: Program, procedure: Procedure) -> tuple[str, ...]:

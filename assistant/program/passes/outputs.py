@@ -7,8 +7,9 @@ language that writes of a number the bits that there is room for.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
-from dataclasses import replace
+from collections import ChainMap
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from typing import Final
 
 from assistant.program import expressions as e
@@ -16,7 +17,7 @@ from assistant.program import statements as p
 from assistant.program.analysis.signals import read_by_another_name
 from assistant.program.passes.endings import FOR_GOOD
 from assistant.program.passes.legalising import Legalising
-from assistant.program.program import Procedure, Program, Signal, Variable
+from assistant.program.program import Procedure, Program, Signal, ValueType, Variable
 from assistant.program.rewriting import Body, map_bodies
 
 _TRUTHS: Final = (*e.RELATIONS, "and", "or")
@@ -33,9 +34,9 @@ def with_checked_outputs(job: Legalising) -> Program:
         return program
     taken = {n.lower() for t in (program.variables, program.targets, program.signals) for n in t}
     taken |= {name.lower() for q in program.procedures for name in q.variables}
+    shared = _Shared.of(program)
     return replace(
-        program,
-        procedures=tuple(_Checking(program, q, taken).checked() for q in program.procedures),
+        program, procedures=tuple(_Checking(shared, q, taken).checked() for q in program.procedures)
     )
 
 
@@ -49,16 +50,32 @@ def find_outputs_of_two_names(job: Legalising) -> None:
             )
 
 
+@dataclass(frozen=True, slots=True)
+class _Shared:
+    """Of a program, by names in lower case: signals, types of variables and of results."""
+
+    signals: Mapping[str, Signal]
+    kinds: dict[str, ValueType]
+    results: Mapping[str, ValueType | None]
+
+    @staticmethod
+    def of(program: Program) -> _Shared:
+        return _Shared(
+            {name.lower(): signal for name, signal in program.signals.items()},
+            {name.lower(): v.type for name, v in program.variables.items()},
+            {q.name.lower(): q.result for q in program.procedures},
+        )
+
+
 class _Checking:
     """One procedure. taken: names in lower case that a variable may not have."""
 
-    def __init__(self, program: Program, procedure: Procedure, taken: set[str]) -> None:
+    def __init__(self, shared: _Shared, procedure: Procedure, taken: set[str]) -> None:
         self.procedure, self.taken = procedure, taken
-        self.signals = {name.lower(): signal for name, signal in program.signals.items()}
-        self.kinds = {name.lower(): v.type for name, v in program.variables.items()}
-        self.kinds |= {q.name.lower(): q.type for q in procedure.parameters}
-        self.kinds |= {name.lower(): v.type for name, v in procedure.variables.items()}
-        self.results = {q.name.lower(): q.result for q in program.procedures}
+        self.signals, self.results = shared.signals, shared.results
+        own = {q.name.lower(): q.type for q in procedure.parameters}
+        own |= {name.lower(): v.type for name, v in procedure.variables.items()}
+        self.kinds = ChainMap(own, shared.kinds)
         self.kept: dict[str, Variable] = {}
 
     def checked(self) -> Procedure:

@@ -31,7 +31,15 @@ from assistant.program.diagnostics import Rule
 from assistant.program.passes.hoisting import Taken, hoisted
 from assistant.program.passes.legalising import Legalising
 from assistant.program.passes.procedures import has_form, is_called_with_arguments
-from assistant.program.program import Parameter, Procedure, Program, Variable, identifier, walk
+from assistant.program.program import (
+    Parameter,
+    Procedure,
+    Program,
+    TakenNames,
+    Variable,
+    identifier,
+    walk,
+)
 from assistant.program.rewriting import Body, head, map_head, records, rewrite
 from assistant.program.subjects import Declared
 
@@ -93,8 +101,8 @@ class _Forms:
         self.variables = dict(program.variables)
         self.spelled = {name.lower(): name for name in program.variables}
         counters = (x.variable for x in program.statements() if isinstance(x, p.For))
-        self.taken = {*declared(program), *counters}
-        self.titles = {q.name for q in program.procedures}
+        self.taken = TakenNames((*declared(program), *counters))
+        self.titles = TakenNames(q.name for q in program.procedures)
         self.alters, self.mentions = altered(program), mentioned(program)
         alone = {q.name.lower(): frozenset([q.name.lower()]) for q in program.procedures}
         self.reaches = along_calls(program, alone)

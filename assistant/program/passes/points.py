@@ -9,7 +9,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.geometry import Target
 from assistant.program.path import Kind, Path
-from assistant.program.program import Program, identifier
+from assistant.program.program import Program, TakenNames, identifier
 from assistant.program.rewriting import Body, map_bodies
 
 
@@ -31,9 +31,11 @@ def with_points(program: Program) -> Program:
     For a language without paths and without targets written out. Paths with arcs stay.
     """
     targets = dict(program.targets)
+    taken = TakenNames(targets)
 
     def point(target: Target, wanted: str) -> e.Name:
-        name = identifier(wanted, set(targets))
+        name = identifier(wanted, taken)
+        taken.add(name)
         targets[name] = target
         return e.Name(name)
 

@@ -15,7 +15,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import base
 from assistant.program.kept import effect_of
-from assistant.program.program import Procedure, Program, Variable, identifier
+from assistant.program.program import Procedure, Program, TakenNames, Variable, identifier
 from assistant.program.rewriting import Body, map_bodies, records
 
 _PLAIN: Final = (e.Number, e.Truth, e.Name, e.Unary, e.Binary)
@@ -43,8 +43,8 @@ class _Loops:
         self.signals = {name.lower() for name in program.signals}
         self.written = {name for q in program.procedures for name in self._written(q.body)}
         tables = (program.variables, program.targets, program.joint_targets, program.signals)
-        self.taken = {name.lower() for table in tables for name in table}
-        self.taken |= {name.lower() for q in program.procedures for name in _own(q)}
+        self.taken = TakenNames(name.lower() for table in tables for name in table)
+        self.taken.update(name.lower() for q in program.procedures for name in _own(q))
         self.variables: dict[str, Variable] = {}
         self.own: set[str] = set()
 

@@ -12,7 +12,7 @@ from assistant.program.arrays import Ints
 from assistant.program.passes.legalising import Legalising, Units
 from assistant.program.passes.path_tables import compact
 from assistant.program.path import Kind, Path
-from assistant.program.program import Procedure, Program, identifier, walk
+from assistant.program.program import Procedure, Program, TakenNames, identifier, walk
 from assistant.program.rewriting import Body, map_bodies
 from assistant.program.subjects import Declared
 
@@ -36,9 +36,9 @@ class _Splitter:
         self.findings, self.units = job.findings, units
         self.most = max(units.most, units.least_most)
         self.new: list[Procedure] = []
-        self.taken = {q.name for q in program.procedures} | {program.name}
-        self.taken |= {q.unit for q in program.procedures if q.unit is not None}
-        self.taken |= {*program.targets, *program.variables, *program.signals, *program.tools}
+        self.taken = TakenNames((program.name, *(q.name for q in program.procedures)))
+        self.taken.update(q.unit for q in program.procedures if q.unit is not None)
+        self.taken.update(program.targets, program.variables, program.signals, program.tools)
         self.count: dict[str | None, int] = {None: len(program.targets)}
         for q in program.procedures:
             kept = sum(size for size in _sizes(q) if size <= self.most)

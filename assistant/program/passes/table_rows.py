@@ -8,7 +8,7 @@ from dataclasses import replace
 from assistant.program import statements as p
 from assistant.program.analysis.uses import declared, names_in
 from assistant.program.geometry import Frame, Tool
-from assistant.program.program import Declaration, Program, identifier
+from assistant.program.program import Declaration, Program, TakenNames, identifier
 from assistant.program.rewriting import exchanged
 
 Table = tuple[Declaration, Sequence[Tool | Frame]]
@@ -27,7 +27,7 @@ def with_table_rows(
     tables: by lower-case name. said: what a kept text says where rows are named.
     """
     names: dict[tuple[str, int], str] = {}
-    taken = set(declared(program))
+    taken = TakenNames(declared(program))
 
     def named(table: str, place: int) -> str | None:
         key = table.lower(), place

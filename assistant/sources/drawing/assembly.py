@@ -12,7 +12,7 @@ from assistant.program.budgets import CONTOURS, within
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
 from assistant.program.expressions import Name
 from assistant.program.geometry import Target
-from assistant.program.program import MANGLED, Procedure, Program, identifier
+from assistant.program.program import MANGLED, Procedure, Program, TakenNames, identifier
 from assistant.program.statements import Call, Move
 from assistant.sources.contours.layers import contour_program
 from assistant.sources.drawing.contents import Contents
@@ -103,7 +103,7 @@ def name_locations(locations: Sequence[Location], taken: Collection[str], path: 
 
     Names that were given come first, so that a counted one never takes one of them.
     """
-    used = {t.lower() for t in taken}
+    used = TakenNames(t.lower() for t in taken)
     names: dict[int, str] = {}
     findings: list[Diagnostic] = []
     drawn: set[str] = set()

@@ -16,7 +16,7 @@ from assistant.program.expressions import Name
 from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
 from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.path import Kind, Path
-from assistant.program.program import MANGLED, Procedure, Program, Signal, identifier
+from assistant.program.program import MANGLED, Procedure, Program, Signal, TakenNames, identifier
 from assistant.program.statements import Follow, Motion, Move, Statement
 from assistant.sources.process import Process
 from assistant.sources.rounding import SIZES, radii
@@ -242,7 +242,7 @@ class Names:
     def __init__(self) -> None:
         self.findings: list[Diagnostic] = []
         self._first: dict[str, str] = {}
-        self._taken: set[str] = set()
+        self._taken = TakenNames()
 
     def of(self, given: str, where: Mapping[str, Any], label: str) -> str:
         """The identifier of a name; label: how a repetition refers to this place."""

@@ -113,12 +113,12 @@ def loops(look: Look) -> Found:
     for part in look.once(parts):
         over: dict[int, s.Variable] = {}
         told: set[int] = set()
+        around = _Around(over)
         for block in part.blocks.all:
             line = look.code[block.first]
             if isinstance(loop := statement_of(line), s.For):
                 variable = over[block.first] = loop.variable
-                outer = [over.get(b.first) for b in block.chain if b is not block]
-                if any(o is not None and o.key == variable.key for o in outer):
+                if around.of(block.around, variable):
                     yield look.at(rules.SAME_VARIABLE, line, variable, name=variable.name)
         for at in part.scope.entries:
             item = look.code[at]
@@ -127,11 +127,44 @@ def loops(look: Look) -> Found:
             inner, target = part.blocks.around.get(at), _changed(item.statement)
             if target is None or inner is None:
                 continue
-            for block in inner.chain:
-                same = block.first in over and over[block.first].key == target.key
-                if same and block.first not in told:  # some leave their loops so, at many places
+            for block in reversed(around.of(inner, target)):
+                if block.first not in told:  # some leave their loops so, at many places
                     told.add(block.first)
                     yield look.at(rules.LOOP_VARIABLE, item, target, name=target.name)
+
+
+class _Around:
+    """The For loops around a place by their variable; places are asked for in their order.
+
+    over: place of a loop → its variable.
+    """
+
+    def __init__(self, over: Mapping[int, s.Variable]) -> None:
+        self._over = over
+        self._open: list[Block] = []
+        self._known: set[int] = set()
+        self._by_key: dict[str, list[Block]] = {}
+
+    def of(self, inner: Block | None, variable: s.Variable) -> list[Block]:
+        """Those around a place that count with a variable, the outer ones first.
+
+        inner: the innermost block around the place.
+        """
+        fresh: list[Block] = []
+        while inner is not None and id(inner) not in self._known:
+            fresh.append(inner)
+            inner = inner.around
+        while self._open and self._open[-1] is not inner:
+            left = self._open.pop()
+            self._known.discard(id(left))
+            if left.first in self._over:
+                self._by_key[self._over[left.first].key].pop()
+        for block in reversed(fresh):
+            self._open.append(block)
+            self._known.add(id(block))
+            if block.first in self._over:
+                self._by_key.setdefault(self._over[block.first].key, []).append(block)
+        return self._by_key.get(variable.key, [])
 
 
 def _changed(statement: s.Statement | None) -> s.Variable | None:

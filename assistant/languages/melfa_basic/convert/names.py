@@ -12,6 +12,7 @@ from assistant.languages.melfa_basic.tables.words import RESERVED, free
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
 from assistant.languages.melfa_basic.tree.targets import labels_named, labels_written
+from assistant.program.program import TakenNames
 from assistant.program.rewriting import records, rewrite
 
 KINDS: Final = ("named", "stems", "labelled")
@@ -66,7 +67,7 @@ def shortened(files: Sequence[Sequence[s.Item]], dialect: Dialect) -> Names:
     """Short names for what is too long for the dialect: the same in all files of a program."""
     names = Names()
     written = {n.upper() for items in files for n in variables_of(items)}
-    taken = {n for n in written if len(n) <= dialect.names} | RESERVED
+    taken = TakenNames((*(n for n in written if len(n) <= dialect.names), *RESERVED))
     for stem in sorted({stem for items in files for stem in stems_of(items)}):
         digits = max(len(n) - len(stem) for n in written if _numbered(n, stem))
         if len(stem) + digits > dialect.names:
@@ -77,7 +78,7 @@ def shortened(files: Sequence[Sequence[s.Item]], dialect: Dialect) -> Names:
             names.named[name] = free(name, dialect.names, taken)
     labels = {n.upper() for items in files for n in labels_written(items)}
     labels.update(*(labels_named(items) for items in files))
-    short = {n for n in labels if _plain_label(n, dialect)} | RESERVED
+    short = TakenNames((*(n for n in labels if _plain_label(n, dialect)), *RESERVED))
     for name in sorted(labels - short):
         plain = name.replace("_", "") if dialect.upper else name
         names.labelled[name] = free(plain, dialect.labels, short)

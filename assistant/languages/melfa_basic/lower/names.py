@@ -17,13 +17,7 @@ from assistant.languages.melfa_basic.tables.variables import LETTERS, is_externa
 from assistant.languages.melfa_basic.tables.vocabulary.timers import MOST_TIMERS
 from assistant.languages.melfa_basic.tables.words import ARC_START, RESERVED, free
 from assistant.program.passes.names import free_counters
-from assistant.program.program import (
-    Parameter,
-    Procedure,
-    Program,
-    Variable,
-    walk,
-)
+from assistant.program.program import Parameter, Procedure, Program, TakenNames, Variable, walk
 from assistant.program.statements import Label
 from assistant.program.timers import numbered
 
@@ -81,7 +75,7 @@ class Names:
 
 def naming(program: Program, dialect: Dialect, products: bool = False) -> Names:
     """The names of a whole program; the same program always gets the same."""
-    names, taken = Names(products=products), {ARC_START, *RESERVED}
+    names, taken = Names(products=products), TakenNames((ARC_START, *RESERVED))
     for group, letter, given in (
         (names.targets, "P", program.targets),
         (names.joints, "J", program.joint_targets),
@@ -105,7 +99,7 @@ def naming(program: Program, dialect: Dialect, products: bool = False) -> Names:
             short = _variable(name, "M", dialect.names, taken)
             names.loops[owner, name.lower()] = short
             names.original_loops[short] = name
-    labels = taken if dialect.functions else set(RESERVED)
+    labels = taken if dialect.functions else TakenNames(RESERVED)
     labels.add(MAIN)
     for entry in program.procedures:
         names.procedures[entry.name.lower()] = _label(entry.name, dialect.labels, labels)
@@ -117,7 +111,7 @@ def naming(program: Program, dialect: Dialect, products: bool = False) -> Names:
                     short = _label(statement.name, dialect.labels, labels)
                     names.labels[key] = short
                     names.original_labels[short] = statement.name
-    files: set[str] = set()
+    files = TakenNames()
     names.units[None] = program_name(program.name, files)
     for entry in program.procedures:
         if entry.unit is not None and entry.unit not in names.units:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from assistant.languages.melfa_basic.tables.vocabulary import functions, statement, statements
+from assistant.program.program import TakenNames
 
 
 def spelled(word: str) -> str:
@@ -22,9 +23,14 @@ ARC_START: Final = "PSTART"
 
 def free(name: str, most: int, taken: set[str]) -> str:
     """A name of at most so many characters that begins like the given one; then it is taken."""
-    found, count = name[:most], 2
-    while found in taken:
-        tail = f"Z{count}" if name[-1:].isdigit() else str(count)
-        found, count = name[: most - len(tail)] + tail, count + 1
+    found = name[:most]
+    if found in taken:
+        mark = "Z" if name[-1:].isdigit() else ""
+        counts = taken.counts if isinstance(taken, TakenNames) else {}
+        key = found, mark, most
+        count = counts.get(key, 2)
+        while (found := name[: most - len(f"{mark}{count}")] + f"{mark}{count}") in taken:
+            count += 1
+        counts[key] = count
     taken.add(found)
     return found

@@ -53,13 +53,15 @@ def duplicates(look: Look) -> Found:
     """
     own: set[str] = set()
     earlier = set() if look.task.mixed else {id(other) for other in look.before}
+    before: dict[str, bool] = {}
     for item in look.module.items:
         declared = declaration(item, look.module)
         if declared is None or isinstance(item, s.TargetRunNode):
             continue
         name = declared.name.lower()
-        shared = look.task.shared.all(name) if not declared.local else ()
-        elsewhere = any(id(one.module) in earlier for one in shared)
+        if name not in before:
+            before[name] = any(id(one.module) in earlier for one in look.task.shared.all(name))
+        elsewhere = before[name] and not declared.local
         other = look.task.row(declared.name, look.module)
         here = name in own or (other is not None and other.module is look.module)
         if here or elsewhere or (other is not None and not look.task.mixed):

@@ -13,7 +13,7 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.runs import MotionNames
 from assistant.languages.rapid.tree.walk import nodes
 from assistant.languages.runs.names import Index, Names
-from assistant.program.program import identifier
+from assistant.program.program import TakenNames, identifier
 from assistant.program.rewriting import rewrite
 
 
@@ -22,7 +22,7 @@ def with_own_names(modules: Sequence[s.Module]) -> Sequence[s.Module]:
     if len(modules) < 2 or not _any_twice(modules):
         return modules
     declared = [dict(_declared(module)) for module in modules]
-    taken = {*chain(*declared), *_said(modules)}
+    taken = TakenNames((*chain(*declared), *_said(modules)))
     made = []
     for at, (module, own) in enumerate(zip(modules, declared, strict=True)):
         names: dict[str, str] = {}

@@ -30,7 +30,7 @@ from assistant.program import statements as p
 from assistant.program.arrays import Floats, Rows
 from assistant.program.geometry import Target
 from assistant.program.path import UNSTATED, Kind, Path
-from assistant.program.program import Variable, identifier
+from assistant.program.program import TakenNames, Variable, identifier
 from assistant.robots.configurations import from_confdata
 
 _NAMED: Final = (s.Data, s.Routine, s.Record, s.Alias)
@@ -53,7 +53,7 @@ class PathLift:
         runs = [i.run for m in modules for i in m.items if isinstance(i, s.TargetRunNode)]
         self.table = joined([TargetRun(Names.none(0), np.empty((0, PARTS[-1][1]))), *runs])
         self.known = NamedTargets(self.table.names)
-        self._taken = {i.name for m in modules for i in m.items if isinstance(i, _NAMED)}
+        self._taken = TakenNames(i.name for m in modules for i in m.items if isinstance(i, _NAMED))
         seen = list(nodes(tuple(modules))) if runs else []
         named = (node.name for node in seen if isinstance(node, s.NameRef))
         self.known.count(Names.of([name for name in named if name.isascii()]))

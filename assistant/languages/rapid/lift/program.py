@@ -35,6 +35,7 @@ from assistant.program.program import (
     Parameter,
     Procedure,
     Program,
+    TakenNames,
     Variable,
     identifier,
 )
@@ -149,7 +150,7 @@ class _Lift:
         elsewhere = {name for m in others for name in _routines(m)}
         own = _routines(module)
         hidden = [r for key, r in own.items() if r.local and key in elsewhere]
-        taken = {*elsewhere, *own, *(name.lower() for name in self.data.variables)}
+        taken = TakenNames((*elsewhere, *own, *(name.lower() for name in self.data.variables)))
         return {r.name.lower(): identifier(f"{module.name}_{r.name}", taken) for r in hidden}
 
     def module(self, module: s.Module, header: Header) -> tuple[list[Procedure], list[Declaration]]:

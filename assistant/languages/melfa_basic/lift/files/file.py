@@ -33,6 +33,7 @@ from assistant.program.program import (
     Parameter,
     Procedure,
     Program,
+    TakenNames,
     Variable,
     identifier,
 )
@@ -248,7 +249,7 @@ class Unit:
         symbols = Symbols(
             self.header, self.file.positions, self.ways.constants, self.scope.copy(), self.robot,
             self.file.tree.dialect, self.own, dict(program.signals), dict(program.variables),
-            {name.lower() for table in tables for name in table},
+            TakenNames(name.lower() for table in tables for name in table),
         )  # fmt: skip
         symbols.timers = self.ways.timers
         return symbols
@@ -267,7 +268,7 @@ class Unit:
     def _routines(self, symbols: Symbols) -> list[Routine]:
         """What each region is called; functions are noted among the symbols."""
         code = self.code
-        taken = {*(q.name for q in self.program.procedures), *self.programs}
+        taken = TakenNames((*(q.name for q in self.program.procedures), *self.programs))
         listed = []
         for number, region in enumerate(self.ways.regions):
             if number == 0:
@@ -286,13 +287,13 @@ class Unit:
             listed.append(routine)
         return listed
 
-    def _name_forms(self, listed: list[Routine]) -> set[str]:
+    def _name_forms(self, listed: list[Routine]) -> TakenNames:
         """The first form of a procedure has its name, the others a number behind it.
 
         Gives the names that are taken then.
         """
-        taken = {q.name for q in self.program.procedures} | {r.name for r in listed}
-        taken |= self.programs
+        taken = TakenNames((*(r.name for r in listed), *self.programs))
+        taken.update(q.name for q in self.program.procedures)
         for routine, forms in zip(listed, self.ways.called.forms, strict=True):
             for form in forms.values():
                 form.name = routine.name

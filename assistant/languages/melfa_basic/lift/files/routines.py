@@ -30,6 +30,7 @@ from assistant.program.program import (
     Declaration,
     Parameter,
     Procedure,
+    TakenNames,
     ValueType,
     Variable,
     identifier,
@@ -101,7 +102,7 @@ def inside_of(
         inside.types[parameter.name.upper()] = parameter.type
         inside.sizes[parameter.name.upper()] = (0,) * parameter.dimensions
     scope = scope_of(code[region.low : region.high], (*symbols.routines, key))
-    taken = set(inside.names)
+    taken = TakenNames(inside.names)
     defined = _defined(code[region.low : region.high])
     for name_key, written in scope.names.items():
         declared = name_key in scope.types and name_key in defined
@@ -168,7 +169,7 @@ def _is_result(variable: s.Variable, key: str) -> bool:
     return variable.key == key and variable.arguments is None
 
 
-def defined_functions(code: Code, symbols: Symbols, taken: set[str]) -> list[Procedure]:
+def defined_functions(code: Code, symbols: Symbols, taken: TakenNames) -> list[Procedure]:
     """Functions of one expression (`Def FN`) as procedures; those that can be said get routines.
 
     taken: names of procedures, to which theirs are added.

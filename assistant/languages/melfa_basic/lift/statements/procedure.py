@@ -19,7 +19,7 @@ from assistant.languages.settings.forms import Form, PassLabels
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Span
-from assistant.program.program import identifier
+from assistant.program.program import TakenNames, identifier
 from assistant.program.rewriting import head, records
 
 
@@ -54,7 +54,7 @@ class Reader(Control):
         return tuple(made)
 
     def _take_labels(self, region: Region) -> None:
-        taken: set[str] = set()
+        taken = TakenNames()
         self.label_names = {}
         for low, high in (region.before, (region.low, region.high)):
             for label in sorted(labels_of(self.code, range(low, high))):
@@ -77,7 +77,7 @@ class Reader(Control):
             self.label_names = {f"**{n}": n for n in self.names.taken} | self.own_labels
             high = one.places[-1] + 1
             made += self.statements(one.places[0], high)
-            self.names.taken |= set(self.label_names.values())
+            self.names.taken.update(self.label_names.values())
             if _leaves(made) or one.falls is below:
                 continue
             if one.falls is not None:

@@ -56,10 +56,17 @@ def _begins(code: list[s.Entry], at: int) -> bool:
 def _joined(code: list[s.Entry], spans: list[range]) -> list[int]:
     """By run, the first of those that jumps join with it."""
     home = {name: k for k, span in enumerate(spans) for name in labels_of(code, span)}
-    whole = list(range(len(spans)))
+    joined = list(range(len(spans)))
+
+    def first(k: int) -> int:
+        while joined[k] != k:
+            joined[k] = joined[joined[k]]
+            k = joined[k]
+        return k
+
     for k, span in enumerate(spans):
         for name in jumps(code, span):
             if name in home:
-                one, two = sorted((whole[k], whole[home[name]]))
-                whole = [one if part == two else part for part in whole]
-    return whole
+                one, two = sorted((first(k), first(home[name])))
+                joined[two] = one
+    return [first(k) for k in joined]

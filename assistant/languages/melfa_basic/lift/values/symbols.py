@@ -103,10 +103,7 @@ class Symbols:
 
     def free(self, given: str) -> str:
         """A name close to the given one that nothing has yet; from now on it is taken."""
-        plain = identifier(given)
-        free, count = plain, 2
-        while free.lower() in self.taken:
-            free, count = f"{plain}_{count}", count + 1
+        free = identifier(given, self.taken)
         self.taken.add(free.lower())
         return free
 
