@@ -5,7 +5,7 @@ import tomllib
 
 import pytest
 
-from assistant import deploy
+from assistant import __version__, deploy
 from assistant.program.diagnostics import Refused
 from assistant.project import build, project_of, targets_of
 from assistant.project.checking import check
@@ -81,6 +81,16 @@ def test_what_pipelines_run_are_commands_of_this_program(home):
         command, *options = line.partition(" >")[0].split()[1:]
         there = {name for one in known[command].params for name in one.opts}
         assert {option for option in options if option.startswith("-")} <= there, line
+
+
+def test_pipelines_take_us_from_no_index(home):
+    """Where anybody could put something else by our name."""
+    start(home.folder)
+    wheel = f"./wheels/robot_assistant-{__version__}-py3-none-any.whl[virtual,rws]"
+    for name in (".github/workflows/robot.yml", ".gitlab-ci.yml"):
+        text = (home.folder / name).read_text("utf-8")
+        assert set(re.findall(r"pip install (.*)", text)) == {'"$ROBOT_ASSISTANT"'}
+        assert re.findall(r"ROBOT_ASSISTANT: (.*)", text) == [f'"{wheel}"']
 
 
 def test_editors_are_told_where_the_schema_is():

@@ -1,0 +1,59 @@
+"""The page about security says of every command what it may touch."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from typer.main import get_command
+
+from assistant.cli.app import app
+
+PAGE = (Path(__file__).parent.parent / "docs" / "security.md").read_text("utf-8")
+ROW = re.compile(r"^\| `([a-z0-9 ]+)` \| (.*) \| (.*) \| (yes|no) \|$", re.M)
+TALKS = {"deploy", "plan", "verify", "rollback"}
+"""Commands that reach controllers of the project without being given one."""
+
+
+def commands(group, path=()):
+    """Names of all commands, with what options and arguments they take."""
+    for name, one in group.commands.items():
+        inner = getattr(one, "commands", None)
+        if inner is None or one.invoke_without_command:
+            yield " ".join((*path, name)), {word for given in one.params for word in given.opts}
+        if inner is not None:
+            yield from commands(one, (*path, name))
+
+
+def rows():
+    return {name: (here, there, asks == "yes") for name, here, there, asks in ROW.findall(PAGE)}
+
+
+def test_every_command_is_in_the_table():
+    known = dict(commands(get_command(app)))
+    assert len(known) > 40
+    assert set(rows()) == set(known)
+    assert len(ROW.findall(PAGE)) == len(known)
+
+
+def test_those_ask_that_can_be_answered_in_advance():
+    known = dict(commands(get_command(app)))
+    assert {n for n, (_, _, asks) in rows().items() if asks} == {
+        name for name, options in known.items() if "--yes" in options
+    }
+    for _, there, asks in rows().values():
+        assert ("*" in there) == asks
+
+
+def test_what_is_written_are_options_that_there_are():
+    known = dict(commands(get_command(app)))
+    for name, (here, there, _) in rows().items():
+        named = set(re.findall(r"`(--?[a-z-]+)`", here + there))
+        assert named <= known[name], name
+
+
+def test_those_reach_a_controller_that_are_given_one():
+    known = dict(commands(get_command(app)))
+    quiet = ("nothing", "is one", "virtual ones of its own")
+    reaching = {name for name, (_, there, _) in rows().items() if there not in quiet}
+    assert reaching == TALKS | {n for n, options in known.items() if "cell" in options}
