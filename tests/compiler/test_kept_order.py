@@ -8,7 +8,7 @@ import pytest
 
 from assistant import compile, languages
 from assistant.compiler.loading import parse_pseudo
-from assistant.program.diagnostics import Severity
+from assistant.program.diagnostics import Severity, has_errors
 from assistant.program.text import SourceText
 
 RAPID = languages.get("rapid")
@@ -52,3 +52,37 @@ def test_a_kept_move_is_named_whose_settings_would_be_written_for_others() -> No
     (told,) = [f for f in made.findings if f.severity is Severity.ERROR]
     assert (told.code, made.files) == ("CO107", {})
     assert kept in told.message
+
+
+def errors_of(text: str, language: str) -> list[tuple[str, str]]:
+    made = compile(parse_pseudo(SourceText(text, "a.pseudo")), language=language)
+    assert made.ok is not has_errors(made.findings)
+    return [(f.code, f.message) for f in made.findings if f.severity is Severity.ERROR]
+
+
+def test_a_timer_that_nothing_restarts_is_refused_in_rapid() -> None:
+    text = "program a\nprocedure main\n{}  if elapsed(cycle) > 2\n    stop\n  end\nend\n"
+    ((code, message),) = errors_of(text.format(""), "rapid")
+    assert (code, "`cycle`" in message) == ("RA305", True)
+    assert not errors_of(text.format("  restart timer cycle\n"), "rapid")
+
+
+@pytest.mark.parametrize("level", [4, 5, 6])
+def test_products_of_poses_are_read_back(level: int) -> None:
+    head = (
+        "program a\nvariable v pose = pose [1, 2, 3] [1, 0, 0, 0]\nprocedure main\n  v = {}\nend\n"
+    )
+    for said in ("v @ v", "inverse(v) @ v", "(v @ v) @ v"):
+        assert not errors_of(head.format(said), f"melfa-basic-{level}")
+    for refused in ("v @ pose [1, 2, 3]", "pose [0, 0, 1] @ v"):
+        ((code, message),) = errors_of(head.format(refused), f"melfa-basic-{level}")
+        assert (code, "a pose in numbers" in message) == ("MB209", True)
+
+
+def test_a_kept_text_does_not_come_to_name_another_variable() -> None:
+    kept = "opaque melfa-basic-4 | ON M1 GOSUB ,*S0,*S0"
+    head = "program a\nvariable M1 number\nprocedure main\n  call part(2)\nend\n"
+    text = f"{head}procedure part({{}} number)\n  {kept}\nend\nprocedure S0\nend\n"
+    ((code, message),) = errors_of(text.format("M1"), "melfa-basic-4")
+    assert (code, "names the parameter `M1`" in message) == ("MB209", True)
+    assert not errors_of(text.format("M2"), "melfa-basic-4")

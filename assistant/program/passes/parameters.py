@@ -28,6 +28,7 @@ from assistant.program.analysis.uses import (
     unordered,
 )
 from assistant.program.diagnostics import Rule
+from assistant.program.effects import unknown
 from assistant.program.passes.hoisting import Taken, hoisted
 from assistant.program.passes.legalising import Legalising
 from assistant.program.passes.procedures import has_form, is_called_with_arguments
@@ -71,7 +72,21 @@ def without_parameters(job: Legalising, told: Rule) -> Program:
         about = Declared(procedure.name, "procedures")
         with job.findings.at(procedure.span):
             job.findings.append(told(name=procedure.name, about=about))
+        _leave_kept_texts(job, procedure)
     return _Forms(job, formed).program() if formed else program
+
+
+def _leave_kept_texts(job: Legalising, procedure: Procedure) -> None:
+    """An error for each kept text that names a parameter: it would name another variable then."""
+    own = {parameter.name.lower(): parameter.name for parameter in procedure.parameters}
+    for node in walk(procedure.body):
+        for part in records(head(node)) if own else ():
+            if isinstance(part, p.Opaque | e.Verbatim):
+                effect = unknown(part.text) if part.effect is None else part.effect
+                for name in sorted(effect.names & own.keys()):
+                    what = f"`{part.text}`, which names the parameter `{own[name]}`"
+                    with job.findings.at(node.span):
+                        job.cannot(what, "say it in plain statements")
 
 
 @dataclass(frozen=True, slots=True)

@@ -176,6 +176,13 @@ def test_what_the_first_dialect_lacks_is_an_error(text: str) -> None:
     assert any(UNSAYABLE[text] in message for message in found), found
 
 
+def test_groups_of_signals_of_a_kept_move_have_their_new_names(tmp_path: Path) -> None:
+    file = tmp_path / "WORK.prg"
+    file.write_text("1 Mov P_Base WthIf M_In(1)=1,M_Outb(8)=M_Inw(0)\n2 End\n", encoding="ascii")
+    made = assistant.translate(file, to=V, language=VI)
+    assert b",M_Out8(8)=M_In16(0)" in made.files["WORK.prg"]
+
+
 def test_an_error_names_the_line() -> None:
     (finding,) = converted("Mov P1\nFine 0.5,P\n", V, IV).findings
     assert (finding.path, finding.line, finding.code) == ("WORK.prg", 2, "MB501")

@@ -121,6 +121,8 @@ def _plain(tree: s.File, lowest: int) -> s.File:
     if lowest == 4 and DIALECTS[tree.dialect].level > 4:
         lower = DIALECTS["melfa-basic-4"]
         items = words.Words(lower, Memory(), _silent).lines(lines.fitted(items, lower))
+    elif lowest > 4:
+        items = [rewrite(item, words.in_new_words) for item in items]
     table = names.Names(
         *({k: v.upper() for k, v in getattr(memory, kind).items()} for kind in names.KINDS)
     )

@@ -44,6 +44,14 @@ INITIAL: Final = {"Tool": "P_NTool", "Base": "P_NBase"}
 STAY: Final = "do without it, or stay with the dialect that has it"
 
 
+def in_new_words(record: Any) -> Any:
+    """Groups of signals by the names that MELFA-BASIC V and VI have for them."""
+    if isinstance(record, s.Variable) and (group := GROUPS.get(record.key)) is not None:
+        bits, out = group
+        return replace(record, name=DIALECTS["melfa-basic-6"].groups[bits][out])
+    return record
+
+
 class Words:
     """Says the lines of one program in the words of a dialect; complains of what it lacks."""
 

@@ -143,6 +143,8 @@ class Expressions:
                 operator in e.RELATIONS and (limit := _milliseconds(seconds)) is not None
             ):
                 return s.Binary(operator, s.Number(limit), self.timer(timer))
+            case e.Binary("@", e.PoseValue(), _) | e.Binary("@", _, e.PoseValue()):
+                raise Unsayable("a pose in numbers in a product", "give a variable that value")
             case e.Binary(operator=operator, left=left, right=right):
                 sides = self.of(left), self.of(right)
                 if operator in e.RELATIONS and any(map(_is_position, sides)):
@@ -171,10 +173,8 @@ class Expressions:
     def verbatim(self, value: e.Verbatim) -> s.Expression:
         node = expression(value.text) if value.language in DIALECTS else None
         if node is None:
-            what, cure = (
-                f"the {value.language} expression `{value.text}`",
-                "write it in plain words",
-            )
+            what = f"the {value.language} expression `{value.text}`"
+            cure = "write it in plain words"
             if value.reason is not None:
                 what, cure = f"{what}: {value.reason.why}", value.reason.cure
             raise Unsayable(what, cure)

@@ -39,6 +39,8 @@ from assistant.program.timers import in_seconds
 _PLAIN: Final = {melfa.upper(): name for name, melfa in PLAIN.items()}
 _OF_ANGLE: Final = {melfa.upper(): name for name, melfa in OF_ANGLE.items()}
 _TO_ANGLE: Final = {melfa.upper(): name for name, melfa in TO_ANGLE.items()}
+_PLACES: Final = frozenset(("position", "pose"))
+"""Types of what stands somewhere, of which a product is one that stands in another."""
 _NUMBERS: Final = {
     "M_ON": e.Number(1),
     "M_OFF": e.Number(0),
@@ -114,7 +116,7 @@ class Expressions(Types):
         if group is not None:
             return group
         kinds = self.type_of(left), self.type_of(right)
-        if "position" in kinds or isinstance(right, s.Constant):
+        if not _PLACES.isdisjoint(kinds) or isinstance(right, s.Constant):
             return self.placed(operator, left, right)
         if operator in ("<<", ">>") or ("joints" in kinds and not self.m.own):
             raise Unliftable
@@ -334,7 +336,7 @@ class Expressions(Types):
             given = amounts(operator, constant, self.m)
             name = "relative" if operator == "*" else "offset"
             return e.Apply(name, (self.plain(left), *map(e.Number, given)))
-        positions = self.type_of(left) == self.type_of(right) == "position"
+        positions = {self.type_of(left), self.type_of(right)} <= _PLACES
         if operator == "*" and positions and self.m.own:
             return e.Binary("@", self.plain(left), self.plain(right))
         raise Unliftable

@@ -41,6 +41,8 @@ class StatementAdapter(Rewording):
         self.program, self.motions, self.written = job.program, motions, written
         self.signals = {n.lower(): g for n, g in job.program.signals.items()}
         self.targets: dict[str, Target] = {}
+        starts = (x for x in job.program.statements() if isinstance(x, p.StartTimer))
+        self.restarted = {x.timer.lower() for x in starts}
 
     def procedure(self, procedure: Procedure) -> Procedure:
         with self.job.findings.at(procedure.span):
@@ -63,6 +65,8 @@ class StatementAdapter(Rewording):
 
     def expression(self, x: e.Expression) -> e.Expression:
         match x:
+            case e.Elapsed(timer) if timer.lower() not in self.restarted:
+                self.job.cannot(f"the time of `{timer}`, which nothing restarts", "restart it")
             case e.Apply("floor", (inner,)) if is_repeatable(inner):
                 x = floor(inner)
             case e.Apply("inverse", (inner,)) if is_position(inner, self.known):
