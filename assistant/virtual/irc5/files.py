@@ -50,6 +50,10 @@ class Home(AbstractedFS):  # type: ignore[misc]
         path = str(super().ftpnorm(re.sub(rf"^/*{UNIT}(?=/|$)", "/", ftppath, flags=re.I)))
         return re.sub(rf"^/{UNIT}(?=/|$)", "", path, flags=re.I) or "/"
 
+    def validpath(self, path: str) -> bool:
+        """Whether it is inside the folder; no file has a NUL in its name."""
+        return "\0" not in path and bool(super().validpath(path))
+
     def open(self, filename: str, mode: str) -> Any:
         if "r" in mode and "+" not in mode:
             return super().open(filename, mode)
@@ -163,6 +167,14 @@ class Session(FTPHandler):  # type: ignore[misc]
     dtp_handler = Transfer
     auth_failed_timeout = 0.2
     use_sendfile = False
+
+    def add_channel(self, map: Any = None, events: Any = None) -> None:
+        """Listens again, after a failed login was kept waiting, unless the client has gone.
+
+        The number of its socket may be that of another client by then, who would never be heard.
+        """
+        if not getattr(self, "_closed", False):
+            super().add_channel(map, events)
 
 
 def _refusal(name: str, errors: list[Diagnostic]) -> list[str]:

@@ -6,6 +6,7 @@ import io
 import logging
 import socket
 import threading
+import time
 
 import pytest
 
@@ -184,6 +185,13 @@ def test_nothing_outside_is_reached(controller, ftp, path):
     assert sorted(f.name for f in controller.folder.parent.iterdir()) == ["home", "outside.txt"]
 
 
+@pytest.mark.parametrize("command", ["SIZE", "MLST", "DELE", "CWD", "RNFR", "SITE CHMOD 777"])
+def test_a_nul_in_a_name_is_refused(ftp, command, caplog):
+    with pytest.raises(ftplib.error_perm):
+        ftp.sendcmd(f"{command} a\0b")
+    assert not caplog.records and ftp.voidcmd("NOOP").startswith("200")
+
+
 def test_a_link_out_of_home_is_not_followed(controller, ftp):
     (controller.folder / "link").symlink_to(controller.folder.parent)
     with pytest.raises(ftplib.error_perm):
@@ -263,6 +271,20 @@ def test_the_user_has_to_be_right_and_no_password_is_logged(controller, caplog):
         assert ftp.nlst() == []
     assert controller.password not in caplog.text and "guessed-wrong" not in caplog.text
     assert len(controller.password) >= 12 and controller.password not in repr(controller)
+
+
+@pytest.mark.slow  # a failed login is kept waiting
+def test_a_failed_login_that_goes_takes_nobody_else_along(controller):
+    """The one that comes next has the number of its socket."""
+    for _ in range(3):
+        with socket.create_connection(("127.0.0.1", controller.port), 5) as line:
+            line.sendall(b"USER x\r\nPASS y\r\nQUIT\r\n")
+            line.shutdown(socket.SHUT_WR)
+            while line.recv(100):
+                pass
+        with session(controller) as ftp:
+            time.sleep(0.25)  # as long as a failed login is kept waiting
+            assert ftp.voidcmd("NOOP").startswith("200")
 
 
 def test_a_given_port_and_password(tmp_path):
