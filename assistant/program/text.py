@@ -93,14 +93,15 @@ class SourceText:
         """The rule's finding at a span of this text, with line, column and excerpt."""
         line, column = self.line_column(span.start)
         end_line, end_column = self.line_column(span.end)
+        excerpt = self.line_text(line)
         return rule(
             path=self.path,
             span=span,
             line=line,
-            column=column,
-            excerpt=self.line_text(line),
+            column=min(column, len(excerpt) + 1),  # not among the characters that end the line
+            excerpt=excerpt,
             end_line=end_line,
-            end_column=end_column,
+            end_column=min(end_column, len(self.line_text(end_line)) + 1),
             **fields,
         )
 

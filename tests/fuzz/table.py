@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Final
 
-from tests.fuzz import answering, command, files, programs, serving
+from tests.fuzz import answering, command, crossing, files, programs, serving
 from tests.fuzz.target import Target
 
 TARGETS: Final[dict[str, Target]] = {
     target.name: target
-    for module in (programs, files, answering, serving, command)
+    for module in (programs, crossing, files, answering, serving, command)
     for target in module.TARGETS
 }
 """By name, in the order in which they are run."""

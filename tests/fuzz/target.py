@@ -77,14 +77,17 @@ def sound(findings: Iterable[Diagnostic]) -> None:
 
 
 @contextmanager
-def refusing() -> Iterator[None]:
-    """What is refused inside is well, as long as it is told as it should be."""
+def refusing(path: str | None = None) -> Iterator[None]:
+    """What is refused inside is well, as long as it is told as it should be.
+
+    path: of the one file that it can be about, which its command names.
+    """
     with suppress(Refused):
         try:
             yield
         except Refused as refused:
             promise(bool(refused.findings), "refused without a finding")
-            sound(refused.findings)
+            sound(finding.within(path) for finding in refused.findings)
             raise
 
 
