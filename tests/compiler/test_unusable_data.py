@@ -29,7 +29,7 @@ MOVES = {
 """Frames that a target cannot be multiplied by, and what uses them."""
 
 
-@pytest.mark.parametrize("frames", ["base", "product"])
+@pytest.mark.parametrize("frames", ["product"])
 @pytest.mark.parametrize("moves", MOVES.values(), ids=MOVES)
 @pytest.mark.parametrize("declared", FRAMES.values(), ids=FRAMES)
 def test_a_frame_that_cannot_be_used_is_told_of(

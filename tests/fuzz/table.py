@@ -6,10 +6,11 @@ from typing import Final
 
 from tests.fuzz import answering, command, crossing, files, programs, serving
 from tests.fuzz.target import Target
+from tests.fuzz.valid import targets as valid
 
 TARGETS: Final[dict[str, Target]] = {
     target.name: target
-    for module in (programs, crossing, files, answering, serving, command)
+    for module in (programs, crossing, valid, files, answering, serving, command)
     for target in module.TARGETS
 }
 """By name, in the order in which they are run."""

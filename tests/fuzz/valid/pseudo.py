@@ -137,6 +137,8 @@ class Pseudo:
             self.names[type].append(one)
         for n in range(rng.choice((0, 0, 1, 2))):
             self.variable(f"{name}_{n}", lambda text: self.lines.append(f"  {text}"))
+        if name == "main":
+            self.say(1, "restart timer cycle")
         self.body(rng.choice((2, 4, 7)), 1)
         if result:
             self.say(1, f"return {self.expression(result)}")
