@@ -148,7 +148,7 @@ def _put_back(
             target, old = folder / name, holding / OLD / name
             if was_there and (not old.exists() or _are_one(target, old)):
                 continue  # it is back already
-            if not _says(target, digest):
+            if old.is_symlink() or not _says(target, digest):
                 changed += [name] if was_there else []
             elif was_there:
                 old.replace(target)

@@ -212,6 +212,17 @@ def test_what_somebody_has_changed_since_stays_and_what_it_was_is_kept(tmp_path,
     assert (left / "old" / "b.mod").read_text() == "old b"
 
 
+@pytest.mark.skipif(os.name == "nt", reason="links need a right there")
+def test_no_link_is_put_in_the_place_of_a_file(tmp_path, told):
+    left = killed(tmp_path, 2)
+    (left / "old" / "b.mod").unlink()
+    (left / "old" / "b.mod").symlink_to(tmp_path.parent / "elsewhere")
+    (tmp_path.parent / "elsewhere").write_text("not ours")
+    write_files({"z": b""}, tmp_path)
+    assert not (tmp_path / "b.mod").is_symlink() and [code for code, _ in told] == ["CO204"]
+    assert texts(tmp_path) == {"a.mod": "old a", "b.mod": "new b", "z": ""}
+
+
 def test_what_is_not_ours_is_told_and_left_alone(tmp_path, told):
     """An earlier version kept files so: they may be the only copies."""
     kept = tmp_path / ".robot-assistant-abc" / "replaced"
