@@ -54,6 +54,8 @@ _WHEN: Final = re.compile(r"\s*(?:(input|output)\s+)?([A-Za-z]\w*|\d+)\s*=\s*(\S
 _SIGNAL: Final = re.compile(r"[A-Za-z]\w*|\d+")
 _TRUTHS: Final = {"true": 1.0, "false": 0.0, "high": 1.0, "low": 0.0}
 MOST_SECONDS: Final = 1e9
+MOST_TYPED: Final = 1e15
+"""A number of more digits than are kept is typed in as a text."""
 
 
 def _signal(value: Any) -> str:
@@ -93,6 +95,8 @@ def _when(value: Any) -> When:
 def _answer(value: Any) -> str:
     if isinstance(value, bool) or not isinstance(value, str | int | float):
         raise Wrong(f"is {kind_of(value)}", "write a text in quotes, or a number")
+    if not isinstance(value, str) and not abs(value) < MOST_TYPED:
+        raise Wrong("is a number that nobody types in", "write it as a text in quotes")
     return value if isinstance(value, str) else f"{value:.15g}"
 
 
