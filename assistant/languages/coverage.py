@@ -113,7 +113,7 @@ def _kept(language: Language[Any], text: str) -> str:
     return language.declares(text) or _first_words(text)
 
 
-_ASSIGNED: Final = re.compile(r"[A-Za-z_]\w*[%!#&$]?(?:\([^=]*\)|\{[^=]*\}|\.\w+)*\s*:?=(?!=)")
+_ASSIGNED: Final = re.compile(r"[A-Za-z_]\w*[%!#&$]?(?:[({.][^=]*[)}\w])?\s*:?=(?!=)")
 _CALLED: Final = re.compile(r"[A-Za-z_]\w*\s*\(.*\)\s*;?", re.DOTALL)
 _MARKED: Final = re.compile(r"\*[A-Za-z_]\w*|[A-Za-z_]\w*:(?!=)")
 
