@@ -279,8 +279,9 @@ def _explained(proof: Proof, program: Program) -> Iterator[Diagnostic]:
         for part in records(head(node))
         if isinstance(part, Verbatim)
     }
-    moving = _kept_moves(program)
-    beside = proof.lifted is not None and bool(_kept_texts(proof.lifted) - _kept_texts(program))
+    moving, texts = _kept_moves(program), _kept_texts(program)
+    back = texts if proof.lifted is None else _kept_texts(proof.lifted)
+    beside, lost = bool(back - texts), next(iter(texts - back), None)
     for finding in proof.findings:
         same = finding.code == SAYS_OTHERWISE.code and finding.line is None
         text = kept.get(finding.span) if same and finding.span else None
@@ -288,6 +289,8 @@ def _explained(proof: Proof, program: Program) -> Iterator[Diagnostic]:
             yield KEPT_TEXT(text=text, span=finding.span)
         elif same and beside and moving is not None:
             yield KEPT_BESIDE(text=moving.text, span=moving.span)
+        elif same and lost is not None:
+            yield KEPT_TEXT(text=lost, span=finding.span)
         else:
             yield finding
 

@@ -86,3 +86,14 @@ def test_a_kept_text_does_not_come_to_name_another_variable() -> None:
     ((code, message),) = errors_of(text.format("M1"), "melfa-basic-4")
     assert (code, "names the parameter `M1`" in message) == ("MB209", True)
     assert not errors_of(text.format("M2"), "melfa-basic-4")
+
+
+def test_a_kept_text_that_comes_to_be_understood_is_named() -> None:
+    language = languages.get("melfa-basic-5")
+    lines = ("While M_In(7)=1", "M_Out(MCOUNT)=1", "WEnd", "If Not (MA=MCOUNT) Then M1=2", "End")
+    text = "".join(f"{at} {line}\n" for at, line in enumerate(lines, 1))
+    program = replace(language.lift(language.parse(text)), origin=None)
+    made = compile(program, language="melfa-basic-5")
+    errors = {f.code: f.message for f in made.findings if f.severity is Severity.ERROR}
+    assert list(errors) == ["CO104"]
+    assert "M_Out(MCOUNT)=1" in errors["CO104"]
