@@ -56,15 +56,15 @@ the first, in a text without line feeds.
 """
 TEXT_ENDS: Final = {
     "\0": "null character",
-    "\x03": "end of text",
-    "\x04": "end of transmission",
+    "\x03": "control character (end of text)",
+    "\x04": "control character (end of transmission)",
     "\x1a": "substitute (Ctrl-Z)",
 }
 """Characters that end a text: of C, of serial lines, of files of CP/M and DOS. At its end they may
 stand."""
 MISLEADS: Final = {
     "\b": "backspace",
-    "\x1b": "escape",
+    "\x1b": "control character (escape)",
     "\x7f": "delete",
     "\ufeff": "zero width no-break space",
     "\u200b": "zero width space",

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from assistant.program.diagnostics import Span
+from assistant.program.lines import with_line_feeds
 from assistant.program.pseudo.words import split_comment
 
 
@@ -25,11 +26,11 @@ class Line:
 def lines_of(source: str) -> Iterator[Line]:
     """The lines of a text that say anything, with their comments taken apart."""
     start = 0
-    for whole in source.split("\n"):
+    for whole in with_line_feeds(source).split("\n"):
         text = whole.lstrip(" \t\f\r\ufeff" if not start else " \t\f\r")
         begin = start + len(whole) - len(text)
         start += len(whole) + 1
-        text = text.removesuffix("\r")
+        text = text.rstrip("\r")
         if text.startswith("|") or (text.startswith("opaque") and "|" in text):
             yield Line(text, begin, None)  # whatever stands behind `|` is as it is
             continue
@@ -41,5 +42,5 @@ def lines_of(source: str) -> Iterator[Line]:
 
 def end_of_line(source: str, start: int) -> int:
     """The offset of the end of the line that an offset stands on."""
-    end = source.find("\n", start)
+    end = with_line_feeds(source).find("\n", start)
     return len(source) if end < 0 else end

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import islice
 from pathlib import Path as FilePath
 from typing import Any, Final, cast
 
 from lark import Token
 
 from assistant.program.budgets import READING, within
-from assistant.program.diagnostics import Diagnostic, Refused, Rule, Span
+from assistant.program.diagnostics import Diagnostic, Refused, Rule, Span, has_errors
 from assistant.program.program import Declaration, Procedure, Program
 from assistant.program.pseudo.blocks import (
     DIVIDING,
@@ -88,6 +89,8 @@ class _Reader:
         self._stack: list[Block] = []
 
     def program(self) -> Program:
+        odd = self._source.odd_characters()
+        self._findings += islice((one for one in odd if has_errors([one])), MOST_FINDINGS)
         for line in lines_of(self._source.text):
             self._guarded(self._line, line)
         for block in reversed(self._stack):
