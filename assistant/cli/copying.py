@@ -14,6 +14,7 @@ from assistant.cli.confirming import confirmed
 from assistant.cli.presentation import Format, note, print_json, say
 from assistant.program.bounded import read_file
 from assistant.program.diagnostics import Refused, error
+from assistant.program.lines import lines_of
 
 if TYPE_CHECKING:
     from assistant.controllers.controller import Restoring
@@ -135,7 +136,7 @@ def _tell_left_out(address: str, folder: Path) -> None:
 
     listed = folder / NOT_KEPT
     if listed.is_file():
-        names = listed.read_text("utf-8", errors="replace").splitlines()
+        names = lines_of(listed.read_text("utf-8", errors="replace"))
         some = ", ".join(names[:5]) + (" …" if len(names) > 5 else "")
         note(address, rules.LEFT_OUT(path=str(folder), count=len(names), names=some, file=listed))
 

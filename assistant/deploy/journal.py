@@ -212,7 +212,7 @@ def steps_of(folder: FilePath) -> list[tuple[Step, str]]:
             text = read_text(folder / STEPS, "utf-8", "replace")
         except FileNotFoundError:
             return found
-    for line in text.splitlines():
+    for line in text.split("\n"):
         try:
             row = json.loads(line)
             found.append((Step(row["step"]), str(row.get("program", ""))))

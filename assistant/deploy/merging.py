@@ -16,6 +16,7 @@ from difflib import SequenceMatcher
 from typing import Final
 
 from assistant.program.diagnostics import Refused
+from assistant.program.lines import ended_lines, line_end
 from assistant.program.text import decode
 
 Form = Callable[[bytes], bytes]
@@ -28,8 +29,6 @@ _WORD: Final = re.compile(
 _NUMBER: Final = re.compile(r"[+-]?\.?\d")
 _BEFORE_SIGNS: Final = frozenset("[(,=:")
 """Words behind which a sign is of the number that follows."""
-_LINE_END: Final = re.compile(r"[\r\n]")
-_LINE: Final = re.compile(r"[^\r\n]*(?:\r\n|\r|\n)|[^\r\n]+")
 DIGITS: Final = 6
 """Decimals to which numbers of two texts must agree that were written by different programs."""
 
@@ -171,7 +170,7 @@ def _carried(mine: _Text, theirs: _Text, mark: str) -> list[str]:
         elif step == "replace" and (
             text := _with_values("".join(block), theirs.lines[j1:j2], mark)
         ):
-            lines += _LINE.findall(text)
+            lines += ended_lines(text)
         elif i2 - i1 == j2 - j1:
             pairs = zip(block, theirs.lines[j1:j2], strict=True)
             lines += [_with_values(own, [new], mark) or _taken(new, end) for own, new in pairs]
@@ -198,14 +197,14 @@ def _with_values(own: str, other: Sequence[str], mark: str) -> str | None:
 
 def _words(text: str, mark: str) -> Iterator[tuple[str, int]]:
     """The words, each with where it begins; numbers with their signs. mark: of comments."""
-    before, behind = "[", 0
+    before, behind, end = "[", 0, line_end(text)
     sign: int | None = None
     for found in _WORD.finditer(text):
         word, start = found[0], found.start()
         if start < behind:
             continue
         if word == mark:
-            behind = len(text) if (end := _LINE_END.search(text, start)) is None else end.end()
+            behind = text.find(end, start) + 1 or len(text)
             continue
         if sign is not None:
             if _NUMBER.match(word) and sign + 1 == start:
@@ -232,7 +231,7 @@ def _end(line: str) -> str:
 
 def _text(data: bytes, form: Form, digits: int | None = None, mark: str = "") -> _Text:
     source = decode(data, None, ENCODINGS)
-    lines = _LINE.findall(source.text)
+    lines = ended_lines(source.text)
     known = {line: _key(line, source.encoding, form, digits, mark) for line in set(lines)}
     return _Text(lines, [known[line] for line in lines], source.encoding)
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Final, Generic, Literal, Protocol, Self, 
 from assistant.languages.budgeted import budgeted
 from assistant.program.diagnostics import Diagnostic, Refused, Severity, Span
 from assistant.program.effects import Effect, KeptKind, unknown
+from assistant.program.lines import lines_of
 from assistant.program.program import Origin, Program
 from assistant.program.text import SourceText, decode, encode, read_bytes
 
@@ -238,7 +239,7 @@ class Language(abc.ABC, Generic[T]):
         What it says is the form in which two states of a program in a controller's memory are
         compared: layout, comments and how a number is printed count for nothing. Here its lines.
         """
-        for line in text.splitlines():
+        for line in lines_of(text):
             if line.strip():
                 yield line.strip(), line.rstrip()
 

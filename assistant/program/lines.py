@@ -87,6 +87,8 @@ _MAY_BE_ODD: Final = {
     "\r": re.compile(rf"[{re.escape(_OTHER)}]"),
 }
 """What is looked at more closely, by what ends the lines of the text."""
+_NO_ENDS: Final = dict.fromkeys(map(ord, (LINE_ENDS.keys() | TEXT_ENDS.keys()) - {"\r"}))
+_SEVERAL_RETURNS: Final = re.compile(r"\r+\n")
 _CONTROL: Final = re.compile("[\\x00-\\x08\\x0a-\\x1f\\x7f-\\x9f\u2028\u2029]+")
 _LONE_RETURN: Final = re.compile(r"\r(?!\n)")
 _BLANK: Final = "".join(TEXT_ENDS) + " \t\r\n\v\f\x1c\x1d\x1e\x85\u2028\u2029"
@@ -114,6 +116,11 @@ def lines_of(text: str) -> list[str]:
     """The lines of a text without their ends. No empty one behind the last end."""
     lines = text.split(line_end(text))
     return [line.rstrip("\r") for line in (lines if lines[-1] else lines[:-1])]
+
+
+def without_ends(text: str) -> str:
+    """The text without what may end a line or the text for some; its lines end as they do."""
+    return _SEVERAL_RETURNS.sub("\r\n", text.translate(_NO_ENDS))
 
 
 def one_line(text: str) -> str:

@@ -239,7 +239,8 @@ def check_sent(data: bytes, path: str, *, by_line: bool = False) -> None:
         # next line is a letter, or half of one, in the code pages of Windows
         text = data.decode("latin-1").replace("\x85", ".")
     source = SourceText(text, path)
-    found = [odd for odd in islice(source.odd_characters(), 10) if odd.severity is Severity.ERROR]
+    odd = (one for one in source.odd_characters() if one.severity is Severity.ERROR)
+    found = list(islice(odd, 10))
     if not by_line and lines.line_end(text) == "\r" and len(lines.lines_of(text)) > 1:
         at = text.index("\r")
         found.append(source.finding(lines.LONE_RETURNS, Span(at, at + 1)))

@@ -196,7 +196,7 @@ def _in_pseudo(
         if key.lower() == change.name.lower()
     )
     wanted = _moved(program, key, _as_stated(place, change))
-    old, new = (pseudo.print_program(one).text.splitlines() for one in (program, wanted))
+    old, new = (pseudo.print_program(one).text.split("\n") for one in (program, wanted))
     lines = [line for line, other in zip(new, old, strict=True) if line != other]
     begins = re.compile(rf"^[ \t]*(?:target|joints)[ \t]+{re.escape(key)}\b[^#\r\n]*", re.MULTILINE)
     found = list(begins.finditer(text.text))

@@ -12,6 +12,7 @@ from assistant.program.arrays import Rows
 from assistant.program.effects import unknown
 from assistant.program.expressions import Expression, Name, Number
 from assistant.program.kept import effect_of
+from assistant.program.lines import lines_of
 from assistant.program.path import Kind
 from assistant.program.program import Procedure, walk
 from assistant.program.pseudo.expressions import expression_text
@@ -249,7 +250,7 @@ class Walker:
     def kept(self, statement: Opaque, state: State) -> State:
         """Vendor text: where it leads to, and for how long, only its own controller knows."""
         text, effect = statement.text, effect_of(statement)
-        line = text.strip().splitlines()[0] if text.strip() else text
+        line = lines_of(text.strip())[0] if text.strip() else text
         state = state.without(set(effect.names))
         if not self.kept_motion.possible(effect):
             self.note(f"`{line}` is taken as neither time nor motion")

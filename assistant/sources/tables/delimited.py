@@ -10,8 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program.arrays import Rows
-from assistant.program.diagnostics import Diagnostic, Refused, Severity, Unreadable, error, info
-from assistant.program.text import decode
+from assistant.program.diagnostics import (
+    Diagnostic,
+    Refused,
+    Severity,
+    Span,
+    Unreadable,
+    error,
+    info,
+)
+from assistant.program.lines import LINE_END_INSIDE, LINE_ENDS
+from assistant.program.text import SourceText, decode
 from assistant.sources.tables.cells import BLANKS, Cells, Offsets, line_of, unescaped
 
 ERROR: Final = Severity.ERROR
@@ -96,8 +105,23 @@ def _as_text(data: bytes, path: str) -> bytes:
         raise Unreadable(NOT_TEXT(path=path))
     if not data.isascii():
         data = decode(data, path, ("utf-8-sig", "utf-8", "cp1252")).text.encode()
+    _check_returns(data, path)
     text = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n") if b"\r" in data else data
     return text if text.endswith(b"\n") else text + b"\n"
+
+
+def _check_returns(data: bytes, path: str) -> None:
+    """Raises Refused for a carriage return alone that is no row's end for some readers."""
+    if b"\n" not in data or data.count(b"\r") == data.count(b"\r\n"):
+        return
+    quoted = False
+    for mark in re.finditer(rb'"|\r(?!\r*\n|\Z)', data):
+        if mark[0] == b'"':
+            quoted = not quoted
+        elif not quoted:
+            at = len(data[: mark.start()].decode())
+            source, character = SourceText(data.decode(), path), LINE_ENDS["\r"]
+            raise Refused(source.finding(LINE_END_INSIDE, Span(at, at + 1), character=character))
 
 
 def _delimiter(header: bytes) -> int:

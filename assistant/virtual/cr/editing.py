@@ -8,6 +8,7 @@ from typing import Final
 
 from assistant import languages
 from assistant.program.diagnostics import Refused
+from assistant.program.lines import lines_of
 from assistant.virtual.cr.command import VT, Command, bare, parts, whole
 from assistant.virtual.cr.lines import check
 from assistant.virtual.cr.state import CrSession
@@ -137,7 +138,7 @@ def _renumber(session: CrSession, argument: str) -> str:
     except Refused:
         raise CrRefusal(4410) from None
     renumbered = CrProgram()
-    for line in made.splitlines():
+    for line in lines_of(made):
         renumbered.put(line)
     program.renumber(renumbered.steps)
     session.changed = True

@@ -10,6 +10,7 @@ import re
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Final, Literal
 
+from assistant.program.lines import lines_of
 from assistant.virtual.irc5.programs import TASK
 
 if TYPE_CHECKING:
@@ -74,13 +75,13 @@ def parse(text: str) -> tuple[str, dict[str, dict[str, Instance]]]:
     if head is None or head[1].upper() not in DOMAINS:
         raise ValueError("it does not begin with the name of a domain")
     found: dict[str, dict[str, Instance]] = {}
-    lines = "\n".join(line for line in text.splitlines()[1:] if not line.lstrip().startswith("#"))
+    lines = "\n".join(line for line in lines_of(text)[1:] if not line.lstrip().startswith("#"))
     places = list(_TYPE.finditer(lines))
     ends = [*(place.start() for place in places[1:]), len(lines)]
     for place, end in zip(places, ends, strict=False):
         body = lines[place.end() : end].replace("\\\n", " ")
         instances = found.setdefault(place[1], {})
-        for row in body.splitlines():
+        for row in lines_of(body):
             attributes = {
                 name: (value or "TRUE").strip('"') for name, value in _ATTRIBUTE.findall(row)
             }

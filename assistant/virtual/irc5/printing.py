@@ -11,6 +11,7 @@ import re
 from typing import Final
 
 from assistant.languages.rapid import Rapid
+from assistant.program.lines import lines_of
 
 COMMENT: Final = re.compile(r'("[^"\n]*")|[ \t]*!.*')
 DATA: Final = re.compile(r"^[ \t]*(?:(?:LOCAL|TASK)[ \t]+)?(?:CONST|PERS|VAR)[ \t].*", re.I | re.M)
@@ -22,7 +23,7 @@ def printed_anew(text: str) -> str:
     rapid = Rapid()
     lines = COMMENT.sub(lambda found: found[1] or "", rapid.format(rapid.parse(text)))
     anew = DATA.sub(lambda found: NUMBER.sub(_number, found[0]), lines)
-    return "\n".join(line.strip() for line in anew.splitlines() if line.strip()) + "\n"
+    return "\n".join(line.strip() for line in lines_of(anew) if line.strip()) + "\n"
 
 
 def _number(found: re.Match[str]) -> str:

@@ -241,7 +241,7 @@ class _Search:
 
     def _near(self, at: int, line: int) -> list[int]:
         """Numbers that a statement compares with: of its line, else of those below it."""
-        lines = (self.first, self.second)[at].text().splitlines()
+        lines = (self.first, self.second)[at].text().split("\n")
         below = "\n".join(lines[line : line + BELOW])
         return (_numbers(lines[line - 1]) if line <= len(lines) else []) or _numbers(below)
 

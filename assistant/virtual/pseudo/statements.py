@@ -7,6 +7,7 @@ from typing import Any, Final
 
 from assistant.program import statements as p
 from assistant.program.expressions import Expression
+from assistant.program.lines import lines_of
 from assistant.program.program import Procedure
 from assistant.virtual.events import Said, Stopped
 from assistant.virtual.kernel.motion import Instant
@@ -233,7 +234,7 @@ def _message(m: Machine, node: p.Message) -> None:
 
 
 def _kept(_: Machine, node: p.Opaque) -> None:
-    lines = node.text.strip().splitlines() or [""]
+    lines = lines_of(node.text.strip()) or [""]
     raise NotRun(f"`{lines[0]}`, which is {node.language}")
 
 

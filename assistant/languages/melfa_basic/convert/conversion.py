@@ -27,6 +27,7 @@ from assistant.languages.melfa_basic.tree.targets import (
     targets_in,
 )
 from assistant.program.diagnostics import Diagnostic, has_errors
+from assistant.program.lines import without_ends
 from assistant.program.text import SourceText, finding_in
 
 DEEPEST: Final = 51
@@ -207,8 +208,9 @@ class _File:
 def _read(text: str, dialect: Dialect, tree: s.File) -> s.File:
     """The tree of a text as the file that it will be. tree: that it was made from."""
     source = tree.source
+    plain = without_ends(text)
     if source is None:
-        return parse(SourceText(text), dialect.name)
-    plain = text.replace("\r\n", "\n").replace("\n", source.newline)
+        return parse(SourceText(plain), dialect.name)
+    plain = plain.replace("\r\n", "\n").replace("\n", source.newline)
     path = None if source.path is None else PurePath(source.path).stem + ".prg"
     return parse(SourceText(plain, path, source.encoding, source.newline), dialect.name)
