@@ -25,7 +25,7 @@ from assistant.project.schema import schema
 from assistant.sources.process.file import read_process
 from assistant.virtual.melfa import Options
 from assistant.virtual.melfa.choosing import choose
-from docs import findings, house
+from docs import findings, house, limits
 from tests.forks import Forks
 
 PROJECT = Path(__file__).parent.parent
@@ -190,6 +190,11 @@ def test_the_files_of_a_page_are_read(page, text, tmp_path):
 def test_the_findings_page_is_what_the_rules_say():
     written = (PROJECT / "docs" / "findings.md").read_text(encoding="utf-8")
     assert written == findings.page(), "python -m docs.findings > docs/findings.md"
+
+
+def test_the_page_about_limits_is_what_they_are():
+    written = (PROJECT / "docs" / "limits.md").read_text(encoding="utf-8")
+    assert written == limits.page(), "python -m docs.limits > docs/limits.md"
 
 
 def test_every_finding_says_what_to_do():

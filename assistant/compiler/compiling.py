@@ -19,7 +19,7 @@ from assistant.compiler.motion import MotionProof, Proving, prove_motion
 from assistant.compiler.motion_sides import Made
 from assistant.compiler.proof import SAYS_OTHERWISE, Proof, prove
 from assistant.compiler.source_map import Places
-from assistant.program.budgets import PRINTING, within
+from assistant.program.budgets import COMPILING, PRINTING, staged, within
 from assistant.program.diagnostics import (
     Diagnostic,
     Refused,
@@ -159,6 +159,7 @@ def proven_by_motion(
     return replace(compiled, motion=motion, files=files, found=found)
 
 
+@staged(COMPILING, lambda source, *_: source.size())
 def compile_program(
     source: Program,
     places: Places,

@@ -16,6 +16,7 @@ from assistant.compiler.motion import MotionProof, Proving
 from assistant.compiler.proof import Proof
 from assistant.compiler.source_map import Place, Places, Trace
 from assistant.program import statements as p
+from assistant.program.budgets import DRAFTING, REPORTING, within
 from assistant.program.diagnostics import Diagnostic, Refused, Severity, Span, error, fold
 from assistant.program.lines import lines_of
 from assistant.program.program import Program, bodies, walk
@@ -134,11 +135,13 @@ def translate(
     compiled = compile_program(program, places, target, arms, most_targets)
     written, later = compiled, tuple[Diagnostic, ...]()
     if not compiled.ok:
-        drawn, later = drafted(compiled, target, arms, most_targets)
+        with within(DRAFTING, None, program.size()):
+            drawn, later = drafted(compiled, target, arms, most_targets)
         written = drawn if draft else compiled
     else:
         written = compiled = proven_by_motion(compiled, arms, proving, entry)
-    rows, whole = _report(compiled, written, later)
+    with within(REPORTING, None, program.size()):
+        rows, whole = _report(compiled, written, later)
     return Translation(
         compiled,
         written,

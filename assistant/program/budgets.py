@@ -20,7 +20,7 @@ from types import TracebackType
 from typing import Final, ParamSpec, TypeVar
 
 from assistant.program.diagnostics import Diagnostic, Refused, error
-from assistant.program.watchdog import Charge, Reached, watch
+from assistant.program.watchdog import Charge, Reached, installed, watch
 
 TIME: Final = error(
     "LM001",
@@ -68,6 +68,10 @@ UNPACKED: Final = 1024 * MEGABYTE
 """Bytes that an archive may unpack to: 10,000,000 poses of 13 columns."""
 
 
+PART_OF_MACHINE: Final = 0.8
+"""Of its memory, which one stage may take."""
+
+
 @dataclass(frozen=True, slots=True)
 class Stage:
     """What a stage may take: a fixed part, and one for each million units of its input.
@@ -91,28 +95,38 @@ class Stage:
         return factor() * (self.megabytes + self.more_megabytes * size / 1e6)
 
 
-READING: Final = Stage("reading", "bytes", 10, 300, 512, 5000)
-CHECKING: Final = Stage("checking", "bytes", 10, 300, 512, 5000)
-LIFTING: Final = Stage("lifting", "bytes", 10, 300, 512, 5000)
-LAYING_OUT: Final = Stage("laying out", "bytes", 10, 300, 512, 5000)
+READING: Final = Stage("reading", "bytes", 10, 60, 512, 2000)
+CHECKING: Final = Stage("checking", "bytes", 10, 60, 512, 1000)
+LIFTING: Final = Stage("lifting", "bytes", 10, 80, 512, 1000)
+LAYING_OUT: Final = Stage("laying out", "bytes", 10, 60, 512, 1500)
 STORED: Final = Stage("reading what a client stored", "bytes", 2, 100, 256, 2000)
-TABLE: Final = Stage("reading the table", "bytes", 10, 300, 512, 5000)
-DRAWING: Final = Stage("reading the drawing", "bytes", 10, 300, 512, 5000)
-INSERTING: Final = Stage("inserting blocks", "entities", 10, 600, 512, 20000)
-CONTOURS: Final = Stage("joining contours", "curves", 10, 600, 512, 20000)
-MEANING: Final = Stage("checking what it does", "points", 10, 300, 512, 5000)
-SOLVING: Final = Stage("solving for the arm", "points", 10, 300, 512, 5000)
-TIMING: Final = Stage("timing", "points", 10, 300, 512, 5000)
-ADAPTING: Final = Stage("adapting", "points", 10, 600, 512, 20000)
-BUILDING: Final = Stage("building", "points", 10, 600, 512, 20000)
-PRINTING: Final = Stage("printing", "points", 10, 600, 512, 20000)
-COMPARING: Final = Stage("comparing", "points", 10, 600, 512, 20000)
+TABLE: Final = Stage("reading the table", "bytes", 10, 60, 512, 2000)
+DRAWING: Final = Stage("reading the drawing", "bytes", 10, 100, 512, 5000)
+INSERTING: Final = Stage("inserting blocks", "entities", 10, 300, 512, 4000)
+CONTOURS: Final = Stage("joining contours", "curves", 10, 20000, 512, 90000)
+MEANING: Final = Stage("checking what it does", "points", 10, 150, 512, 2000)
+SOLVING: Final = Stage("solving for the arm", "points", 10, 6000, 512, 10000)
+TIMING: Final = Stage("timing", "points", 10, 3000, 512, 20000)
+COMPILING: Final = Stage("compiling", "points", 30, 15000, 1024, 500000)
+ADAPTING: Final = Stage("adapting", "points", 10, 10000, 1024, 500000)
+BUILDING: Final = Stage("building", "points", 10, 500, 512, 5000)
+PRINTING: Final = Stage("printing", "points", 10, 500, 512, 5000)
+COMPARING: Final = Stage("comparing", "points", 10, 500, 512, 5000)
+DRAFTING: Final = Stage("leaving out what cannot be said", "points", 60, 60000, 1024, 500000)
+REPORTING: Final = Stage("reporting", "points", 10, 500, 512, 10000)
+RUNNING: Final = Stage("running", "statements", 30, 1000, 1024, 5000)
 
 STAGES: Final = (
     *(READING, CHECKING, LIFTING, LAYING_OUT, STORED),
     *(TABLE, DRAWING, INSERTING, CONTOURS, MEANING),
-    *(SOLVING, TIMING, ADAPTING, BUILDING, PRINTING, COMPARING),
+    *(SOLVING, TIMING, COMPILING, ADAPTING, BUILDING, PRINTING, COMPARING, DRAFTING, REPORTING),
+    RUNNING,
 )
+"""What each needs was measured with inputs of 1,000 to 1,000,000 units; here is 5 to 10 times that.
+
+A point is a statement, a row of a path, or what is declared. Of a run it is the statements that it
+may have at most.
+"""
 
 
 def factor() -> float:
@@ -147,7 +161,8 @@ class within:  # noqa: N801 (used as a `with` word)
 
     def __init__(self, stage: Stage, place: str | None, size: int) -> None:
         self._stage, self._place, self._size = stage, place, size
-        self._charge = Charge(stage.time_for(size), stage.memory_for(size) * MEGABYTE)
+        room = min(stage.memory_for(size) * MEGABYTE, PART_OF_MACHINE * installed())
+        self._charge = Charge(stage.time_for(size), room)
 
     def __enter__(self) -> None:
         watch.enter(self._charge)

@@ -15,6 +15,7 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from typing import Final, Literal
 
 PERIOD: Final = 0.05
@@ -176,6 +177,15 @@ def memory() -> tuple[float, float]:
 
     unit = 1 if sys.platform == "darwin" else 1024  # getrusage(2): of each system
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit, 0.0
+
+
+@cache
+def installed() -> float:
+    """Bytes of memory that the machine has, infinite where the system does not tell."""
+    try:
+        return float(os.sysconf("SC_PHYS_PAGES")) * _PAGE
+    except (AttributeError, ValueError, OSError):
+        return float("inf")
 
 
 _PAGE: Final = 4096 if sys.platform == "win32" else os.sysconf("SC_PAGE_SIZE")

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 
 from greenlet import getcurrent
 
+from assistant.program.budgets import RUNNING, within
 from assistant.virtual.events import Called, Event, Logged, Moved, Place, Run, Switched
 from assistant.virtual.kernel.motion import Instant, Motion
 from assistant.virtual.kernel.script import Person
@@ -120,7 +121,17 @@ class Kernel:
         self.hub.switch()
 
     def run(self) -> Run:
-        """Runs the tasks until every essential one has ended, or one has gone wrong."""
+        """Runs the tasks until every essential one has ended, or one has gone wrong.
+
+        Raises Refused where that takes more than the budget of its statements; what lives on for
+        servers has none.
+        """
+        if self.live is not None:
+            return self._run()
+        with within(RUNNING, None, self.most_steps):
+            return self._run()
+
+    def _run(self) -> Run:
         self.hub = getcurrent()
         try:
             while self.ending is None:
