@@ -13,6 +13,7 @@ import time
 from benchmarks import exchanging, real_time
 from benchmarks.arms import ROBOTS
 from benchmarks.emission import CASES
+from benchmarks.growth import report as growth
 from benchmarks.reading import READING
 from benchmarks.running import RUNNING
 from benchmarks.talking import TALKING
@@ -38,13 +39,22 @@ def main() -> None:
     arguments.add_argument("--points", type=int, default=1_000_000)
     arguments.add_argument("--runs", type=int, default=3, help="of each case; the best counts")
     arguments.add_argument(
-        "--only", choices=["emission", *TABLES, "exchange", "real-time"], help="one part of it"
+        "--only",
+        choices=["emission", *TABLES, "exchange", "real-time", "growth"],
+        help="one part of it; growth takes hours and runs only if it is named",
     )
+    arguments.add_argument("--construct", default="", help="of growth: part of a name")
+    arguments.add_argument("--short", action="store_true", help="of growth: a handful, small")
+    arguments.add_argument("--cap", type=float, default=10.0, help="of growth: seconds of a run")
     arguments.add_argument("--case", choices=[*EVERY], help="run one case here and print JSON")
     arguments.add_argument("--seconds", type=float, default=60.0, help="of real-time control")
     chosen = arguments.parse_args()
     if chosen.case:
         print(json.dumps(_measured(chosen.case, chosen.points)))
+        return
+    if chosen.only == "growth":
+        runs = 1 if chosen.short else max(chosen.runs, 5)
+        growth.report(growth.Plan(chosen.construct, chosen.cap, runs, chosen.short))
         return
     if chosen.only in (None, "emission"):
         _emission(chosen.points, chosen.runs)

@@ -55,9 +55,9 @@ class TakenNames(set[str]):
         self.lower.add(name.lower())
 
     def update(self, *names: Iterable[str]) -> None:
-        for some in names:
-            for name in some:
-                self.add(name)
+        for some in map(tuple, names):
+            super().update(some)
+            self.lower.update(map(str.lower, some))
 
 
 def identifier(given: str, taken: set[str] | frozenset[str] = frozenset()) -> str:

@@ -96,10 +96,10 @@ SPOKEN: Final = (
 )  # fmt: skip
 
 
-def drawn() -> Iterator[Construct]:
+def drawn(languages: Sequence[Spoken] = SPOKEN) -> Iterator[Construct]:
     """All of them, each text once."""
     met: set[tuple[str, str]] = set()
-    for spoken in SPOKEN:
+    for spoken in languages:
         for start in spoken.starts:
             for name, words, text in _grown(spoken, start):
                 if (spoken.suffix, text(2)) not in met:

@@ -106,6 +106,14 @@ def _interrupts(n: int) -> Iterator[str]:
         yield from (f"*S{k}", "Spd 10", "Return 0")
 
 
+def _interrupts_and_calls(n: int) -> Iterator[str]:
+    yield from ("Def Act 1,M_In(1)=1 GoSub *I", "Act 1=1")
+    yield from (f"GoSub *S{k}" for k in range(n))
+    yield from ("End", "*I", "Spd 10", "Return 0")
+    for k in range(n):
+        yield from (f"*S{k}", "Mvs P1", "Return")
+
+
 def _for_nested(n: int) -> Iterator[str]:
     yield from (f"For M{k}=1 To 2" for k in range(n))
     yield from (f"Next M{k}" for k in reversed(range(n)))
@@ -226,6 +234,7 @@ MELFA_BASIC: Final[Mapping[str, Lines]] = {
     "jumps to one label": _to_one_label,
     "On GoTo": _on_jump,
     "interrupts": _interrupts,
+    "an interrupt and subroutines": _interrupts_and_calls,
     "For in each other": _for_nested,
     "For in each other with one variable": _for_same,
     "If in each other": _if_nested,

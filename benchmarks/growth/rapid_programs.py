@@ -151,7 +151,7 @@ def _traps(n: int) -> Iterator[str]:
 
 def _sum(n: int) -> Iterator[str]:
     yield "PROC main()"
-    yield from ("a := " + " + ".join(["1"] * 100) + ";" for _ in range(n // 100 + 1))
+    yield from ("a := " + " + ".join(["1"] * min(50, n - k)) + ";" for k in range(0, n, 50))
     yield "ENDPROC"
 
 

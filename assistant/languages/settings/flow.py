@@ -15,6 +15,7 @@ from functools import reduce
 from typing import Any, Final
 
 from assistant.languages.line_graph import EXIT
+from assistant.languages.settings.places import ELSEWHERE, NOWHERE, Places
 from assistant.program.analysis.dataflow import Dataflow, postorder
 
 
@@ -53,9 +54,9 @@ class Held:
     """
 
     value: Any
-    by: frozenset[int] = frozenset()
-    interrupts: frozenset[int] = frozenset()
-    before: frozenset[int] = frozenset()
+    by: Places = NOWHERE
+    interrupts: Places = NOWHERE
+    before: Places = NOWHERE
 
     def met(self, other: Held, value: Any) -> Held:
         """Either of two, with what is certain of both."""
@@ -67,7 +68,7 @@ class Held:
         )
 
     @property
-    def needed(self) -> frozenset[int]:
+    def needed(self) -> Places:
         """The lines without which it might be another."""
         return self.by | self.before
 
@@ -77,8 +78,7 @@ class Held:
         return self.value is INHERITED or isinstance(self.value, OrInherited)
 
 
-ELSEWHERE: Final = -1
-"""A line of another program."""
+_ELSEWHERE: Final = Places.of([ELSEWHERE])
 
 State = tuple[Held, ...]
 """By the numbers of the settings."""
@@ -97,7 +97,7 @@ class MaySet:
     """Interrupts may give a setting any value while a line runs. by: lines of theirs."""
 
     setting: int
-    by: frozenset[int]
+    by: Places
 
 
 @dataclass(frozen=True, slots=True)
@@ -219,8 +219,8 @@ class Flow:
     def __init__(self, lines: Lines) -> None:
         self.lines = lines
         self.entry: State = (Held(INHERITED),) * lines.settings
-        lost = (self._by_any_line(setting).by for setting in range(lines.settings))
-        self.lost: State = tuple(Held(UNKNOWN, before=by) for by in lost)
+        self._by_any_line = tuple(map(self._made_anywhere, range(lines.settings)))
+        self.lost: State = tuple(Held(UNKNOWN, before=held.by) for held in self._by_any_line)
         self.cuts: frozenset[int] = frozenset()
         self.edges: dict[int, dict[int, State]] = {}
         self.before: dict[int, State] = {}
@@ -290,11 +290,11 @@ class Flow:
             last = self.after(at, state) or state
         self.before.update((at, flow.found[at]) for at in places)
 
-    def _by_any_line(self, setting: int) -> Held:
+    def _made_anywhere(self, setting: int) -> Held:
         """A setting that any of the lines may have made that make it."""
         steps = self.lines.steps.items()
         by = (at for at, made in steps if any(one.setting == setting for one in sets_in(made)))
-        return Held(UNKNOWN, frozenset(by))
+        return Held(UNKNOWN, Places.of(by))
 
     # -------------------------------------------------------------------------- one line
 
@@ -322,12 +322,12 @@ class Flow:
                 break
             match step:
                 case Sets(setting, value):
-                    made = Held(value, frozenset((at,)))
+                    made = Held(value, Places.of((at,)))
                     behind = (*behind[:setting], made, *behind[setting + 1 :])
                 case MaySet(setting, by):
                     held = behind[setting]
-                    held = self._by_any_line(setting) if held.is_inherited else held
-                    made = held.met(Held(UNKNOWN, by - {ELSEWHERE}, by), UNKNOWN)
+                    held = self._by_any_line[setting] if held.is_inherited else held
+                    made = held.met(Held(UNKNOWN, by - _ELSEWHERE, by), UNKNOWN)
                     behind = (*behind[:setting], made, *behind[setting + 1 :])
                 case Calls(called, inside):
                     before = self._between(called, behind)
@@ -358,7 +358,7 @@ class Flow:
             end = self.exits[called]
             return None if end is None else resolved(end, state)
         return tuple(
-            Held(UNKNOWN, before=held.needed | (self.lost[k].before if inside else frozenset()))
+            Held(UNKNOWN, before=held.needed | (self.lost[k].before if inside else NOWHERE))
             if k in called
             else held
             for k, held in enumerate(state)

@@ -9,7 +9,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from assistant.languages.line_graph import EXIT
-from assistant.languages.settings.flow import ELSEWHERE, Lines, MaySet, Steps, calls_in, sets_in
+from assistant.languages.settings.flow import Lines, MaySet, Steps, calls_in, sets_in
+from assistant.languages.settings.places import ELSEWHERE, NOWHERE, Places
 from assistant.program.analysis.dataflow import reachable
 
 
@@ -35,15 +36,15 @@ def with_interrupts(
     if not interrupts and not elsewhere:
         return lines
     ways = _Ways(lines)
-    may_set: dict[int, dict[int, frozenset[int]]] = {}
+    may_set: dict[int, dict[int, Places]] = {}
     for at in ways.all if elsewhere else ():
-        may_set[at] = dict.fromkeys(elsewhere, frozenset({ELSEWHERE}))
+        may_set[at] = dict.fromkeys(elsewhere, Places.of([ELSEWHERE]))
     for interrupt in interrupts:
         changed = ways.settings(interrupt.called)
         for at in ways.running(interrupt) if changed else ():
             here = may_set.setdefault(at, {})
             for setting, by in changed.items():
-                here[setting] = here.get(setting, frozenset()) | by
+                here[setting] = here.get(setting, NOWHERE) | by
     steps = dict(lines.steps)
     for at, here in may_set.items():
         interrupted: Steps = tuple(MaySet(*one) for one in here.items())
@@ -62,16 +63,20 @@ class _Ways:
             for following in lines.after
             for at, ways in following.items()
         }
+        self._before: dict[int, list[int]] = {}
+        for at in self._after:
+            for to in self._next(at):
+                self._before.setdefault(to, []).append(at)
 
-    def settings(self, starts: Iterable[int]) -> dict[int, frozenset[int]]:
+    def settings(self, starts: Iterable[int]) -> dict[int, Places]:
         """What may be set from some lines on, each with the lines that set it."""
-        found: dict[int, frozenset[int]] = {}
+        found: dict[int, set[int]] = {}
         for at in reachable(starts, self._next):
             steps = self.lines.steps.get(at, ())
             unknown = (one for one in calls_in(steps) if isinstance(one, frozenset))
             for setting in {one.setting for one in sets_in(steps)}.union(*unknown):
-                found[setting] = found.get(setting, frozenset()) | {at}
-        return found
+                found.setdefault(setting, set()).add(at)
+        return {setting: Places.of(lines) for setting, lines in found.items()}
 
     def running(self, interrupt: Interrupt) -> Iterable[int]:
         """Lines that may run while an interrupt is on, and those that switch it on.
@@ -83,10 +88,9 @@ class _Ways:
             return ()
         if self._come_to(interrupt.on, self.lines.lost):
             return self.all
+        leading = reachable(interrupt.on, lambda at: self._before.get(at, ()))
         on = {
-            at
-            for at in self.all
-            if at in interrupt.on or self._come_to(interrupt.on, self._callees(at))
+            at for at in self.all if at in interrupt.on or not leading.isdisjoint(self._callees(at))
         }
         starts = {to for at in on for to in self._after[at]} | self.lines.lost
         off = interrupt.off - interrupt.on

@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from assistant.languages.settings.flow import ELSEWHERE, UNKNOWN, Held, Lines, State, sets_in
+from assistant.languages.settings.flow import UNKNOWN, Held, Lines, State, sets_in
+from assistant.languages.settings.places import ELSEWHERE
 from assistant.program.expressions import Reason
 
 MOST_LINES: Final = 4
@@ -43,14 +44,14 @@ class UnknownSettings:
     def _of_setting(self, number: int, held: Held) -> Reason:
         name, word = self._settings[number].name, self._settings[number].word
         if held.interrupts:
-            own = sorted(held.interrupts - {ELSEWHERE})
+            own = [at for at in held.interrupts if at != ELSEWHERE]
             by = f"by {self._list(own)}" if own else "in another program"
             return Reason(
                 f"an interrupt may set the {name} at any time, {by}",
                 f"leave {word} out of what the interrupt calls, or switch the interrupt off and "
                 f"set {word} above the move",
             )
-        lines = sorted(held.by)
+        lines = list(held.by)
         made = {at: self._value(number, at) for at in lines}
         computed = [at for at, value in made.items() if value is UNKNOWN]
         if computed:

@@ -6,7 +6,7 @@ given relative to those, so that whoever teaches one of them anew moves all of i
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Set
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
@@ -20,7 +20,7 @@ from assistant.program.expressions import Apply, Expression, Name, Number
 from assistant.program.geometry import BASE, Frame, Pose, Target, Vector
 from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.path import Kind, Path
-from assistant.program.program import identifier
+from assistant.program.program import TakenNames, identifier
 from assistant.program.statements import (
     Follow,
     Motion,
@@ -111,7 +111,7 @@ def follow(
     placed: Placed,
     before: float | None,
     tolerance: float,
-    taken: Set[str],
+    taken: TakenNames,
 ) -> Followed:
     """Approach, switch on, follow, switch off, retract.
 
@@ -123,7 +123,7 @@ def follow(
     moved = placed.rows(drawn)
     pose, path = _path(name, moved, layer, placed.direction, (1 - FLATTENED) * tolerance)
     wound = turned(np.concatenate([[pose.quaternion], path.quaternions]), placed.direction)
-    start, end, via = (identifier(f"{name}_{k}", {*taken}) for k in ("start", "end", "via"))
+    start, end, via = (identifier(f"{name}_{k}", taken) for k in ("start", "end", "via"))
     targets = {start: Target(pose)}
     last = path.target(len(path) - 1)
     if abs(wound) < SAME and _same(pose, last.pose):

@@ -9,7 +9,7 @@ from typing import Final
 
 from assistant.program.diagnostics import Diagnostic, error, info, warning
 from assistant.program.geometry import Target
-from assistant.program.program import MANGLED, Procedure, identifier
+from assistant.program.program import MANGLED, Procedure, TakenNames, identifier
 from assistant.program.statements import (
     Comment,
     Statement,
@@ -81,6 +81,7 @@ def contour_program(
     unwanted = {name.casefold() for name in process.leave_out}
     defaults = process.defaults
     usual = None if known else Layer("contours", defaults.motion, rounded=defaults.blend is None)
+    names = TakenNames(taken)
     procedures: list[Procedure] = []
     targets: dict[str, Target] = {}
     findings: list[Diagnostic] = []
@@ -91,20 +92,21 @@ def contour_program(
             if key not in unwanted:
                 findings.append(UNUSED(what=_count(group), layer=shown(group[0].layer)))
             continue
-        name = _name(group[0].layer, taken)
-        taken.add(name)
+        name = _name(group[0].layer, names)
+        names.add(name)
         followed.append((name, group, layer))
     # All procedures have their names before any path gets one.
     for name, members, layer in followed:
-        made, named, found = _procedure(name, members, layer, process, taken)
+        made, named, found = _procedure(name, members, layer, process, names)
         procedures += made
         targets |= named
         findings += found
+    taken.update(names)
     findings += _without_contours(process.layers, [group[0].layer for group in layers.values()])
     return tuple(procedures), targets, tuple(f.within(path) for f in findings)
 
 
-def _name(layer: str, taken: set[str]) -> str:
+def _name(layer: str, taken: TakenNames) -> str:
     """Of the procedure; a signal is often called as its layer is, and needs the name more."""
     name = identifier(layer)
     return name if identifier(layer, taken) == name else identifier(f"{name}_contours", taken)
@@ -131,7 +133,7 @@ def _without_contours(layers: Mapping[str, Layer], drawn: list[str]) -> list[Dia
 
 
 def _procedure(
-    named: str, curves: Sequence[Curve], layer: Layer, process: Process, taken: set[str]
+    named: str, curves: Sequence[Curve], layer: Layer, process: Process, taken: TakenNames
 ) -> tuple[list[Procedure], dict[str, Target], list[Diagnostic]]:
     """The procedure of that name along the curves of one layer, none if nothing is left.
 
@@ -181,7 +183,7 @@ def _procedure(
             made = follow(f"{stem}_{count}", rows, layer, placed, wound, process.tolerance, taken)
             body += made.statements
             targets |= made.targets
-            taken |= set(made.targets)
+            taken.update(made.targets)
             wound = made.wound
     if fitted:
         findings.append(FITTED(layer=shown(name), count=fitted, deviation=deviation))

@@ -39,9 +39,10 @@ def assemble(contents: Contents, path: FilePath, process: Process) -> Reading:
     """
     name = str(path)
     title = identifier(path.stem)
-    taken = {title, MAIN, LOCATIONS, *process.tools, *process.frames, *process.signals}
+    taken = TakenNames((title, MAIN, LOCATIONS))
+    taken.update(process.tools, process.frames, process.signals)
     named = name_locations(contents.locations, taken, name)
-    taken |= set(named.names)
+    taken.update(named.names)
     with within(CONTOURS, name, len(contents.curves)):
         curves = contents.curves
         contours, ends, followed = contour_program(curves, process, taken=taken, path=name)

@@ -23,6 +23,7 @@ from assistant.languages.settings.flow import (
     Steps,
 )
 from assistant.languages.settings.forms import MOST_FORMS, CalledForms, PassLabels
+from assistant.languages.settings.places import ELSEWHERE, Places
 from assistant.languages.settings.unknown_settings import Setting, UnknownSettings
 
 SPEED, TOOL = range(2)
@@ -105,7 +106,7 @@ def test_what_holds_at_the_last_line(text: str, speed: object) -> None:
 
 def test_what_may_have_set_it_is_known() -> None:
     flow = Flow(lines_of("speed 5; ask on; speed 6; on:; move"))
-    assert flow.before[4][SPEED] == Held(UNKNOWN, frozenset({0, 2}))
+    assert flow.before[4][SPEED] == Held(UNKNOWN, Places.of({0, 2}))
 
 
 @pytest.mark.parametrize(
@@ -192,3 +193,12 @@ def test_why_a_setting_is_not_known() -> None:
     assert why(4) == "the speed is worked out by the program, line 3"
     assert why(8) == "the tool is what the caller has set, or another program"
     assert told.reason(INITIAL, {SPEED, TOOL}) is None
+
+
+def test_sets_of_lines_are_those_of_numbers() -> None:
+    one, two = Places.of([0, 5, ELSEWHERE, 700]), Places.of([5, 64])
+    assert [*one] == [ELSEWHERE, 0, 5, 700]
+    assert [*(one | two)] == [ELSEWHERE, 0, 5, 64, 700]
+    assert [*(one - two)] == [ELSEWHERE, 0, 700]
+    assert (one | Places.of([5])) is one
+    assert not Places.of([])
