@@ -49,7 +49,7 @@ EXCEPTIONS: Final = {
     ("languages/texts/printed_blocks.py", "str"): "a type of Python",
     ("program/geometry.py", "tool0"): "the flange's own name in a pseudo-program",
     ("program/pseudo/findings.py", "tool0"): "the flange's own name in a pseudo-program",
-    ("program/watchdog.py", "proc"): "where Linux tells of processes",
+    ("program/system/watchdog.py", "proc"): "where Linux tells of processes",
     ("report/robots.py", "confdata"): "tells people what the maker calls it",
     ("robots/urdf/tree.py", "tool0"): "what robot files call the flange, whosever the robot is",
     ("sources/drawing/attributes.py", "movej"): "what people write into drawings",

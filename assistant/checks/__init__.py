@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Final
 from assistant.checks.arcs import arcs
 from assistant.checks.magnitudes import magnitudes
 from assistant.checks.outputs import outputs
-from assistant.program.budgets import MEANING, staged
 from assistant.program.diagnostics import Diagnostic, fold
 from assistant.program.program import Program
+from assistant.program.system.budgets import MEANING, staged
 
 if TYPE_CHECKING:
     from assistant.robots import SolvedProgram

@@ -11,11 +11,11 @@ from contextlib import suppress
 from contextvars import copy_context
 from typing import Final
 
-from assistant.program.budgets import VARIABLE
 from assistant.program.diagnostics import Refused, error
-from assistant.program.ending import BY_SIGNAL, ORDINARY, told_to_end
 from assistant.program.failing import details_wanted, failure
-from assistant.program.watchdog import Reached
+from assistant.program.system.budgets import VARIABLE
+from assistant.program.system.ending import BY_SIGNAL, ORDINARY, told_to_end
+from assistant.program.system.watchdog import Reached
 
 NOT_PRINTED = error(
     "CL901",
@@ -72,7 +72,7 @@ def _run(arguments: list[str] | None) -> None:
     from assistant.cli.app import app
     from assistant.cli.presentation import print_findings, print_refused
     from assistant.cli.secrets import check_arguments
-    from assistant.program.leftovers import told_by
+    from assistant.program.system.leftovers import told_by
 
     try:
         check_arguments(sys.argv[1:] if arguments is None else arguments)

@@ -12,7 +12,7 @@ from typing import Final
 from assistant.program.diagnostics import Diagnostic, Refused, info
 from assistant.program.failing import details_wanted, failure
 from assistant.program.program import identifier
-from assistant.program.writing import place_of, write_all
+from assistant.program.system.writing import place_of, write_all
 
 SAME_FILE: Final = info(
     "CL001",

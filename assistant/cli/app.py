@@ -53,7 +53,7 @@ app.add_typer(exchange, name="exchange")
 
 def _budget(text: str | None) -> None:
     """For this command, and for the processes that it starts."""
-    from assistant.program.budgets import VARIABLE, factor, factor_of
+    from assistant.program.system.budgets import VARIABLE, factor, factor_of
 
     if text is not None:
         factor_of(text)

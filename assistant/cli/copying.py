@@ -12,9 +12,9 @@ from assistant.cli.cells import Cell, reached
 from assistant.cli.compiling import working
 from assistant.cli.confirming import confirmed
 from assistant.cli.presentation import Format, note, print_json, say
-from assistant.program.bounded import read_file
 from assistant.program.diagnostics import Refused, error
 from assistant.program.lines import lines_of
+from assistant.program.system.bounded import read_file
 
 if TYPE_CHECKING:
     from assistant.controllers.controller import Restoring
@@ -50,7 +50,7 @@ def run_get(
     cell: str, names: Sequence[str], output: str | None, replace: bool, format: Format
 ) -> int:
     """Programs into files named like them; -o: a folder that is there, a file, or - to print."""
-    from assistant.program.writing import write_files
+    from assistant.program.system.writing import write_files
 
     into = Path(output or ".")
     if len(names) > 1 and (output == "-" or not into.is_dir()):

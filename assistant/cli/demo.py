@@ -38,7 +38,7 @@ def run_demo(output: Path) -> int:
             _section(output, Path(str(resource("samples", name))), title, controllers)
             for name, title in SOURCES.items()
         ]
-    from assistant.program.writing import write_files
+    from assistant.program.system.writing import write_files
 
     html = page.page("robot-assistant demo", sections)
     (report,) = write_files({REPORT: html.encode()}, output)
@@ -73,7 +73,7 @@ def _section(
         programs.append(_installed(output, source, robot, compiled, controllers[robot]))
     way = track(compiled.program)
     plot = plots.pose_plot(way, f"{source.name}: the TCP over its way")
-    from assistant.program.writing import write_files
+    from assistant.program.system.writing import write_files
 
     (png,) = write_files({f"{source.stem}.png": plot}, output)
     say(f"  plot: {png}")
@@ -99,7 +99,7 @@ def _installed(
     output: Path, source: Path, robot: str, compiled: Compiled, controller: Programs
 ) -> Program:
     from assistant import deploy, languages
-    from assistant.program.writing import write_files
+    from assistant.program.system.writing import write_files
     from assistant.report import page
 
     paths = write_files(compiled.files, output)

@@ -66,7 +66,7 @@ def run_module(
     """Prints the module, looks through it as `check` does, and writes it."""
     from assistant import languages
     from assistant.controllers.abb.exchange import LANGUAGE, Module, Tool
-    from assistant.program.writing import write_files
+    from assistant.program.system.writing import write_files
 
     tool = None
     if tip is not None:
@@ -255,7 +255,7 @@ def _keep(exchange: PoseExchange, options: Options, name: str) -> None:
         exchange.recording.save(options.record)
         say(f"wrote {options.record}")
     if options.plot is not None:
-        from assistant.program.writing import write_files
+        from assistant.program.system.writing import write_files
         from assistant.report import figures, plots
 
         column = exchange.recording.column

@@ -67,7 +67,7 @@ def ended_in_order() -> Iterator[Halt]:
     over within the time-outs of its connection. Asking twice makes no difference.
     """
     from assistant.deploy import Halt
-    from assistant.program.ending import handled
+    from assistant.program.system.ending import handled
 
     halt = Halt(noticed=lambda: console().print("ending in order: what was begun is taken back"))
 
@@ -81,7 +81,7 @@ def ended_in_order() -> Iterator[Halt]:
 def write_junit(rollout: Rollout, path: Path) -> None:
     """The file appears whole, or the one that is there stays; raises Refused."""
     from assistant.cli.junit import junit
-    from assistant.program.writing import write_files
+    from assistant.program.system.writing import write_files
 
     write_files({path.name: junit(rollout)}, path.parent)
 

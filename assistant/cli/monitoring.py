@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 from assistant.cli.cells import joints_line, pose_line, reached, record, state_lines
 from assistant.cli.presentation import Format, say
 from assistant.program.diagnostics import Refused, error
-from assistant.program.ending import by_hand
+from assistant.program.system.ending import by_hand
 
 if TYPE_CHECKING:
     from rich.table import Table

@@ -74,7 +74,7 @@ def moving(text: str, command: str) -> Iterator[Moving]:
     """
     from assistant.controllers import Controller
     from assistant.controllers.stopping import PATIENCE, brought_to_rest
-    from assistant.program.ending import told_to_end
+    from assistant.program.system.ending import told_to_end
 
     motion: Moving | None = None
     try:

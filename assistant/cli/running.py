@@ -222,7 +222,7 @@ class _Running:
 
         So do SIGTERM and SIGHUP; a second one ends the command at once.
         """
-        from assistant.program.ending import ORDINARY, Ended, handled
+        from assistant.program.system.ending import ORDINARY, Ended, handled
         from assistant.virtual.kernel import Ending
 
         def interrupt(number: int, _frame: object) -> None:
@@ -318,7 +318,7 @@ class _Running:
         }
 
     def _written(self, run: Run) -> list[Path]:
-        from assistant.program.writing import write_all
+        from assistant.program.system.writing import write_all
         from assistant.virtual.tracing import event_columns, motion_columns, npz
 
         trace, plot = self.options.trace, self.options.plot

@@ -46,7 +46,7 @@ def run_show(source: str, wanted: Wanted, output: Path | None) -> int:
     if output is None:
         sys.stdout.write(_printed(program, source, None).text)
         return 0
-    from assistant.program.writing import write_files
+    from assistant.program.system.writing import write_files
 
     printed = _printed(program, source, SIDE_TABLES_ABOVE)
     if not output.name or output.name in (".", ".."):

@@ -129,7 +129,7 @@ def _wanted(source: str, outputs: Sequence[str]) -> list[Path]:
 
 
 def _put(source: str, files: Mapping[Path, bytes]) -> list[Path]:
-    from assistant.program.writing import write_all
+    from assistant.program.system.writing import write_all
 
     keep_sources([source], list(files))
     return list(write_all(files))

@@ -168,7 +168,7 @@ def _standard_input(options: Options) -> Loaded:
 
 
 def _reported(report: Path, done: Sequence[Translated]) -> list[str]:
-    from assistant.program.writing import write_files
+    from assistant.program.system.writing import write_files
     from assistant.report.translation import written
 
     return list(map(str, write_files({report.name: written(done, report)}, report.parent)))

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Literal, TypeVar
 from assistant.cli.presentation import say
 from assistant.controllers.credentials import PASSWORD
 from assistant.program.diagnostics import Refused, error
-from assistant.program.ending import by_hand, held
+from assistant.program.system.ending import by_hand, held
 
 if TYPE_CHECKING:
     from assistant.virtual.cr import Faults, VirtualCr

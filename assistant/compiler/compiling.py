@@ -19,7 +19,6 @@ from assistant.compiler.motion import MotionProof, Proving, prove_motion
 from assistant.compiler.motion_sides import Made
 from assistant.compiler.proof import SAYS_OTHERWISE, Proof, prove
 from assistant.compiler.source_map import Places
-from assistant.program.budgets import COMPILING, PRINTING, staged, within
 from assistant.program.diagnostics import (
     Diagnostic,
     Refused,
@@ -34,6 +33,7 @@ from assistant.program.passes.watching import passed
 from assistant.program.program import Origin, Program
 from assistant.program.rewriting import head, records
 from assistant.program.statements import Opaque
+from assistant.program.system.budgets import COMPILING, PRINTING, staged, within
 
 if TYPE_CHECKING:
     from assistant.languages import Language

@@ -11,8 +11,8 @@ from assistant import languages
 from assistant.compiler.loading import files_in, language_of
 from assistant.languages import Language
 from assistant.program.diagnostics import Diagnostic, Refused, Unreadable, error, has_errors
+from assistant.program.system.writing import write_all
 from assistant.program.text import SourceText, comments, encode, is_folder, read_bytes
-from assistant.program.writing import write_all
 
 NOT_THE_SAME: Final = error(
     "CO401",

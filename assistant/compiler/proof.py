@@ -6,10 +6,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from assistant.program.budgets import COMPARING, within
 from assistant.program.comparison import Comparison, Tolerance, compare
 from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, error, has_errors
 from assistant.program.program import Program
+from assistant.program.system.budgets import COMPARING, within
 
 if TYPE_CHECKING:
     from assistant.languages import Language

@@ -32,8 +32,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path as FilePath
 from typing import Any, Final
 
-from assistant.program.budgets import SETTINGS_FILE
 from assistant.program.diagnostics import Refused, error, has_errors
+from assistant.program.system.budgets import SETTINGS_FILE
 from assistant.program.text import SourceText, decode, read_bytes
 from assistant.sources.process import values
 from assistant.sources.process.file import ENCODINGS, read_toml

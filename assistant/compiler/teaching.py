@@ -18,8 +18,8 @@ from assistant.program.expressions import Name
 from assistant.program.geometry import Configuration, Pose
 from assistant.program.program import Program
 from assistant.program.statements import Motion, Move, MoveCircular
+from assistant.program.system.writing import write_files
 from assistant.program.text import SourceText, decode, encode, read_bytes
-from assistant.program.writing import write_files
 from assistant.sources import process_of
 from assistant.sources.process.file import ENCODINGS
 from assistant.sources.reading import Reading

@@ -16,11 +16,11 @@ from assistant.compiler.motion import MotionProof, Proving
 from assistant.compiler.proof import Proof
 from assistant.compiler.source_map import Place, Places, Trace
 from assistant.program import statements as p
-from assistant.program.budgets import DRAFTING, REPORTING, within
 from assistant.program.diagnostics import Diagnostic, Refused, Severity, Span, error, fold
 from assistant.program.lines import lines_of
 from assistant.program.program import Program, bodies, walk
 from assistant.program.subjects import Declared, PathRow, Subject, Table
+from assistant.program.system.budgets import DRAFTING, REPORTING, within
 from assistant.program.without_gc import uncollected
 
 if TYPE_CHECKING:

@@ -16,9 +16,9 @@ from pathlib import PurePosixPath
 from typing import Final
 
 from assistant.controllers import rules
-from assistant.program import durably, writing
-from assistant.program.bounded import read_file
 from assistant.program.diagnostics import Refused
+from assistant.program.system import durably, writing
+from assistant.program.system.bounded import read_file
 
 INDEX: Final = "backup.json"
 FORMAT: Final = 1

@@ -17,7 +17,7 @@ import numpy as np
 
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Refused, error
-from assistant.program.writing import put
+from assistant.program.system.writing import put
 
 NO_FORMAT: Final = error(
     "CN601", "a recording cannot be written as `{suffix}`", "name a file that ends in {known}"

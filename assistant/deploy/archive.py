@@ -29,8 +29,8 @@ from assistant.deploy.journal import (
 )
 from assistant.deploy.record import LONGEST, read_record
 from assistant.deploy.site import UNDER_WAY
-from assistant.program import durably
-from assistant.program.bounded import read_file
+from assistant.program.system import durably
+from assistant.program.system.bounded import read_file
 
 MOST_BYTES: Final = 256 * 2**20
 """Of an archive, packed and unpacked."""

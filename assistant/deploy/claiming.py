@@ -16,8 +16,8 @@ from assistant.deploy import rules
 from assistant.deploy.journal import failing
 from assistant.deploy.record import Record, plain
 from assistant.deploy.site import BETWEEN, CLAIM, CLAIMANT, Site
-from assistant.program import durably
 from assistant.program.diagnostics import Refused
+from assistant.program.system import durably
 
 LOCK: Final = "lock"
 

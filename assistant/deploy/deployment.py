@@ -23,7 +23,7 @@ from assistant.deploy.remembering import last_record
 from assistant.deploy.resting import check_at_rest, pointers_lost, tasks
 from assistant.deploy.site import RECORD, UNDER_WAY, Site
 from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.program.ending import Ending, told_to_end
+from assistant.program.system.ending import Ending, told_to_end
 
 
 def deploy(

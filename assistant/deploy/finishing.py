@@ -37,9 +37,9 @@ from assistant.deploy.record import new_record, read_record
 from assistant.deploy.remembering import last_record
 from assistant.deploy.resting import check_at_rest, pointers_lost, tasks
 from assistant.deploy.site import UNDER_WAY, Site
-from assistant.program.bounded import read_file
 from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.program.ending import told_to_end
+from assistant.program.system.bounded import read_file
+from assistant.program.system.ending import told_to_end
 
 
 def resume(

@@ -35,9 +35,9 @@ from assistant.deploy import rules
 from assistant.deploy.held import Held
 from assistant.deploy.record import NAME, Record, read_record
 from assistant.deploy.site import of_deployments
-from assistant.program import durably
-from assistant.program.bounded import read_file, read_text
 from assistant.program.diagnostics import Refused, has_errors
+from assistant.program.system import durably
+from assistant.program.system.bounded import read_file, read_text
 
 HISTORY: Final = FilePath(".robot-assistant") / "deployments"
 """Beside the project, one folder a controller in it."""

@@ -20,8 +20,8 @@ from assistant.deploy.journal import (
 )
 from assistant.deploy.record import Record, read_record
 from assistant.deploy.site import RECORD, UNDER_WAY, Site
-from assistant.program.bounded import read_file
 from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.system.bounded import read_file
 
 
 def last_record(

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from functools import wraps
 from typing import TYPE_CHECKING, Any, Final
 
-from assistant.program.budgets import (
+from assistant.program.system.budgets import (
     ADAPTING,
     BUILDING,
     CHECKING,

@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 from typing import Final
 
-from assistant.program.budgets import overrun
 from assistant.program.diagnostics import Diagnostic, error
+from assistant.program.system.budgets import overrun
 
 INTERNAL: Final = error(
     "CL900",

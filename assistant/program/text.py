@@ -13,8 +13,6 @@ from pathlib import Path as FilePath
 from typing import Any, BinaryIO, Final, NoReturn
 
 from assistant.program import japanese, lines
-from assistant.program.bounded import NoFile, TooLarge, read_file, read_stream
-from assistant.program.budgets import FILE
 from assistant.program.diagnostics import (
     Diagnostic,
     Refused,
@@ -24,6 +22,8 @@ from assistant.program.diagnostics import (
     Unreadable,
     error,
 )
+from assistant.program.system.bounded import NoFile, TooLarge, read_file, read_stream
+from assistant.program.system.budgets import FILE
 
 NOT_FOUND = error("IN001", "there is no file `{name}`", "check the name and folder")
 IS_FOLDER = error("IN002", "`{name}` is a folder", "name a file inside it")

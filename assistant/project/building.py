@@ -8,9 +8,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path as FilePath
 
-from assistant.program.bounded import read_file
 from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.program.writing import write_files
+from assistant.program.system.bounded import read_file
+from assistant.program.system.writing import write_files
 from assistant.project import kept, rules
 from assistant.project.inputs import digest_of
 from assistant.project.layout import BUILT, Place, Project, Recipe

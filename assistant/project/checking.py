@@ -13,7 +13,7 @@ from pathlib import Path as FilePath
 from assistant.compiler.checking import check_files
 from assistant.findings.project_severities import settle
 from assistant.program.diagnostics import Diagnostic, Refused, Severity
-from assistant.program.writing import scratch
+from assistant.program.system.writing import scratch
 from assistant.project import rules
 from assistant.project.building import Working, chosen, clashes
 from assistant.project.inputs import digest_of

@@ -18,8 +18,8 @@ from assistant.deploy.merging import Form, in_layout, merged
 from assistant.deploy.repository import is_committed
 from assistant.deploy.site import Site
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
+from assistant.program.system.writing import write_all
 from assistant.program.text import read_bytes
-from assistant.program.writing import write_all
 from assistant.project import rules
 from assistant.project.pulled_targets import changed_targets, with_targets
 from assistant.robots import Robot

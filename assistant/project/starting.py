@@ -8,9 +8,9 @@ from pathlib import Path as FilePath
 from typing import Final
 
 from assistant import __version__
-from assistant.program.bounded import read_file
 from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.program.writing import write_all
+from assistant.program.system.bounded import read_file
+from assistant.program.system.writing import write_all
 from assistant.project import rules
 from assistant.project.schema import FILE, schema_text
 from assistant.resources import resource

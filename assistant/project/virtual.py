@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING, Final
 
 from assistant import robots
 from assistant.controllers import Credentials, Named, Programs, connect
-from assistant.program.bounded import read_file
 from assistant.program.diagnostics import Refused
-from assistant.program.durably import write_whole
-from assistant.program.ending import held
+from assistant.program.system.bounded import read_file
+from assistant.program.system.durably import write_whole
+from assistant.program.system.ending import held
 from assistant.project import rules
 
 if TYPE_CHECKING:

@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program.arrays import Floats
-from assistant.program.budgets import SOLVING, staged
 from assistant.program.diagnostics import Diagnostic, fold
 from assistant.program.expressions import Expression, JointValue, Name
 from assistant.program.geometry import BASE, FLANGE, Frame, JointTarget, Target, Tool
@@ -35,6 +34,7 @@ from assistant.program.statements import (
     trait,
 )
 from assistant.program.subjects import Declared, Goal, NumberedMove
+from assistant.program.system.budgets import SOLVING, staged
 from assistant.robots import findings as rules
 from assistant.robots.branches.row_reach import Cures
 from assistant.robots.branches.solving import solve

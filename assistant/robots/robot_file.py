@@ -12,8 +12,8 @@ from typing import Any, Final
 import numpy as np
 
 from assistant.program.arrays import Floats
-from assistant.program.budgets import SETTINGS_FILE
 from assistant.program.diagnostics import Refused, Unreadable, error
+from assistant.program.system.budgets import SETTINGS_FILE
 from assistant.program.text import read_bytes
 from assistant.robots import urdf
 from assistant.robots.arms.arm import Arm, Link

@@ -9,8 +9,8 @@ from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Final, cast
 
-from assistant.program.budgets import TABLE, unpacked, within
 from assistant.program.diagnostics import Unreadable, error
+from assistant.program.system.budgets import TABLE, unpacked, within
 from assistant.program.text import is_file
 from assistant.sources.lengths import known_unit, unit_stated
 from assistant.sources.process import NO_PROCESS, Process

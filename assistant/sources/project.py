@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from typing import Any, Final
 
-from assistant.program.budgets import SETTINGS_FILE
 from assistant.program.diagnostics import Diagnostic, Rule, Span, Unreadable
+from assistant.program.system.budgets import SETTINGS_FILE
 from assistant.program.text import SourceText, decode, read_bytes
 
 FILES: Final[Mapping[str, tuple[str, ...]]] = {

@@ -170,8 +170,8 @@ class Sweep:
 
     def check_put_in_order(self, left: Sequence[Path]) -> None:
         """The next that writes there tells of it, and then all is old or all is new."""
-        from assistant.program.leftovers import told_by
-        from assistant.program.writing import write_files
+        from assistant.program.system.leftovers import told_by
+        from assistant.program.system.writing import write_files
 
         for holding in left:
             told: list[str] = []

@@ -17,9 +17,9 @@ from typing import BinaryIO, Final
 from assistant.controllers import rules
 from assistant.controllers.abb.files import TEMPORARY, first_difference
 from assistant.controllers.abb.ftp_session import FtpSession
-from assistant.program import durably
-from assistant.program.bounded import read_text
 from assistant.program.diagnostics import Refused
+from assistant.program.system import durably
+from assistant.program.system.bounded import read_text
 
 Progress = Callable[[int, int | None], None]
 """Is told how many bytes are here, and of how many, None if the server does not tell."""

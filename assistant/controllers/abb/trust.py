@@ -9,7 +9,7 @@ from pathlib import Path as FilePath
 from typing import Final
 
 from assistant.controllers.os_errors_in_words import reason_of
-from assistant.program.bounded import read_text
+from assistant.program.system.bounded import read_text
 
 PEM: Final = re.compile(r"-----BEGIN CERTIFICATE-----.+?-----END CERTIFICATE-----", re.DOTALL)
 

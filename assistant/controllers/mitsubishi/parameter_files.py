@@ -17,8 +17,8 @@ from typing import Final
 
 from assistant.controllers import rules
 from assistant.controllers.mitsubishi import values
-from assistant.program.bounded import read_file
 from assistant.program.diagnostics import Refused
+from assistant.program.system.bounded import read_file
 
 HEAD: Final = "NARC parameter system"
 ROW: Final = re.compile(r"([A-Z][A-Z0-9_]{0,15})=([UM])([sdilfx]),(.*);")

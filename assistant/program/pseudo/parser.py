@@ -9,7 +9,6 @@ from typing import Any, Final, cast
 
 from lark import Token
 
-from assistant.program.budgets import READING, within
 from assistant.program.diagnostics import Diagnostic, Refused, Rule, Span, has_errors
 from assistant.program.program import Declaration, Procedure, Program
 from assistant.program.pseudo.blocks import (
@@ -45,6 +44,7 @@ from assistant.program.pseudo.statements import read_statement
 from assistant.program.pseudo.tables import SideTables
 from assistant.program.pseudo.words import Node, read_raw, read_word, shortened
 from assistant.program.statements import Comment, Follow, Opaque, Statement
+from assistant.program.system.budgets import READING, within
 from assistant.program.text import SourceText, decode, read_bytes
 
 MOST_FINDINGS: Final = 100

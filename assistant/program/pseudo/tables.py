@@ -20,7 +20,6 @@ import numpy as np
 from lark import Token
 from numpy.typing import NDArray
 
-from assistant.program.budgets import unpacked
 from assistant.program.diagnostics import Unreadable
 from assistant.program.expressions import Name
 from assistant.program.motion import Blend, Speed
@@ -37,6 +36,7 @@ from assistant.program.pseudo.findings import (
 from assistant.program.pseudo.rows import codes, faults
 from assistant.program.pseudo.values import blend_text, speed_text
 from assistant.program.pseudo.words import name_text, quoted
+from assistant.program.system.budgets import unpacked
 from assistant.program.text import read_bytes
 
 SideTables = FilePath | str | Mapping[str, bytes] | None

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Final
 
-from assistant.program.budgets import CONTOURS, within
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
 from assistant.program.expressions import Name
 from assistant.program.geometry import Target
 from assistant.program.program import MANGLED, Procedure, Program, TakenNames, identifier
 from assistant.program.statements import Call, Move
+from assistant.program.system.budgets import CONTOURS, within
 from assistant.sources.contours.layers import contour_program
 from assistant.sources.drawing.contents import Contents
 from assistant.sources.drawing.findings import (

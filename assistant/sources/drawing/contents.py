@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from assistant.program.budgets import INSERTING, within
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import BASE, FLANGE
 from assistant.program.statements import Motion
+from assistant.program.system.budgets import INSERTING, within
 from assistant.sources.contours.curves import Curve
 from assistant.sources.drawing.attributes import Tags
 from assistant.sources.drawing.document import library_errors, open_drawing

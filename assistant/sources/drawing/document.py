@@ -11,8 +11,8 @@ from contextlib import contextmanager
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
-from assistant.program.budgets import DRAWING, within
 from assistant.program.diagnostics import Diagnostic, Unreadable
+from assistant.program.system.budgets import DRAWING, within
 from assistant.program.text import read_bytes
 from assistant.sources.drawing.findings import (
     BROKEN,

@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any, Final, cast
 import numpy as np
 
 from assistant.program.arrays import Floats
-from assistant.program.budgets import factor
 from assistant.program.diagnostics import Diagnostic, Refused, Rule
+from assistant.program.system.budgets import factor
 from assistant.sources.drawing.attributes import Tags, texts_of
 from assistant.sources.drawing.counting import Count
 from assistant.sources.drawing.document import library_errors

@@ -63,11 +63,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path as FilePath
 from typing import Any, Final
 
-from assistant.program.budgets import SETTINGS_FILE
 from assistant.program.diagnostics import Diagnostic, Refused, Span, Unreadable, error, has_errors
 from assistant.program.geometry import BASE, FLANGE, Frame, Load, Pose, Tool
 from assistant.program.program import Signal
 from assistant.program.statements import Motion
+from assistant.program.system.budgets import SETTINGS_FILE
 from assistant.program.text import SourceText, decode, read_bytes
 from assistant.sources.process import Defaults, Layer, Process
 from assistant.sources.process import values as values

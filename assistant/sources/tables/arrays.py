@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program.arrays import Floats
-from assistant.program.budgets import unpacked
 from assistant.program.diagnostics import Refused, Severity, Unreadable, error
+from assistant.program.system.budgets import unpacked
 from assistant.sources.tables.headers import shown
 
 ERROR: Final = Severity.ERROR

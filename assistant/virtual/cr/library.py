@@ -7,8 +7,8 @@ from dataclasses import replace
 
 from assistant import languages
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.program.budgets import STORED, within
 from assistant.program.diagnostics import Refused
+from assistant.program.system.budgets import STORED, within
 from assistant.virtual.cr import cells
 from assistant.virtual.cr.store import ENCODING, CrProgram
 from assistant.virtual.events import Place

@@ -10,8 +10,8 @@ import shutil
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
-from assistant.program.bounded import read_file, read_text
-from assistant.program.durably import ARRIVING, write_whole
+from assistant.program.system.bounded import read_file, read_text
+from assistant.program.system.durably import ARRIVING, write_whole
 from assistant.virtual.irc5.parameters import DOMAINS, parse
 from assistant.virtual.irc5.programs import TASK, Programs, read_module
 

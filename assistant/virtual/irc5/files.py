@@ -16,9 +16,9 @@ from pyftpdlib.exceptions import FilesystemError
 from pyftpdlib.filesystems import AbstractedFS
 from pyftpdlib.handlers import DTPHandler, FTPHandler
 
-from assistant.program.bounded import read_file
 from assistant.program.diagnostics import Diagnostic, Severity
-from assistant.program.durably import ARRIVING, write_whole
+from assistant.program.system.bounded import read_file
+from assistant.program.system.durably import ARRIVING, write_whole
 from assistant.virtual.irc5.modules import is_looked_at, look
 
 UNIT: Final = "HOME:"

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Final, Literal
 
-from assistant.program.bounded import check_regular
+from assistant.program.system.bounded import check_regular
 from assistant.virtual.rapid.ends import Fault, NotSimulated
 
 Mode = Literal["read", "write", "append"]

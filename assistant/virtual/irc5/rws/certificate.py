@@ -10,7 +10,7 @@ from pathlib import Path as FilePath
 from typing import Final
 
 from assistant.program.diagnostics import Refused, error
-from assistant.program.durably import write_whole
+from assistant.program.system.durably import write_whole
 
 NEEDS_PACKAGE = error(
     "VC002",

@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Final
 
-from assistant.program.bounded import read_file
-from assistant.program.durably import write_whole
+from assistant.program.system.bounded import read_file
+from assistant.program.system.durably import write_whole
 from assistant.virtual.rapid.disk import CODES, MODES, UNITS, Stream
 from assistant.virtual.rapid.ends import UNSURE, Fault, NotSimulated
 from assistant.virtual.rapid.given import Given, takes

@@ -11,7 +11,7 @@ from typing import Final
 
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program.diagnostics import Refused, has_errors
-from assistant.program.durably import write_whole
+from assistant.program.system.durably import write_whole
 from assistant.program.text import SourceText
 from assistant.virtual.rapid.ends import UNSURE, Fault, NotSimulated
 from assistant.virtual.rapid.expressions import settled

@@ -14,8 +14,8 @@ from pathlib import Path as FilePath
 from typing import Final
 from urllib.parse import unquote
 
-from assistant.program.bounded import read_file
-from assistant.program.durably import ARRIVING, write_whole
+from assistant.program.system.bounded import read_file
+from assistant.program.system.durably import ARRIVING, write_whole
 from assistant.virtual.irc5.cabinet import Cabinet
 from assistant.virtual.irc5.rws import reasons
 from assistant.virtual.irc5.rws.answers import DONE, Answer, Item, Rejected

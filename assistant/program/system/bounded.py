@@ -12,7 +12,7 @@ import stat
 from pathlib import Path as FilePath
 from typing import BinaryIO, Final
 
-from assistant.program.budgets import FILE, factor
+from assistant.program.system.budgets import FILE, factor
 
 KINDS: Final = {
     stat.S_IFIFO: "a named pipe",

@@ -8,7 +8,7 @@ from contextlib import suppress
 from pathlib import Path as FilePath
 from typing import Final
 
-from assistant.program import locks
+from assistant.program.system import locks
 
 ARRIVING: Final = ".arriving-"
 """First characters of the name of a file that is being written."""

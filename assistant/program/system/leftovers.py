@@ -21,9 +21,9 @@ from contextvars import ContextVar
 from pathlib import Path as FilePath
 from typing import Final
 
-from assistant.program import durably, locks
 from assistant.program.diagnostics import Diagnostic, warning
-from assistant.program.ending import held
+from assistant.program.system import durably, locks
+from assistant.program.system.ending import held
 
 HOLDING: Final = ".robot-assistant-"
 """How the folder begins that holds files until all of them are there."""

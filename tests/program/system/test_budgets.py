@@ -10,8 +10,8 @@ from collections.abc import Callable
 
 import pytest
 
-from assistant.program.budgets import STAGES, VARIABLE, Stage, within
 from assistant.program.diagnostics import Refused
+from assistant.program.system.budgets import STAGES, VARIABLE, Stage, within
 
 SMALL = Stage("trying", "bytes", 0.1, 0.0, 60, 0)
 ROOM = Stage("trying", "bytes", 1e6, 0.0, 60, 0)

@@ -11,9 +11,9 @@ from pathlib import Path as FilePath
 
 import pytest
 
-from assistant.program.bounded import NoFile, TooLarge, read_file, read_stream
-from assistant.program.budgets import VARIABLE
 from assistant.program.diagnostics import Refused, Unreadable
+from assistant.program.system.bounded import NoFile, TooLarge, read_file, read_stream
+from assistant.program.system.budgets import VARIABLE
 from assistant.program.text import read_bytes
 
 

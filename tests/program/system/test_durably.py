@@ -6,8 +6,8 @@ import os
 
 import pytest
 
-from assistant.program import locks
-from assistant.program.durably import ARRIVING, write_whole
+from assistant.program.system import locks
+from assistant.program.system.durably import ARRIVING, write_whole
 
 
 @pytest.mark.skipif(os.name == "nt", reason="what is open cannot be deleted there")

@@ -20,7 +20,7 @@ from types import TracebackType
 from typing import Final, ParamSpec, TypeVar
 
 from assistant.program.diagnostics import Diagnostic, Refused, error
-from assistant.program.watchdog import Charge, Reached, installed, watch
+from assistant.program.system.watchdog import Charge, Reached, installed, watch
 
 TIME: Final = error(
     "LM001",

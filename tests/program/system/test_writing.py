@@ -10,8 +10,8 @@ import sys
 import pytest
 
 from assistant.program.diagnostics import Refused
-from assistant.program.leftovers import told_by
-from assistant.program.writing import scratch, write_all, write_files
+from assistant.program.system.leftovers import told_by
+from assistant.program.system.writing import scratch, write_all, write_files
 
 
 def test_writes_all_files_and_nothing_else(tmp_path):
@@ -55,8 +55,8 @@ FULL = """
 import resource, signal, sys
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
-from assistant.program.leftovers import told_by
-from assistant.program.writing import scratch, write_all, write_files
+from assistant.program.system.leftovers import told_by
+from assistant.program.system.writing import scratch, write_all, write_files
 from assistant.program.diagnostics import Refused
 try:
     write_files({"a.mod": b"new", "b.mod": b"x" * 5000}, sys.argv[1])
@@ -154,7 +154,7 @@ def test_who_reads_meanwhile_finds_the_name_at_any_time(tmp_path):
 
 WRITER = """
 import sys
-from assistant.program.writing import write_files
+from assistant.program.system.writing import write_files
 for _ in range(10):
     write_files({f"{i}.mod": sys.argv[2].encode() for i in range(20)}, sys.argv[1])
 """
@@ -165,7 +165,7 @@ for _ in range(10):
 
 KILLED = """
 import os, pathlib, sys
-from assistant.program.writing import write_files
+from assistant.program.system.writing import write_files
 count, real = int(sys.argv[2]), pathlib.Path.replace
 def replace(self, target):
     global count

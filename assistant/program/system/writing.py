@@ -25,10 +25,10 @@ from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 from typing import Final
 
-from assistant.program import durably, leftovers, locks
 from assistant.program.diagnostics import Refused, error
-from assistant.program.ending import held
-from assistant.program.leftovers import HOLDING, NEW, OLD, READY
+from assistant.program.system import durably, leftovers, locks
+from assistant.program.system.ending import held
+from assistant.program.system.leftovers import HOLDING, NEW, OLD, READY
 
 NOT_WRITTEN: Final = error(
     "CO201",

@@ -1,0 +1,1 @@
+"""What the computer does: files read with an end and replaced whole, signals, time and memory."""
