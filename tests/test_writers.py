@@ -11,7 +11,7 @@ WRITES = re.compile(
     r"|\bnp\.savez?(?:_compressed)?\(|\bsavefig\(|\bto_csv\(|\bos\.(?:replace|rename)\(|\bshutil\.(?:move|copy)"
 )
 KNOWN = {
-    "program/durably.py": "it is the mechanism",
+    "program/system/durably.py": "it is the mechanism",
     "program/pseudo/tables.py": "into memory",
     "report/figures.py": "into memory",
     "report/timing.py": "into memory",
