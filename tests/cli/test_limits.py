@@ -27,14 +27,13 @@ def pipe(tmp_path: Path) -> Iterator[Path]:
     """A named pipe `x.mod` that somebody has open for writing, for five seconds at most."""
     path = tmp_path / "x.mod"
     os.mkfifo(path)
-    end = os.open(path, os.O_RDWR)
-    os.write(end, MODULE.format(data="", body="").encode())
-    closing = threading.Timer(5, os.close, [end])
-    closing.start()
-    yield path
-    closing.cancel()
-    if not closing.finished.is_set() or closing.is_alive():
-        os.close(end)
+    with os.fdopen(os.open(path, os.O_RDWR), "wb", buffering=0) as end:
+        end.write(MODULE.format(data="", body="").encode())
+        closing = threading.Timer(5, end.close)
+        closing.start()
+        yield path
+        closing.cancel()
+        closing.join()
 
 
 PIPES = [
@@ -109,8 +108,8 @@ def test_a_long_string_takes_the_memory_of_its_characters():
 
 def test_an_archive_is_measured_before_it_is_unpacked(tmp_path, capsys, monkeypatch):
     file = tmp_path / "zeros.npz"
-    np.savez_compressed(file, positions=np.zeros((100_000, 3)))
-    monkeypatch.setenv(VARIABLE, "0.001")
+    np.savez_compressed(file, positions=np.zeros((500_000, 3)))
+    monkeypatch.setenv(VARIABLE, "0.01")
     status, _, err = run(capsys, "compile", file, "-l", "rapid", "-o", tmp_path / "out")
     assert (status, "TB407" in err) == (2, True)
 

@@ -55,9 +55,8 @@ FULL = """
 import resource, signal, sys
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
-from assistant.program.system.leftovers import told_by
-from assistant.program.system.writing import scratch, write_all, write_files
 from assistant.program.diagnostics import Refused
+from assistant.program.system.writing import write_files
 try:
     write_files({"a.mod": b"new", "b.mod": b"x" * 5000}, sys.argv[1])
 except Refused as refused:
@@ -138,24 +137,30 @@ def test_folders_that_were_made_go_if_nothing_comes_of_it(tmp_path):
 
 
 def test_who_reads_meanwhile_finds_the_name_at_any_time(tmp_path):
-    """Two write, in processes of their own; the names are looked at as fast as can be."""
+    """Two write, in processes of their own, until both were seen at it."""
     names = [f"{i}.mod" for i in range(20)]
     write_files(dict.fromkeys(names, b"0"), tmp_path)
     command = [sys.executable, "-c", WRITER, str(tmp_path)]
-    with subprocess.Popen([*command, "1"]) as one, subprocess.Popen([*command, "2"]) as other:
+    pipe = subprocess.PIPE
+    with (
+        subprocess.Popen([*command, "1"], stdin=pipe) as one,
+        subprocess.Popen([*command, "2"], stdin=pipe) as other,
+    ):
         seen = set()
-        while one.poll() is None or other.poll() is None:
+        while not {b"1", b"2"} <= seen and one.poll() is None and other.poll() is None:
             seen |= {(tmp_path / name).read_bytes() for name in names}
     assert (one.returncode, other.returncode) == (0, 0)
-    assert {b"1", b"2"} & seen and seen <= {b"0", b"1", b"2"}
+    assert {b"1", b"2"} <= seen <= {b"0", b"1", b"2"}
     assert len({(tmp_path / name).read_bytes() for name in names}) == 1, "of one of the two"
     assert sorted(os.listdir(tmp_path)) == sorted(names)
 
 
 WRITER = """
-import sys
+import sys, threading
 from assistant.program.system.writing import write_files
-for _ in range(10):
+waiting = threading.Thread(target=sys.stdin.read, daemon=True)
+waiting.start()
+while waiting.is_alive():
     write_files({f"{i}.mod": sys.argv[2].encode() for i in range(20)}, sys.argv[1])
 """
 
