@@ -23,6 +23,7 @@ from assistant.program.diagnostics import (
     Diagnostic,
     Refused,
     Severity,
+    Span,
     error,
     fold,
     has_errors,
@@ -280,7 +281,7 @@ def _explained(proof: Proof, program: Program) -> Iterator[Diagnostic]:
         for part in records(head(node))
         if isinstance(part, Verbatim)
     }
-    moving, texts = _kept_moves(program), _kept_texts(program)
+    cause, texts = _kept_move(program) or next(iter(kept.items()), None), _kept_texts(program)
     back = texts if proof.lifted is None else _kept_texts(proof.lifted)
     beside, lost = bool(back - texts), next(iter(texts - back), None)
     for finding in proof.findings:
@@ -288,19 +289,19 @@ def _explained(proof: Proof, program: Program) -> Iterator[Diagnostic]:
         text = kept.get(finding.span) if same and finding.span else None
         if text is not None:
             yield KEPT_TEXT(text=text, span=finding.span)
-        elif same and beside and moving is not None:
-            yield KEPT_BESIDE(text=moving.text, span=moving.span)
+        elif same and beside and cause is not None:
+            yield KEPT_BESIDE(text=cause[1], span=cause[0])
         elif same and lost is not None:
             yield KEPT_TEXT(text=lost, span=finding.span)
         else:
             yield finding
 
 
-def _kept_moves(program: Program) -> Opaque | None:
-    """The first statement that keeps its text and may move the robot."""
+def _kept_move(program: Program) -> tuple[Span | None, str] | None:
+    """The first statement that keeps its text and may move the robot, with its place."""
     for node in program.statements():
         if isinstance(node, Opaque) and (node.effect is None or node.effect.moves):
-            return node
+            return node.span, node.text
     return None
 
 

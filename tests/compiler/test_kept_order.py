@@ -54,6 +54,19 @@ def test_a_kept_move_is_named_whose_settings_would_be_written_for_others() -> No
     assert kept in told.message
 
 
+def test_a_kept_value_is_named_beside_which_settings_would_be_written() -> None:
+    language = languages.get("melfa-basic-6")
+    kept = "PosMid(PA,SplECord(P_Curr,PB(2)),&HF,M_XDevW(1))"
+    program = language.lift(language.parse(f"1 Mvs P10\n2 PA={kept}\n{P10}"))
+    made = compile(replace(program, origin=None), language="melfa-basic-6")
+    told = [f for f in made.findings if f.severity is Severity.ERROR]
+    assert ([f.code for f in told], made.files) == (["CO107", "CO104"], {})
+    assert all(kept in f.message for f in told)
+
+
+P10 = "P10=(298,-17,300.5,0,0,180)(7,0)\n"
+
+
 def errors_of(text: str, language: str) -> list[tuple[str, str]]:
     made = compile(parse_pseudo(SourceText(text, "a.pseudo")), language=language)
     assert made.ok is not has_errors(made.findings)
