@@ -55,13 +55,17 @@ def read(name: str, text: str, rng: Random) -> None:
     list(language.parts(tree))
 
 
+DRAWN_TOO_LONG = ("MB107",)
+"""A step of more bytes than a controller takes: the draw looks at no lengths."""
+
+
 def check(name: str, text: str, rng: Random) -> None:
     """No rule finds an error in it, and every finding has its place."""
     source = source_of(name, text)
     findings = check_text(source, language=name).findings
     placed(tuple(findings), source)
     for one in findings:
-        right = one.severity is not Severity.ERROR
+        right = one.severity is not Severity.ERROR or one.code in DRAWN_TOO_LONG
         promise(right, f"{name}: {one.code} of a valid program: {plain(one)}", one)
 
 
@@ -178,7 +182,7 @@ def written(language: Language[Any], files: Mapping[str, bytes], what: str) -> N
         trees.append(tree)
     found = language.check(trees) if trees else ()
     for one in found:
-        right = one.severity is not Severity.ERROR
+        right = one.severity is not Severity.ERROR or one.code in DRAWN_TOO_LONG
         promise(right, f"{what}: {one.code} of what was written: {plain(one)}", one)
 
 
