@@ -20,17 +20,15 @@ from assistant.program.analysis.uses import (
     along_calls,
     altered,
     base,
-    called_by,
     declared,
     handed_over,
     mentioned,
-    read_before,
     unordered,
 )
 from assistant.program.diagnostics import Rule
-from assistant.program.effects import unknown
 from assistant.program.passes.hoisting import Taken, hoisted
 from assistant.program.passes.legalising import Legalising
+from assistant.program.passes.parameters_refused import refuse_kept_texts, refuse_other_order
 from assistant.program.passes.procedures import has_form, is_called_with_arguments
 from assistant.program.program import (
     Parameter,
@@ -39,7 +37,6 @@ from assistant.program.program import (
     TakenNames,
     Variable,
     identifier,
-    walk,
 )
 from assistant.program.rewriting import Body, head, map_head, records, rewrite
 from assistant.program.subjects import Declared
@@ -72,21 +69,8 @@ def without_parameters(job: Legalising, told: Rule) -> Program:
         about = Declared(procedure.name, "procedures")
         with job.findings.at(procedure.span):
             job.findings.append(told(name=procedure.name, about=about))
-        _leave_kept_texts(job, procedure)
+        refuse_kept_texts(job, procedure)
     return _Forms(job, formed).program() if formed else program
-
-
-def _leave_kept_texts(job: Legalising, procedure: Procedure) -> None:
-    """An error for each kept text that names a parameter: it would name another variable then."""
-    own = {parameter.name.lower(): parameter.name for parameter in procedure.parameters}
-    for node in walk(procedure.body):
-        for part in records(head(node)) if own else ():
-            if isinstance(part, p.Opaque | e.Verbatim):
-                effect = unknown(part.text) if part.effect is None else part.effect
-                for name in sorted(effect.names & own.keys()):
-                    what = f"`{part.text}`, which names the parameter `{own[name]}`"
-                    with job.findings.at(node.span):
-                        job.cannot(what, "say it in plain statements")
 
 
 @dataclass(frozen=True, slots=True)
@@ -216,7 +200,8 @@ class _Forms:
         has = procedure.name.lower() in self.called
         kept = {n: v for n, v in procedure.variables.items() if n.lower() not in moved}
         own = frozenset(name.lower() for name in kept)
-        self._refuse_other_order(body, own)
+        alters = {key: names - own for key, names in self.alters.items()}
+        refuse_other_order(self.job, body, self.called, alters)
         take = _Calls(self, own, self.result(procedure) if has and procedure.result else "")
         body = hoisted(body, take)
         return replace(
@@ -263,34 +248,6 @@ class _Forms:
             return node
 
         return rewrite(body, visit)
-
-    def _refuse_other_order(self, body: Body, own: frozenset[str]) -> None:
-        """An error at each statement that would say another thing with its calls in front of it.
-
-        own: variables of the procedure, in lower case.
-        """
-        alters = {key: names - own for key, names in self.alters.items()}
-        for node in walk(body):
-            if isinstance(node, p.WaitUntil) and node.timeout is not None:
-                self._refuse_once(node)
-            alone = [b.condition for b in node.branches] if isinstance(node, p.If) else [head(node)]
-            read = [pair for x in alone for pair in read_before(x, self.called, alters)]
-            with self.job.findings.at(node.span):
-                for name, function in dict.fromkeys(read):
-                    self.job.cannot(
-                        what=f"that {called_by(name)} is read before `{function}` changes it",
-                        cure="assign it to a variable in a statement before, and read that",
-                    )
-
-    def _refuse_once(self, node: p.WaitUntil) -> None:
-        """An error at a wait with a limit for what a call tells: it would be called once only."""
-        for record in records(node.condition):
-            if isinstance(record, e.Apply) and record.function.lower() in self.called:
-                with self.job.findings.at(node.span):
-                    self.job.cannot(
-                        what=f"a wait with a limit that calls `{record.function}` again and again",
-                        cure="call it in a loop that waits a little and reads a clock",
-                    )
 
 
 class _Calls:
