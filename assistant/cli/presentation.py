@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final, TypeVar
 
 from assistant.program.diagnostics import LONGEST_EXCERPT, Diagnostic, Severity
 from assistant.program.visible import STEERING
-from assistant.program.visible import visible as shown
+from assistant.program.visible import visible as visible_text
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -81,14 +81,14 @@ def print_findings(findings: Iterable[Diagnostic], *, explained: bool = False) -
 
     explained: a last line tells where more is said about them.
     """
-    shown = list(findings)
-    if not shown:
+    listed = list(findings)
+    if not listed:
         return
     from rich.text import Text
 
     screen = console()
     codes: set[str] = set()
-    for finding in shown:
+    for finding in listed:
         codes.add(finding.code)
         head = Text(finding.code, style=STYLES[finding.severity])
         head.append(f" {finding.severity}", style=STYLES[finding.severity])
@@ -132,7 +132,7 @@ def _window(line: str, column: int | None) -> tuple[str, int | None]:
 
 def visible(text: str) -> str:
     """The same for where a tab would be more than one character wide."""
-    return shown(text.replace("\t", " "))
+    return visible_text(text.replace("\t", " "))
 
 
 def print_for_programs(
