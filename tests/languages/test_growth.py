@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from assistant import languages
+from assistant import languages, translate
 from assistant.compiler.checking import check_files
 from assistant.program.program import TakenNames, identifier
 from benchmarks.growth.flows import flows
@@ -46,6 +46,18 @@ def test_four_times_the_program_is_at_most_about_four_times_the_work(
     work(1)  # loads what checking needs
     base = work(1)
     assert math.log((work(4 * few) - base) / (work(few) - base), 4) <= MOST
+
+
+@pytest.mark.parametrize("construct", ["MELFA-BASIC: moves", "MELFA-BASIC: settings"])
+def test_as_much_more_work_as_there_is_to_translate(construct: str, tmp_path: Path) -> None:
+    def work(n: int) -> float:
+        file = tmp_path / f"a{n}.prg"
+        file.write_text(KNOWN[construct].text(n), "ascii")
+        return calls(lambda: translate(file, to="rapid", language="melfa-basic-6", draft=True))
+
+    work(1)
+    base = work(1)
+    assert math.log((work(160) - base) / (work(40) - base), 4) <= MOST
 
 
 def test_many_words_that_do_not_fit_are_mended_at_once() -> None:

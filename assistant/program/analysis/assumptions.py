@@ -38,16 +38,22 @@ def read_unset(program: Program) -> Iterator[tuple[str, Variable, Span | None]]:
     """
     entry = program.procedure(program.entry) if program.entry else None
     read = Assigning(program).run(entry).read if entry is not None else set()
+    met: dict[str, Span | None] | None = None
     for name, variable in program.variables.items():
         own = variable.storage == "variable" and variable.initial is None and not variable.size
         if own and name.lower() in read:
-            met = next((x for x in program.statements() if _mentions(x, name)), None)
-            yield name, variable, met.span if met is not None else variable.span
+            met = _first_named(program) if met is None else met
+            yield name, variable, met.get(name.lower(), variable.span)
 
 
-def _mentions(statement: p.Statement, name: str) -> bool:
-    names = (r.name.lower() for r in records(head(statement)) if isinstance(r, e.Name))
-    return name.lower() in names
+def _first_named(program: Program) -> dict[str, Span | None]:
+    """Names in lower case, each with the place of the first statement that holds it."""
+    found: dict[str, Span | None] = {}
+    for statement in program.statements():
+        for part in records(head(statement)):
+            if isinstance(part, e.Name):
+                found.setdefault(part.name.lower(), statement.span)
+    return found
 
 
 def signed_bits(program: Program, functions: Collection[str]) -> Iterator[tuple[str, Span | None]]:
