@@ -260,3 +260,26 @@ def test_an_error_is_told_with_its_line() -> None:
     assert run(tree).message == "6: division by zero (ERR_DIVZERO)"
     assert run(tree, entry="sub").message == "6: division by zero (ERR_DIVZERO)"
     assert run(tree, entry="nothing").ended == "error"
+
+
+@pytest.mark.parametrize(
+    ("declared", "main", "message"),
+    [
+        ("VAR r19 k;", "k:=k;", "a record `r19` of more than 1000000 elements"),
+        ("VAR r9 k{1000};", "k{1}:=k{1};", "an array of more than 1000000 elements"),
+        ("VAR twice k{10,100};", "k{1,1}:=k{1,1};", "an array of more than 1000000 elements"),
+        ("VAR r3 k{10};", "k{1}:=k{2};", ""),
+    ],
+)
+def test_data_is_counted_through_its_records_before_it_is_built(
+    declared: str, main: str, message: str
+) -> None:
+    records = ["RECORD r0\nnum a;\nnum b;\nENDRECORD"]
+    records += [f"RECORD r{i}\nr{i - 1} a;\nr{i - 1} b;\nENDRECORD" for i in range(1, 20)]
+    types = "\n".join([*records, "ALIAS r9 twice;"])
+    tree = languages.get("rapid").parse(
+        f"MODULE M\n{types}\n{declared}\nPROC main()\n{main}\nENDPROC\nENDMODULE"
+    )
+    assert tree.findings == ()
+    found = run(tree)
+    assert (found.ended, found.message.endswith(message)) == ("unknown" if message else "end", True)

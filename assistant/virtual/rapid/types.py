@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final
@@ -15,7 +14,7 @@ from assistant.virtual.rapid.values import Array, Clock, Handle, Record, Shape, 
 PLAIN: Mapping[str, Value] = {"num": 0.0, "dnum": 0.0, "bool": False, "string": "", "switch": True}
 """First values of the types without components."""
 MOST_ELEMENTS: Final = 1_000_000
-"""Of an array, beyond what the program memory of a controller holds."""
+"""Of one array or record, counted through those in it: beyond what a controller's memory holds."""
 INPUTS: Final = ("signaldi", "signalgi", "signalai")
 OUTPUTS: Final = ("signaldo", "signalgo", "signalao")
 SIGNALS: Final = (*INPUTS, *OUTPUTS)
@@ -31,11 +30,13 @@ class Types:
 
     records: dict[str, dict[str, str]] = field(default_factory=dict)
     aliases: dict[str, str] = field(default_factory=dict)
+    _counts: dict[str, int] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def declare(self, item: s.Record | s.Alias) -> None:
         name = item.name.lower()
         if name in self.records or name in self.aliases:
             raise NotSimulated(f"two types of the name `{item.name}`")
+        self._counts.clear()
         if isinstance(item, s.Alias):
             self.aliases[name] = item.type.lower()
         else:
@@ -66,11 +67,30 @@ class Types:
         return None if of is None else Shape(self.name(of))
 
     def first(self, shape: Shape) -> Value:
-        """The value of data without a first value; raises NotSimulated for types without one."""
+        """The value of data without a first value.
+
+        Raises NotSimulated for types without one, and for more than `MOST_ELEMENTS` elements.
+        """
+        if self._count(shape) > MOST_ELEMENTS:
+            what = "an array" if shape.sizes else f"a record `{shape.type}`"
+            raise NotSimulated(f"{what} of more than {MOST_ELEMENTS} elements")
+        return self._first(shape)
+
+    def _count(self, shape: Shape) -> int:
+        """Elements of data, those of the arrays and records in it counted; nothing is built."""
         if shape.sizes:
-            if math.prod(shape.sizes) > MOST_ELEMENTS:
-                raise NotSimulated(f"an array of more than {MOST_ELEMENTS} elements")
-            return Array([self.first(shape.element) for _ in range(max(shape.sizes[0], 0))])
+            return max(1, shape.sizes[0] * self._count(shape.element))
+        if shape.type in PLAIN:
+            return 1
+        if shape.type not in self._counts:
+            parts = self.components(shape.type) or {}
+            inner = sum(self._count(Shape(self.name(of))) for of in parts.values())
+            self._counts[shape.type] = max(1, inner)
+        return self._counts[shape.type]
+
+    def _first(self, shape: Shape) -> Value:
+        if shape.sizes:
+            return Array([self._first(shape.element) for _ in range(max(shape.sizes[0], 0))])
         if shape.type in PLAIN:
             return PLAIN[shape.type]
         if shape.type == "clock":
@@ -84,5 +104,5 @@ class Types:
         if parts is None:
             raise NotSimulated(f"data of type {shape.type}")
         return Record(
-            shape.type, {name: self.first(Shape(self.name(of))) for name, of in parts.items()}
+            shape.type, {name: self._first(Shape(self.name(of))) for name, of in parts.items()}
         )
