@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-import tomllib
 from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Any, Final
@@ -15,6 +14,7 @@ from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Refused, Unreadable, error
 from assistant.program.system.budgets import SETTINGS_FILE
 from assistant.program.text import read_bytes
+from assistant.program.toml_text import toml
 from assistant.robots import urdf
 from assistant.robots.arms.arm import Arm, Link
 from assistant.robots.arms.five_axis import FiveAxis
@@ -54,7 +54,9 @@ def read(data: bytes, path: str | None = None) -> Robot:
         drawn = urdf.read(data, path)
         return replace(_over({}, drawn, path), findings=drawn.findings)
     try:
-        table = tomllib.loads(data.decode("utf-8"))
+        table = toml(data.decode("utf-8"), path)
+    except Refused:
+        raise
     except ValueError as error:  # also what is no UTF-8, and an integer of thousands of digits
         raise Unreadable(NO_TOML(path=path, reason=str(error))) from None
     except RecursionError:

@@ -69,6 +69,7 @@ from assistant.program.program import Signal
 from assistant.program.statements import Motion
 from assistant.program.system.budgets import SETTINGS_FILE
 from assistant.program.text import SourceText, decode, read_bytes
+from assistant.program.toml_text import toml
 from assistant.sources.process import Defaults, Layer, Process
 from assistant.sources.process import values as values
 from assistant.sources.process.table import REPAIRED, Page, Table, nearest
@@ -182,9 +183,14 @@ def process_in(top: Table, beside: Sequence[str] = ()) -> Process:
 
 
 def read_toml(source: SourceText) -> Table:
-    """A document, every key with its place; raises Unreadable if it is no TOML."""
+    """A document, every key with its place; raises Unreadable if it is no TOML.
+
+    Raises Refused if reading takes more than its budget.
+    """
     try:
-        content = tomllib.loads(source.text)
+        content = toml(source.text, source.path)
+    except Refused:
+        raise
     except tomllib.TOMLDecodeError as error:
         raise Unreadable(_not_toml(source, str(error))) from None
     except ValueError:  # as `int` refuses it, without a place

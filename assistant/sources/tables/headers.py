@@ -57,10 +57,18 @@ NEEDS_NAMES = error(
     "TB108", "the column {name} needs named rows", "add a `name` column, or leave it out"
 )
 
+MORE_UNKNOWN = error(
+    "TB109",
+    "{count} more columns have names that are not known, the first is {name}",
+    "put `_` before the names of columns that are not for the robot",
+)
+
 LENGTHS: Final = {unit: UNITS[unit][1] for unit in ("mm", "cm", "m", "in")}
 ANGLES: Final = {"deg": 1.0, "rad": math.degrees(1.0)}
 ORIENTATIONS: Final = ("quaternion", "euler_zyx", "euler_xyz", "euler_zyz", "rotvec")
 MOST_JOINTS: Final = 8
+MOST_UNKNOWN: Final = 10
+"""Columns of unknown names that have a finding each; the nearest name is looked for among all."""
 AFTER_MOVE: Final = ("wait", "set", "comment")
 EXAMPLE: Final = "x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z"
 
@@ -92,11 +100,17 @@ def columns_of(names: Sequence[str]) -> tuple[list[Column], list[Problem]]:
     """The meaning of each column of a header, and what is wrong with the header."""
     if all(_NUMBER.fullmatch(name.strip()) for name in names):
         return [], [Problem(NO_HEADER, 0, {"example": EXAMPLE})]
-    columns, problems = [], []
+    columns, problems, unknown = [], [], []
     for index, given in enumerate(names):
         column, problem = _column(index, given)
         columns.append(column or Column("unknown"))
         problems += [problem] if problem else []
+        unknown += [index] if column is None and problem is None else []
+    problems += [_unknown(index, names[index]) for index in unknown[:MOST_UNKNOWN]]
+    if more := unknown[MOST_UNKNOWN:]:
+        fields = {"count": len(more), "name": shown(names[more[0]])}
+        problems.append(Problem(MORE_UNKNOWN, more[0], fields))
+    problems.sort(key=lambda problem: problem.index)
     problems += _repeated(names, columns)
     if not problems:
         problems += _incomplete(names, columns)
@@ -185,6 +199,7 @@ _AXIS_OF: Final = {"roll": "x", "pitch": "y", "yaw": "z", "a": "x", "b": "y", "c
 
 
 def _column(index: int, given: str) -> tuple[Column | None, Problem | None]:
+    """What a column holds, or what is wrong with its name; neither for a name that is unknown."""
     name = given.strip().lower()
     if not name:
         return None, Problem(UNNAMED_COLUMN, index, {"number": index + 1})
@@ -203,10 +218,14 @@ def _column(index: int, given: str) -> tuple[Column | None, Problem | None]:
             return None, Problem(
                 AMBIGUOUS_COLUMN, index, {"name": shown(given), "why": why, "proposals": offered}
             )
-    near = difflib.get_close_matches(name, KNOWN, n=1, cutoff=0.5)
+    return None, None
+
+
+def _unknown(index: int, given: str) -> Problem:
+    near = difflib.get_close_matches(given.strip().lower(), KNOWN, n=1, cutoff=0.5)
     cure = f"did you mean `{near[0]}`? " if near else ""
     cure += "put `_` before the name of a column that is not for the robot"
-    return None, Problem(UNKNOWN_COLUMN, index, {"name": shown(given), "cure": cure})
+    return Problem(UNKNOWN_COLUMN, index, {"name": shown(given), "cure": cure})
 
 
 def _repeated(names: Sequence[str], columns: Sequence[Column]) -> Iterator[Problem]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Final
@@ -11,6 +10,7 @@ from typing import Any, Final
 from assistant.program.diagnostics import Refused, Span, error
 from assistant.program.program import IDENTIFIER
 from assistant.program.text import SourceText
+from assistant.program.toml_text import toml
 from assistant.sources.process import NO_PROCESS, Process
 from assistant.sources.process.file import read_toml
 from assistant.sources.process.lines import key_spans, value_spans
@@ -202,7 +202,7 @@ def is_kept(before: str, after: str, name: str) -> bool:
 
 
 def _without(text: str, name: str) -> str:
-    content = tomllib.loads(text)
+    content = toml(text)
     entries = content.get("targets", [])
     number = _entry(entries, name)
     kept = [entry for i, entry in enumerate(entries) if i != number]

@@ -47,6 +47,13 @@ def test_the_nearest_name_is_the_cure_for_an_unknown_one(given: str, meant: str)
     assert f"`{meant}`" in problems[0].fields["cure"]
 
 
+def test_of_many_unknown_names_ten_have_a_finding_each_and_the_rest_one() -> None:
+    _, problems = columns_of([*POSE, *(f"c{i}_mm" for i in range(5_000))])
+    assert [p.rule for p in problems] == [headers.UNKNOWN_COLUMN] * 10 + [headers.MORE_UNKNOWN]
+    assert problems[-1].index == len(POSE) + 10
+    assert problems[-1].fields == {"count": 4_990, "name": "`c10_mm`"}
+
+
 def test_every_group_of_columns_is_documented() -> None:
     documented = set(re.findall(r"`([a-z_0-9]+)`", headers.__doc__ or ""))
     for group in {column.group for column in KNOWN.values()}:
