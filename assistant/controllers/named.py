@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from assistant.sources.process.table import Table
 
 NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
+NO_USER: Final = re.compile("[:/=;?#]")
+"""What parts a user from a password, or from another word, and is in no name of one."""
 SECRET: Final = re.compile(r"pass|pwd|secret|token|credential", re.IGNORECASE)
 """Keys that somebody may write a password behind."""
 ROBOT_FILES: Final = (".toml", ".urdf")
@@ -153,7 +155,7 @@ class _Reader:
         address = self._address(found["address"], (name, "address")) if "address" in found else None
         if address is None:
             return None
-        if ":" in found.get("user", ""):
+        if NO_USER.search(found.get("user", "")):
             table.say(
                 rules.PASSWORD_IN_FILE, "user", name=name, variable=variable(name, "PASSWORD")
             )

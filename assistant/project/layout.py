@@ -13,6 +13,7 @@ from typing import Any, Final
 
 from assistant import languages, robots
 from assistant.controllers import Named, controllers_of
+from assistant.controllers.address import without_password
 from assistant.controllers.controller import LANGUAGES
 from assistant.controllers.named import ROBOT_FILES, SECRET
 from assistant.languages.language import Frames
@@ -317,7 +318,8 @@ class _Reader:
     ) -> None:
         near = nearest(name, list(known))
         cure = f"write `{near}`" if near else f"there are: {listed(list(known))}"
-        table.say(rules.UNKNOWN, key, kind=kind, name=shown(name), cure=cure)
+        said = without_password(name) if set(name) & set(":?=@#") else name
+        table.say(rules.UNKNOWN, key, kind=kind, name=shown(said), cure=cure)
 
 
 def inside(folder: FilePath, text: str) -> FilePath | None:

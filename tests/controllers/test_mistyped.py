@@ -87,7 +87,9 @@ TABLES = (
     '[deploy]\ncanary = "{}"\n',
     '[severity]\n"{}" = "off"\n',
 )
-FORMS = [MISTYPED[0], *(pytest.param(form, marks=pytest.mark.slow) for form in MISTYPED[1:])]
+TOLD = [form for form in MISTYPED if holds_password(form)]
+"""Those in which a password is seen wherever they stand: as a name, or as an argument too many."""
+FORMS = [TOLD[0], *(pytest.param(form, marks=pytest.mark.slow) for form in TOLD[1:])]
 ABOUT_A_PROJECT = (("ls", "cell1"), ("deploy", "--format", "json"))
 
 
