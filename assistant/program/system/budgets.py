@@ -174,6 +174,8 @@ class within:  # noqa: N801 (used as a `with` word)
         trace: TracebackType | None,
     ) -> None:
         watch.leave(self._charge)
+        if raised is None and self._charge.reached:
+            raised = Reached()  # it came where nobody hears it, as in a callback of weakref
         if raised is None or (finding := self._finding(raised)) is None:
             return
         raised.__traceback__ = None  # its frames hold what took the memory

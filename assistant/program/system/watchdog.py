@@ -16,7 +16,9 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from typing import Final, Literal
+from queue import SimpleQueue
+from typing import Any, Final, Literal
+from weakref import ReferenceType, ref
 
 PERIOD: Final = 0.05
 """Seconds between two looks."""
@@ -35,7 +37,7 @@ class Reached(BaseException):
     """A charge is used up. No `Exception`: what tries and goes on must not go on with it."""
 
 
-@dataclass(slots=True, eq=False)
+@dataclass(slots=True, eq=False, weakref_slot=True)
 class Charge:
     """Seconds of processor time and bytes of memory from now on.
 
@@ -55,15 +57,22 @@ class Charge:
 
 
 class Watchdog:
-    """The charges of all threads, those within others behind them."""
+    """The charges of all threads, those within others behind them.
+
+    A charge counts as long as its stage holds it: one that was told in the moment of leaving its
+    stage may never have said that it left.
+    """
 
     def __init__(self) -> None:
         self.forget()
 
     def forget(self) -> None:
         """As at the begin of a process: a fork has the charges of who forked, but no thread."""
-        self._lock = threading.Condition(threading.Lock())
-        self._charges: list[Charge] = []
+        # Both are entered and left in one instruction: written in Python, as a Condition is, they
+        # could be told halfway, and nobody would ever release them.
+        self._lock = threading.Lock()
+        self._woken: SimpleQueue[None] = SimpleQueue()
+        self._entered: list[ReferenceType[Charge]] = []
         self._thread: threading.Thread | None = None
         self._resting = False
         self._before: tuple[int, int] | None = None
@@ -74,31 +83,38 @@ class Watchdog:
         charge.began = charge.clock()
         charge.resident, charge.data = memory()
         with self._lock:
-            self._charges.append(charge)
+            self._entered.append(ref(charge))
             self._limit_data()
             if self._thread is None or not self._thread.is_alive():
                 self._thread = threading.Thread(target=self._look, name="budgets", daemon=True)
                 self._thread.start()
             elif self._resting:
-                self._lock.notify()
+                self._resting = False
+                self._woken.put(None)
 
     def leave(self, charge: Charge) -> None:
         """Ends a charge, and those within it; what it is told from now on does not reach it."""
         while True:
             try:
                 with self._lock:
-                    if charge in self._charges:
-                        self._drop(charge)
+                    self._drop(charge)
+                    self._limit_data()
             except Reached:
                 continue  # it came while leaving
             else:
                 return
 
+    def entered(self) -> list[Charge]:
+        """The charges that count now."""
+        self._entered = [one for one in self._entered if one() is not None]
+        return [charge for one in self._entered if (charge := one()) is not None]
+
     def _drop(self, charge: Charge) -> None:
-        at = self._charges.index(charge)
-        inner = [one for one in self._charges[at:] if one.thread == charge.thread]
-        self._charges = [one for one in self._charges if one not in inner]
-        self._limit_data()
+        charges = self.entered()
+        if charge not in charges:
+            return
+        inner = [one for one in charges[charges.index(charge) :] if one.thread == charge.thread]
+        self._entered = [ref(one) for one in charges if one not in inner]
         if any(one.reached for one in inner):
             _cancel(charge.thread)
 
@@ -106,16 +122,23 @@ class Watchdog:
         idle = 0
         while True:
             with self._lock:
+                idle = idle + 1 if self._tell() == 0 else 0
                 self._resting = idle > RESTS
-                self._lock.wait(None if self._resting else PERIOD)
-                idle = 0 if self._charges else idle + 1
-                if self._charges:
-                    self._tell()
+            if self._resting:
+                self._woken.get()
+                idle = 0
+            else:
+                time.sleep(PERIOD)
 
-    def _tell(self) -> None:
+    def _tell(self) -> int:
+        """Looks at each charge and returns how many there are."""
+        charges = self.entered()
+        if not charges:
+            self._limit_data()
+            return 0
         now, (resident, _) = time.monotonic(), memory()
         worst: Charge | None = None
-        for one in self._charges:
+        for one in charges:
             if (one.times and now - one.told < AGAIN) or one.times >= MOST_TIMES:
                 continue
             with contextlib.suppress(OSError):  # a thread that has ended
@@ -127,6 +150,7 @@ class Watchdog:
                 worst = one
         if worst is not None:
             _raise(worst, "memory", now)
+        return len(charges)
 
     def _limit_data(self) -> None:
         """The system refuses what no charge has room for; without charges all is as it was."""
@@ -134,12 +158,15 @@ class Watchdog:
             return  # elsewhere the limit is another one, or none
         import resource
 
+        charges = self.entered()
         if self._before is None:
+            if not charges:
+                return
             self._before = resource.getrlimit(resource.RLIMIT_DATA)
         soft, hard = self._before
-        if self._charges:
+        if charges:
             least: dict[int, float] = {}
-            for one in self._charges:
+            for one in charges:
                 room = one.data + one.bytes + SLACK + SLACK_OF_A_PROCESSOR * (os.cpu_count() or 1)
                 least[one.thread] = min(room, least.get(one.thread, room))
             wanted = int(max(least.values()))
@@ -207,6 +234,9 @@ def _working_set() -> float:
 def _raise(charge: Charge, what: Literal["time", "memory"], now: float) -> None:
     import ctypes
 
+    if not _QUIET:
+        _QUIET.append(sys.unraisablehook)
+        sys.unraisablehook = _unheard
     charge.reached, charge.told, charge.times = what, now, charge.times + 1
     kind = ctypes.py_object(Reached)
     ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(charge.thread), kind)
@@ -216,6 +246,15 @@ def _cancel(thread: int) -> None:
     import ctypes
 
     ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), None)
+
+
+_QUIET: Final[list[Callable[[Any], object]]] = []
+
+
+def _unheard(told: Any) -> None:
+    """In place of Python's own hook: what is told in a callback is told again, and not printed."""
+    if told.exc_type is not Reached:
+        _QUIET[0](told)
 
 
 watch: Final = Watchdog()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import subprocess
 import sys
 import threading
 import time
@@ -137,3 +138,50 @@ def test_a_fork_has_budgets_of_its_own() -> None:
             finally:
                 os._exit(status)
     assert os.waitpid(child, 0)[1] == 0
+
+
+STRESS = """
+import faulthandler, sys, threading, time
+from contextlib import suppress
+from assistant.program.diagnostics import Refused
+from assistant.program.system import watchdog
+from assistant.program.system.budgets import Stage, within
+
+faulthandler.dump_traceback_later(60, exit=True)  # what holds a lock for ever is told by name
+sys.setswitchinterval(1e-5)
+watchdog.PERIOD, watchdog.AGAIN, watchdog.MOST_TIMES = 0.0002, 0.0003, 1000
+outer, inner = Stage("outer", "-", 5e-4, 0, 512, 0), Stage("inner", "-", 2e-4, 0, 512, 0)
+end, refused = time.monotonic() + 1.5, 0
+
+def work():
+    global refused
+    while time.monotonic() < end:
+        try:
+            with within(outer, None, 0):
+                until = time.monotonic() + 8e-4
+                while time.monotonic() < until:
+                    with suppress(Refused), within(inner, None, 0):
+                        time.monotonic()
+        except (Refused, watchdog.Reached):
+            refused += 1
+
+def worker():
+    while time.monotonic() < end:
+        with suppress(watchdog.Reached):
+            work()
+
+threads = [threading.Thread(target=worker) for _ in range(3)]
+for one in threads:
+    one.start()
+for one in threads:
+    one.join()
+time.sleep(0.2)
+print(refused > 100, len(watchdog.watch.entered()))
+"""
+
+
+def test_what_is_told_while_entering_and_leaving_holds_nothing():
+    run = subprocess.run(
+        [sys.executable, "-c", STRESS], capture_output=True, text=True, timeout=120, check=False
+    )
+    assert (run.stdout.strip(), run.returncode) == ("True 0", 0), run.stderr

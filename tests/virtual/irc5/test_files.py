@@ -311,8 +311,8 @@ def test_two_controllers_do_not_share_anything(tmp_path):
 
 def test_a_module_without_end_does_not_keep_the_controller(controller, ftp, monkeypatch):
     store(ftp, "seam.mod", GOOD)  # which reads the grammar
-    monkeypatch.setenv("ROBOT_ASSISTANT_BUDGET", "0.01")
-    body = b"".join(b"    x%d := x%d + (%d * 2);\r\n" % (i, i, i) for i in range(3000))
+    monkeypatch.setenv("ROBOT_ASSISTANT_BUDGET", "0.002")
+    body = b"".join(b"    x%d := x%d + (%d * 2);\r\n" % (i, i, i) for i in range(6000))
     with pytest.raises(ftplib.error_perm, match=r"LM00[12]"):  # whichever is looked at first
         store(ftp, "heavy.mod", GOOD.replace(b"    WaitTime 1;\r\n", body))
     (controller.folder / "heavy.mod").write_bytes(GOOD.replace(b"    WaitTime 1;\r\n", body))

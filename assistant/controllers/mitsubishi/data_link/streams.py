@@ -201,7 +201,12 @@ class Serial:
             raise OSError(f"the port takes no such rate ({error.args[-1]})") from None
 
     def send(self, data: bytes, timeout: float) -> None:  # noqa: ARG002 - that of `open`
-        self._opened().write(data)
+        import serial
+
+        try:
+            self._opened().write(data)
+        except serial.SerialTimeoutException:
+            raise TimeoutError from None
 
     def receive(self, timeout: float) -> bytes:
         port, end = self._opened(), time.monotonic() + timeout
