@@ -17,6 +17,7 @@ PASSES: Final = (
     "places",  # where the position is read
     "program",  # modules as procedures and data
     "switches",  # optional parameters
+    "stopwatches",  # clocks that are stopped and go on
     "exported",  # what other languages are told
 )
 """In the order in which a program goes through them; none asks a later one."""

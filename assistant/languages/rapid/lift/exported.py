@@ -17,6 +17,7 @@ from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.data import numbers
 from assistant.languages.rapid.lift.instructions import Meaning, instruction
 from assistant.languages.rapid.lift.program import routines
+from assistant.languages.rapid.lift.stopwatches import with_stopwatches
 from assistant.languages.rapid.lift.switches import with_switches
 from assistant.languages.rapid.lift.ways import options, steps
 from assistant.languages.rapid.tables.predefined import data as predefined
@@ -87,7 +88,7 @@ NEAR: Final = frozenset(("inpos20", "inpos50", "inpos100"))
 def exported(program: Program, arm: Robot | None) -> Adapted:
     """The program for another language. arm: that will run it, None if it is not known."""
     findings = Findings()
-    program = with_switches(program, routines)
+    program = with_stopwatches(with_switches(program, routines), findings)
     if tables := _tables(program):
         program = with_table_rows(program, tables, _with_named_rows)
     if any(_is_text(record) for record in records(program.procedures)):

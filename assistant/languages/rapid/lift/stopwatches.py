@@ -1,0 +1,177 @@
+r"""Clocks that are stopped and go on, as other languages are told of them: a timer and two numbers.
+
+`ClkStart` lets a clock run on, `ClkStop` holds it, `ClkReset` does so too and sets it to 0; started
+twice it runs on (RAPID reference manual). A timer only counts from where it was set to 0. So the
+seconds that a clock ran before stand in one variable, and in another 1 while it runs: it reads
+`c_ran + c_runs * elapsed(c)`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from itertools import chain
+from typing import Any, Final
+
+from assistant.languages.rapid import rules
+from assistant.languages.rapid.text import verbatim
+from assistant.languages.rapid.tree import syntax as s
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.analysis.uses import declared
+from assistant.program.diagnostics import Findings
+from assistant.program.program import Procedure, Program, TakenNames, Variable, identifier
+from assistant.program.rewriting import Body, map_bodies, map_head
+
+TYPE: Final = "clock"
+NONE: Final = e.Number(0)
+RUNS: Final = e.Number(1)
+FINE: Final = "highres"
+
+
+@dataclass(frozen=True, slots=True)
+class _Clock:
+    """timer: its name. ran: seconds before it was started last. runs: 1 while it does, else 0."""
+
+    timer: str
+    ran: e.Name
+    runs: e.Name
+
+    @property
+    def now(self) -> e.Expression:
+        running = e.Binary("*", self.runs, e.Elapsed(self.timer))
+        return e.Binary("+", self.ran, running)
+
+    def variables(self) -> dict[str, Variable]:
+        return {name.name: Variable("number", NONE) for name in (self.ran, self.runs)}
+
+
+Clocks = Mapping[str, _Clock]
+"""By lower-case name."""
+
+
+def with_stopwatches(program: Program, findings: Findings) -> Program:
+    """The program whose clocks are timers with what they counted before."""
+    named = {d: name for d in program.declarations if (name := _clock(verbatim.items, d.text))}
+    own = [tuple(_own(procedure)) for procedure in program.procedures]
+    if not named and not any(own):
+        return program
+    taken = TakenNames(declared(program))
+
+    def clock(name: str) -> _Clock:
+        names = []
+        for stem in (name, f"{name}_ran", f"{name}_runs"):
+            free = stem if stem is name and stem.lower() not in taken.lower else None
+            names.append(free or identifier(stem, taken))
+            taken.add(names[-1])
+        timer, ran, runs = names
+        return _Clock(timer, e.Name(ran), e.Name(runs))
+
+    known = {name.lower(): clock(name) for name in named.values()}
+    procedures = [
+        _procedure(q, known, {name.lower(): clock(name) for name in names}, findings)
+        for q, names in zip(program.procedures, own, strict=True)
+    ]
+    variables = dict(chain.from_iterable(c.variables().items() for c in known.values()))
+    return replace(
+        program,
+        declarations=tuple(d for d in program.declarations if d not in named),
+        variables={**program.variables, **variables},
+        procedures=tuple(procedures),
+    )
+
+
+def _clock(read: Any, text: str) -> str:
+    """The name of the clock that a text declares, empty if it is something else."""
+    match verbatim.understood(read, text) if TYPE in text.lower() else None:
+        case (s.Data(storage="VAR", type=type, name=str(name), dimensions=(), value=None),):
+            return name if type.lower() == TYPE else ""
+    return ""
+
+
+def _own(procedure: Procedure) -> Iterator[str]:
+    for node in procedure.body:
+        if isinstance(node, p.Opaque) and (name := _clock(verbatim.statements, node.text)):
+            yield name
+
+
+def _procedure(procedure: Procedure, known: Clocks, own: Clocks, findings: Findings) -> Procedure:
+    """known: of the program. own: of the procedure; they begin anew at each call."""
+    hidden = {n.lower() for n in (*procedure.variables, *(q.name for q in procedure.parameters))}
+    clocks = {**{n: c for n, c in known.items() if n not in hidden}, **own}
+    if not clocks:
+        return procedure
+    body = tuple(
+        n for n in procedure.body
+        if not (isinstance(n, p.Opaque) and _clock(verbatim.statements, n.text))
+    )  # fmt: skip
+    variables = dict(chain.from_iterable(c.variables().items() for c in own.values()))
+    said = _Saying(clocks, findings).body(body)
+    return replace(procedure, body=said, variables={**procedure.variables, **variables})
+
+
+class _Saying:
+    def __init__(self, clocks: Clocks, findings: Findings) -> None:
+        self.clocks, self.findings = clocks, findings
+
+    def body(self, body: Body) -> Body:
+        made: list[p.Statement] = []
+        for node in body:
+            made += self.statement(node, made)
+        return tuple(made)
+
+    def statement(self, node: p.Statement, before: list[p.Statement]) -> Iterator[p.Statement]:
+        match self.asked(node):
+            case "clkreset", clock:
+                yield p.Assign(clock.ran, NONE, span=node.span)
+                yield p.Assign(clock.runs, NONE, span=node.span)
+            case "clkstart", clock:
+                start = p.StartTimer(clock.timer, span=node.span)
+                runs = p.Assign(clock.runs, RUNS, span=node.span)
+                if before and before[-1] == p.Assign(clock.runs, NONE):  # it was just reset
+                    before.pop()
+                    yield from (start, runs)
+                else:
+                    stands = e.Binary("=", clock.runs, NONE)
+                    yield p.If((p.Branch(stands, (start, runs)),), span=node.span)
+            case "clkstop", clock:
+                yield p.Assign(clock.ran, clock.now, span=node.span)
+                yield p.Assign(clock.runs, NONE, span=node.span)
+            case _:
+                with self.findings.at(node.span):
+                    said = map_head(node, self.expression)
+                yield map_bodies(said, self.body)
+
+    def asked(self, node: p.Statement) -> tuple[str, _Clock] | None:
+        """What a statement asks of a clock."""
+        if not isinstance(node, p.Opaque) or not node.text.lower().startswith("clk"):
+            return None
+        match verbatim.understood(verbatim.statements, node.text):
+            case (s.ProcedureCall(str(word), (s.Positional(s.NameRef(name), None),)),):
+                clock = self.clocks.get(name.lower())
+                return None if clock is None else (word.lower(), clock)
+        return None
+
+    def expression(self, x: e.Expression) -> e.Expression:
+        match x:
+            case e.Apply(function, (e.Name(name),)) if function.lower() == "clkread":
+                clock = self.clocks.get(name.lower())
+                return x if clock is None else clock.now
+            case e.Verbatim(verbatim.LANGUAGE, text) if text.lower().startswith("clkread("):
+                clock = self._finely(text)
+                if clock is not None:
+                    self.findings.append(rules.LEFT_OUT(
+                        what=r"\HighRes", loss="the clock is read in the units of the timer there",
+                        cure="none is needed where milliseconds do",
+                    ))  # fmt: skip
+                    return clock.now
+        return x
+
+    def _finely(self, text: str) -> _Clock | None:
+        r"""The clock of `ClkRead(c\HighRes)`."""
+        match verbatim.understood(verbatim.expression, text):
+            case s.FunctionCall(
+                str(), (s.Positional(s.NameRef(name), None), s.Option(option, None))
+            ) if option.lower() == FINE:
+                return self.clocks.get(name.lower())
+        return None
