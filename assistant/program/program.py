@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Hashable, Iterable, Iterator
+from collections.abc import Hashable, Iterable, Iterator, Set
 from dataclasses import dataclass, field
 from typing import Any, Final, Literal
 
@@ -48,16 +48,34 @@ class TakenNames(set[str]):
         self.lower: set[str] = set()
         self.counts: dict[Hashable, int] = {}
         """By what a name is made of, the first number that may be free behind it."""
+        self._stems: set[str] = set()
+        self._unread: list[str] = []
         self.update(names)
 
     def add(self, name: str) -> None:
         super().add(name)
         self.lower.add(name.lower())
+        self._unread.append(name)
 
     def update(self, *names: Iterable[str]) -> None:
         for some in map(tuple, names):
             super().update(some)
             self.lower.update(map(str.lower, some))
+            self._unread += some
+
+    @property
+    def stems(self) -> Set[str]:
+        """What stands before the numbers of names, in lower case: `a_1` and `a` of `A_1_2`."""
+        for name in self._unread:
+            stem = name.lower()
+            while (shorter := _NUMBERED.sub("", stem)) != stem:
+                stem = shorter
+                self._stems.add(stem)
+        self._unread.clear()
+        return self._stems
+
+
+_NUMBERED: Final = re.compile(r"_[0-9]+\Z")
 
 
 def identifier(given: str, taken: set[str] | frozenset[str] = frozenset()) -> str:

@@ -1,12 +1,15 @@
 """The folder of a backup: whole or not at all, and never taken for whole if it is not."""
 
+import errno
 import json
 import os
+import pathlib
 
 import pytest
 
 from assistant.controllers import folders
 from assistant.program.diagnostics import Refused
+from assistant.program.system import durably
 
 FILES = {"programs/SEAM.prg": b"10 END\r\n", "parameters.txt": b"RLNG=1\n"}
 
@@ -104,3 +107,39 @@ def test_a_pipe_in_it_keeps_nobody_waiting(tmp_path, name):
     with pytest.raises(Refused) as refused:
         folders.contents(folder, "toy")
     assert codes(refused) == ["CN403"]
+
+
+def when_the_disk_fails(monkeypatch, target, renamed_back):
+    """The names of the folder above cannot be put on the disk once the new one is there."""
+    settle, rename = durably.settle, pathlib.Path.rename
+
+    def settled(folder):
+        if folder == target.parent and target.exists():
+            raise OSError(errno.EIO, "it failed")
+        settle(folder)
+
+    def renamed(path, other):
+        if path == target and not renamed_back:
+            raise OSError(errno.EIO, "it failed")
+        return rename(path, other)
+
+    monkeypatch.setattr(durably, "settle", settled)
+    monkeypatch.setattr(pathlib.Path, "rename", renamed)
+
+
+@pytest.mark.slow
+def test_what_is_told_as_not_written_is_not_there(tmp_path, monkeypatch):
+    when_the_disk_fails(monkeypatch, tmp_path / "copy", renamed_back=True)
+    with pytest.raises(Refused) as refused:
+        made(tmp_path / "copy")
+    assert codes(refused) == ["CN402"]
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.slow
+def test_what_cannot_be_taken_back_is_there_whole_and_told(tmp_path, monkeypatch):
+    when_the_disk_fails(monkeypatch, tmp_path / "copy", renamed_back=False)
+    with pytest.warns(RuntimeWarning, match="CO206: .*copy` is there whole"):
+        folder = made(tmp_path / "copy")
+    assert folders.contents(folder, "toy") == FILES
+    assert list(tmp_path.iterdir()) == [folder]

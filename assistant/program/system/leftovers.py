@@ -111,7 +111,7 @@ def _is_under_way(holding: FilePath, locked: bool) -> bool:
 def _see_to(folder: FilePath, holding: FilePath) -> None:
     if not _is_ours(holding):
         names = "files"
-        _say(KEPT(path=str(folder), holding=holding, names=names, state="not ours"))
+        say(KEPT(path=str(folder), holding=holding, names=names, state="not ours"))
         return
     rows = _ready(holding)
     if rows is None:
@@ -121,12 +121,12 @@ def _see_to(folder: FilePath, holding: FilePath) -> None:
         back, changed = _put_back(folder, holding, rows)
         if changed:
             state = "somebody has written them since"
-            _say(KEPT(path=str(folder), holding=holding, names=_listed(changed), state=state))
+            say(KEPT(path=str(folder), holding=holding, names=_listed(changed), state=state))
             return
         state = "they are as they were before" if back else "they are all there"
     with held():
         take_away(holding)
-    _say(CUT_OFF(path=str(folder), names=names, state=state))
+    say(CUT_OFF(path=str(folder), names=names, state=state))
 
 
 def _put_back(
@@ -202,7 +202,8 @@ def _listed(names: Mapping[str, object] | list[str]) -> str:
     return (", ".join(some[:3]) or "files") + more
 
 
-def _say(finding: Diagnostic) -> None:
+def say(finding: Diagnostic) -> None:
+    """Tells it to whom `told_by` named."""
     tell = _tell.get()
     if tell is not None:
         tell(finding)

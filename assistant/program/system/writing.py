@@ -25,7 +25,7 @@ from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 from typing import Final
 
-from assistant.program.diagnostics import Refused, error
+from assistant.program.diagnostics import Refused, error, warning
 from assistant.program.system import durably, leftovers, locks
 from assistant.program.system.ending import held
 from assistant.program.system.leftovers import HOLDING, NEW, OLD, READY
@@ -41,6 +41,11 @@ NOT_PUT_BACK: Final = error(
     "{names} could not be put back as they were: {reason}",
     "what they were is in `{holding}` until the next command that can write there has all of them "
     "old, or all new",
+)
+UNCONFIRMED: Final = warning(
+    "CO206",
+    "`{name}` is there whole, but the disk does not confirm its name: {reason}",
+    "look at the disk, and for the folder once more when the computer has been started again",
 )
 
 
@@ -148,7 +153,8 @@ def scratch(folder: FilePath) -> Iterator[FilePath]:
 def appearing(target: FilePath) -> Iterator[FilePath]:
     """A folder to write into, which is `target` when the block ends well and gone else.
 
-    Raises OSError; nothing that is there may have that name.
+    Raises OSError; nothing that is there may have that name. Where the disk neither confirms the
+    name nor lets it be taken back, the folder stays and a warning is told.
     """
     with scratch(target.parent) as place:
         new = place / target.name
@@ -158,7 +164,16 @@ def appearing(target: FilePath) -> Iterator[FilePath]:
             durably.settle(one)
         with held():
             new.rename(target)
-            durably.settle(target.parent)
+            try:
+                durably.settle(target.parent)
+            except OSError as wrong:
+                try:
+                    target.rename(new)  # what is told as not written must not be there
+                except OSError:
+                    reason = wrong.strerror or str(wrong)
+                    leftovers.say(UNCONFIRMED(path=str(target), name=target, reason=reason))
+                else:
+                    raise
 
 
 def _give_up(sets: Iterable[_Set], made: Iterable[FilePath]) -> None:

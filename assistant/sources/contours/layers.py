@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Final
@@ -190,23 +189,19 @@ def _procedure(
     return ([Procedure(named, tuple(body))] if count else []), targets, findings
 
 
-def _stem(layer: str, taken: set[str]) -> str:
+def _stem(layer: str, taken: TakenNames) -> str:
     """Start of the layer's path names, so that no path or row has the name of another thing.
 
     Row k of path n is called stem_n_k, so `glue` and `glue_1` must not both be stems.
     """
     base = identifier(layer.lower())[:LONGEST_STEM].rstrip("_")
-    used = {t.lower() for t in taken}
-    candidate, count = base, 1
-    while any(_clash(candidate, name) for name in used):
-        count += 1
-        candidate = f"{base.replace('_', '')}{count}"
+    candidate, counted = base, ("stem", base)
+    if candidate in taken.stems:
+        count = taken.counts.get(counted, 2)
+        while (candidate := f"{base.replace('_', '')}{count}") in taken.stems:
+            count += 1
+        taken.counts[counted] = count
     return candidate
-
-
-def _clash(stem: str, name: str) -> bool:
-    """Whether a name in use looks like a row or path of the stem."""
-    return re.fullmatch(re.escape(stem) + r"(_\d+)+", name) is not None
 
 
 def _plain(text: str) -> str:
