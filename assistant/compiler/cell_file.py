@@ -9,6 +9,7 @@ from typing import Final, TypeVar
 
 from assistant.program import expressions as e
 from assistant.program.diagnostics import Diagnostic, info, warning
+from assistant.program.passes.asking import is_operators
 from assistant.program.program import Program, Signal
 from assistant.program.rewriting import records
 from assistant.sources.process import NO_PROCESS, Process
@@ -66,7 +67,8 @@ def equipped(
 def _with_read(program: Program, stated: Mapping[str, Signal]) -> Program:
     """With the signals that expressions read: only the cell knows that those are no data.
 
-    So are names in declarations that are kept as their text, which another language may read.
+    So are names in declarations that are kept as their text, which another language may read, and
+    what a person answers by.
     """
     known = {name.lower() for name in (*program.signals, *program.variables)}
     given = {name.lower(): signal for name, signal in stated.items()}
@@ -74,6 +76,7 @@ def _with_read(program: Program, stated: Mapping[str, Signal]) -> Program:
     read = [part.name for part in records(program.procedures) if isinstance(part, e.Name)]
     for declaration in program.declarations:
         read += re.findall(r"\w+", declaration.text)
+    read += filter(is_operators, stated)
     for name in read:
         if name.lower() in given and name.lower() not in known:
             known.add(name.lower())

@@ -107,3 +107,9 @@ PLACE_UNLIKE: Final = warning(
     "`{name}` is set on the way of {what}, which controllers may count differently",
     "see on the robot where it is set, or measure it on a straight move, before its corner",
 )
+ASKED: Final = warning(
+    "RA331",
+    "`{what}` asks a person over inputs: keys from the left are `operator_key_1` and on, a number "
+    "from 0 to 65535 stands at `operator_number` while `operator_entered` is on",
+    "give these signals their numbers in the process file, and wire keys or a panel to them",
+)

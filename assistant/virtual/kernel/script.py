@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from assistant.virtual.kernel.kernel import Kernel
+    from assistant.virtual.kernel.panel import Panel
     from assistant.virtual.kernel.task import Task
 
 
@@ -66,11 +67,13 @@ class Script:
 class Person:
     """Answers what programs ask. answers: those that are left, in their order.
 
-    console: asks somebody who is there what none of them answers; None if nobody is.
+    console: asks somebody who is there what none of them answers; None if nobody is. panel: inputs
+    that answer instead; None where there are none.
     """
 
     answers: list[Answer] = field(default_factory=list)
     console: Callable[[str], str | None] | None = None
+    panel: Panel | None = None
 
     def find(self, question: str) -> Answer | None:
         """What will be answered; None if nobody ever will."""

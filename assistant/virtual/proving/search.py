@@ -14,6 +14,7 @@ from assistant.virtual.branches import Branch, Branches, Way
 from assistant.virtual.comparing import Bits, Unlike, likeness
 from assistant.virtual.events import Run, Stopped
 from assistant.virtual.kernel import Board, Kernel, Task
+from assistant.virtual.kernel.panel import Panel
 from assistant.virtual.kernel.script import Script, follow
 from assistant.virtual.proving.driver import Driver, Moment, Scenario, Taken
 from assistant.virtual.proving.sides import STATEMENT_TIME, Side
@@ -202,6 +203,8 @@ class _Search:
         driver = Driver(kernel, side.wiring, scenario, answers)
         if self.script is not None:
             follow(kernel, side.scripted(self.script))
+        if side.answers:
+            kernel.person.panel = Panel(lambda name: driver[name])
         side.begin(kernel)
         return kernel.run(), driver
 

@@ -9,6 +9,7 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.program.geometry import Pose
+from assistant.program.passes.asking import is_operators
 from assistant.virtual.branches import Branches
 from assistant.virtual.kernel import Kernel
 from assistant.virtual.proving.wires import Wiring
@@ -41,6 +42,11 @@ class Side:
     entry: str = "main"
     wiring: Wiring = field(default_factory=Wiring)
     outputs: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def answers(self) -> bool:
+        """Whether inputs answer what it asks."""
+        return any(map(is_operators, self.wiring.named))
 
     def begin(self, kernel: Kernel) -> None:
         """Has the program run as soon as the kernel does."""

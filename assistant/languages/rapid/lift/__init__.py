@@ -18,6 +18,7 @@ PASSES: Final = (
     "program",  # modules as procedures and data
     "switches",  # optional parameters
     "stopwatches",  # clocks that are stopped and go on
+    "operator",  # messages and questions to a person
     "exported",  # what other languages are told
 )
 """In the order in which a program goes through them; none asks a later one."""

@@ -16,12 +16,13 @@ from assistant.languages.language import Adapted
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.data import numbers
 from assistant.languages.rapid.lift.instructions import Meaning, instruction
+from assistant.languages.rapid.lift.operator import with_operator
 from assistant.languages.rapid.lift.program import routines
 from assistant.languages.rapid.lift.stopwatches import with_stopwatches
 from assistant.languages.rapid.lift.switches import with_switches
 from assistant.languages.rapid.lift.ways import options, steps
 from assistant.languages.rapid.tables.predefined import data as predefined
-from assistant.languages.rapid.tables.words import VALUE_OF_TYPE
+from assistant.languages.rapid.tables.words import ANSWERS, VALUE_OF_TYPE
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
@@ -30,7 +31,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Findings
 from assistant.program.geometry import Frame, Tool
-from assistant.program.passes.constants import with_predefined
+from assistant.program.passes.constants import with_constants, with_predefined
 from assistant.program.passes.open_lines import with_open_lines
 from assistant.program.passes.stops import stopped, with_stops
 from assistant.program.passes.table_rows import Named, Table, with_table_rows
@@ -51,6 +52,7 @@ GripLoad)."""
 
 LOSSES: Final[Mapping[str, tuple[str, str]]] = {
     "tperase": ("what stands on the teach pendant stays there", "none is needed"),
+    "tpshow tp_latest": ("the teach pendant shows what it shows", "none is needed"),
     "confl off": (
         "straight moves go on in the configuration that they begin in, whatever their targets "
         "state; another controller may stop where they state another",
@@ -92,6 +94,7 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
     if tables := _tables(program):
         program = with_table_rows(program, tables, _with_named_rows)
     if any(_is_text(record) for record in records(program.procedures)):
+        program = with_operator(program, findings)
         program = exchanged(program, lambda node: (_without_near(node, findings),))
         if arm is not None:
             program = with_open_lines(program, steps)
@@ -103,16 +106,17 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
         for key, known in predefined().items()
         if known.storage == "VAR" and known.type in VALUE_OF_TYPE
     }
+    program = with_constants(program, ANSWERS)
     return Adapted(with_predefined(program, types), tuple(findings))
 
 
 def _is_text(record: Any) -> bool:
-    return isinstance(record, p.Opaque) and record.language == verbatim.LANGUAGE
+    return isinstance(record, p.Opaque | e.Verbatim) and record.language == verbatim.LANGUAGE
 
 
 def _call(node: p.Opaque) -> s.ProcedureCall | None:
     """The one instruction that a text of RAPID says."""
-    if _is_text(node):
+    if node.language == verbatim.LANGUAGE:
         match verbatim.understood(verbatim.statements, node.text):
             case (s.ProcedureCall(name=str()) as call,):
                 return call

@@ -38,10 +38,13 @@ ROWS: Final = Rows(
     also=(
         MotionRow(rf"MoveAbsJ {{target:robot}} \NoEOffs, {_HOW}", p.MoveJoints),
         Row("TPWrite {text}", p.Message, parts=(_TEXT,)),
-        Row(
-            r"TPWrite {text} \Num:={number}",
-            p.Message,
-            parts=(_TEXT, e.Apply("text", (e.Name("{number}"),))),
+        *(
+            Row(
+                rf"TPWrite {{text}} \{option}:={{shown}}",
+                p.Message,
+                parts=(_TEXT, e.Apply("text", (e.Name("{shown}"),))),
+            )
+            for option in ("Num", "Bool", "Pos", "Orient", "Dnum")
         ),
         Row("Set {hand}", p.Gripper, action="open"),
         Row("Reset {hand}", p.Gripper, action="close"),

@@ -55,6 +55,12 @@ RESERVED: Final = frozenset(
 PREDEFINED_VALUES: Final = {"low": 0, "high": 1}
 """Constants of type dionum, by lower-case name (RAPID reference manual, data types)."""
 
+ANSWERS: Final = {
+    "resunkwn": 0, "resok": 1, "resabort": 2, "resretry": 3, "resignore": 4, "rescancel": 5,
+    "resyes": 6, "resno": 7,
+}  # fmt: skip
+"""Constants of type btnres, by lower-case name (RAPID reference manual, data types)."""
+
 _SPEEDS: Final = (
     *(5, 10, 20, 30, 40, 50, 60, 80, 100, 150, 200, 300, 400, 500, 600, 800),
     *(1000, 1500, 2000, 2500, 3000, 4000, 5000, 6000, 7000),

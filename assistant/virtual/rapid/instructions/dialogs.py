@@ -9,9 +9,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import Final, TypeVar
+from typing import Final, TypeVar, cast
 
 from assistant.virtual.events import Said
+from assistant.virtual.kernel.panel import Panel
+from assistant.virtual.kernel.task import Task
 from assistant.virtual.rapid import poses
 from assistant.virtual.rapid.ends import Fault, NotSimulated
 from assistant.virtual.rapid.errors import NUMBERS
@@ -40,8 +42,14 @@ BUTTONS: Final[Mapping[int, tuple[int, ...]]] = {
 """By buttondata: the btnres of each (manual, data type buttondata)."""
 
 
-def _ask(given: Given, question: str, read: Read[T], choices: Sequence[str] = ()) -> T | None:
-    """The answer; None where the question is broken off and a BreakFlag tells it."""
+def _ask(
+    given: Given, question: str, read: Read[T], choices: Sequence[str] = (), numbers: bool = False
+) -> T | None:
+    """The answer; None where the question is broken off and a BreakFlag tells it.
+
+    choices: what can be pressed, of which the answer is the place from 1. numbers: a number is
+    asked for.
+    """
     machine, task = given.machine, given.machine.task
     flag = given.options.get("breakflag")
     if flag is not None:
@@ -49,9 +57,12 @@ def _ask(given: Given, question: str, read: Read[T], choices: Sequence[str] = ()
     task.tell(Said(question))
     broken = _breaks(given)
     longest = given.optional_number("maxtime")
+    if (panel := task.kernel.person.panel) is not None and longest is None:
+        return _at_panel(panel, task, read, choices, numbers)
     answer = task.kernel.person.find(question)
     after = math.inf if answer is None else answer.after
-    shown = f"`{question}`" + (f" ({', '.join(choices)})" if choices else "")
+    named = ", ".join(filter(None, choices))
+    shown = f"`{question}`" + (f" ({named})" if named else "")
     most = min(after, math.inf if longest is None else longest)
     error = "ERR_TP_MAXTIME"
     if task.wait(
@@ -67,6 +78,20 @@ def _ask(given: Given, question: str, read: Read[T], choices: Sequence[str] = ()
         raise Fault(f"nobody answers {shown} in time", error)
     place(machine, flag).set(float(NUMBERS[error.lower()]))
     return None
+
+
+def _at_panel(
+    panel: Panel, task: Task, read: Read[T], choices: Sequence[str], numbers: bool
+) -> T | None:
+    """What is answered by inputs, again while it is none that can be given."""
+    keys = [place for place, name in enumerate(choices, 1) if name]
+    if numbers:
+        while (found := read(f"{panel.number(task):g}")) is None:
+            pass
+        return found
+    if not keys:
+        raise NotSimulated("a question that keys do not answer")
+    return cast("T", panel.key(task, keys))
 
 
 def _breaks(given: Given) -> Callable[[], str]:
@@ -143,13 +168,13 @@ def _question(given: Given, *more: str) -> str:
 
 def _keys(given: Given) -> None:
     names = [given.text(i) for i in range(2, 7)]
-    found = _ask(given, given.text(1), _choice(names), [name for name in names if name])
+    found = _ask(given, given.text(1), _choice(names), names)
     if found is not None:
         given.place(0).set(float(found))
 
 
 def _read_number(given: Given) -> None:
-    found = _ask(given, given.text(1), _number)
+    found = _ask(given, given.text(1), _number, numbers=True)
     if found is not None:
         given.place(0).set(found)
 
@@ -210,7 +235,7 @@ def _enter(given: Given, initial: float | None, integer: bool) -> float:
             return None
         return found
 
-    found = _ask(given, _question(given), read)
+    found = _ask(given, _question(given), read, numbers=True)
     return (initial or 0.0) if found is None else found
 
 
@@ -235,6 +260,8 @@ def _list(given: Given) -> float:
         chosen, pressed = choose(item.strip()), press(button.strip()) if bar else 1
         return None if chosen is None or pressed is None else (chosen, pressed)
 
+    if given.machine.task.kernel.person.panel is not None:
+        raise NotSimulated("a list that keys do not answer")
     found = _ask(given, _question(given), read, names)
     if (node := given.options.get("result")) is not None and found is not None:
         number = found[1] if own else shown[found[1] - 1] if shown else 0
