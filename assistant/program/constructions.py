@@ -68,3 +68,26 @@ def grid(corners: Floats, columns: int, rows: int, zigzag: bool) -> Iterator[Flo
             near = (1 - right) * start + right * along
             far = (1 - right) * across + right * diagonal
             yield (1 - down) * near + down * far
+
+
+def along_arc(places: Floats, count: int) -> Iterator[Floats]:
+    """Points at equal angles on an arc, its ends among them; at equal distances on a line.
+
+    places: (3, 3) its start, a point on its way, and its end.
+    """
+    start, via, end = places
+    chord, aside = end - start, via - start
+    normal = np.cross(aside, chord)
+    size = float(np.linalg.norm(normal))
+    shares = [k / (count - 1) if count > 1 else 0.0 for k in range(count)]
+    if size <= STRAIGHT * np.linalg.norm(chord) * np.linalg.norm(aside):
+        yield from (start + share * chord for share in shares)
+        return
+    centre = start + (
+        (aside @ aside) * np.cross(chord, normal) + (chord @ chord) * np.cross(normal, aside)
+    ) / (2 * size**2)
+    right, last = start - centre, end - centre
+    up = np.cross(normal / size, right)
+    whole = float(np.arctan2(last @ up, last @ right)) % (2 * np.pi)
+    for share in shares:
+        yield centre + np.cos(share * whole) * right + np.sin(share * whole) * up

@@ -284,3 +284,18 @@ def test_data_alone_is_nothing_that_could_be_run(tmp_path: Path) -> None:
     found = proof(made(data, "melfa-basic-5", tmp_path))
     assert found.holds
     assert found.record()["runs"] == 0
+
+
+def test_a_search_goes_on_behind_inputs_that_the_program_fails_with(tmp_path: Path) -> None:
+    """A place of a pallet that inputs tell: with all of them off there is no such place."""
+    source = tmp_path / "JOB.prg"
+    source.write_text(
+        "Def Plt 1,PS,PA,PB,,2,2,2\nMK=M_In8(11)\nMvs (Plt 1,MK)\n"
+        "If M_In(3)=1 Then M_Out(4)=1\nEnd\nPS=(400,0,400,180,0,180)(7,0)\n"
+        "PA=(420,0,400,180,0,180)(7,0)\nPB=(400,9,400,180,0,180)(7,0)\n"
+    )
+    made = assistant.translate(source, to="rapid", language="melfa-basic-5", proving=Proving())
+    assert made.motion is not None
+    assert made.motion.holds, made.findings
+    assert made.motion.found is not None
+    assert 0 < made.motion.found.failing < made.motion.found.runs

@@ -38,7 +38,7 @@ ENDMODULE
 PROGRAM = """1 Spd 100
 2 Cnt 0
 3 Mov PHome
-4 Servo On
+4 Torq 2,50
 5 If M1>3 Then
 6 Mvs PHome,-50
 7 XRun 2,"OTHER"
@@ -189,13 +189,13 @@ def test_a_draft_in_rapid(tmp_path: Path) -> None:
     assert found.draft
     (data,) = found.files.values()
     lines = [line.strip() for line in data.decode().splitlines()]
-    at = lines.index("! | 4 Servo On")
+    at = lines.index("! | 4 Torq 2,50")
     assert lines[at - 2 : at] == ["Stop;", "! not translated, line 4:"]
     assert lines[lines.index('! | 7 XRun 2,"OTHER"') - 2] == "Stop;"
 
 
 def test_a_draft_of_what_can_be_said_is_the_program(tmp_path: Path) -> None:
-    text = PROGRAM.replace("4 Servo On\n", "").replace('7 XRun 2,"OTHER"\n', "")
+    text = PROGRAM.replace("4 Torq 2,50\n", "").replace('7 XRun 2,"OTHER"\n', "")
     whole = translated(tmp_path, text, "rapid", language="melfa-basic-5")
     drafted = translated(tmp_path, text, "rapid", language="melfa-basic-5", draft=True)
     assert whole.ok
@@ -242,7 +242,7 @@ def code(translation: Translation) -> list[str]:
 
 @pytest.mark.parametrize("call", ['CallP "SUB"', 'If M1>0 Then CallP "SUB"'])
 def test_files_that_are_called_are_reported_in_their_place(tmp_path: Path, call: str) -> None:
-    (tmp_path / "SUB.prg").write_text("1 Dly 1\n2 Dly 1\n3 Dly 1\n4 Servo On\n5 End\n")
+    (tmp_path / "SUB.prg").write_text("1 Dly 1\n2 Dly 1\n3 Dly 1\n4 Torq 2,50\n5 End\n")
     (tmp_path / "MAIN.prg").write_text(f"1 Dly 2\n2 {call}\n3 End\n")
     found = translate(tmp_path / "MAIN.prg", to="rapid", language="melfa-basic-5")
     places = {(Path(r.place.path or "").name, r.place.line): r.level for r in found.rows}

@@ -162,6 +162,16 @@ class MelfaBasic(Language["File"]):
 
         return lift(trees, robot)
 
+    def exported(
+        self,
+        program: Program,
+        to: Language[Any],
+        arm: Robot | None,  # noqa: ARG002
+    ) -> Adapted:
+        from assistant.languages.melfa_basic.lift.exported import exported
+
+        return Adapted(program) if to.family == self.family else exported(program)
+
     def convert(self, program: Program, robot: Robot | None = None) -> Conversion[File] | None:
         """Between the dialects, on the trees: see `convert`."""
         from assistant.languages.melfa_basic.convert.program import conversion

@@ -266,6 +266,13 @@ CARRIED = warning(
     "it does not keep what the cycle before left in it",
     "let the cycle stand in a loop without end (`WHILE TRUE` in RAPID), or give it its value in it",
 )  # fmt: skip
+STRAIGHT_ARC = warning(
+    "MB255",
+    "the places of the arc pallet {number:g} lie on a line: its points, that no manual tells, "
+    "are written at equal distances from its start to its end",
+    "see on the controller where they are, or define a pallet of one row",
+)  # fmt: skip
+LEFT_OUT = warning("MB254", "`{what}` is left out: {loss}", "{cure}")
 NO_ENTRY = error(
     "MB245", "`{name}` has no main procedure: the program would end at once",
     "name the procedure with --entry, or call it `main` in the source",

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from assistant.virtual.melfa.circles import circle_through
-from assistant.virtual.melfa.stops import Failed, Unknown, out_of_range
+from assistant.virtual.melfa.stops import Failed, out_of_range
 from assistant.virtual.melfa.values import Position, eight
 
 ZIGZAG: Final = 1
@@ -48,7 +48,7 @@ def grid(
     direction: int,
     fixed: bool = False,
 ) -> Grid:
-    """A pallet as `Def Plt` defines it; raises Failed and Unknown.
+    """A pallet as `Def Plt` defines it; raises Failed.
 
     fixed: whether directions 1 to 3 keep the posture of the start, too.
     """
@@ -96,13 +96,14 @@ def _made(of: Grid, place: tuple[float, ...], turned: tuple[float | None, ...]) 
 
 
 def _on_arc(of: Grid, at: int) -> Position:
-    """Points at equal angles from the start to the end of the arc."""
+    """Points at equal angles from the start to the end of the arc.
+
+    Through places on a line they are at equal distances, as `Mvr` goes straight there.
+    """
     a, b, c = (np.array(p.values[:3], dtype=np.float64) for p in (of.start, of.first, of.second))
     circle = circle_through(a, b, c)
-    if circle is None:
-        raise Unknown("an arc pallet through places on a line")
     share = (at - 1) / (of.counts[0] - 1) if of.counts[0] > 1 else 0.0
-    place = circle.at(a, share * circle.angle(a, c))
+    place = a + share * (c - a) if circle is None else circle.at(a, share * circle.angle(a, c))
     ends = [(_known(of.start, axis), _known(of.second, axis)) for axis in range(3, 6)]
     turned = tuple(one + share * (other - one) for one, other in ends)
     return _made(of, tuple(float(v) for v in place), turned)

@@ -80,12 +80,16 @@ class Scenario:
         return (", then ".join(told[:MOST_SAID]) or "all inputs 0") + more
 
 
+Readings = tuple[tuple[str, Moment], ...]
+"""Inputs that were read, and when."""
+
+
 @dataclass(frozen=True, slots=True)
 class Taken:
     """A way that was gone, and the inputs that were read shortly before. moment: of the reading."""
 
     way: Way
-    read: tuple[tuple[str, Moment], ...]
+    read: Readings
 
 
 class Answering(Protocol):
@@ -131,6 +135,11 @@ class Driver(Mapping[str, float]):
         self.kernel.branch = self._branch
 
     # ------------------------------------------------------------------------ what is read
+
+    @property
+    def recent(self) -> Readings:
+        """The last readings, which what happens now may hang on."""
+        return tuple(self._recent)
 
     def __getitem__(self, name: str) -> float:
         """What an input reads now, which counts as a reading."""
@@ -180,7 +189,7 @@ class Driver(Mapping[str, float]):
 
     def _branch(self, file: str, at: int, way: int) -> None:
         if (file, at, way) not in self.taken:
-            self.taken[file, at, way] = Taken((file, at, way), tuple(self._recent))
+            self.taken[file, at, way] = Taken((file, at, way), self.recent)
 
     def _stuck(self, task: Task) -> bool:
         ends = task.wakes < math.inf

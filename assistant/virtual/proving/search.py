@@ -16,7 +16,7 @@ from assistant.virtual.events import Run, Stopped
 from assistant.virtual.kernel import Board, Kernel, Task
 from assistant.virtual.kernel.panel import Panel
 from assistant.virtual.kernel.script import Script, follow
-from assistant.virtual.proving.driver import Driver, Moment, Scenario, Taken
+from assistant.virtual.proving.driver import Driver, Moment, Readings, Scenario
 from assistant.virtual.proving.sides import STATEMENT_TIME, Side
 from assistant.virtual.proving.wires import Wiring
 from assistant.virtual.rounding import Rounding
@@ -38,6 +38,9 @@ BELOW: Final = 12
 """Lines below a choice that its cases may stand in."""
 TRIED_VALUES: Final = 6
 """Of numbers that a group of signals may have, for each branch that hangs on it."""
+SMALL: Final = (1, 2)
+"""Numbers that places of pallets, elements of arrays and cases begin with: what a program may
+want of inputs that it ends in an error with."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -189,6 +192,8 @@ class _Search:
             self.taken[at].update(dict.fromkeys(driver.taken))
         for at, driver in enumerate((ours, theirs)):
             self._follow(at, driver, ours.played)
+        if one.ended == "error" and self.found.failing == self.found.runs <= MOST_FOLLOWED:
+            self.pending.extend(self._varied(ours.wiring, ours.recent, ours.played, [*SMALL]))
         for place, moment in ours.ended.items():  # each of them once without an answer
             if place not in self.ended:
                 self.ended.add(place)
@@ -240,7 +245,7 @@ class _Search:
             if others and taken.read and self.followed[taken.way[:2]] < MOST_FOLLOWED:
                 self.followed[taken.way[:2]] += 1
                 numbers = self._near(at, known[others[0]].line)
-                self.pending.extend(self._varied(driver.wiring, taken, played, numbers))
+                self.pending.extend(self._varied(driver.wiring, taken.read, played, numbers))
 
     def _near(self, at: int, line: int) -> list[int]:
         """Numbers that a statement compares with: of its line, else of those below it."""
@@ -249,10 +254,10 @@ class _Search:
         return (_numbers(lines[line - 1]) if line <= len(lines) else []) or _numbers(below)
 
     def _varied(
-        self, wiring: Wiring, taken: Taken, played: Scenario, numbers: list[int]
+        self, wiring: Wiring, read: Readings, played: Scenario, numbers: list[int]
     ) -> Iterator[Scenario]:
         """The scenario up to what a branch hangs on, with another value of each of its inputs."""
-        names = dict(reversed(taken.read))
+        names = dict(reversed(read))
         for name, moment in names.items():
             before = played.until(moment)
             value = wiring.value(name, dict(_state(before)))

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from assistant import languages
+from assistant.compiler.motion import Proving
 from assistant.compiler.translating import translate
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -59,11 +60,41 @@ def test_a_fourth_corner() -> None:
     assert np.allclose(made, wanted, atol=1e-9)
 
 
+def test_an_arc_has_points_at_equal_angles() -> None:
+    made = points(read("Def Plt 1,PS,PA,PB,,5,0,3"))
+    assert np.allclose(made[[0, -1]], [S, B], atol=1e-9)
+    steps = np.linalg.norm(np.diff(made, axis=0), axis=1)
+    assert np.allclose(steps, steps[0], atol=1e-9)
+    normal = np.cross(A - S, B - S)
+    assert np.allclose((made - S) @ normal, 0, atol=1e-6)  # in the plane of the three
+    away = np.linalg.norm(made - A, axis=1)
+    assert away.min() < steps[0]  # and past the one between
+
+
+def test_an_arc_through_places_on_a_line(tmp_path) -> None:  # type: ignore[no-untyped-def]
+    source = tmp_path / "JOB.prg"
+    source.write_text(
+        "1 Def Plt 1,PS,PM,PE,,5,0,3\n2 Mvs (Plt 1,2)\n3 End\nPS=(300,0,300,180,0,180)(7,0)\n"
+        "PM=(310,0,300,180,0,180)(7,0)\nPE=(340,0,300,180,0,180)(7,0)\n"
+    )
+    made = translate(source, to="rapid", language="melfa-basic-5", proving=Proving())
+    assert made.ok
+    assert np.allclose(points(made.compiled.source)[1], (310, 0, 300), atol=1e-9)
+    assert "MB255" in {finding.code for finding in made.findings}
+
+
+@pytest.mark.parametrize("direction", [11, 12])
+def test_postures_of_the_start(direction: int) -> None:
+    alike = read(f"Def Plt 1,PS,PA,PB,,4,3,{direction - 10}")
+    fixed = read(f"Def Plt 1,PS,PA,PB,,4,3,{direction}")
+    assert np.allclose(points(fixed), points(alike), atol=1e-9)
+
+
 @pytest.mark.parametrize(
     ("definition", "more"),
     [
-        ("Def Plt 1,PS,PA,PB,,4,3,3", ""),  # an arc
-        ("Def Plt 1,PS,PA,PB,,4,3,12", ""),
+        ("Def Plt 1,PS,PA,PB,,4,3,4", ""),  # no direction
+        ("Def Plt 1,PS,PA,PT,,4,3,3", ""),  # turns
         ("Def Plt 1,PS,PA,PB,PT,4,3,2", ""),  # turns
         ("Def Plt 1,PS,PA,PB,PF,4,3,2", ""),  # another branch of the arm
         ("Def Plt 1,PS,PA,PB,,40,30,2", ""),

@@ -5,13 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any, Final, Literal
 
+import numpy as np
+
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lift.settings.held import FRAME, TOOL
+from assistant.languages.melfa_basic.lift.values.pallets import ARC, FIXED, array_name
 from assistant.languages.melfa_basic.lower.depended import depended_on
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.languages.melfa_basic.tables.functions import BITS
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.walk import nodes
+from assistant.languages.melfa_basic.tree.walk import literal, nodes
+from assistant.program import expressions as e
 from assistant.program.analysis.assumptions import (
     first_move,
     read_unset,
@@ -30,6 +34,8 @@ KEPT: Final[tuple[tuple[str, int, Literal["tool", "frame"], str, str, str], ...]
 """Settings that stay when the power is off: statement, its number, what it sets, what counts
 without it, that said in words, and the status variable that sets it as well."""
 
+STRAIGHT: Final = 1e-6
+"""mm that places may be beside a line that they lie on."""
 FIRST: Final[Mapping[str, str]] = {"number": "0", "integer": "0", "text": "an empty text"}
 """What a variable of a type begins with in other languages."""
 
@@ -51,6 +57,8 @@ def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
         yield from _without_value(program)
         yield from unordered(program, rules.CANNOT_SAY)
         for span, node in commands:
+            if isinstance(node, s.DefOther) and _is_straight_arc(node, program):
+                yield rules.STRAIGHT_ARC(number=literal(node.arguments[0]), span=span)
             if isinstance(node, s.Command) and node.keyword == "Cnt" and _cuts_nothing(node):
                 yield rules.NO_CORNER(span=span)
             if isinstance(node, s.Command) and node.keyword == "JOvrd":
@@ -65,7 +73,7 @@ def _commands(trees: tuple[Any, ...]) -> Iterator[tuple[Span | None, s.Statement
             if isinstance(item, s.Line) and item.statement is not None:
                 span = None if item.span is None else item.span.moved(start)
                 for node in nodes(item.statement):
-                    if isinstance(node, s.Command | s.Assign):
+                    if isinstance(node, s.Command | s.Assign | s.DefOther):
                         yield span, node
         start += len(tree.source.text if tree.source else "") + 1
 
@@ -77,6 +85,19 @@ def _sets(node: s.Statement, word: str, status: str) -> bool:
         case s.Assign(target=target):
             return target.key == status
     return False
+
+
+def _is_straight_arc(node: s.DefOther, program: Program) -> bool:
+    """Whether it is a pallet on an arc whose points, as they were read, lie on a line."""
+    if node.kind != "Plt" or literal(node.arguments[-1]) not in (ARC, ARC + FIXED):
+        return False
+    found = program.variables.get(array_name(literal(node.arguments[0]) or 0))
+    if found is None or not isinstance(found.initial, e.Aggregate):
+        return False
+    places = [
+        item.target.pose.position for item in found.initial.items if isinstance(item, e.TargetValue)
+    ]
+    return int(np.linalg.matrix_rank(np.subtract(places, places[0]), tol=STRAIGHT)) <= 1
 
 
 def _cuts_nothing(node: s.Command) -> bool:

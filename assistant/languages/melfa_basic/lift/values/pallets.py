@@ -19,6 +19,7 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import target_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.constructions import along_arc
 from assistant.program.constructions import grid as points_of_grid
 from assistant.program.geometry import Target
 from assistant.program.program import Variable
@@ -26,11 +27,13 @@ from assistant.program.rewriting import records
 
 MOST_POINTS: Final = 999
 """Elements that an array may have."""
-ZIGZAG, SAME_WAY = 1, 2
-"""Directions: every other row runs backwards, or none does."""
+ZIGZAG, SAME_WAY, ARC = 1, 2, 3
+"""Directions: every other row runs backwards, or none does; places on an arc."""
+FIXED: Final = 10
+"""Added to a direction whose places all have the posture of the start (CR1D 4-190)."""
 KEPT: Final = p.Reason(
     "the points of the pallet are not known beforehand, turn, or stand in no plain grid",
-    "give corners of one orientation that the program never sets, and the direction 1 or 2",
+    "give corners of one orientation that the program never sets",
 )
 _MENTIONED: Final = re.compile(r"\bPlt\b", re.IGNORECASE)
 
@@ -48,34 +51,45 @@ def pallets(code: Sequence[s.Entry], symbols: Symbols) -> dict[int, tuple[str, t
     for key, definitions in found.items():
         points = grid(definitions[0], symbols) if len(definitions) == 1 else None
         if points is not None:
-            made[key] = symbols.free(f"pallet_{key}"), points
+            made[key] = symbols.free(array_name(key)), points
     return made
 
 
+def array_name(number: float) -> str:
+    """What the array of a pallet is called, if nothing else has that name."""
+    return f"pallet_{number:g}"
+
+
 def grid(node: s.DefOther, symbols: Symbols) -> tuple[Target, ...] | None:
-    """The targets of a pallet in their order; None if they are not known or no plain grid.
+    """The targets of a pallet in their order; None if they are not known or turn.
 
     Start S, end of the first row A, end of the first column B, and the corner D across, which
-    makes it bilinear; each keeps the orientation and the branch of the start.
+    makes it bilinear; of an arc its start, a place on its way, and its end. Each keeps the
+    orientation and the branch of the start.
     """
     if len(node.arguments) != 8:
         return None
     _, start, along, across, diagonal, *counts = node.arguments
     numbers = [symbols.constants.value(count) for count in counts]
     corners = [unchanged(point, symbols) for point in (start, along, across)]
-    if diagonal is not None:
+    arc = symbols.constants.value(counts[-1]) in (ARC, ARC + FIXED)
+    if diagonal is not None and not arc:
         corners.append(unchanged(diagonal, symbols))
     known = [corner for corner in corners if corner is not None]
     if len(known) != len(corners) or not all(isinstance(n, float) for n in numbers):
         return None
-    columns, rows, direction = (round(n) for n in numbers if isinstance(n, float))
-    if direction not in (ZIGZAG, SAME_WAY) or columns < 1 or rows < 1:
+    columns, rows, given = (round(n) for n in numbers if isinstance(n, float))
+    direction, rows = given % FIXED, 1 if arc else rows
+    if given // FIXED > 1 or direction not in (ZIGZAG, SAME_WAY, ARC) or columns < 1 or rows < 1:
         return None
     if columns * rows > MOST_POINTS or not _alike(known):
         return None
     places = np.array([[float(v or 0) for v in corner.values[:3]] for corner in known])
+    points = points_of_grid(places, columns, rows, direction == ZIGZAG)
+    if arc:
+        points = along_arc(places, columns)
     made = []
-    for point in points_of_grid(places, columns, rows, direction == ZIGZAG):
+    for point in points:
         values = (*(float(v) for v in point), *known[0].values[3:])
         made.append(target_of(s.Constant(values, known[0].flags), symbols.robot))
     return tuple(made)

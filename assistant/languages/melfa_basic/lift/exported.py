@@ -1,0 +1,99 @@
+"""A program of MELFA-BASIC as other languages are told it.
+
+What sets how the controller tunes, watches or powers the arm changes no target and no order, so it
+is left out, with a finding where an effect is lost. MELFA-BASIC itself keeps all of it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any, Final
+
+from assistant.languages.language import Adapted
+from assistant.languages.melfa_basic import rules
+from assistant.languages.melfa_basic.reading.line import statement as read_statement
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.diagnostics import Findings
+from assistant.program.program import Declaration, Program
+from assistant.program.rewriting import exchanged, records
+
+_NO_NEED: Final = "none is needed, but see that the other controller watches the arm as you want"
+LOSSES: Final[Mapping[str, tuple[str, str]]] = {
+    "SERVO ON": (
+        "the program does not switch the motors on: they must be on when it starts",
+        "switch them on before, as the operator or the cell's controller",
+    ),
+    "SERVO OFF": (
+        "the motors stay on: the arm is held by them, not by its brakes",
+        "switch them off as the operator or the cell's controller, before anybody goes near",
+    ),
+    "LOADSET": (
+        "the load of hand and work piece is not chosen for the tuning of the arm",
+        "state it in the data of the tool, or as the load that the arm holds",
+    ),
+    "OADL": ("accelerations are not fitted to the load in this way", "state the load of the tool"),
+    "FINE": (
+        "how near to its target the robot counts as being there",
+        "none is needed where it stops: the other controller has its own tolerance",
+    ),
+    "PREC": ("the path is not followed more exactly than usual", "move slower there"),
+    "MVTUNE": ("moves are not tuned for speed or for accuracy", "none is needed"),
+    "SPDOPT": ("the speed is not raised where the axes could go faster", "none is needed"),
+    "COLCHK": ("collisions are watched for as the other controller is set", _NO_NEED),
+    "COLLVL": ("collisions are watched for as the other controller is set", _NO_NEED),
+    "CAVCHK": ("common areas are not watched for by the program", "let the cell watch them"),
+}  # fmt: skip
+"""What is lost with a command, by its word and the argument that it hangs on, and what to do
+(COSIROP help and manual CR1D: Servo, LoadSet, Oadl, Fine, Prec, ColChk)."""
+
+_STIFF: Final = (
+    "the arm is taken to be stiff already, as nothing in the program makes it soft",
+    "see that no other program does",
+)
+STIFF: Final[Mapping[str, re.Pattern[str]]] = {
+    "CMP": re.compile(r"\bCmp\s+(Jnt|Pos|Tool)\b", re.IGNORECASE),
+    "CMPG": re.compile(r"\bCmp\s+(Jnt|Pos|Tool)\b", re.IGNORECASE),
+    "FSC": re.compile(r"\bFsc\s+On\b", re.IGNORECASE),
+}
+"""What says how the arm is soft, or that it is not, by its word, and what asks for a soft arm."""
+
+
+def exported(program: Program) -> Adapted:
+    """The program for another language; idempotent."""
+    texts = [record.text for record in records(program) if _is_text(record)]
+    if not texts:
+        return Adapted(program)
+    findings = Findings()
+    stiff = {key for key, soft in STIFF.items() if not any(map(soft.search, texts))}
+    losses = {**LOSSES, **dict.fromkeys(stiff, _STIFF)}
+
+    def told(node: p.Opaque) -> Iterator[p.Statement]:
+        loss = losses.get(_key(node))
+        if loss is None:
+            yield node
+            return
+        with findings.at(node.span):
+            what, cure = loss
+            findings.append(rules.LEFT_OUT(what=node.text.strip(), loss=what, cure=cure))
+
+    return Adapted(exchanged(program, told), tuple(findings))
+
+
+def _is_text(record: Any) -> bool:
+    kept = isinstance(record, p.Opaque | e.Verbatim | Declaration)
+    return kept and record.language.startswith("melfa-basic")
+
+
+def _key(node: p.Opaque) -> str:
+    """The word of the one command that a text says, with `On` or `Off` where it is about motors."""
+    line = read_statement(node.text) if _is_text(node) and "\n" not in node.text else None
+    if line is None or line.label is not None or not isinstance(line.statement, s.Command):
+        return ""
+    word, arguments = line.statement.keyword.upper(), line.statement.arguments
+    match arguments:
+        case (s.Word(text=way) | s.Variable(name=way), *_) if word == "SERVO":
+            return f"{word} {way.upper()}"
+    return word
