@@ -10,7 +10,7 @@ import subprocess
 import sys
 import time
 
-from benchmarks import exchanging, real_time
+from benchmarks import exchanging, real_time, tasks
 from benchmarks.arms import ROBOTS
 from benchmarks.emission import CASES
 from benchmarks.growth import report as growth
@@ -40,17 +40,21 @@ def main() -> None:
     arguments.add_argument("--runs", type=int, default=3, help="of each case; the best counts")
     arguments.add_argument(
         "--only",
-        choices=["emission", *TABLES, "exchange", "real-time", "growth"],
-        help="one part of it; growth takes hours and runs only if it is named",
+        choices=["emission", *TABLES, "exchange", "real-time", "growth", "tasks"],
+        help="one part of it; growth takes hours; it and tasks run only if they are named",
     )
     arguments.add_argument("--construct", default="", help="of growth: part of a name")
     arguments.add_argument("--short", action="store_true", help="of growth: a handful, small")
     arguments.add_argument("--cap", type=float, default=10.0, help="of growth: seconds of a run")
     arguments.add_argument("--case", choices=[*EVERY], help="run one case here and print JSON")
     arguments.add_argument("--seconds", type=float, default=60.0, help="of real-time control")
+    tasks.arguments(arguments.add_argument_group("of tasks"))
     chosen = arguments.parse_args()
     if chosen.case:
         print(json.dumps(_measured(chosen.case, chosen.points)))
+        return
+    if chosen.only == "tasks":
+        tasks.run(chosen)
         return
     if chosen.only == "growth":
         runs = 1 if chosen.short else max(chosen.runs, 5)

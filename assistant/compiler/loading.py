@@ -66,9 +66,9 @@ def load(
     if spoken is None:
         reading = sources.read(source, process, unit)
         return Loaded(reading.program, None, reading.findings)
-    lifted = lift(spoken, [spoken.read(source)], robot, beside=source.parent)
-    lifted = replace(lifted, findings=(*lifted.findings, *stated))
-    return lifted if process is None else with_process(lifted, process)
+    loaded = lift(spoken, [spoken.read(source)], robot, beside=source.parent)
+    loaded = replace(loaded, findings=(*loaded.findings, *stated))
+    return loaded if process is None else with_process(loaded, process)
 
 
 def load_text(
@@ -80,10 +80,10 @@ def load_text(
 ) -> Loaded:
     """The same for a text that is no file: a robot language's if named, else pseudo text."""
     if language is None:
-        lifted = Loaded(parse_pseudo(text))
+        loaded = Loaded(parse_pseudo(text))
     else:
-        lifted = lift(language_of(language), [text], robot)
-    return lifted if process is None else with_process(lifted, process)
+        loaded = lift(language_of(language), [text], robot)
+    return loaded if process is None else with_process(loaded, process)
 
 
 def with_process(loaded: Loaded, process: str | FilePath) -> Loaded:
@@ -145,7 +145,11 @@ def lift(
     beside: FilePath | None = None,
 ) -> Loaded:
     """The pseudo-program of vendor texts; raises Refused if one of them is broken."""
-    trees = read_trees(language, texts, beside=beside)
+    return lifted(language, read_trees(language, texts, beside=beside), robot)
+
+
+def lifted(language: Language[Any], trees: Sequence[Any], robot: Robot | None = None) -> Loaded:
+    """The pseudo-program of the trees of one program; raises Refused if one of them is broken."""
     findings = [finding for tree in trees for finding in tree.findings]
     if has_errors(findings):
         raise Refused(*findings)
@@ -157,9 +161,16 @@ def read_trees(
 ) -> list[Any]:
     """The trees of texts, and of the files in the folder `beside` that they call."""
     trees = [language.parse(text) for text in texts]
-    if beside is not None:
-        trees += _called(language, trees, [text.path for text in texts], beside)
-    return trees
+    if beside is None:
+        return trees
+    return with_called(language, trees, [text.path for text in texts], beside)
+
+
+def with_called(
+    language: Language[Any], trees: Sequence[Any], paths: Sequence[str | None], folder: FilePath
+) -> list[Any]:
+    """Trees of files at these paths, and those of the files in a folder that they call."""
+    return [*trees, *_called(language, trees, paths, folder)]
 
 
 def whole_programs(files: Sequence[str], language: str | None = None) -> list[str]:

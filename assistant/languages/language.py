@@ -12,6 +12,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Generic, Literal, Protocol, Self, TypeVar
 
 from assistant.languages.budgeted import budgeted
+from assistant.languages.tasks import Loading
 from assistant.program.diagnostics import Diagnostic, Refused, Severity, Span
 from assistant.program.effects import Effect, KeptKind, unknown
 from assistant.program.lines import lines_of
@@ -160,6 +161,9 @@ class Language(abc.ABC, Generic[T]):
     """Whether joint moves state percents of the axes' speeds; else mm/s and degrees/s."""
     steps: bool = False
     """Whether its lines have step numbers."""
+
+    loading: Loading | None = None
+    """How files of one task are told, None where each file is a program of its own."""
 
     def __init_subclass__(cls) -> None:
         """What takes time or memory is done within a budget, whichever language does it."""
@@ -323,6 +327,10 @@ class Language(abc.ABC, Generic[T]):
     def shared_names(self, tree: T) -> Iterator[tuple[str, str]]:  # noqa: ARG002
         """Names that no other file of the same program can declare as well, each with its kind."""
         yield from ()
+
+    def mentions(self, tree: T) -> frozenset[str]:  # noqa: ARG002
+        """Names in lower case that a file uses and does not declare; a few of its own words."""
+        return frozenset()
 
     def called_files(self, tree: T) -> tuple[str, ...]:  # noqa: ARG002
         """Names of the files that a tree loads or calls, each once."""

@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.language import ARITHMETIC, Adapted, Language, Part, Precision
+from assistant.languages.rapid.reading.tasks import LOADING, program_of
 from assistant.lazy import offered
 from assistant.program.diagnostics import Diagnostic, has_errors
 from assistant.program.effects import Effect, KeptKind
@@ -51,6 +52,7 @@ class Rapid(Language["File"]):
     )
     table = "rapid"
     settings = ARITHMETIC
+    loading = LOADING
 
     def recognises(self, data: bytes, suffix: str = "") -> bool:  # noqa: ARG002
         from assistant.languages.rapid.reading.files import recognises
@@ -97,6 +99,13 @@ class Rapid(Language["File"]):
         from assistant.languages.rapid.tree.walk import shared_names
 
         return shared_names(tree)
+
+    def mentions(self, tree: File) -> frozenset[str]:
+        from assistant.languages.rapid.tree.walk import own_names
+        from assistant.languages.tasks import words_of
+
+        text = "" if tree.origin is None else tree.origin.source.text
+        return words_of(text, self.comment_mark) - frozenset(own_names(tree))
 
     def effect(self, text: str, kind: KeptKind) -> Effect:
         from assistant.languages.rapid.text.effects import of_text
@@ -174,11 +183,8 @@ class Rapid(Language["File"]):
         return check(trees)
 
     def program_of(self, path: FilePath) -> FilePath:
-        """The modules of a folder are one task; a backup keeps a task's in two folders."""
-        folder = path.parent
-        return folder.parent if folder.name.upper() in TASK_FOLDERS else folder
+        return program_of(path)
 
 
 NOT_SHOWN: Final = "NOVIEW"
 """Attribute of modules that can only be run."""
-TASK_FOLDERS: Final = frozenset(("PROGMOD", "SYSMOD"))

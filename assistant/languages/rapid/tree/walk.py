@@ -49,6 +49,20 @@ def shared_names(file: s.File) -> Iterator[tuple[str, str]]:
                     yield from ((run.names.name(row), "data") for row in range(len(run)))
 
 
+def own_names(file: s.File) -> Iterator[str]:
+    """Names that the modules of a file and their routines declare, in lower case."""
+    for module in file.modules:
+        for item in module.items:
+            match item:
+                case s.Routine(name=name):
+                    yield name.lower()
+                    yield from (inner.lower() for inner in inner_names([item]))
+                case s.Record(name=name) | s.Alias(name=name) | s.Data(name=name):
+                    yield name.lower()
+                case s.TargetRunNode(run=run):
+                    yield from (run.names.name(row).lower() for row in range(len(run)))
+
+
 def blocks(statement: Any) -> tuple[tuple[s.StatementNode, ...], ...]:
     """The lists of statements directly inside one."""
     match statement:

@@ -1,0 +1,326 @@
+"""Tasks: which of many files are one program, by their folders, lists, data and calls."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from difflib import SequenceMatcher
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Any, Final
+
+from assistant import languages
+from assistant.compiler.loading import (
+    Loaded,
+    language_of,
+    lifted,
+    whole_programs,
+    with_called,
+    with_process,
+)
+from assistant.program.diagnostics import Diagnostic, Refused, warning
+from assistant.program.text import read_bytes
+
+if TYPE_CHECKING:
+    from assistant.languages import Language
+    from assistant.languages.tasks import Loading
+    from assistant.robots import Robot
+
+NOT_THERE: Final = warning(
+    "CO041",
+    "the list names `{name}`, which is not beside it",
+    "copy the file there, or see whether what it declares is missing",
+)
+CHOSEN: Final = warning(
+    "CO042",
+    "`{name}` is declared in {files}; the program is read with {chosen}",
+    "name the files of the program, if it is another one",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """Files that are one program.
+
+    name: the path that it is known by: of its list, of its folder or of the file it begins in.
+    files: in the order in which they are read. begins: whether one of them holds what the task
+    begins with, where its language has such a thing. language: None for what is no program.
+    trees: of the files, if they were parsed to find that out.
+    """
+
+    name: str
+    files: tuple[str, ...]
+    language: str | None = None
+    begins: bool = True
+    findings: tuple[Diagnostic, ...] = ()
+    trees: tuple[Any, ...] = ()
+
+
+def tasks_of(files: Sequence[str], language: str | None = None) -> tuple[Task, ...]:
+    """The programs that files are, in the order of their first files.
+
+    A file that is named twice, or beside one that loads it, is no program once more. A file that
+    cannot be read is a task by itself, to be refused when its turn comes.
+    language: of the files, if neither suffix nor text tell.
+    """
+    once: dict[FilePath, str] = {}
+    for file in files:
+        once.setdefault(FilePath(file).absolute(), file)
+    several: dict[str, list[_Unit]] = {}
+    alone, found = list[str](), list[Task]()
+    for file in once.values():
+        try:
+            spoken = language_of(language) if language else _spoken(file)
+            if spoken is None or spoken.loading is None or len(once) == 1:
+                alone.append(file)
+            else:
+                several.setdefault(spoken.name, []).append(_unit(spoken, spoken.loading, file))
+        except Refused:
+            alone.append(file)
+    for name, units in several.items():
+        spoken = language_of(name)
+        assert spoken.loading is not None
+        found += _Grouping(name, spoken.loading, units).tasks()
+    found += [Task(file, (file,), language) for file in whole_programs(alone, language)]
+    order = {file: place for place, file in enumerate(once.values())}
+    return tuple(sorted(found, key=lambda task: min(order[file] for file in task.files)))
+
+
+def load_task(
+    task: Task, *, process: str | FilePath | None = None, robot: Robot | None = None
+) -> Loaded:
+    """The pseudo-program of a task of several files; raises Unreadable or Refused."""
+    assert task.language is not None
+    spoken = language_of(task.language)
+    trees = list(task.trees) or [spoken.parse(spoken.read(file)) for file in task.files]
+    beside = FilePath(task.files[0]).parent
+    loaded = lifted(spoken, with_called(spoken, trees, task.files, beside), robot)
+    loaded = replace(loaded, findings=(*task.findings, *loaded.findings))
+    return loaded if process is None else with_process(loaded, process)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Unit:
+    """A file that is a part of programs. room: the folder that its task has.
+
+    listed: the files that a list names, None for what is none. declares: for the whole task.
+    routines: those of its names that are no data. mentions: names of others, in lower case.
+    """
+
+    path: str
+    tree: Any
+    room: FilePath
+    declares: frozenset[str]
+    routines: frozenset[str]
+    mentions: frozenset[str]
+    listed: tuple[str, ...] | None
+    begins: bool
+    loads: frozenset[str]
+
+    @property
+    def file(self) -> str:
+        return FilePath(self.path).name.lower()
+
+
+def _spoken(file: str) -> Language[Any] | None:
+    return languages.of_file(file, read_bytes(file))
+
+
+def _unit(language: Language[Any], loading: Loading, file: str) -> _Unit:
+    tree = language.parse(language.read(file))
+    shared = [(name.lower(), kind) for name, kind in language.shared_names(tree)]
+    is_list = FilePath(file).suffix.lower() in loading.lists
+    called = language.called_files(tree)
+    return _Unit(
+        file,
+        tree,
+        language.program_of(FilePath(file).absolute()),
+        frozenset(name for name, _ in shared),
+        frozenset(name for name, kind in shared if kind != "data"),
+        language.mentions(tree),
+        called if is_list else None,
+        any(name == loading.entry for name, _ in shared),
+        frozenset() if is_list else frozenset(name.lower() for name in called),
+    )
+
+
+@dataclass(slots=True)
+class _Group:
+    """A task that grows. name: see `Task`."""
+
+    name: str
+    units: list[_Unit] = field(default_factory=list)
+    declared: set[str] = field(default_factory=set)
+    findings: list[Diagnostic] = field(default_factory=list)
+
+    def add(self, unit: _Unit) -> None:
+        self.units.append(unit)
+        self.declared |= unit.declares
+
+    def takes(self, unit: _Unit) -> bool:
+        """Whether a controller could load the file as well: no name of it is taken."""
+        return unit not in self.units and self.declared.isdisjoint(unit.declares)
+
+
+class _Grouping:
+    """The tasks of all files of one language."""
+
+    def __init__(self, language: str, loading: Loading, units: Sequence[_Unit]) -> None:
+        self.language, self.loading = language, loading
+        self.units = units
+        self.rooms: dict[FilePath, list[_Unit]] = {}
+        self.owners: dict[str, list[_Unit]] = {}
+        for unit in units:
+            self.rooms.setdefault(unit.room, []).append(unit)
+            for name in unit.declares:
+                self.owners.setdefault(name, []).append(unit)
+
+    def tasks(self) -> Iterator[Task]:
+        groups: list[_Group] = []
+        spread = {room for room in self.rooms if self.loading.shared(room)}
+        if spread == set(self.rooms):
+            spread = set()
+        for room, units in self.rooms.items():
+            if room not in spread:
+                groups += self._of_room(room, units)
+        taken = {unit for group in groups for unit in group.units}
+        rest = [unit for unit in self.units if unit not in taken and unit.room not in spread]
+        groups += self._libraries(rest)
+        for group in groups:
+            trees = tuple(unit.tree for unit in group.units)
+            begins = any(unit.begins for unit in group.units)
+            files = tuple(unit.path for unit in group.units)
+            said = tuple(group.findings)
+            yield Task(group.name, files, self.language, begins, said, trees)
+
+    def _of_room(self, room: FilePath, units: Sequence[_Unit]) -> Iterator[_Group]:
+        """The tasks that begin in a folder, and all of a folder that is one."""
+        lists = [unit for unit in units if unit.listed is not None]
+        parts = [unit for unit in units if unit.listed is None]
+        groups = [self._listed(one, parts) for one in lists]
+        inside = {unit for group in groups for unit in group.units}
+        groups += [_started(one.path, one) for one in parts if one.begins and one not in inside]
+        whole = self.loading.closed(room) or any(
+            FilePath(unit.path).absolute().parent != room for unit in units
+        )
+        if whole and not groups and parts:
+            groups = [_Group(_shown(parts[0], room))]
+        for group in groups:
+            if whole and len(groups) == 1:
+                group.name = group.name if lists else _shown(parts[0], room)
+                for unit in parts:
+                    if group.takes(unit):
+                        group.add(unit)
+            if self.loading.closed(room):
+                for other in self._shared_with(room):
+                    if group.takes(other):
+                        group.add(other)
+            self._grow(group, room)
+        if len(groups) == 1:
+            self._join(groups[0], parts)
+        yield from groups
+
+    def _join(self, group: _Group, parts: Sequence[_Unit]) -> None:
+        """Takes in what uses the data and routines of the only task of a folder.
+
+        A task loads such files by names that it works out, or its operator loads them.
+        """
+        pending = list(group.units)
+        while pending:
+            declared = pending.pop(0).declares
+            for unit in parts:
+                if unit.mentions & declared and group.takes(unit):
+                    group.add(unit)
+                    pending.append(unit)
+
+    def _listed(self, one: _Unit, parts: Sequence[_Unit]) -> _Group:
+        """The task of a list, with system modules that are loaded beside it."""
+        group = _Group(one.path)
+        group.add(one)
+        there = {unit.file: unit for unit in parts}
+        for name in dict.fromkeys(one.listed or ()):
+            file = name.replace("\\", "/").rsplit("/", 1)[-1].lower()
+            if file in there:
+                group.add(there[file])
+            else:
+                group.findings.append(NOT_THERE(name=name, path=one.path))
+        for unit in parts:
+            if self.loading.loaded(FilePath(unit.path)) and group.takes(unit):
+                group.add(unit)
+        return group
+
+    def _shared_with(self, room: FilePath) -> Iterator[_Unit]:
+        for other, units in self.rooms.items():
+            if other != room and other.parent == room.parent and self.loading.shared(other):
+                yield from (unit for unit in units if unit.listed is None)
+
+    def _grow(self, group: _Group, room: FilePath) -> None:
+        """Takes in what declares the names that the files of a group mention."""
+        open_ended = not self.loading.closed(room)
+        pending = list(group.units)
+        while pending:
+            one = pending.pop(0)
+            loaded = [u for u in self.rooms[one.room] if u.file in one.loads and group.takes(u)]
+            for unit in loaded:
+                group.add(unit)
+                pending.append(unit)
+            for name in sorted(one.mentions - group.declared):
+                found = [u for u in self.owners.get(name, ()) if not u.begins and group.takes(u)]
+                near = [u for u in found if u.room == room]
+                if not near and open_ended:
+                    near = [
+                        u for u in found if name in u.routines and not self.loading.closed(u.room)
+                    ]
+                    near = near if len(near) == 1 else []
+                if near and name not in group.declared:
+                    chosen = max(near, key=lambda unit: _alike(unit, group, one.mentions))
+                    if len(near) > 1:
+                        group.findings.append(_choice(name, near, chosen))
+                    group.add(chosen)
+                    pending.append(chosen)
+
+    def _libraries(self, rest: Sequence[_Unit]) -> Iterator[_Group]:
+        """Files that no task has, those of a folder that use each other together."""
+        left = list(rest)
+        while left:
+            group = _started(left[0].path, left.pop(0))
+            joined = True
+            while joined:
+                joined = False
+                for unit in list(left):
+                    if (
+                        unit.room == group.units[0].room
+                        and group.takes(unit)
+                        and any(
+                            unit.mentions & one.declares or one.mentions & unit.declares
+                            for one in group.units
+                        )
+                    ):
+                        group.add(unit)
+                        left.remove(unit)
+                        joined = True
+            self._grow(group, group.units[0].room)
+            yield group
+
+
+def _started(name: str, unit: _Unit) -> _Group:
+    group = _Group(name)
+    group.add(unit)
+    return group
+
+
+def _shown(unit: _Unit, room: FilePath) -> str:
+    """A folder that a file stands in, as the user wrote it."""
+    path = FilePath(unit.path)
+    return next((str(p) for p in path.parents if p.absolute() == room), str(room))
+
+
+def _alike(unit: _Unit, group: _Group, mentions: frozenset[str]) -> tuple[int, float]:
+    """How well a file fits: names of it that are mentioned, and how like the first's its name."""
+    first = SequenceMatcher(None, group.units[0].file, unit.file)
+    return len(mentions & unit.declares), first.ratio()
+
+
+def _choice(name: str, units: Sequence[_Unit], chosen: _Unit) -> Diagnostic:
+    files = ", ".join(f"`{FilePath(unit.path).name}`" for unit in units)
+    word = f"`{FilePath(chosen.path).name}`"
+    return CHOSEN(name=name, files=files, chosen=word, path=chosen.path)

@@ -1,0 +1,44 @@
+"""Folders of RAPID: what of them a controller loads as one task.
+
+A backup keeps the modules of a task in `RAPID/TASKn/PROGMOD` and `SYSMOD`, and those that all tasks
+share in `RAPID/TASK0`. A list of a program names its program modules only: system modules are
+loaded by the system parameters.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path as FilePath
+from typing import Final
+
+from assistant.languages.tasks import Loading
+
+TASK_FOLDERS: Final = frozenset(("PROGMOD", "SYSMOD"))
+SYSTEM_FOLDER: Final = "SYSMOD"
+SYSTEM: Final = (".sys", ".sysx")
+_TASK: Final = re.compile(r"(?i)(?:^|/)RAPID/TASK(\d+)$")
+
+
+def program_of(path: FilePath) -> FilePath:
+    """The modules of a folder are one task; a backup keeps a task's in two folders."""
+    folder = path.parent
+    return folder.parent if folder.name.upper() in TASK_FOLDERS else folder
+
+
+def shared(folder: FilePath) -> bool:
+    """Whether a folder is TASK0 of a backup."""
+    found = _TASK.search(folder.as_posix())
+    return found is not None and int(found[1]) == 0
+
+
+def closed(folder: FilePath) -> bool:
+    """Whether a folder is a task of a backup."""
+    return _TASK.search(folder.as_posix()) is not None
+
+
+def loaded(path: FilePath) -> bool:
+    """Whether a file is a system module by its folder or suffix."""
+    return path.parent.name.upper() == SYSTEM_FOLDER or path.suffix.lower() in SYSTEM
+
+
+LOADING: Final = Loading("main", (".pgf",), shared, closed, loaded)

@@ -1,0 +1,161 @@
+"""The table of all tasks, their totals, and the reasons that cost most."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from benchmarks.tasks.finding import TO, Found, found
+
+MOST_REASONS = 10
+TOLD = 150
+"""Characters of a reason in the table of them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """What is tried, and how: see `benchmarks.tasks`."""
+
+    corpus: Path
+    to: str | None = None
+    task: str = ""
+    proof: float = 10.0
+    robot: str | None = None
+    from_robot: str | None = None
+    alone: bool = False
+    jobs: int = 1
+    limit: float = 300.0
+    details: Path | None = None
+
+
+def report(plan: Plan) -> None:
+    """Prints each task as it is done, in order, and what all of them come to."""
+    details = []
+    with tempfile.TemporaryDirectory(prefix="tasks-") as work:
+        tasks = [
+            task
+            for task in found(plan.corpus, Path(work), alone=plan.alone)
+            if plan.task.lower() in task.name.lower() and plan.to in (None, TO[task.kind])
+        ]
+        for kind in TO:
+            of_kind = [task for task in tasks if task.kind == kind]
+            if not of_kind:
+                continue
+            print(f"\n{kind} to {TO[kind]}: {len(of_kind)} tasks\n")
+            print(f"{'said':>6}{'partly':>7}{'not':>6}  {'whole':<6}{'proof':<12}{'s':>6}  task")
+            done = []
+            for task, out in _all(of_kind, plan):
+                done.append((task, out))
+                print(_line(task, out), flush=True)
+                details.append({"task": task.name, "files": len(task.files), **out})
+            _totals(done)
+            _reasons(done)
+    if plan.details is not None:
+        plan.details.write_text(json.dumps(details, indent=1), encoding="utf-8")
+
+
+def _all(tasks: Sequence[Found], plan: Plan) -> Iterator[tuple[Found, dict[str, Any]]]:
+    with ThreadPoolExecutor(plan.jobs) as pool:
+        yield from zip(tasks, pool.map(lambda task: _apart(task, plan), tasks), strict=True)
+
+
+def _apart(task: Found, plan: Plan) -> dict[str, Any]:
+    """A task in a process of its own, ended at the time limit."""
+    given = {
+        "files": task.files,
+        "language": task.language,
+        "begins": task.begins,
+        "to": TO[task.kind],
+        "robot": plan.robot,
+        "from_robot": plan.from_robot,
+        "proof": plan.proof,
+    }
+    began = time.perf_counter()
+    none = {"said": 0, "partly": 0, "not": 0, "whole": False, "proof": "not run"}
+    command = [sys.executable, "-m", "benchmarks.tasks.crossing"]
+    try:
+        answer = subprocess.run(
+            command,
+            input=json.dumps(given),
+            capture_output=True,
+            text=True,
+            timeout=plan.limit,
+            check=False,
+        )
+        return dict(json.loads(answer.stdout))
+    except subprocess.TimeoutExpired:
+        stop = f"not done in {plan.limit:g} s"
+    except json.JSONDecodeError:
+        lines = answer.stderr.strip().splitlines()
+        stop = f"crashed: {lines[-1] if lines else answer.returncode}"
+    return {**none, "seconds": time.perf_counter() - began, "reasons": {}, "stops": [stop]}
+
+
+def _line(task: Found, out: dict[str, Any]) -> str:
+    whole = "whole" if out["whole"] else "no" if out["said"] + out["not"] else "-"
+    numbers = f"{out['said']:>6}{out['partly']:>7}{out['not']:>6}"
+    library = "" if task.begins else " (library)"
+    lost = ""
+    if not out["said"] + out["not"]:
+        lost = f": {'; '.join(out['stops'])[:TOLD]}"
+    why = f": {out['why'][0][:TOLD]}" if out.get("why") else ""
+    tail = f"{_short(task.name)}{library}{lost}{why}"
+    return f"{numbers}  {whole:<6}{out['proof']:<12}{out['seconds']:>6.1f}  {tail}"
+
+
+def _short(name: str) -> str:
+    """A path without what is in its middle."""
+    repository, *folders, file = name.split("/")
+    return "/".join([repository, *(["…"] if len(folders) > 2 else []), *folders[-2:], file])
+
+
+def _totals(done: Sequence[tuple[Found, dict[str, Any]]]) -> None:
+    said, partly, no = (sum(out[key] for _, out in done) for key in ("said", "partly", "not"))
+    every = (said + partly + no) or 1
+    share = 100 * (said + partly) / every
+    print(f"\nstatements: {said} said, {partly} partly, {no} not: {share:.1f} % said or partly")
+    whole = [(task, out) for task, out in done if out["whole"]]
+    programs = [out for task, out in whole if task.begins]
+    proofs = Counter(out["proof"] for out in programs)
+    equal = proofs["equal"]
+    percent = 100 * equal / (len(done) or 1)
+    words = ", ".join(f"{count} {word}" for word, count in proofs.most_common())
+    print(f"whole: {len(whole)} of {len(done)} tasks, {len(programs)} of them programs ({words})")
+    print(f"whole and proven equal: {equal} of {len(done)} ({percent:.0f} %)")
+    libraries = [task for task, _ in done if not task.begins]
+    print(
+        f"libraries, in which nothing is run: {len(libraries)},"
+        f" {len(whole) - len(programs)} of them whole"
+    )
+    seconds = sorted(((out["seconds"], task.name) for task, out in done), reverse=True)
+    slow = ", ".join(f"{_short(name)} {time:.0f} s" for time, name in seconds[:3])
+    print(f"time: {sum(time for time, _ in seconds):.0f} s in all; slowest: {slow}")
+
+
+def _reasons(done: Sequence[tuple[Found, dict[str, Any]]]) -> None:
+    statements: Counter[str] = Counter()
+    tasks: Counter[str] = Counter()
+    only: Counter[str] = Counter()
+    for _, out in done:
+        statements.update(out["reasons"])
+        stops = set(out["stops"]) | set(out["reasons"])
+        tasks.update(stops)
+        if len(stops) == 1:
+            only.update(stops)
+    if statements:
+        print("\nby statements:   statements  tasks")
+        for why, count in statements.most_common(MOST_REASONS):
+            print(f"{count:>12}{tasks[why]:>7}  {why[:TOLD]}")
+    if only:
+        print("\nthe only hindrance of a task:   tasks")
+        for why, count in only.most_common(MOST_REASONS):
+            print(f"{count:>12}  {why[:TOLD]}")
