@@ -144,6 +144,12 @@ def translate(
         Path | None,
         typer.Option("--process", "-p", help="File with signals, tools, frames of the other cell."),
     ] = None,
+    cell: Annotated[
+        Path | None,
+        typer.Option(
+            help="File with what programs use and do not declare; written if it lacks any."
+        ),
+    ] = None,
     output: Annotated[str, typer.Option("--output", "-o", help="Folder for the files.")] = ".",
     report: Annotated[
         Path | None,
@@ -170,6 +176,7 @@ def translate(
         robot=robot,
         from_robot=from_robot,
         process=process,
+        cell=cell,
         frames=frames,
         from_language=from_language,
         draft=draft,

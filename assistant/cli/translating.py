@@ -50,6 +50,7 @@ class Options:
     robot: str | None
     from_robot: str | None
     process: Path | None
+    cell: Path | None = None
     frames: FramesAs
     from_language: str | None
     draft: bool
@@ -103,6 +104,8 @@ def run_translate(
     written = write_each(files, folders, output)
     if report is not None:
         written += _reported(report, done)
+    if options.cell is not None:
+        written += _lacking(options.cell, done)
     if format is FindingFormat.TEXT:
         print_findings(refusals)
         for one in done:
@@ -149,6 +152,7 @@ def _translated(name: str, options: Options) -> Translated:
         robot=options.robot,
         from_robot=options.from_robot,
         process=options.process,
+        cell=options.cell,
         frames=options.frames.value,
         language=options.from_language,
         draft=options.draft,
@@ -174,6 +178,17 @@ def _reported(report: Path, done: Sequence[Translated]) -> list[str]:
     return list(map(str, write_files({report.name: written(done, report)}, report.parent)))
 
 
+def _lacking(path: Path, done: Sequence[Translated]) -> list[str]:
+    """The cell file, with a place for each value that programs lack; nothing if it has them all."""
+    from assistant.compiler.filling import cell_text
+    from assistant.program.system.writing import write_all
+    from assistant.sources.cell import read_cell
+
+    cell = read_cell(path)
+    text = cell_text(cell, [lack for one in done for lack in one.translation.wanting])
+    return [] if text == cell.text else list(map(str, write_all({path: text.encode("utf-8")})))
+
+
 def _show(one: Translated) -> None:
     """A table on a terminal, one line a statement elsewhere; findings on the whole program."""
     from assistant.report.translation import lines, totals
@@ -188,8 +203,11 @@ def _show(one: Translated) -> None:
             say(line)
     for line in translation.written.proof_lines():
         say(f"{one.source}: {line}")
-    if translation.draft:
+    if translation.draft and translation.written is not translation.compiled:
         say(f"{one.source}: the files are a draft, with a stop for each that is not said")
+    elif translation.draft:
+        count = len(translation.wanting)
+        say(f"{one.source}: the files are a draft: the cell file lacks {count} values")
 
 
 def _table(one: Translated) -> None:

@@ -34,11 +34,12 @@ V = TypeVar("V")
 
 
 def equipped(
-    program: Program, stated: Process, path: str
+    program: Program, stated: Process, path: str, *, sharing: bool = False
 ) -> tuple[Program, tuple[Diagnostic, ...]]:
     """The program with the tools, frames and signals of the same name in a process file.
 
-    Signals of other programs in the same cell may be in it as well. path: of the file.
+    Signals of other programs in the same cell may be in it as well, and where it is shared tools
+    and frames. path: of the file.
     """
     findings = [*stated.findings]
     others = [
@@ -54,7 +55,7 @@ def equipped(
         findings += [
             NOT_USED(kind=kind, name=name, place=f"{kind}s.{name}", path=path)
             for name in given
-            if name.lower() not in known
+            if name.lower() not in known and not sharing
         ]
     return replace(
         program,

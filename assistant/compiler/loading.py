@@ -19,6 +19,7 @@ from assistant.sources.lengths import unit_stated
 
 if TYPE_CHECKING:
     from assistant.languages import Language, Tree
+    from assistant.program.wanted import Wanted
     from assistant.robots import Robot
 
 PSEUDO_ENCODINGS: Final = ("utf-8-sig", "utf-8")
@@ -29,13 +30,15 @@ UNKNOWN_LANGUAGE = error("CO001", "there is no language `{name}`", "choose one o
 class Loaded:
     """A pseudo-program, what it was written in (None: no robot language), and the findings.
 
-    joint_speed: see `Process`.
+    joint_speed: see `Process`. wanting: what the program uses and neither it nor a cell file says;
+    something that only stands for it is there.
     """
 
     program: Program
     language: str | None = None
     findings: tuple[Diagnostic, ...] = ()
     joint_speed: float | None = None
+    wanting: tuple[Wanted, ...] = ()
 
 
 def load(

@@ -11,6 +11,7 @@ from assistant.compiler.arms import Arms, robot_of
 from assistant.compiler.compiling import Compiled, compile_program, proven_by_motion
 from assistant.compiler.drafting import draft as drafted
 from assistant.compiler.entering import entered
+from assistant.compiler.filling import STATED, UNFILLED, head_lines, with_cell
 from assistant.compiler.loading import Loaded, language_of, load
 from assistant.compiler.motion import MotionProof, Proving
 from assistant.compiler.proof import Proof
@@ -22,9 +23,11 @@ from assistant.program.program import Program, bodies, walk
 from assistant.program.subjects import Declared, PathRow, Subject, Table
 from assistant.program.system.budgets import DRAFTING, REPORTING, within
 from assistant.program.without_gc import uncollected
+from assistant.sources.cell import said
 
 if TYPE_CHECKING:
     from assistant.languages.language import Frames
+    from assistant.program.wanted import Wanted
     from assistant.robots import Robot
 
 NO_PROGRAM = error(
@@ -60,7 +63,9 @@ class Translation:
     """A translated program. files: as they are to be written, none if something is not said.
 
     compiled: all of it. written: what the files are made of, all of it or a draft, with stops
-    for what is not said. rows: in order of the source. whole: findings on no statement.
+    for what is not said. rows: in order of the source. whole: findings on no statement. wanting:
+    what nobody declares, neither the program nor the cell file; the files are a draft then, in
+    which something only stands for it.
     """
 
     compiled: Compiled
@@ -69,15 +74,16 @@ class Translation:
     rows: tuple[Row, ...]
     whole: tuple[Diagnostic, ...]
     files: Mapping[str, bytes] = field(default_factory=dict)
+    wanting: tuple[Wanted, ...] = ()
 
     @property
     def draft(self) -> bool:
-        return self.written is not self.compiled and self.written.ok
+        return self.written.ok and (self.written is not self.compiled or bool(self.wanting))
 
     @property
     def ok(self) -> bool:
-        """Whether everything is said and proven."""
-        return self.compiled.ok
+        """Whether everything is said and proven, and all of its values are known."""
+        return self.compiled.ok and not self.wanting
 
     @property
     def findings(self) -> tuple[Diagnostic, ...]:
@@ -106,6 +112,7 @@ def translate(
     robot: str | Robot | None = None,
     from_robot: str | Robot | None = None,
     process: str | FilePath | None = None,
+    cell: str | FilePath | None = None,
     language: str | None = None,
     most_targets: int | None = None,
     frames: Frames = "base",
@@ -116,7 +123,9 @@ def translate(
     """A vendor program in another language, for another arm if one is named.
 
     from_robot: the arm that it was written for. process: file with tools, frames and signals
-    of the other cell. language: of the source, if neither suffix nor text tell.
+    of the other cell. cell: file of what programs use and do not declare, which need not be there
+    yet: what it does not say is in `wanting` of the answer. language: of the source, if neither
+    suffix nor text tell.
     frames: how a language without work objects says them, see `Language.with_frames`. draft: gives
     files also if some statements cannot be said: each stands as a comment behind a stop.
     entry: the procedure that the program begins with, where the source has no `main`. proving: how
@@ -129,7 +138,10 @@ def translate(
         loaded = load(loaded, process=process, robot=arms.written_for, language=language)
     if loaded.language is None or loaded.program.origin is None:
         raise Refused(NO_PROGRAM(name=source), exit_status=2)
+    if cell is not None:
+        loaded = with_cell(loaded, cell)
     program = entered(loaded.program, entry)
+    program = replace(program, comments=(*program.comments, *head_lines(loaded.wanting)))
     places = Places(program)
     arms = replace(arms, joint_speed=loaded.joint_speed)
     compiled = compile_program(program, places, target, arms, most_targets)
@@ -142,13 +154,16 @@ def translate(
         written = compiled = proven_by_motion(compiled, arms, proving, entry)
     with within(REPORTING, None, program.size()):
         rows, whole = _report(compiled, written, later)
+        rows = tuple(row for row in rows if row.place.path != STATED or row.level == "not")
+    unfilled = tuple(UNFILLED(what=said(one), place=one.name) for one in loaded.wanting)
     return Translation(
         compiled,
         written,
         target.name,
         rows,
-        (*loaded.findings, *whole),
+        (*loaded.findings, *unfilled, *whole),
         dict(written.files) if written.ok else {},
+        loaded.wanting,
     )
 
 

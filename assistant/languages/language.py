@@ -20,6 +20,7 @@ from assistant.program.program import Origin, Program
 from assistant.program.text import SourceText, decode, encode, read_bytes
 
 if TYPE_CHECKING:
+    from assistant.program.wanted import Supplied, Wanted
     from assistant.robots import Robot
 
 
@@ -303,6 +304,17 @@ class Language(abc.ABC, Generic[T]):
         Idempotent. What cannot be said at all is a finding of severity error.
         most_targets: of one unit, None for the language's own limit.
         """
+
+    def wanted(self, trees: Sequence[T]) -> tuple[Wanted, ...]:  # noqa: ARG002
+        """What the trees of one program use and none of them declares, in order of the uses."""
+        return ()
+
+    def supplied(self, given: Supplied, trees: Sequence[T]) -> str:  # noqa: ARG002
+        """The text of a file that declares names beside these trees; None: without a value.
+
+        Raises Refused for what the language cannot write.
+        """
+        return ""
 
     def parts(self, tree: T) -> Iterator[Part]:  # noqa: ARG002
         """What a parsed tree holds that a report on it should name beside what is lifted.

@@ -19,6 +19,7 @@ from assistant.program.text import SourceText
 if TYPE_CHECKING:
     from assistant.languages.rapid.tree import syntax
     from assistant.languages.rapid.tree.syntax import File
+    from assistant.program.wanted import Supplied, Wanted
     from assistant.robots import Robot
 
 __all__ = ["Rapid", "language", "syntax"]
@@ -91,6 +92,16 @@ class Rapid(Language["File"]):
         from assistant.languages.rapid.tree.walk import data
 
         return data(tree)
+
+    def wanted(self, trees: Sequence[File]) -> tuple[Wanted, ...]:
+        from assistant.languages.rapid.checks.wanted import wanted
+
+        return wanted(trees)
+
+    def supplied(self, given: Supplied, trees: Sequence[File]) -> str:
+        from assistant.languages.rapid.lower.supplied import supplied
+
+        return supplied(given, [one.name.lower() for tree in trees for one in tree.modules])
 
     def kept_secret(self, tree: File) -> str:
         return next((NOT_SHOWN for one in tree.modules if NOT_SHOWN in one.attributes), "")

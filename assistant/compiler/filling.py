@@ -1,0 +1,187 @@
+"""A program in a cell that says what nobody else does: what it still lacks, and what stands for it.
+
+What a program uses and nobody declares becomes a declaration in a file of its own, beside those
+that were read: with the cell file's value, or with one that only stands for it. So all that reads
+the program, the proof by motion included, finds it where the program itself would have it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path as FilePath
+from typing import Any, Final
+
+from assistant.compiler.cell_file import equipped
+from assistant.compiler.loading import Loaded, language_of
+from assistant.program.diagnostics import Refused, error, has_errors, warning
+from assistant.program.program import Program, Signal
+from assistant.program.text import SourceText
+from assistant.program.wanted import ROUTINES, Value, Wanted, neutral
+from assistant.sources.cell import NO_CELL, TABLES, Cell, read_cell, said, with_entries
+
+UNFILLED: Final = warning(
+    "CO021",
+    "the cell file does not say what {what} is: something that only stands for it is written",
+    "write its value in the cell file, then translate again",
+)
+NO_FILE_OF: Final = error(
+    "CO022",
+    "`{name}` stands for itself in the cell file, and the file `{file}` cannot be used: {reason}",
+    'name a file beside the cell file, or write "stop" or "empty"',
+)
+STATED: Final = "cell values"
+"""Of the text of declarations that is made of a cell file."""
+GROUP_BITS: Final = 16
+"""Of a group of signals whose width nobody states."""
+FIRST_ANALOG: Final = 6000
+"""Number of the first analog signal: the first register that CR controllers have for such."""
+
+
+def with_cell(loaded: Loaded, path: str | FilePath) -> Loaded:
+    """A program in the cell of a cell file, which need not be there yet.
+
+    Raises Unreadable or Refused for a file that cannot be used.
+    """
+    return in_cell(loaded, read_cell(path), FilePath(path))
+
+
+def in_cell(loaded: Loaded, cell: Cell, path: FilePath) -> Loaded:
+    """The same for a cell that was read. What it does not say is in `wanting` of the answer."""
+    origin = loaded.program.origin
+    if origin is None:
+        return loaded
+    language = language_of(origin.language)
+    wanted = language.wanted(origin.trees)
+    files = _files(language, cell, wanted, path)
+    trees = [*origin.trees, *files]
+    if files:
+        wanted = language.wanted(trees)
+    declared = [one for one in wanted if one.kind != "signal"]
+    program = loaded.program
+    given = [(_typed(one, cell), _value(one, cell)) for one in declared]
+    if given:
+        text = language.supplied(given, trees)
+        trees.append(language.parse(SourceText(text, STATED, newline="\n")))
+    if len(trees) > len(origin.trees):
+        program = language.lift(trees, origin.robot)
+    program = _with_signals(program, wanted)
+    program, findings = equipped(program, cell.process, str(path), sharing=True)
+    missing = [one for one in declared if cell.value(one) is None and neutral(one) is not None]
+    program, unnumbered = _numbered(program, wanted)
+    return replace(
+        loaded,
+        program=program,
+        findings=(*loaded.findings, *findings),
+        joint_speed=cell.process.joint_speed or loaded.joint_speed,
+        wanting=(*missing, *unnumbered),
+    )
+
+
+def neutral_cell(loaded: Loaded) -> str:
+    """A cell file for a program, with the values that say least: the flange, the base, 100 mm/s.
+
+    Signals are numbered from 1. Routines that were not read are stops.
+    """
+    wanting = in_cell(loaded, NO_CELL, FilePath("cell.toml")).wanting
+    return with_entries("", [(one, neutral(one)) for one in wanting])
+
+
+def cell_text(cell: Cell, wanting: Iterable[Wanted]) -> str:
+    """The text of a cell file with a place for each value that it has no entry for."""
+    new: dict[tuple[str, str], Wanted] = {}
+    for one in wanting:
+        entry = TABLES[one.kind], one.name.lower()
+        if entry not in cell.known:
+            new.setdefault(entry, one)
+    return (
+        with_entries(cell.text, [(_open(one), None) for one in new.values()]) if new else cell.text
+    )
+
+
+def head_lines(wanting: Sequence[Wanted]) -> tuple[str, ...]:
+    """Comments at the head of a program that lacks values."""
+    if not wanting:
+        return ()
+    names = (f"to be filled in: {said(one)}" for one in wanting)
+    return ("DRAFT: not for production. The cell file does not say these values:", *names)
+
+
+def _open(one: Wanted) -> Wanted:
+    if one.signal is None:
+        return one
+    return replace(one, signal=replace(one.signal, number=None))
+
+
+def _typed(one: Wanted, cell: Cell) -> Wanted:
+    """With the type that the cell file states for data."""
+    return (
+        replace(one, type=cell.types.get(one.name.lower(), one.type)) if one.kind == "data" else one
+    )
+
+
+def _value(one: Wanted, cell: Cell) -> Value | None:
+    value = cell.value(one)
+    return neutral(one) if value is None else value
+
+
+def _files(language: Any, cell: Cell, wanted: Sequence[Wanted], path: FilePath) -> list[Any]:
+    """The trees of files that the cell file names for routines that were not read."""
+    names: dict[str, str] = {}
+    for one in wanted:
+        value = cell.value(one) if one.kind == "routine" else None
+        if isinstance(value, str) and value not in ROUTINES:
+            names.setdefault(value, one.name)
+    found = []
+    for name, routine in names.items():
+        try:
+            tree = language.parse(language.read(path.parent / name))
+        except Refused as refused:
+            reason = refused.findings[0].message
+            raise Refused(
+                NO_FILE_OF(name=routine, file=name, reason=reason, path=str(path))
+            ) from None
+        if has_errors(tree.findings):
+            raise Refused(*tree.findings)
+        found.append(tree)
+    return found
+
+
+def _with_signals(program: Program, wanted: Sequence[Wanted]) -> Program:
+    """With the signals that expressions read and nothing sets."""
+    known = {name.lower() for name in program.signals}
+    found = {
+        one.name: one.signal
+        for one in wanted
+        if one.signal is not None and one.name.lower() not in known
+    }
+    return replace(program, signals={**program.signals, **found}) if found else program
+
+
+def _numbered(program: Program, wanted: Sequence[Wanted]) -> tuple[Program, list[Wanted]]:
+    """With numbers for signals that have none, from 1 on, and those signals."""
+    uses = {one.name.lower(): one for one in wanted if one.kind == "signal"}
+    signals = dict(program.signals)
+    taken: dict[tuple[str, bool], set[int]] = {}
+    for signal in signals.values():
+        if signal.number is not None:
+            _room(taken, signal).update(range(signal.number, signal.number + signal.bits))
+    missing: list[Wanted] = []
+    order = sorted(signals.items(), key=lambda pair: pair[1].kind == "group")
+    for name, signal in order:
+        if signal.number is not None:
+            continue
+        bits = GROUP_BITS if signal.kind == "group" and signal.bits == 1 else signal.bits
+        room = _room(taken, signal)
+        first = FIRST_ANALOG if signal.kind == "analog" else 1
+        number = next(n for n in range(first, 100_000) if room.isdisjoint(range(n, n + bits)))
+        room.update(range(number, number + bits))
+        signals[name] = Signal(signal.kind, signal.direction, number, bits)
+        known = uses.get(name.lower(), Wanted(name, "signal"))
+        missing.append(replace(known, name=name, signal=signals[name]))
+    return (replace(program, signals=signals) if missing else program), missing
+
+
+def _room(taken: dict[tuple[str, bool], set[int]], signal: Signal) -> set[int]:
+    """The numbers that signals of its kind have by now."""
+    return taken.setdefault((signal.direction, signal.kind == "analog"), set())

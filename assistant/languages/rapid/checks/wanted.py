@@ -1,0 +1,348 @@
+"""Names that modules use and none of them declares, with what their uses tell of them.
+
+A name may be data of another task or of a system module that was not read, a signal of the
+controller's configuration, or a routine. What its uses say of it is counted: the type that most
+of them want is taken for its type.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
+
+from assistant.languages.rapid.checks.arguments import call_of, signature_of
+from assistant.languages.rapid.checks.kinds import LOGICAL, NUMBER, SIGNALS, Scope, Types
+from assistant.languages.rapid.checks.module_view import Look, Task
+from assistant.languages.rapid.checks.wanted_names import OF_TYPE, WEAK, Met, made
+from assistant.languages.rapid.tables import predefined
+from assistant.languages.rapid.tables.hands import hand_of
+from assistant.languages.rapid.tables.motions import BLENDS, SPEEDS
+from assistant.languages.rapid.tables.signatures import signature
+from assistant.languages.rapid.tables.words import ZONES
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.gather import literal_number
+from assistant.languages.signatures import Signature
+from assistant.program import expressions as e
+from assistant.program.wanted import Argument, Wanted
+
+_PARTS: Final[Mapping[str, tuple[str, ...]]] = {
+    "robtarget": ("robconf",),
+    "jointtarget": ("robax",),
+    "tooldata": ("tframe", "tload"),
+    "wobjdata": ("uframe", "oframe", "ufprog", "ufmec"),
+    "speeddata": ("v_tcp", "v_ori", "v_leax", "v_reax"),
+    "zonedata": ("finep", "pzone_tcp", "pzone_ori", "zone_ori"),
+    "loaddata": ("mass", "cog", "aom"),
+    "pos": ("x", "y", "z"),
+    "orient": ("q1", "q2", "q3", "q4"),
+    "confdata": ("cf1", "cf4", "cf6", "cfx"),
+}
+_OF_PART: Final = {part: type for type, parts in _PARTS.items() for part in parts}
+"""Components that one predefined record alone has → that record."""
+
+
+def wanted(files: Sequence[s.File]) -> tuple[Wanted, ...]:
+    """What the modules of one task use and nobody declares, in the order of the first uses."""
+    task, met = Task(files), dict[str, Met]()
+    for file in files:
+        for module in file.modules:
+            look = Look(file, module, task)
+            _Module(look, met).walk()
+    types = Types(Look(files[0], files[0].modules[0], task)) if task.modules else None
+    return tuple(found for one in met.values() if types and (found := made(one, types)))
+
+
+class _Module:
+    """Looks through one module."""
+
+    def __init__(self, look: Look, met: dict[str, Met]) -> None:
+        self.look, self.met = look, met
+        self.types = Types(look)
+        self.place = ""
+
+    def walk(self) -> None:
+        for item in self.look.module.items:
+            match item:
+                case s.Routine():
+                    scope = Scope(self.types, item)
+                    self.result = item.type.lower()
+                    self._body(item.body, scope)
+                    for handler in item.handlers:
+                        self._body(handler.body, scope)
+                case s.Data():
+                    self._data(item, Scope(self.types))
+
+    # ------------------------------------------------------------------------- statements
+
+    def _body(self, body: Sequence[s.StatementNode], scope: Scope) -> None:
+        for statement in body:
+            self._at(statement)
+            self._statement(statement, scope)
+
+    def _at(self, node: s.Node) -> None:
+        origin = self.look.file.origin
+        if origin is not None and node.span is not None:
+            line, _ = origin.source.line_column(node.span.start)
+            name = (origin.source.path or "").replace("\\", "/").rsplit("/", 1)[-1]
+            self.place = f"{name}:{line}" if name else str(line)
+
+    def _statement(self, node: s.StatementNode, scope: Scope) -> None:
+        match node:
+            case s.Data():
+                self._data(node, scope)
+            case s.Assignment(target, value):
+                kind = scope.kind(target)
+                given = scope.kind(value)
+                self._expression(target, scope, _type(given) or "", assigned=True)
+                self._expression(value, scope, _type(kind) or "")
+            case s.ProcedureCall(str(name)):
+                self._call(node, name, scope, "PROC")
+            case s.ProcedureCall(late, arguments) if not isinstance(late, str):
+                self._expression(late, scope, "string")
+                for argument in arguments:
+                    self._argument(argument, scope)
+            case s.MoveRunNode():
+                self._moves(node, scope)
+            case s.Connect(interrupt, trap):
+                self._expression(interrupt, scope, "intnum", assigned=True)
+                if scope.find(trap) is None:
+                    self._note(trap, "").routine = "TRAP"
+            case s.IfThen(branches, otherwise):
+                for branch in branches:
+                    if branch.condition is not None:
+                        self._expression(branch.condition, scope, "bool")
+                    self._body(branch.body, scope)
+                self._body(otherwise or (), scope)
+            case s.CompactIf(condition, statement):
+                self._expression(condition, scope, "bool")
+                self._statement(statement, scope)
+            case s.WhileLoop(condition, body):
+                self._expression(condition, scope, "bool")
+                self._body(body, scope)
+            case s.ForLoop(_, first, last, step, body):
+                for bound in (first, last, step):
+                    if bound is not None:
+                        self._expression(bound, scope, "num")
+                self._body(body, scope.inside(node))
+            case s.TestOf(subject, cases, otherwise):
+                kinds = [scope.kind(value) for case in cases for value in case.values]
+                type = next((_type(kind) for kind in kinds if kind is not None), "")
+                self._expression(subject, scope, type or "", weak=True)
+                of = _type(scope.kind(subject)) or ""
+                for case in cases:
+                    for value in case.values:
+                        self._expression(value, scope, of)
+                    self._body(case.body, scope)
+                self._body(otherwise or (), scope)
+            case s.ReturnFrom(value) if value is not None:
+                self._expression(value, scope, self.result)
+            case s.RaiseError(value) if value is not None:
+                self._expression(value, scope, "errnum")
+
+    def _data(self, node: s.Data, scope: Scope) -> None:
+        self._at(node)
+        for extent in node.dimensions:
+            self._expression(extent, scope, "num")
+        if node.value is not None:
+            self._expression(node.value, scope, node.type.lower())
+
+    def _moves(self, node: s.MoveRunNode, scope: Scope) -> None:
+        types = ("speeddata", "zonedata", "tooldata", "wobjdata")
+        for motion in node.run.motions.table:
+            given = (motion.speed, motion.zone, motion.tool, motion.frame)
+            for name, type in zip(given, types, strict=True):
+                if name:
+                    self._expression(s.NameRef(name), scope, type)
+        for names in (node.run.names, node.run.vias):
+            for row in range(len(names)):
+                if name := names.name(row):  # of a via, only where the move is circular
+                    self._expression(s.NameRef(name), scope, "robtarget")
+
+    def _call(
+        self,
+        node: s.ProcedureCall | s.FunctionCall,
+        name: str,
+        scope: Scope,
+        kind: str,
+        result: str = "",
+    ) -> None:
+        found = scope.find(name)
+        routine: Signature | None = None
+        if found is None:
+            routine = signature(name)
+            if routine is None:
+                self._unread(node, name, scope, kind, result)
+                return
+        elif isinstance(found.node, s.Routine):
+            routine = signature_of(found.node)
+        bound = (
+            {}
+            if routine is None
+            else {id(value): parameters for value, parameters in call_of(node, routine).bound()}
+        )
+        for argument in node.arguments:
+            if isinstance(argument, s.Conditional) or argument.value is None:
+                continue
+            parameters = bound.get(id(argument.value), ())
+            if any(one.mode == "REF" for one in parameters) and not any(
+                one.type in SIGNALS for one in parameters
+            ):
+                continue
+            one = parameters[0] if parameters else None
+            type = one.type if one is not None else ""
+            changed = one is not None and one.mode in ("VAR", "INOUT") and type not in SIGNALS
+            self._expression(
+                argument.value,
+                scope,
+                self._base(type),
+                assigned=changed,
+                weak=type == "num" and not changed,
+            )
+
+    def _base(self, type: str) -> str:
+        """A type that stands for itself: of an alias of numbers the number."""
+        if not type:
+            return ""
+        return type if type in OF_TYPE else self.types.base(type) or type
+
+    def _unread(
+        self,
+        node: s.ProcedureCall | s.FunctionCall,
+        name: str,
+        scope: Scope,
+        kind: str,
+        result: str,
+    ) -> None:
+        met = self._note(name, result)
+        met.routine = met.routine or kind
+        given: list[Argument] = []
+        for argument in node.arguments:
+            self._argument(argument, scope)
+            match argument:
+                case s.Positional(value):
+                    found = scope.kind(value)
+                    given.append(Argument(_type(found) or "", "", found.dimensions if found else 0))
+                case s.Option(option, None):
+                    given.append(Argument("switch", option))
+                case s.Option(option, s.Node() as value):
+                    found = scope.kind(value)
+                    given.append(
+                        Argument(_type(found) or "", option, found.dimensions if found else 0)
+                    )
+                case s.Conditional(option):
+                    given.append(Argument("switch", option))
+        met.calls.append(tuple(given))
+
+    def _argument(self, argument: s.Argument, scope: Scope) -> None:
+        if not isinstance(argument, s.Conditional) and argument.value is not None:
+            self._expression(argument.value, scope, "")
+
+    # ------------------------------------------------------------------------ expressions
+
+    def _expression(
+        self,
+        node: s.Expression,
+        scope: Scope,
+        type: str,
+        *,
+        assigned: bool = False,
+        weak: bool = False,
+    ) -> None:
+        """type: that is wanted there, empty if that is not known. weak: it may be another one."""
+        match node:
+            case s.NameRef(name):
+                if self._unknown(name, scope, type):
+                    self._note(name, type, assigned=assigned, weak=weak)
+            case s.Component() | s.Element():
+                self._part(node, scope, type, assigned)
+            case s.Group(inner):
+                self._expression(inner, scope, type)
+            case s.Prefix(operator, operand):
+                self._expression(operand, scope, "bool" if operator == "NOT" else type or "num")
+            case s.Infix(operator, left, right):
+                self._infix(operator, left, right, scope, type)
+            case s.FunctionCall(name):
+                self._call(node, name, scope, "FUNC", type)
+            case s.AggregateNode(items):
+                base = self.types.base(type) if type else None
+                parts = list((self.types.components(base) or {}).values()) if base else []
+                for at, item in enumerate(items):
+                    of = parts[at].lower() if len(parts) == len(items) else type
+                    self._expression(item, scope, of)
+
+    def _infix(
+        self, operator: str, left: s.Expression, right: s.Expression, scope: Scope, type: str
+    ) -> None:
+        if operator in LOGICAL:
+            for side in (left, right):
+                self._expression(side, scope, "bool")
+            return
+        for side, other in ((left, right), (right, left)):
+            kind = scope.kind(other)
+            known = _type(kind)
+            compared = operator in e.RELATIONS
+            weak = compared and (known in ("num", "dionum") or known is None)
+            fallback = type if not compared else ""
+            self._expression(side, scope, known or fallback or "", weak=weak)
+
+    def _part(self, node: s.Component | s.Element, scope: Scope, type: str, assigned: bool) -> None:
+        """A component or element: what it is a part of, and its indices."""
+        outer: list[s.Component | s.Element] = []
+        value: Any = node
+        while isinstance(value, s.Component | s.Element):
+            outer.append(value)
+            if isinstance(value, s.Element):
+                for index in value.indices:
+                    if not isinstance(index, s.Whole):
+                        self._expression(index, scope, "num")
+            value = value.value
+        if not isinstance(value, s.NameRef) or not self._unknown(value.name, scope, ""):
+            return
+        outer.reverse()
+        parts = [one.name.lower() for one in outer if isinstance(one, s.Component)]
+        of = _record(parts) if parts else type
+        met = self._note(value.name, of, assigned=assigned)
+        if isinstance(outer[0], s.Element):
+            numbers = [
+                literal_number(i) if not isinstance(i, s.Whole) else None for i in outer[0].indices
+            ]
+            sizes = [int(n) if isinstance(n, int) and n > 0 else 1 for n in numbers]
+            old = [*met.extents, *[1] * (len(sizes) - len(met.extents))]
+            met.extents = [max(a, b) for a, b in zip(old, sizes, strict=False)]
+
+    def _unknown(self, name: str, scope: Scope, type: str) -> bool:
+        low = name.lower()
+        if scope.find(name) is not None or low.startswith("err_") or hand_of(low) is not None:
+            return False
+        if low in predefined.data() or low in predefined.types():
+            return False
+        if type == "speeddata":
+            return low not in SPEEDS.predefined
+        return not (type == "zonedata" and (low in ZONES or low in BLENDS.predefined))
+
+    def _note(self, name: str, type: str, *, assigned: bool = False, weak: bool = False) -> Met:
+        met = self.met.setdefault(name.lower(), Met(name))
+        if type:
+            met.types[type] += WEAK if weak else 1  # type: ignore[assignment]
+        met.assigned |= assigned
+        if self.place:
+            met.uses.setdefault(self.place)
+        return met
+
+
+def _record(parts: Sequence[str]) -> str:
+    """The predefined record that has a component of a component …, empty if several have."""
+    first = parts[0]
+    if first in _OF_PART:
+        return _OF_PART[first]
+    if first in ("trans", "rot"):
+        return "robtarget"
+    if first == "extax":
+        return "jointtarget" if "robax" in parts else "robtarget"
+    return ""
+
+
+def _type(kind: Any) -> str | None:
+    if kind is None:
+        return None
+    return "num" if kind.type == NUMBER else str(kind.type)

@@ -1,0 +1,124 @@
+"""What the uses of a name that nobody declares tell of it, gathered one by one."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+from assistant.languages.rapid.checks.kinds import SIGNALS, Types
+from assistant.program.program import Signal
+from assistant.program.wanted import Argument, Plain, Wanted, WantedKind
+
+OF_TYPE: Final[Mapping[str, WantedKind]] = {
+    "tooldata": "tool", "wobjdata": "frame", "speeddata": "speed", "zonedata": "blend",
+    "robtarget": "position", "jointtarget": "joints",
+}  # fmt: skip
+SIGNAL: Final = re.compile(r"signal([adg])([io])")
+_LETTERS: Final = {"a": "analog", "d": "digital", "g": "group", "i": "input", "o": "output"}
+NAMED_SO: Final = re.compile(r"(?i:([adg])([io])|s?(d)(i))(?=_|\d|[A-Z]|$)")
+"""How people name signals: `diReady`, `DO_3`, `sdiStart`."""
+
+TRAP: Final = "trap"
+"""What stands for the type of the result of a routine that interrupts call."""
+WEAK: Final = 0.01
+"""What a use counts that may be of another type as well: a number that is compared may be the state
+of a signal."""
+
+
+@dataclass(slots=True)
+class Met:
+    """What is known of one name. types: how often its uses want it to be of each."""
+
+    name: str
+    types: Counter[str] = field(default_factory=Counter)
+    counted: bool = False
+    assigned: bool = False
+    extents: list[int] = field(default_factory=list)
+    routine: str = ""
+    calls: list[tuple[Argument, ...]] = field(default_factory=list)
+    uses: dict[str, None] = field(default_factory=dict)
+
+
+def made(met: Met, types: Types) -> Wanted | None:
+    uses = tuple(met.uses)
+    if met.routine:
+        calls = met.calls
+        longest = max(calls, key=len, default=())
+        type = met.types.most_common(1)[0][0] if met.types else ""
+        given = _joined(calls, longest)
+        if met.routine == "TRAP":
+            return Wanted(met.name, "routine", TRAP, uses=uses)
+        if met.routine == "PROC":
+            return Wanted(met.name, "routine", arguments=given, uses=uses)
+        nothing = _nothing(type or "num", types)
+        return Wanted(met.name, "routine", type or "num", (), given, uses=uses, nothing=nothing)
+    type = met.types.most_common(1)[0][0] if met.types else ""
+    if type in SIGNALS:
+        return Wanted(met.name, "signal", type, signal=_signal(type), uses=uses)
+    if type == "num" and not met.assigned and met.types["num"] < 1 and not met.extents:
+        named = NAMED_SO.match(met.name)
+        letters = "".join(filter(None, named.groups())).lower() if named else "di"
+        type = f"signal{letters}"
+        return Wanted(met.name, "signal", type, signal=_signal(type), uses=uses)
+    type = type if types.kind(type) not in ("", "OTHER") else "num"
+    if types.kind(type) == "DEVICE" or (
+        types.kind(type) == "RECORD" and not types.components(type)
+    ):
+        return None  # of the controller's configuration, or of an option whose records nobody lists
+    kind = OF_TYPE.get(type, "data") if not (met.extents or met.assigned) else "data"
+    nothing = _nothing(type, types)
+    for extent in reversed(met.extents):
+        nothing = None if nothing is None else (nothing,) * extent
+    size = tuple(met.extents)
+    return Wanted(met.name, kind, type, size, uses=uses, assigned=met.assigned, nothing=nothing)
+
+
+_ORIENT: Final = (1.0, 0.0, 0.0, 0.0)
+_ORIGIN: Final = (0.0, 0.0, 0.0)
+_PLAIN: Final[Mapping[str, Plain]] = {
+    "num": 0.0, "dnum": 0.0, "bool": False, "string": "", "orient": _ORIENT,
+    "extjoint": (9e9,) * 6,
+    "loaddata": (0.001, (0.0, 0.0, 0.001), _ORIENT, 0.0, 0.0, 0.0),
+    "speeddata": (100.0, 500.0, 5000.0, 1000.0),
+    "zonedata": (True, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+    "wobjdata": (False, True, "", (_ORIGIN, _ORIENT), (_ORIGIN, _ORIENT)),
+}  # fmt: skip
+
+
+def _nothing(type: str, types: Types) -> Plain | None:
+    """The value of a type that says least, None where it has no values."""
+    base = types.base(type) or type
+    if base in _PLAIN:
+        return _PLAIN[base]
+    parts = types.components(base)
+    if not parts:
+        return None
+    inner = [_nothing(of.lower(), types) for of in parts.values()]
+    known = [one for one in inner if one is not None]
+    return tuple(known) if len(known) == len(inner) else None
+
+
+def _joined(
+    calls: Sequence[tuple[Argument, ...]], longest: Sequence[Argument]
+) -> tuple[Argument, ...]:
+    """The arguments of all calls: those by place of the longest, and every option once."""
+    plain = [one for one in longest if not one.option]
+    for call in calls:
+        for at, one in enumerate(one for one in call if not one.option):
+            if at < len(plain) and not plain[at].type:
+                plain[at] = one
+            elif at >= len(plain):
+                plain.append(one)
+    options = {one.option.lower(): one for call in calls for one in call if one.option}
+    return (*plain, *options.values())
+
+
+def _signal(type: str) -> Signal | None:
+    found = SIGNAL.fullmatch(type)
+    if found is None:
+        return None
+    kind, direction = _LETTERS[found[1]], _LETTERS[found[2]]
+    return Signal(kind, direction)  # type: ignore[arg-type]

@@ -1,0 +1,95 @@
+"""A module of RAPID that declares what a cell says of names that nobody else declares."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Final
+
+from assistant.languages.rapid.checks.wanted_names import TRAP
+from assistant.languages.rapid.lower.data import NO_LOAD
+from assistant.languages.rapid.lower.expressions import RECORDS, bracketed, number, text
+from assistant.languages.rapid.tables.motions import speed_values, zone_values
+from assistant.languages.rapid.tables.predefined import is_handle
+from assistant.languages.rapid.text.printer import print_file
+from assistant.languages.rapid.tree import syntax as s
+from assistant.program.geometry import Frame, JointTarget, Target, Tool
+from assistant.program.motion import Blend, Speed
+from assistant.program.program import identifier
+from assistant.program.wanted import Argument, Plain, Supplied, Value, Wanted
+
+MODULE: Final = "CellValues"
+_PERSISTENT: Final = ("tooldata", "wobjdata")
+_FIXED: Final = ("speeddata", "zonedata", "robtarget", "jointtarget")
+_OF_KIND: Final[Mapping[str, str]] = {
+    "tool": "tooldata", "frame": "wobjdata", "speed": "speeddata", "blend": "zonedata",
+    "position": "robtarget", "joints": "jointtarget",
+}  # fmt: skip
+
+
+def supplied(given: Supplied, taken: Sequence[str]) -> str:
+    """The text of a module with a declaration of each name. taken: names of modules, lower case.
+
+    Raises Refused for numbers that RAPID cannot write.
+    """
+    items = [_item(wanted, value) for wanted, value in given]
+    module = s.Module(identifier(MODULE, set(taken)), (), tuple(items))
+    return print_file(s.File((module,)), "\n")
+
+
+def _item(wanted: Wanted, value: Value | None) -> s.Item:
+    if wanted.kind == "routine":
+        return _routine(wanted, stops=value != "empty")
+    type = wanted.type or _OF_KIND.get(wanted.kind, "num")
+    size = tuple(s.NumberLiteral(str(extent)) for extent in wanted.size)
+    if value is None or is_handle(type):
+        return s.Data("", "VAR", type, wanted.name, size)
+    fixed = type in _FIXED and not wanted.assigned
+    return s.Data("", "CONST" if fixed else "PERS", type, wanted.name, size, _written(value))
+
+
+def _written(value: Value) -> s.Expression:
+    match value:
+        case Tool():
+            return bracketed(RECORDS.values(replace(value, load=value.load or NO_LOAD)))
+        case Frame() | Target() | JointTarget():
+            return bracketed(RECORDS.values(value))
+        case Speed():
+            return bracketed(RECORDS.rounded(speed_values(value), 3, "a speed"))
+        case Blend():
+            return bracketed([value.fine, *RECORDS.rounded(zone_values(value), 3, "a zone")])
+        case _:
+            return _plain(value)
+
+
+def _plain(value: Plain) -> s.Expression:
+    match value:
+        case bool():
+            return s.BoolLiteral(value)
+        case str():
+            return text(value)
+        case tuple():
+            return s.AggregateNode(tuple(map(_plain, value)))
+    return number(value)[0]
+
+
+def _routine(wanted: Wanted, *, stops: bool) -> s.Routine:
+    """A routine that stops where the program comes to it, or that does nothing."""
+    stop: tuple[s.StatementNode, ...] = (s.ProcedureCall("Stop"),) if stops else ()
+    if wanted.type == TRAP:
+        return s.Routine("TRAP", False, wanted.name, stop)
+    parameters = tuple(_group(at, one) for at, one in enumerate(wanted.arguments, 1))
+    if not wanted.type:
+        return s.Routine("PROC", False, wanted.name, stop, "", parameters)
+    result: s.Expression = _plain(0.0) if wanted.nothing is None else _plain(wanted.nothing)
+    body = (*stop, s.ReturnFrom(result))
+    return s.Routine("FUNC", False, wanted.name, body, wanted.type, parameters)
+
+
+def _group(at: int, argument: Argument) -> s.ParameterGroup:
+    type = argument.type or "num"
+    mode = "VAR" if type.startswith("signal") or is_handle(type) else ""
+    mode = "PERS" if type in _PERSISTENT else mode
+    name = argument.option or f"p{at}"
+    node = s.ParameterNode(mode, type, name, argument.dimensions)
+    return s.ParameterGroup(bool(argument.option), (node,))

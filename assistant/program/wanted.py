@@ -1,0 +1,78 @@
+"""What a program uses and nobody declares: a cell has to say it before the program is whole."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final, Literal, TypeAlias
+
+from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool
+from assistant.program.motion import FINE, Blend, Speed
+from assistant.program.program import Signal
+
+WantedKind = Literal[
+    "tool", "frame", "speed", "blend", "position", "joints", "signal", "data", "routine"
+]
+"""What it is: as in a process file, `data` for any other value, `routine` for what is called."""
+Plain: TypeAlias = float | bool | str | tuple["Plain", ...]
+"""A value as its language writes it: a number, truth, text, or values in brackets."""
+Value: TypeAlias = Tool | Frame | Speed | Blend | Target | JointTarget | Plain
+"""What a cell says of a wanted name; of a routine one of ROUTINES, or the name of its file."""
+ROUTINES: Final = ("stop", "empty")
+"""What may stand for a routine that was not read: it stops there, or does nothing."""
+
+
+@dataclass(frozen=True, slots=True)
+class Argument:
+    """One argument of a call of a routine that was not read.
+
+    type: as its language names it. option: the name that the call gives it, empty for one by its
+    place. dimensions: of an array.
+    """
+
+    type: str
+    option: str = ""
+    dimensions: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """One name that is declared nowhere in what was read.
+
+    type: as its language names it, empty where the uses do not tell; of a routine that of its
+    result, empty for a procedure. size: of an array, as large as the uses need. arguments: of a
+    routine. signal: what is known of a signal. uses: `file:line` of each statement that uses it,
+    in order, each once. assigned: the program itself gives it values. nothing: of data, the value
+    that says least, None where its type has no values.
+    """
+
+    name: str
+    kind: WantedKind
+    type: str = ""
+    size: tuple[int, ...] = ()
+    arguments: tuple[Argument, ...] = ()
+    signal: Signal | None = None
+    uses: tuple[str, ...] = ()
+    assigned: bool = False
+    nothing: Plain | None = None
+
+
+Supplied: TypeAlias = Sequence[tuple[Wanted, Value | None]]
+"""Names with what a cell says of each, None for data whose type has no values."""
+
+SLOWLY: Final = Speed(100.0)
+ABOVE: Final = Target(Pose((400.0, 0.0, 400.0), (0.0, 0.0, 1.0, 0.0)))
+"""A place that most arms reach: mm in the frame of the move, the tool down."""
+FOLDED: Final = JointTarget((0.0, 0.0, 0.0, 0.0, 30.0, 0.0))
+_NEUTRAL: Final[Mapping[WantedKind, Value]] = {
+    "tool": Tool(), "frame": Frame(), "speed": SLOWLY, "blend": FINE, "position": ABOVE,
+    "joints": FOLDED, "routine": "stop",
+}  # fmt: skip
+
+
+def neutral(wanted: Wanted) -> Value | None:
+    """What stands for a name until the cell says it: the flange, the base, 100 mm/s, a stop.
+
+    None of data whose type has no values.
+    """
+    return _NEUTRAL.get(wanted.kind, wanted.nothing)

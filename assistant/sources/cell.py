@@ -1,0 +1,306 @@
+"""Cell files: what programs use and do not declare, with its values, as TOML.
+
+What a process file says of tools, frames, signals and joint speeds stands here in the same words.
+Beside that there is a table for each other name that no program declares:
+
+    [speeds.vSlow]
+    speed = 50                    # mm/s
+
+    [blends.zNear]
+    blend = "fine"                # or mm
+
+    [positions.pHome]
+    position = [400, 0, 300]      # in the frame of the move, with euler_zyx or quaternion
+    # joints = [0, 0, 0, 0, 90, 0]  # degrees, of one that is given as joint angles
+
+    [data.nParts]
+    type = "num"                  # as the program's language names it
+    value = 4
+
+    [routines.rWash]
+    routine = "empty"             # or "stop": the program stops there; or the name of its file
+
+A value that nobody has filled in is `"?"`, and its whole entry counts as not there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path as FilePath
+from typing import Any, Final, TypeVar
+
+from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool
+from assistant.program.motion import Blend, Speed
+from assistant.program.program import Signal
+from assistant.program.system.budgets import SETTINGS_FILE
+from assistant.program.text import SourceText, decode, read_bytes
+from assistant.program.wanted import Argument, Plain, Value, Wanted, WantedKind
+from assistant.sources.process import NO_PROCESS, Process, values
+from assistant.sources.process.file import ENCODINGS, process_in, read_toml
+from assistant.sources.process.table import Table
+from assistant.sources.process.values import Read, Wrong
+
+V = TypeVar("V")
+
+OPEN: Final = "?"
+"""Stands where a value is to be filled in."""
+TABLES: Final[Mapping[WantedKind, str]] = {
+    "tool": "tools", "frame": "frames", "speed": "speeds", "blend": "blends",
+    "position": "positions", "joints": "positions", "signal": "signals", "data": "data",
+    "routine": "routines",
+}  # fmt: skip
+OWN: Final = ("speeds", "blends", "positions", "data", "routines")
+"""Tables that a process file has not."""
+ENTRIES: Final = tuple(dict.fromkeys(TABLES.values()))
+
+
+def _plain(value: Any) -> Plain:
+    match value:
+        case bool() | str():
+            return value
+        case int() | float():
+            return values.number("", least=-9e9, most=9e9)(value)  # type: ignore[no-any-return]
+        case list():
+            return tuple(map(_plain, value))
+    raise Wrong("is a date or a table", "write a number, true, false, a text, or these in brackets")
+
+
+def _joints(value: Any) -> JointTarget:
+    if not isinstance(value, list) or not 1 <= len(value) <= 6:
+        raise Wrong("is no list of joint angles", "write up to six numbers of degrees in brackets")
+    return JointTarget(tuple(values.number("degrees")(one) for one in value))
+
+
+SPEED: Final[Mapping[str, Read]] = {"speed": values.speed}
+BLEND: Final[Mapping[str, Read]] = {"blend": values.blend}
+POSITION: Final[Mapping[str, Read]] = {
+    "position": values.position,
+    "quaternion": values.quaternion,
+    "euler_zyx": values.euler_zyx,
+    "joints": _joints,
+}
+DATA: Final[Mapping[str, Read]] = {"type": values.name, "value": _plain}
+ROUTINE: Final[Mapping[str, Read]] = {"routine": values.text}
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """What a cell file says.
+
+    process: its tools, frames, signals and joint speed. given: values of other names, by their
+    table and their name in lower case. types: of data, by name in lower case. known: all of its
+    entries by table and lower-case name, also those that are not filled in. open: those. text: of
+    the file.
+    """
+
+    process: Process = NO_PROCESS
+    given: Mapping[tuple[str, str], Value] = field(default_factory=dict)
+    types: Mapping[str, str] = field(default_factory=dict)
+    known: frozenset[tuple[str, str]] = frozenset()
+    open: frozenset[tuple[str, str]] = frozenset()
+    text: str = ""
+
+    def value(self, wanted: Wanted) -> Value | None:
+        """What the file says of a name, None if nothing or if that is not filled in."""
+        low = wanted.name.lower()
+        if wanted.kind == "tool":
+            return _of(self.process.tools, low)
+        if wanted.kind == "frame":
+            return _of(self.process.frames, low)
+        return self.given.get((TABLES[wanted.kind], low))
+
+    def signal(self, name: str) -> Signal | None:
+        return _of(self.process.signals, name.lower())
+
+
+NO_CELL: Final = Cell()
+
+
+def _of(table: Mapping[str, V], low: str) -> V | None:
+    return next((value for name, value in table.items() if name.lower() == low), None)
+
+
+def read_cell(path: str | FilePath) -> Cell:
+    """What a cell file says; an empty one where there is no such file.
+
+    Raises Unreadable for what is no TOML, Refused, with every finding, for what is wrong in it.
+    """
+    if not FilePath(path).exists():
+        return NO_CELL
+    return parse_cell(decode(read_bytes(path, most=SETTINGS_FILE), str(path), ENCODINGS))
+
+
+def parse_cell(source: SourceText) -> Cell:
+    """As `read_cell`, from a text."""
+    top = read_toml(source)
+    known, opened = set[tuple[str, str]](), set[tuple[str, str]]()
+    content = dict(top.content)
+    for table in ENTRIES:
+        entries = content.get(table)
+        if not isinstance(entries, dict):
+            continue
+        known |= {(table, name.lower()) for name in entries}
+        unfilled = {name for name, entry in entries.items() if _is_open(entry)}
+        opened |= {(table, name.lower()) for name in unfilled}
+        content[table] = {n: entry for n, entry in entries.items() if n not in unfilled}
+    rest = replace(top, content=content)
+    given: dict[tuple[str, str], Value] = {}
+    types: dict[str, str] = {}
+    for table in OWN:
+        for name, entry in rest.table(table).named():
+            value = _entry(table, entry, types, name.lower())
+            if value is not None:
+                given[table, name.lower()] = value
+    process = process_in(rest, OWN)  # raises what the tables above have found as well
+    return Cell(process, given, types, frozenset(known), frozenset(opened), source.text)
+
+
+def _is_open(entry: Any) -> bool:
+    if isinstance(entry, dict):
+        return any(map(_is_open, entry.values()))
+    if isinstance(entry, list):
+        return any(map(_is_open, entry))
+    return isinstance(entry, str) and entry == OPEN
+
+
+def _entry(table: str, entry: Table, types: dict[str, str], low: str) -> Value | None:
+    match table:
+        case "speeds":
+            speed: Speed | None = entry.read(SPEED).get("speed")
+            return speed
+        case "blends":
+            blend: Blend | None = entry.read(BLEND).get("blend")
+            return blend
+        case "positions":
+            return _position(entry)
+        case "data":
+            found = entry.read(DATA)
+            if "type" in found:
+                types[low] = found["type"]
+            plain: Plain | None = found.get("value")
+            return plain
+    routine: str | None = entry.read(ROUTINE).get("routine")
+    return routine
+
+
+def _position(entry: Table) -> Target | JointTarget:
+    found = entry.read(POSITION)
+    if "joints" in found:
+        joints: JointTarget = found["joints"]
+        return joints
+    turn = found["quaternion"][0] if "quaternion" in found else None
+    turn = turn or found.get("euler_zyx", Pose().quaternion)
+    return Target(Pose(found.get("position", (0.0, 0.0, 0.0)), turn))
+
+
+# ------------------------------------------------------------------------------------ write
+
+HEAD: Final = (
+    '# What programs of this cell use and do not declare. Write a value for each "?", then run',
+    "# the command again; see docs/translating.md for what each table takes.",
+)
+
+
+def with_entries(text: str, entries: Iterable[tuple[Wanted, Value | None]]) -> str:
+    """A cell file's text with entries behind it, a value or a place for one each.
+
+    None: a place. A signal's value is in its `Wanted`, without a number for a place.
+    """
+    parts = [text.rstrip("\n")] if text.strip() else ["\n".join(HEAD)]
+    for wanted, value in entries:
+        parts.append("\n".join(_lines(wanted, value)))
+    return "\n\n".join(parts) + "\n"
+
+
+MOST_USES: Final = 6
+
+
+def _lines(wanted: Wanted, value: Value | None) -> Iterator[str]:
+    places = ", ".join(wanted.uses[:MOST_USES])
+    more = len(wanted.uses) - MOST_USES
+    used = f", used in {places}" + (f" and {more} more" if more > 0 else "") if places else ""
+    yield f"# {_said(wanted)}{used}"
+    yield f"[{TABLES[wanted.kind]}.{wanted.name}]"
+    for key, given, remark in _keys(wanted, value):
+        line = f"{key} = {OPEN_TEXT if given is None else _toml(given)}"
+        yield line + (f"  # {remark}" if remark else "")
+
+
+OPEN_TEXT: Final = f'"{OPEN}"'
+_WORDS: Final[Mapping[WantedKind, str]] = {
+    "tool": "tool", "frame": "frame", "speed": "speed", "blend": "corner", "position": "position",
+    "joints": "joint angles", "signal": "signal", "data": "data", "routine": "routine",
+}  # fmt: skip
+
+
+def said(wanted: Wanted) -> str:
+    """What a wanted name is, in words: `tool tGrip`."""
+    return _said(wanted)
+
+
+def _said(wanted: Wanted) -> str:
+    if wanted.kind == "routine":
+        given = ", ".join(map(_argument, wanted.arguments))
+        result = f" that gives {wanted.type}" if wanted.type else ""
+        return f"routine {wanted.name}({given}){result}"
+    word = _WORDS[wanted.kind]
+    if wanted.signal is not None:
+        word = f"{wanted.signal.kind} {wanted.signal.direction}"
+    if wanted.kind == "data":
+        word = f"data of type {wanted.type}" if wanted.type else "data"
+    return f"{word} {wanted.name}"
+
+
+def _argument(one: Argument) -> str:
+    return f"\\{one.option}" if one.option else one.type or "?"
+
+
+def _keys(wanted: Wanted, value: Value | None) -> Iterator[tuple[str, Any, str]]:
+    """Keys of an entry with their values, None for one to be filled in, and remarks."""
+    match wanted.kind:
+        case "tool":
+            tip = value.tip if isinstance(value, Tool) else None
+            yield "tip", tip and list(tip.position), "mm in the flange frame"
+            yield "quaternion", list(tip.quaternion if tip else Pose().quaternion), ""
+        case "frame":
+            user = value.user if isinstance(value, Frame) else None
+            yield "position", user and list(user.position), "mm in the robot's base frame"
+            yield "quaternion", list(user.quaternion if user else Pose().quaternion), ""
+        case "speed":
+            yield "speed", value.tcp if isinstance(value, Speed) else None, "mm/s"
+        case "blend":
+            given = (value.radius or "fine") if isinstance(value, Blend) else None
+            yield "blend", given, '"fine", or mm of the corner'
+        case "position":
+            pose = value.pose if isinstance(value, Target) else None
+            yield "position", pose and list(pose.position), "mm in the frame of the move"
+            yield "quaternion", list(pose.quaternion if pose else (0.0, 0.0, 1.0, 0.0)), ""
+        case "joints":
+            joints = list(value.joints) if isinstance(value, JointTarget) else None
+            yield "joints", joints, "degrees"
+        case "signal":
+            signal = wanted.signal or Signal("digital", "input")
+            yield "kind", signal.kind, ""
+            yield "direction", signal.direction, ""
+            yield "number", signal.number, ""
+            if signal.kind == "group":
+                yield "bits", signal.bits if signal.number is not None else None, ""
+        case "data":
+            yield "type", wanted.type or "num", ""
+            yield "value", value, ""
+        case "routine":
+            yield "routine", value, '"stop", "empty", or the name of its file'
+
+
+def _toml(value: Any) -> str:
+    match value:
+        case bool():
+            return str(value).lower()
+        case float() if value.is_integer() and abs(value) < 1e15:
+            return str(int(value))
+        case int() | float():
+            return repr(value)
+        case list() | tuple():
+            return f"[{', '.join(map(_toml, value))}]"
+    return '"' + str(value).replace("\\", "\\\\").replace('"', '\\"') + '"'

@@ -1,0 +1,115 @@
+"""Cell files that write themselves: what a program uses and nobody declares, with its values."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from assistant.compiler import load, translate
+from assistant.compiler.filling import cell_text, neutral_cell
+from assistant.compiler.motion import Proving
+from assistant.program.diagnostics import Refused
+from assistant.sources.cell import read_cell
+
+USES = """MODULE Cell
+  VAR num n:=0;
+  CONST robtarget p10:=[[400,0,300],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+  PROC main()
+    MoveL p10,vFast,zBig,tGrip\\WObj:=wTable;
+    MoveL pPick,v100,fine,tGrip;
+    SetDO doGrip,1;
+    WaitDI diPart,1;
+    IF diReady=1 AND bOn THEN
+      n:=nOther+parts{3};
+    ENDIF
+    count:=count+1;
+    rHome;
+    rMoveTo p10,5;
+    n:=fCount(3);
+    MoveL p10,v100,fine,tool0;
+  ENDPROC
+ENDMODULE
+"""
+
+
+def program(folder: Path, text: str = USES) -> Path:
+    file = folder / "cell.mod"
+    file.write_text(text, encoding="utf-8", newline="\n")
+    return file
+
+
+def test_every_missing_thing_has_an_entry_with_its_type_and_uses(tmp_path: Path) -> None:
+    text = neutral_cell(load(program(tmp_path)))
+    for entry in (
+        "# speed vFast, used in cell.mod:5\n[speeds.vFast]\nspeed = 100 ",
+        '[blends.zBig]\nblend = "fine" ',
+        "# tool tGrip, used in cell.mod:5, cell.mod:6\n[tools.tGrip]\ntip = [0, 0, 0] ",
+        "[frames.wTable]\nposition = [0, 0, 0] ",
+        "[positions.pPick]\nposition = [400, 0, 400] ",
+        "number = 1\n\n# digital input diPart",
+        '[signals.diReady]\nkind = "digital"\ndirection = "input"\nnumber = 2',
+        '# data of type bool bOn, used in cell.mod:9\n[data.bOn]\ntype = "bool"\nvalue = false',
+        '[data.parts]\ntype = "num"\nvalue = [0, 0, 0]',
+        '[data.count]\ntype = "num"\nvalue = 0',
+        "# routine rMoveTo(robtarget, num), used in cell.mod:14\n[routines.rMoveTo]",
+        "# routine fCount(num) that gives num",
+    ):
+        assert entry in text, entry
+
+
+def test_a_program_with_a_filled_cell_is_whole_and_proven(tmp_path: Path) -> None:
+    file, cell = program(tmp_path), tmp_path / "cell.toml"
+    cell.write_text(neutral_cell(load(file)), encoding="utf-8")
+    done = translate(file, to="melfa-basic-6", cell=cell, proving=Proving())
+    assert done.ok, [*done.findings]
+    assert not done.draft
+    assert done.motion is not None and done.motion.holds
+
+
+def test_what_is_not_filled_in_makes_a_draft_that_says_so(tmp_path: Path) -> None:
+    file, cell = program(tmp_path), tmp_path / "cell.toml"
+    done = translate(file, to="melfa-basic-6", cell=cell)
+    assert (done.ok, done.draft, done.compiled.ok) == (False, True, True)
+    (made,) = done.files.values()
+    text = made.decode("ascii")
+    assert "DRAFT: not for production" in text
+    assert "to be filled in: tool tGrip" in text
+    assert text.count("PTGRIP=(") == 1
+    assert "CO021" in {f.code for f in done.whole}
+    assert not [row for row in done.rows if row.level == "not"]
+
+
+def test_the_file_is_taken_back_in_and_keeps_what_people_wrote(tmp_path: Path) -> None:
+    file, path = program(tmp_path), tmp_path / "cell.toml"
+    first = cell_text(read_cell(path), translate(file, to="melfa-basic-6", cell=path).wanting)
+    assert first.count('"?"') > 10
+    told = first.replace('tip = "?"', "tip = [0, 0, 120]  # measured by Ada")
+    path.write_text(told, encoding="utf-8")
+    again = translate(file, to="melfa-basic-6", cell=path)
+    assert "tGrip" not in {one.name for one in again.wanting}
+    assert b"PTGRIP=(+0.00,+0.00,+120.00" in b"".join(again.files.values())
+    assert cell_text(read_cell(path), again.wanting) == told
+
+
+def test_a_routine_that_was_not_read_comes_from_a_file_beside(tmp_path: Path) -> None:
+    text = "MODULE Cell\n PROC main()\n  rWash;\n ENDPROC\nENDMODULE\n"
+    file, path = program(tmp_path, text), tmp_path / "cell.toml"
+    path.write_text('[routines.rWash]\nroutine = "wash.mod"\n', encoding="utf-8")
+    with pytest.raises(Refused, match=r"wash\.mod"):
+        translate(file, to="melfa-basic-6", cell=path)
+    wash = "MODULE Wash\n PROC rWash()\n  SetDO doWater,1;\n ENDPROC\nENDMODULE\n"
+    (tmp_path / "wash.mod").write_text(wash, encoding="utf-8")
+    done = translate(file, to="melfa-basic-6", cell=path)
+    assert [one.name for one in done.wanting] == ["doWater"]
+    path.write_text('[routines.rWash]\nroutine = "empty"\n', encoding="utf-8")
+    done = translate(file, to="melfa-basic-6", cell=path)
+    assert done.ok and b"Hlt" not in b"".join(done.files.values())
+
+
+def test_what_a_cell_file_says_wrongly_is_told_at_its_line(tmp_path: Path) -> None:
+    path = tmp_path / "cell.toml"
+    path.write_text('[speeds.vFast]\nspeed = "fast"\n', encoding="utf-8")
+    with pytest.raises(Refused) as told:
+        translate(program(tmp_path), to="melfa-basic-6", cell=path)
+    assert [(f.code, f.line) for f in told.value.findings] == [("CT303", 2)]

@@ -1,0 +1,84 @@
+"""What modules use and none of them declares, with what their uses tell of it."""
+
+from __future__ import annotations
+
+import pytest
+
+from assistant.languages import get
+from assistant.program.program import Signal
+from assistant.program.wanted import Wanted
+
+
+def wanted(*bodies: str) -> dict[str, Wanted]:
+    rapid = get("rapid")
+    texts = [f"MODULE m{at}\n{body}\nENDMODULE\n" for at, body in enumerate(bodies)]
+    return {one.name: one for one in rapid.wanted([rapid.parse(text) for text in texts])}
+
+
+@pytest.mark.parametrize(
+    ("statement", "kind", "type"),
+    [
+        ("MoveJ p, v100, fine, x;", "tool", "tooldata"),
+        ("MoveAbsJ x, v100, fine, tool0;", "joints", "jointtarget"),
+        ("MoveJ Offs(x,0,0,1), v100, fine, tool0;", "position", "robtarget"),
+        ("n:=x.pos.z; n:=x.tframe.trans.x;", "tool", "tooldata"),
+        ("n:=x.trans.z;", "position", "robtarget"),
+        ("n:=x.q1;", "data", "orient"),
+        ("p:=x;", "position", "robtarget"),
+        ("n:=x+1;", "data", "num"),
+        ("x:=x+1;", "data", "num"),
+        ("WHILE x DO ENDWHILE", "data", "bool"),
+        ('TPWrite x+"a";', "data", "string"),
+        ("IF x=1 n:=1;", "signal", "signaldi"),
+        ("IF doX=1 n:=1;", "signal", ""),
+        ("SetGO x, 3;", "signal", "signalgo"),
+        ("IF x=n+1 x:=1;", "data", "num"),
+        ("ClkStart x;", "data", "clock"),
+        ("own x;", "data", "string"),
+        ('TEST x CASE "a": n:=1; ENDTEST', "data", "string"),
+    ],
+)
+def test_the_type_is_that_which_the_uses_want(statement: str, kind: str, type: str) -> None:
+    body = (
+        f"VAR num n;\nVAR robtarget p;\nPROC main()\n{statement}\nENDPROC\n"
+        "PROC own(string text)\nENDPROC"
+    )
+    (found,) = (one for name, one in wanted(body).items() if name in ("x", "doX"))
+    assert found.kind == kind
+    assert not type or found.type == type
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "MoveJ p10, v100, z50, tool0\\WObj:=wobj0;",
+        "answer:=resYes;",
+        "own n;",
+        "FOR i FROM 1 TO 3 DO n:=i; ENDFOR",
+        "SetDO hand, high;",
+    ],
+)
+def test_what_is_declared_or_predefined_is_not_wanted(statement: str) -> None:
+    declared = (
+        "CONST robtarget p10:=[[0,0,0],[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];"
+        "VAR num n;VAR num answer;VAR signaldo hand;"
+    )
+    assert not wanted(f"PROC main()\n{statement}\nENDPROC", f"{declared}PROC own(num a)\nENDPROC")
+
+
+def test_data_local_to_another_module_are_wanted() -> None:
+    found = wanted("PROC main()\nn:=n+1;\nENDPROC", "LOCAL VAR num n;")
+    assert found["n"].type == "num"
+
+
+def test_calls_tell_the_parameters_of_a_routine() -> None:
+    found = wanted('PROC main()\nrX 1,"a"\\fast;\nrX 2,"b"\\how:=TRUE;\nENDPROC')["rX"]
+    assert [(a.type, a.option) for a in found.arguments] == [
+        ("num", ""), ("string", ""), ("switch", "fast"), ("bool", "how"),
+    ]  # fmt: skip
+
+
+def test_signals_are_of_the_kind_and_way_of_their_instruction() -> None:
+    found = wanted("PROC main()\nSetAO aoX,1;\nWaitDI diX,1;\nENDPROC")
+    assert found["aoX"].signal == Signal("analog", "output")
+    assert found["diX"].signal == Signal("digital", "input")
