@@ -14,8 +14,8 @@ Beside that there is a table for each other name that no program declares:
     # joints = [0, 0, 0, 0, 90, 0]  # degrees, of one that is given as joint angles
 
     [data.nParts]
-    type = "num"                  # as the program's language names it
-    value = 4
+    type = "bool"                 # as the program's language names it
+    value = true
 
     [routines.rWash]
     routine = "empty"             # or "stop": the program stops there; or the name of its file
@@ -287,7 +287,7 @@ def _keys(wanted: Wanted, value: Value | None) -> Iterator[tuple[str, Any, str]]
             if signal.kind == "group":
                 yield "bits", signal.bits if signal.number is not None else None, ""
         case "data":
-            yield "type", wanted.type or "num", ""
+            yield "type", wanted.type, ""
             yield "value", value, ""
         case "routine":
             yield "routine", value, '"stop", "empty", or the name of its file'
