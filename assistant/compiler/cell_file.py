@@ -8,6 +8,7 @@ from dataclasses import fields, replace
 from typing import Final, TypeVar
 
 from assistant.program import expressions as e
+from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic, info, warning
 from assistant.program.passes.asking import is_operators
 from assistant.program.program import Program, Signal
@@ -68,15 +69,17 @@ def equipped(
 def _with_read(program: Program, stated: Mapping[str, Signal]) -> Program:
     """With the signals that expressions read: only the cell knows that those are no data.
 
-    So are names in declarations that are kept as their text, which another language may read, and
+    So are names in what is kept as their text, which another language may read, and
     what a person answers by.
     """
     known = {name.lower() for name in (*program.signals, *program.variables)}
     given = {name.lower(): signal for name, signal in stated.items()}
     found: dict[str, Signal] = {}
     read = [part.name for part in records(program.procedures) if isinstance(part, e.Name)]
-    for declaration in program.declarations:
-        read += re.findall(r"\w+", declaration.text)
+    texts = [one.text for one in program.declarations]
+    texts += [one.text for one in program.statements() if isinstance(one, p.Opaque)]
+    for text in texts:
+        read += re.findall(r"\w+", text)
     read += filter(is_operators, stated)
     for name in read:
         if name.lower() in given and name.lower() not in known:

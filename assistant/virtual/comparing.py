@@ -245,7 +245,7 @@ def _doings(run: Run, signals: Bits) -> Iterator[Logged]:
     named = {str(number) for numbers in counted for number in numbers}
     for row in run.log or [Logged(0.0, "", None, event) for event in run.events]:
         match row.what:
-            case Said() | Reported() | Noted() | Waited(seconds=0.0):
+            case Said() | Reported() | Noted() | Waited(seconds=0.0) | Waited(limit=True):
                 continue
             case Switched(signal, value, at):
                 for bit, on in _bits(signal, value, signals):

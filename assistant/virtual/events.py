@@ -98,9 +98,13 @@ class Called(Switched):
 
 @dataclass(frozen=True, slots=True)
 class Waited:
-    """A delay that the program states, in seconds."""
+    """A delay that the program states, in seconds.
+
+    limit: it is the longest time of a wait that was over, which other programs count by a timer.
+    """
 
     seconds: float
+    limit: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -37,9 +37,11 @@ MOVE = "MoveL p10,v100,fine,tG;"
         ("MoveL p10,v100,fine\\Inpos:=inpos50,tG", "partial"),
         ("TPErase", "partial"),
         ("ConfL\\Off", "partial"),
-        ("ConfJ\\Off", "not"),
-        ("SingArea\\Wrist", "not"),
-        ("SingArea\\LockAxis4", "not"),
+        ("ConfJ\\Off", "partial"),
+        ("SingArea\\Wrist", "partial"),
+        ("SingArea\\LockAxis4", "partial"),
+        ("SoftAct 3,50", "partial"),
+        ("PathAccLim FALSE,FALSE", "partial"),
         ("MoveL p10,v100,fine\\Inpos:=stoptime1_0,tG", "not"),
     ],
 )
@@ -47,12 +49,6 @@ def test_an_instruction_has_a_level(statement: str, level: str, tmp_path: Path) 
     found = translated(f"{MOVE}\n{statement};\n{MOVE}", tmp_path)
     assert {row.text: row.level for row in found.rows}[statement] == level
     assert found.ok is (level != "not")
-
-
-def test_a_wrist_that_is_turned_needs_an_arm(tmp_path: Path) -> None:
-    found = translated(f"SingArea\\Wrist;\n{MOVE}", tmp_path, ARM)
-    assert found.ok, found.findings
-    assert {row.text: row.level for row in found.rows}["SingArea\\Wrist"] == "partial"
 
 
 CORNER = "MoveL p10,v100,z10,tG;"

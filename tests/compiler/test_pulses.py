@@ -55,10 +55,11 @@ def test_a_pulse_that_rapid_has_not(line: str) -> None:
     assert errors == ["RA305"]
 
 
-def test_a_pulse_to_the_other_value_stays_and_says_why() -> None:
-    found = from_rapid("PulseDO do1;", "melfa-basic-5")
-    (error,) = (f for f in found.findings if f.severity is Severity.ERROR)
-    assert "the other value" in error.message and "High" in error.cure
+def test_a_pulse_to_the_other_value_asks_for_the_value_that_may_be_there() -> None:
+    off = from_rapid("PulseDO do1;", "melfa-basic-5")
+    assert off.ok and "If" not in written(off) and "M_Out(1)=1 Dly 0.2" in written(off)
+    on = written(from_rapid("SetDO do1,1;\nPulseDO do1;", "melfa-basic-5"))
+    assert "M_Out(1)=1 Dly 0.2" in on and "M_Out(1)=0 Dly 0.2" in on
 
 
 @pytest.mark.parametrize(

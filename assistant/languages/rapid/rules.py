@@ -102,6 +102,11 @@ PULSE_UNLIKE: Final = warning(
     "`{name}` may be on when its pulse begins: PulseDO leaves it off, the other language as it was",
     "set it to 0 before the pulse if it shall be off behind it",
 )
+PULSE_FROM_OFF: Final = info(
+    "RA314",
+    "`{name}` is taken to be off where its pulse begins, as the program never switches it on",
+    "switch it off at the start of the program if anything else may have switched it on",
+)
 PLACE_UNLIKE: Final = warning(
     "RA312",
     "`{name}` is set on the way of {what}, which controllers may count differently",

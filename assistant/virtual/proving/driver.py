@@ -174,7 +174,7 @@ class Driver(Mapping[str, float]):
         match row.what:
             case Moved() | Stopped():
                 self._next()
-            case Waited(seconds=seconds) if seconds > 0.0:
+            case Waited(seconds=seconds, limit=False) if seconds > 0.0:
                 self._next()
 
     def _next(self) -> None:

@@ -13,12 +13,14 @@ PASSES: Final = (
     "triggers",  # outputs that moves set on their way
     "paths",  # runs of targets and of moves through them
     "statements",
+    "kept_signals",  # signals that only kept texts name
     "ways",  # what kept texts do to what holds along the ways
     "places",  # where the position is read
     "program",  # modules as procedures and data
     "switches",  # optional parameters
     "stopwatches",  # clocks that are stopped and go on
     "operator",  # messages and questions to a person
+    "told",  # instructions of RAPID alone, for other languages
     "exported",  # what other languages are told
 )
 """In the order in which a program goes through them; none asks a later one."""

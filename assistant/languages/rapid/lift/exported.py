@@ -8,6 +8,7 @@ variables of the program. RAPID itself keeps all of them.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
@@ -15,11 +16,15 @@ from typing import TYPE_CHECKING, Any, Final
 from assistant.languages.language import Adapted
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.data import numbers
-from assistant.languages.rapid.lift.instructions import Meaning, instruction
+from assistant.languages.rapid.lift.instructions import Meaning
 from assistant.languages.rapid.lift.operator import with_operator
 from assistant.languages.rapid.lift.program import routines
 from assistant.languages.rapid.lift.stopwatches import with_stopwatches
 from assistant.languages.rapid.lift.switches import with_switches
+from assistant.languages.rapid.lift.told.calls import call_of, is_text, lifted
+from assistant.languages.rapid.lift.told.left_out import INSTRUCTIONS
+from assistant.languages.rapid.lift.told.outputs import switched
+from assistant.languages.rapid.lift.told.statements import Telling, told
 from assistant.languages.rapid.lift.ways import options, steps
 from assistant.languages.rapid.tables.predefined import data as predefined
 from assistant.languages.rapid.tables.words import ANSWERS, VALUE_OF_TYPE
@@ -29,6 +34,7 @@ from assistant.languages.rapid.tree.gather import literal_number
 from assistant.languages.records import frame_of, tool_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.signals import with_used
 from assistant.program.diagnostics import Findings
 from assistant.program.geometry import Frame, Tool
 from assistant.program.passes.constants import with_constants, with_predefined
@@ -50,39 +56,12 @@ NOTHING: Final = {
 With their options and arguments, in lower case (RAPID reference manual: ConfJ, ConfL, SingArea,
 GripLoad)."""
 
-LOSSES: Final[Mapping[str, tuple[str, str]]] = {
-    "tperase": ("what stands on the teach pendant stays there", "none is needed"),
-    "tpshow tp_latest": ("the teach pendant shows what it shows", "none is needed"),
-    "confl off": (
-        "straight moves go on in the configuration that they begin in, whatever their targets "
-        "state; another controller may stop where they state another",
-        "state the configurations that the arm really takes, or name it with --robot",
-    ),
-}
-"""What is lost with an instruction, and what to do about it."""
-
-WRIST: Final = "singarea wrist"
-_TURNED: Final = (
-    "the tool keeps its orientation on straight moves and arcs: with a straight wrist the arm "
-    "stops, where RAPID turns the tool a little",
-    "see that no move passes a straight wrist",
-)
-
-REASONS: Final[Mapping[str, e.Reason]] = {
-    "confj off": e.Reason(
-        "joint moves take the nearest turn of the wrist, whatever their targets state",
-        "teach the configurations that the arm takes, and leave it out",
-    ),
-    WRIST: e.Reason(
-        "where the wrist is straight the tool is turned a little, and where that is, depends on "
-        "the arm",
-        "name the arm that will run the program: `--robot`",
-    ),
-}
 IN_CORNER: Final = e.Reason(
     "the robot may be in a corner there, and would stop in it", "write `fine` for the moves before"
 )
 
+_DISPLACES: Final = re.compile(r"\bEOffs(?:On|Set)\b", re.IGNORECASE)
+"""Instructions that displace external axes, which `MoveAbsJ` heeds without `\\NoEOffs`."""
 NEAR: Final = frozenset(("inpos20", "inpos50", "inpos100"))
 """Predefined stop points: the robot stops at its target, with more or less patience."""
 
@@ -93,14 +72,14 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
     program = with_stopwatches(with_switches(program, routines), findings)
     if tables := _tables(program):
         program = with_table_rows(program, tables, _with_named_rows)
-    if any(_is_text(record) for record in records(program.procedures)):
+    if any(is_text(record) for record in records(program.procedures)):
         program = with_operator(program, findings)
+        program = _with_other_words(program, findings)
         program = exchanged(program, lambda node: (_without_near(node, findings),))
         if arm is not None:
             program = with_open_lines(program, steps)
         program = with_stops(program, steps, _besides_standing, IN_CORNER)
-        losses = LOSSES if arm is None else {**LOSSES, WRIST: _TURNED}
-        program = exchanged(program, lambda node: _told(node, losses, findings))
+        program = exchanged(program, lambda node: _told(node, findings))
     types = {
         key: (known.name, VALUE_OF_TYPE[known.type])
         for key, known in predefined().items()
@@ -108,19 +87,6 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
     }
     program = with_constants(program, ANSWERS)
     return Adapted(with_predefined(program, types), tuple(findings))
-
-
-def _is_text(record: Any) -> bool:
-    return isinstance(record, p.Opaque | e.Verbatim) and record.language == verbatim.LANGUAGE
-
-
-def _call(node: p.Opaque) -> s.ProcedureCall | None:
-    """The one instruction that a text of RAPID says."""
-    if node.language == verbatim.LANGUAGE:
-        match verbatim.understood(verbatim.statements, node.text):
-            case (s.ProcedureCall(name=str()) as call,):
-                return call
-    return None
 
 
 def _key(call: s.ProcedureCall) -> str:
@@ -135,42 +101,47 @@ def _key(call: s.ProcedureCall) -> str:
     return " ".join(words).lower()
 
 
-def _told(
-    node: p.Opaque, losses: Mapping[str, tuple[str, str]], findings: Findings
-) -> Iterator[p.Statement]:
-    """What another language is told of a text: nothing, the text, or why it is left."""
-    call = _call(node)
+def _with_other_words(program: Program, findings: Findings) -> Program:
+    """The program with other statements for the instructions that RAPID alone has."""
+    speeds = {name.lower(): speed for name, speed in program.speeds.items()}
+    blends = {name.lower(): blend for name, blend in program.blends.items()}
+    meaning = Meaning(speeds=speeds, blends=blends)
+    texts = (one.text for one in program.statements() if isinstance(one, p.Opaque))
+    displaced = any(map(_DISPLACES.search, texts))
+    telling = Telling(program, findings, meaning, switched(program), displaced)
+    program = exchanged(program, lambda node: told(telling, node))
+    return replace(program, signals=with_used(program.signals, meaning.used))
+
+
+def _told(node: p.Opaque, findings: Findings) -> Iterator[p.Statement]:
+    """What another language is told of a text: nothing, or the text."""
+    call = call_of(node)
     key = "" if call is None else _key(call)
-    if key in losses:
-        loss, cure = losses[key]
+    loss = INSTRUCTIONS.get(key) or INSTRUCTIONS.get(key.split(" ")[0])
+    if key in NOTHING:
+        return
+    if loss is None:
+        yield node
+    else:
         with findings.at(node.span):
-            findings.append(rules.LEFT_OUT(what=node.text.rstrip(";"), loss=loss, cure=cure))
-    elif key not in NOTHING:
-        yield replace(node, reason=REASONS.get(key, node.reason))
+            findings.append(rules.LEFT_OUT(what=node.text.rstrip(";"), loss=loss[0], cure=loss[1]))
 
 
 def _besides_standing(node: p.Opaque) -> Iterator[p.Statement]:
     """What is left of a wait for the robot to stand still: the time to wait there."""
-    call = _call(node)
+    call = call_of(node)
     if call is not None:
         plain = tuple(one for one in call.arguments if not isinstance(one, s.Option))
-        yield from _lifted(replace(call, arguments=plain), node)
-
-
-def _lifted(call: s.ProcedureCall, node: p.Opaque) -> Iterator[p.Statement]:
-    """The statement that a call is, if there is one, in the place of a text."""
-    said = instruction(call, Meaning())
-    if said is not None:
-        yield replace(said, span=node.span)
+        yield from lifted(replace(call, arguments=plain), node, Meaning())
 
 
 def _without_near(node: p.Opaque, findings: Findings) -> p.Statement:
     r"""A move that states `\Inpos` as one that stops; any other text as it is."""
-    call = _call(node)
+    call = call_of(node)
     if call is None or not any(map(_is_stop_point, call.arguments)):
         return node
     rest = tuple(one for one in call.arguments if not _is_stop_point(one))
-    for move in _lifted(replace(call, arguments=rest), node):
+    for move in lifted(replace(call, arguments=rest), node, Meaning()):
         if isinstance(move, p.MoveStatement):
             with findings.at(node.span):
                 findings.append(rules.LEFT_OUT(
@@ -202,11 +173,11 @@ def _with_named_rows(node: p.Opaque, named: Named) -> p.Statement:
                 return part if name is None else s.NameRef(name)
         return part
 
-    call = _call(node)
+    call = call_of(node)
     changed = None if call is None else rewrite(call, change, ())
     if changed is None or changed is call:
         return node
-    return next(_lifted(changed, node), node)
+    return next(lifted(changed, node, Meaning()), node)
 
 
 _ROW_OF: Final[Mapping[str, Callable[[Any], Tool | Frame | None]]] = {

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from functools import cached_property
 from itertools import chain
 from typing import Any
 
 from assistant.languages.rapid.lift.data import DataLift
 from assistant.languages.rapid.lift.instructions import Meaning
+from assistant.languages.rapid.lift.kept_signals import signals_in
 from assistant.languages.rapid.lift.local_names import with_own_names
 from assistant.languages.rapid.lift.paths import PathLift
 from assistant.languages.rapid.lift.places import with_places
@@ -138,11 +140,20 @@ class _Lift:
         triggers = Triggers(self.meaning, self.own.__contains__)
         program, set_on_way = with_triggers(program, triggers.told, FUNCTIONS.__contains__, REASONS)
         declared = {n: v for h in self.headers for n, v in h.signals.items()}
-        used = chain(set_on_way, self.meaning.used, uses(program.statements()))
+        stated = signals_in(program.statements(), lambda name: name in self.declared)
+        used = chain(set_on_way, self.meaning.used, uses(program.statements()), stated)
         program = apart(replace(program, signals=with_used(declared, used)))
         program = with_constants(program, PREDEFINED_VALUES)
         program = with_values(with_places(program, self.original))
         return with_paths(program, self.original)
+
+    @cached_property
+    def declared(self) -> frozenset[str]:
+        """Lower-case names of data, which may stand for any signal."""
+        items = [i for m in self.modules for i in m.items]
+        data = (i.name for i in items if isinstance(i, s.Data))
+        inner = inner_names(i for i in items if isinstance(i, s.Routine))
+        return frozenset(name.lower() for name in chain(data, inner))
 
     def _hidden(self, module: s.Module) -> dict[str, str]:
         """New names for local routines of a module that have the name of one in another."""

@@ -10,7 +10,9 @@ from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program.analysis.ways import Step
 
-STANDING: Final = {("waitrob", "inpos"), ("waitrob", "zerospeed"), ("waittime", "inpos")}
+STANDING: Final = {
+    ("waitrob", "inpos"), ("waitrob", "zerospeed"), ("waittime", "inpos"), ("waituntil", "inpos")
+}  # fmt: skip
 """Instructions behind which the robot stands at its target, with their options (RAPID manual)."""
 
 
@@ -29,7 +31,7 @@ def _step(node: s.StatementNode) -> Step:
             given = options(arguments)
             if name.lower() == "confl":
                 return Step.OPENS if "off" in given else Step.WATCHES
-            if (name.lower(), *given) in STANDING:
+            if any((name.lower(), one) in STANDING for one in given):
                 return Step.STOPS
             known = signature(name)
             if known is None:

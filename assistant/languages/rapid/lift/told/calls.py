@@ -1,0 +1,48 @@
+"""The one instruction that a kept text of RAPID says, and the statement that a changed one is."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import replace
+from typing import Any
+
+from assistant.languages.rapid.lift.instructions import Meaning, instruction
+from assistant.languages.rapid.text import verbatim
+from assistant.languages.rapid.tree import syntax as s
+from assistant.program import expressions as e
+from assistant.program import statements as p
+
+
+def is_text(record: Any) -> bool:
+    return isinstance(record, p.Opaque | e.Verbatim) and record.language == verbatim.LANGUAGE
+
+
+def call_of(node: p.Opaque) -> s.ProcedureCall | None:
+    """The one instruction that a text of RAPID says."""
+    if is_text(node):
+        match verbatim.understood(verbatim.statements, node.text):
+            case (s.ProcedureCall(name=str()) as call,):
+                return call
+    return None
+
+
+def word_of(call: s.ProcedureCall) -> str:
+    """The instruction in lower case."""
+    return str(call.name).lower()
+
+
+def lifted(call: s.ProcedureCall, node: p.Opaque, meaning: Meaning) -> Iterator[p.Statement]:
+    """The statement that a call is, if there is one, in the place of a text."""
+    said = instruction(call, meaning)
+    if said is not None:
+        yield replace(said, span=node.span)
+
+
+def without(call: s.ProcedureCall, options: Collection[str]) -> s.ProcedureCall:
+    """The call without some of its options, whose names are in lower case."""
+    rest = tuple(
+        one
+        for one in call.arguments
+        if not (isinstance(one, s.Option) and one.name.lower() in options)
+    )
+    return replace(call, arguments=rest)

@@ -1,0 +1,91 @@
+"""What is left out of a program for other languages, and what is lost with it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+Loss = tuple[str, str]
+"""What is lost, and what to do about it."""
+
+_NONE: Final = "none is needed"
+_OWN: Final = "set what the other controller has of the kind, or leave it"
+_LIMIT: Final = "state speeds and accelerations that the part can take"
+_ACCELERATIONS: Final = ("the arm accelerates as fast as its load lets it", _LIMIT)
+_SOFT: Final = (
+    "the axes stay stiff",
+    "use the other arm's soft mode, or see that nothing presses against it",
+)
+_TUNED: Final = ("the servos work as the controller has them", _OWN)
+_STRAIGHT: Final = (
+    "the tool keeps its orientation on straight moves and arcs: near a straight wrist the arm may "
+    "stop, where RAPID turns the tool a little",
+    "see that no move passes a straight wrist",
+)
+
+INSTRUCTIONS: Final[Mapping[str, Loss]] = {
+    "tperase": ("what stands on the teach pendant stays there", _NONE),
+    "tpshow tp_latest": ("the teach pendant shows what it shows", _NONE),
+    "confl off": (
+        "straight moves go on in the configuration that they begin in, whatever their targets "
+        "state; another controller may stop where they state another",
+        "state the configurations that the arm really takes, or name it with --robot",
+    ),
+    "confj off": (
+        "joint moves take the nearest turn of the wrist, whatever their targets state; here they "
+        "take the configuration that is stated",
+        "see that the targets state the configurations that the arm takes",
+    ),
+    "singarea wrist": _STRAIGHT,
+    "singarea lockaxis4": _STRAIGHT,
+    "pathacclim": _ACCELERATIONS,
+    "worldacclim": _ACCELERATIONS,
+    "pathresol": ("the way is worked out as finely as the controller does it", _OWN),
+    "cirpathmode": ("the tool turns on arcs as the controller has it", "state more targets"),
+    "motionsup": ("collisions are watched for as the controller has it", _OWN),
+    "softact": _SOFT,
+    "softdeact": ("the axes are as stiff as ever", _NONE),
+    "tuneservo": _TUNED,
+    "tunereset": _TUNED,
+    "gripload": (
+        "the controller goes on with the load that its tool has",
+        "set the load of the hand in the other controller",
+    ),
+    "mechunitload": ("the load of the unit is not told", "set it in the other controller"),
+    "bookerrno": ("the number of an error of the program's own is not reserved", _NONE),
+    "resetretrycount": ("retries are not counted", _NONE),
+}
+"""Instructions by their name, or by name, options and plain arguments, in lower case.
+
+They set how the controller moves the arm, watches it or says something, but not where to it moves
+(RAPID reference manual, instructions).
+"""
+
+_TO_PEOPLE: Final = ("nobody is told what the program waits for", _NONE)
+_BESIDE: Final = (
+    "what follows is done when the arm has arrived, not while it moves",
+    "see that nothing has to happen on the way, or set it there by TriggL",
+)
+_LOOKS: Final = dict.fromkeys(
+    (
+        *("visualize", "header", "message", "msgarray", "wrap", "icon", "image"),
+        *("visualizetime", "uiactivesignal"),
+    ),
+    _TO_PEOPLE,
+)
+_ASKED: Final = ("how often the condition is asked", _NONE)
+_MOVED: Final[Mapping[str, Loss]] = {
+    "conc": _BESIDE,
+    "noeoffs": ("", ""),
+    "corr": ("corrections from a sensor are not added", "see that none are written"),
+}
+_SYNC: Final = ("the program does not wait until the output has its value", _NONE)
+
+OPTIONS: Final[Mapping[str, Mapping[str, Loss]]] = {
+    **{f"wait{kind}": _LOOKS for kind in ("di", "do", "gi", "go", "ai", "ao")},
+    "waituntil": {**_LOOKS, "pollrate": _ASKED},
+    **dict.fromkeys(("movej", "movel", "movec", "moveabsj"), _MOVED),
+    "accset": {"finepointramp": ("the arm brakes at stop points as fast as anywhere", _LIMIT)},
+    "setdo": {"sync": _SYNC},
+}
+"""Options of instructions that can go, by instruction and option; without words nothing is lost."""

@@ -1,0 +1,210 @@
+"""Instructions of RAPID alone, as the statements that say the same in other languages."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+from assistant.languages.patterns import Called
+from assistant.languages.rapid import rules
+from assistant.languages.rapid.lift.instructions import Meaning, of_call
+from assistant.languages.rapid.lift.told.calls import call_of, lifted, without, word_of
+from assistant.languages.rapid.lift.told.left_out import OPTIONS
+from assistant.languages.rapid.lift.told.outputs import delayed, inverted, pulse
+from assistant.languages.rapid.lift.told.waits import limited
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.calls import called
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.diagnostics import Findings
+from assistant.program.motion import Blend, Speed
+from assistant.program.passes.motions import meant
+from assistant.program.program import Program
+from assistant.program.rewriting import records
+
+
+@dataclass(frozen=True, slots=True)
+class Telling:
+    """What instructions of a program are said with. switched: lower-case names of outputs that
+    something besides pulses may switch on. displaced: whether anything displaces external axes.
+    """
+
+    program: Program
+    findings: Findings
+    meaning: Meaning
+    switched: frozenset[str]
+    displaced: bool
+
+    def lost(self, what: str, loss: str, cure: str) -> None:
+        self.findings.append(rules.LEFT_OUT(what=what, loss=loss, cure=cure))
+
+    def number(self, node: s.Expression | None) -> float | None:
+        """The number that an expression is; None for what is worked out."""
+        value = None if node is None else self.meaning.known(self.meaning.expression(node))
+        return e.plain_number(value) if value is not None else None
+
+
+Said = Iterator[p.Statement]
+Telled = Callable[[Telling, Called[s.Expression], p.Opaque], Said]
+
+
+def told(telling: Telling, node: p.Opaque) -> Sequence[p.Statement]:
+    """What another language is told of a text: the text itself where it has no word for it."""
+    call = call_of(node)
+    if call is None:
+        return (node,)
+    losses = {
+        one.name.lower(): OPTIONS[word_of(call)][one.name.lower()]
+        for one in call.arguments
+        if isinstance(one, s.Option) and one.name.lower() in OPTIONS.get(word_of(call), {})
+    }
+    if telling.displaced:
+        losses.pop("noeoffs", None)
+    plain = without(call, losses)
+    known, tell = called(plain), INSTRUCTIONS.get(word_of(call))
+    with telling.findings.at(node.span):
+        said = [*lifted(plain, node, telling.meaning)] if losses else []
+        if not said and tell is not None and known is not None:
+            said = [replace(one, span=node.span) for one in tell(telling, known, node)]
+        for option, (loss, cure) in losses.items() if said else ():
+            if loss:
+                telling.lost(f"\\{_spelled(call, option)}", loss, cure)
+    return said or (node,)
+
+
+def _spelled(call: s.ProcedureCall, option: str) -> str:
+    names = (one.name for one in call.arguments if isinstance(one, s.Option))
+    return next(name for name in names if name.lower() == option)
+
+
+# ------------------------------------------------------------------------------------ moves
+
+
+def _with_own_motion(telling: Telling, call: Called[s.Expression], _: p.Opaque) -> Said:
+    r"""A move whose speed or corner is stated by `\V` and `\Z` instead of by its data."""
+    options = dict(call.options)
+    speed, size = telling.number(options.pop("v", None)), telling.number(options.pop("z", None))
+    stated = len(call.options) - len(options)
+    move = of_call(replace(call, options=options), telling.meaning) if stated else None
+    if not isinstance(move, p.MoveStatement) or stated != sum(
+        one is not None for one in (speed, size)
+    ):
+        return
+    motion = move.motion
+    if speed is not None:
+        known = meant(motion.speed, telling.program.speeds)
+        if not isinstance(known, Speed) or speed <= 0:
+            return
+        motion = replace(motion, speed=replace(known, tcp=speed))
+    if size is not None:
+        blend = meant(motion.blend, telling.program.blends)
+        if not isinstance(blend, Blend) or blend.fine or size <= 0:
+            return
+        motion = replace(motion, blend=Blend(size))
+    yield replace(move, motion=motion)
+
+
+_PLAIN: Final = {"movej": "MoveJ", "movel": "MoveL", "movec": "MoveC"}
+_MIDDLE: Final = (
+    "it is done in the middle of the corner: here where the corner begins",
+    "see that this is not too early, or end the move with `fine`",
+)
+
+
+def _setting_output(word: str) -> Telled:
+    """A move that sets an output at its end: as a move and what sets the output."""
+
+    def does(telling: Telling, call: Called[s.Expression], node: p.Opaque) -> Said:
+        *given, signal, value = call.given
+        setting = of_call(Called(word, (signal, value)), telling.meaning)
+        yield from _then(telling, replace(call, given=given), node, setting)
+
+    return does
+
+
+def _setting_group(telling: Telling, call: Called[s.Expression], node: p.Opaque) -> Said:
+    *given, signal = call.given
+    options = dict(call.options)
+    setting = of_call(Called("SetGO", (signal, options.pop("value", None))), telling.meaning)
+    yield from _then(telling, replace(call, given=given, options=options), node, setting)
+
+
+def _calling(telling: Telling, call: Called[s.Expression], node: p.Opaque) -> Said:
+    """A move that calls a procedure at its end."""
+    *given, name = call.given
+    known = telling.program.procedure(name.value) if isinstance(name, s.StringLiteral) else None
+    setting = None if known is None or known.parameters else p.Call(known.name)
+    yield from _then(telling, replace(call, given=given), node, setting)
+
+
+def _then(
+    telling: Telling, call: Called[s.Expression], node: p.Opaque, then: p.Statement | None
+) -> Said:
+    """A plain move, and what is done at its end."""
+    move = of_call(replace(call, word=_PLAIN[call.word.lower()[:5]]), telling.meaning)
+    if then is None or not isinstance(move, p.MoveStatement):
+        return
+    blend = meant(move.motion.blend, telling.program.blends)
+    if not (isinstance(blend, Blend) and blend.fine):
+        telling.lost(f"the place of {node.text.split()[0]}", *_MIDDLE)
+    yield move
+    yield then
+
+
+# --------------------------------------------------------------------------------- settings
+
+
+def _acceleration(telling: Telling, call: Called[s.Expression], _: p.Opaque) -> Said:
+    """`AccSet`: the acceleration; how fast it grows is each controller's own."""
+    match call.given:
+        case (most, ramp) if most is not None and ramp is not None and not call.options:
+            percent = telling.meaning.expression(most)
+            if telling.number(ramp) != _USUAL:
+                loss = "accelerations grow as fast as the controller has it"
+                telling.lost("the ramp of AccSet", loss, "see that the part takes that")
+            yield p.SetAcceleration(percent, percent)
+
+
+_USUAL: Final = 100.0
+
+
+def _velocity(telling: Telling, call: Called[s.Expression], _: p.Opaque) -> Said:
+    """`VelSet`: the share of programmed speeds; its limit matters for moves beyond it alone."""
+    match call.given:
+        case (share, most) if share is not None and most is not None and not call.options:
+            limit = telling.number(most)
+            if limit is None or not _is_within(telling.program, limit):
+                loss = "moves are as fast as they state"
+                telling.lost("the limit of VelSet", loss, "state no more for each move")
+            yield p.SetOverride(telling.meaning.expression(share))
+
+
+def _is_within(program: Program, limit: float) -> bool:
+    """Whether no move of a program states more than a limit in mm/s."""
+    motions = [one for one in records(program.procedures) if isinstance(one, p.Motion)]
+    paths = [one.path for one in program.statements() if isinstance(one, p.Follow)]
+    stated = [*(one.speed for one in motions), *(x for path in paths for x in path.speeds)]
+    known = [meant(one, program.speeds) for one in stated]
+    return all(isinstance(one, Speed) and one.tcp <= limit for one in known)
+
+
+INSTRUCTIONS: Final[Mapping[str, Telled]] = {
+    **dict.fromkeys(("movej", "movel", "movec"), _with_own_motion),
+    **dict.fromkeys(("movejdo", "moveldo", "movecdo"), _setting_output("SetDO")),
+    **dict.fromkeys(("movejao", "movelao", "movecao"), _setting_output("SetAO")),
+    **dict.fromkeys(("movejgo", "movelgo", "movecgo"), _setting_group),
+    **dict.fromkeys(("movejsync", "movelsync", "movecsync"), _calling),
+    "accset": _acceleration,
+    "velset": _velocity,
+    "pulsedo": lambda telling, call, _: pulse(
+        call, telling.meaning, telling.switched, telling.findings
+    ),
+    "invertdo": lambda telling, call, _: inverted(call, telling.meaning),
+    "setdo": lambda telling, call, _: delayed(call, telling.meaning),
+    **dict.fromkeys(
+        ("waituntil", "waitdi", "waitdo", "waitgi", "waitgo"),
+        lambda telling, call, _: limited(call, telling.meaning),
+    ),
+}
+"""By instruction in lower case, what says the same (RAPID reference manual, instructions)."""

@@ -1,0 +1,144 @@
+"""Instructions of RAPID alone: what is said for them elsewhere does the same when both are run."""
+
+from __future__ import annotations
+
+from pathlib import Path as FilePath
+
+import pytest
+
+from assistant import translate
+from assistant.compiler.loading import load_text
+from assistant.program.text import SourceText
+from tests.virtual import rapid_words
+from tests.virtual.test_translated_cases import HEAD
+from tests.virtual.test_translated_rapid import NUMBERS, run_melfa, run_rapid
+from tests.virtual.translating import Tally, judge
+
+SIX = "melfa-basic-6"
+SCENARIOS: tuple[dict[str, float], ...] = ({}, {"di1": 1.0}, {"di1": 1.0, "giorder": 5.0})
+THERE = "MoveL p10,v100,fine,tGripper;"
+CASES = {
+    "pulses": r"""PulseDO do1;
+PulseDO\PLength:=0.5,do1;
+PulseDO\High,doDone;
+SetDO doGrip,1;
+PulseDO doGrip;
+PulseDO doGrip;""",
+    "an inverted output": """FOR i FROM 1 TO 3 DO
+InvertDO do1;
+ENDFOR
+IF di1=1 InvertDO do1;""",
+    "settings that tune the motion": r"""ConfJ\Off;
+ConfL\Off;
+SingArea\Wrist;
+AccSet 40,70;
+VelSet 50,600;
+PathAccLim TRUE\AccMax:=4,FALSE;
+SoftAct 3,20;
+SoftDeact;
+MotionSup\Off;
+MoveL p10,v100,z10,tGripper;
+SingArea\LockAxis4;
+MoveL Offs(p10,0,0,20),v100,fine,tGripper;""",
+    "speeds and corners beside their data": r"""MoveL p10,v100\V:=40,fine,tGripper;
+MoveL Offs(p10,20,0,0),v100,z10\Z:=4,tGripper;
+MoveL\Conc,Offs(p10,20,20,0),v200,fine,tGripper;
+SetDO do1,1;""",
+    "moves that do something at their ends": """MoveLDO p10,v100,fine,tGripper,do1,1;
+MoveJDO Offs(p10,10,0,0),v100,fine,tGripper,do1,0;
+MoveCDO Offs(p10,20,10,0),Offs(p10,10,30,0),v100,fine,tGripper,doDone,1;""",
+    "waits that tell by a flag that they were too long": r"""VAR bool late;
+WaitDI di1,1\MaxTime:=3\TimeFlag:=late;
+IF late SetDO do1,1;
+WaitUntil di1=1 AND GInput(giOrder)=5\MaxTime:=2\TimeFlag:=late\PollRate:=0.05;
+IF late SetDO doDone,1;""",
+    "a wait that people are told of": r"""WaitDI di1,0\Visualize\Header:="Part"\Message:="wait";
+WaitUntil\InPos,TRUE;""",
+}
+TO_DATA = {name: f"{THERE}\n{body}" for name, body in CASES.items()}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_it_does_the_same(name: str, tmp_path: FilePath) -> None:
+    process = tmp_path / "cell.process.toml"
+    process.write_text(rapid_words.process_file(), encoding="utf-8")
+    tally = Tally()
+    judge(
+        tally,
+        name,
+        f"{HEAD}PROC main()\n{TO_DATA[name]}\nENDPROC\nENDMODULE\n",
+        SCENARIOS,
+        source=("rapid", run_rapid),
+        target=(SIX, lambda *given: run_melfa(SIX, *given)),
+        process=process,
+        signals=NUMBERS,
+    )
+    assert tally.kept == []
+    assert not tally.reasons
+    assert tally.counts["equal"] == 1
+
+
+def written(body: str, tmp_path: FilePath) -> tuple[str, list[str]]:
+    """The program of a body, and the codes of what is found."""
+    process = tmp_path / "cell.process.toml"
+    process.write_text(rapid_words.process_file(), encoding="utf-8")
+    text = f"{HEAD}PROC main()\n{body}\nENDPROC\nENDMODULE\n"
+    found = translate(load_text(SourceText(text), process=process, language="rapid"), to=SIX)
+    texts = [data.decode("utf-8") for data in found.files.values()]
+    return "\n".join(texts), [one.code for one in found.findings]
+
+
+def test_an_output_that_is_only_pulsed_is_taken_to_be_off(tmp_path: FilePath) -> None:
+    text, codes = written(r"PulseDO\PLength:=0.5,do1;", tmp_path)
+    assert "M_Out(6)=1 Dly 0.5" in text
+    assert "RA314" in codes
+    assert "If " not in text
+
+
+def test_a_group_is_set_and_a_procedure_called_at_the_end_of_a_move(tmp_path: FilePath) -> None:
+    move = """MoveLGO p10,v100,fine,tGripper,goSlot\\Value:=5;
+MoveLSync p10,v100,fine,tGripper,"there";
+ENDPROC
+PROC there()
+SetDO doDone,1;"""
+    lines = written(move, tmp_path)[0].splitlines()
+    plain = [line.split(" ", 1)[1] for line in lines if line[:1].isdigit()]
+    at = plain.index("Mvs P10")
+    assert plain[at + 1].startswith("M_Out8(24)=")
+    assert plain[at + 2 : at + 4] == ["Mvs P10", "GoSub *THERE"]
+
+
+def test_an_output_set_later_has_its_value_until_then(tmp_path: FilePath) -> None:
+    text, _ = written(r"SetDO\SDelay:=0.5,do1,1;", tmp_path)
+    assert "M_Out(6)=0 Dly 0.5" in text
+
+
+@pytest.mark.parametrize(
+    ("body", "told"),
+    [
+        ("VelSet 50,600;\nMoveL p10,v100,fine,tGripper;", False),
+        ("VelSet 50,600;\nMoveL p10,v1000,fine,tGripper;", True),
+        ("AccSet 50,60;", True),
+        ("MoveLDO p10,v100,fine,tGripper,do1,1;", False),
+        ("MoveLDO p10,v100,z10,tGripper,do1,1;", True),
+    ],
+)
+def test_what_is_lost_is_told(body: str, told: bool, tmp_path: FilePath) -> None:
+    text, codes = written(body, tmp_path)
+    assert text
+    assert ("RA311" in codes) is told
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "EOffsSet [1,0,0,0,0,0];\nMoveAbsJ [[0,0,0,0,30,0],[9E9,9E9,9E9,9E9,9E9,9E9]]\\NoEOffs,"
+        "v100,fine,tGripper;",
+        "MoveL p10,v100\\T:=5,fine,tGripper;",
+        "SetDO\\SDelay:=0.5,do1,reg1;",
+    ],
+)
+def test_what_cannot_be_said_stays(body: str, tmp_path: FilePath) -> None:
+    text, codes = written(body, tmp_path)
+    assert not text
+    assert "MB209" in codes
