@@ -21,12 +21,12 @@ from assistant.program.wanted import ROUTINES, Value, Wanted, neutral
 from assistant.sources.cell import NO_CELL, TABLES, Cell, read_cell, said, with_entries
 
 UNFILLED: Final = warning(
-    "CO041",
+    "CO071",
     "the cell file does not say what {what} is: something that only stands for it is written",
     "write its value in the cell file, then translate again",
 )
 NO_FILE_OF: Final = error(
-    "CO042",
+    "CO072",
     "`{name}` stands for itself in the cell file, and the file `{file}` cannot be used: {reason}",
     'name a file beside the cell file, or write "stop" or "empty"',
 )

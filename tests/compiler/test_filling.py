@@ -76,7 +76,7 @@ def test_what_is_not_filled_in_makes_a_draft_that_says_so(tmp_path: Path) -> Non
     assert "DRAFT: not for production" in text
     assert "to be filled in: tool tGrip" in text
     assert text.count("PTGRIP=(") == 1
-    assert "CO041" in {f.code for f in done.whole}
+    assert "CO071" in {f.code for f in done.whole}
     assert not [row for row in done.rows if row.level == "not"]
 
 
