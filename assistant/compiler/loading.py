@@ -152,7 +152,11 @@ def lift(
 
 
 def lifted(language: Language[Any], trees: Sequence[Any], robot: Robot | None = None) -> Loaded:
-    """The pseudo-program of the trees of one program; raises Refused if one of them is broken."""
+    """The pseudo-program of the trees of one program; raises Refused if one of them is broken.
+
+    What is broken so that nobody can doubt its meaning is read as it is meant, with warnings.
+    """
+    trees = [(has_errors(tree.findings) and language.mended(tree)) or tree for tree in trees]
     findings = [finding for tree in trees for finding in tree.findings]
     if has_errors(findings):
         raise Refused(*findings)

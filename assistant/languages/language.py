@@ -201,6 +201,10 @@ class Language(abc.ABC, Generic[T]):
         Raises Refused for what reaches the budget of reading, as other stages do with theirs.
         """
 
+    def mended(self, tree: T) -> T | None:  # noqa: ARG002
+        """The tree of what a broken text certainly means, its findings as warnings; None else."""
+        return None
+
     @abc.abstractmethod
     def render(self, tree: T) -> str:
         """Text; for an unchanged tree the very text that was parsed."""

@@ -120,6 +120,11 @@ class MelfaBasic(Language["File"]):
 
         return parse(source, self.name)
 
+    def mended(self, tree: File) -> File | None:
+        from assistant.languages.melfa_basic.reading.recovery.certain import mended
+
+        return mended(tree, self.name)
+
     def render(self, tree: File) -> str:
         from assistant.languages.melfa_basic.text.rendering import render
 

@@ -11,6 +11,11 @@ TOKENISED = error(
 )  # fmt: skip
 SYNTAX = error("MB002", "{what} (controller error 4220, syntax error)", "{cure}")
 QUOTES = error("MB003", "{what} (controller error 4310, illegal character)", "{cure}")
+REMARK = error(
+    "MB004",
+    "words stand behind the statement without a mark (controller error 4220, syntax error)",
+    "write `'` before a comment",
+)
 
 # ---------------------------------------------------------------------------- checking
 # more about checked programs in checks: flow_rules, value_rules, motion_rules

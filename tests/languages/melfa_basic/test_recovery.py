@@ -11,6 +11,7 @@ from assistant.languages.melfa_basic.reading.recovery.mistakes import MISTAKES, 
 from assistant.languages.melfa_basic.rules import SYNTAX
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.recovery.mistakes import Slip
+from assistant.program.diagnostics import has_errors
 
 FIVE = languages.get("melfa-basic-5")
 
@@ -167,3 +168,32 @@ def test_every_line_of_a_text_that_is_no_program_is_found() -> None:
     assert [finding.line for finding in tree.findings] == list(range(1, 701))
     assert "comma is missing" in tree.findings[0].message
     assert tree.findings[-1].column == 12
+
+
+@pytest.mark.parametrize(
+    ("line", "plain"),
+    [
+        ("Mvs P1 ‘go to “there”", "Mvs P1 'go to “there”"),
+        ("CallP “SUB”", 'CallP "SUB"'),
+        ("Mvs P1\u3000Wth M_Out(1)=1", "Mvs P1 Wth M_Out(1)=1"),
+        ("Mov P1,–50 ’up", "Mov P1,-50 'up"),
+        ("Error 9100\tRaises an error.", "Error 9100\t'Raises an error."),
+        ("GoTo *A\t\t.", "GoTo *A\t\t'."),
+    ],
+)
+def test_what_is_certainly_meant_is_read_by_other_languages(line: str, plain: str) -> None:
+    melfa = FIVE
+    broken = melfa.parse(f"{line}\nEnd\n")
+    assert has_errors(broken.findings)
+    assert melfa.render(broken).startswith(line)
+    read = melfa.mended(broken)
+    assert read is not None
+    assert melfa.render(read) == f"{plain}\nEnd\n"
+    assert [f.code for f in read.findings] == [f.code for f in broken.findings]
+    assert not has_errors(read.findings)
+
+
+@pytest.mark.parametrize("line", ["CallP “SUB", "Mvs P1 ‘go\nMvs P2 P3", "Mov P1 go there"])
+def test_what_may_mean_something_else_stays_broken(line: str) -> None:
+    melfa = FIVE
+    assert melfa.mended(melfa.parse(f"{line}\nEnd\n")) is None

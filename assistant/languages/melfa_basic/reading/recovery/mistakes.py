@@ -7,7 +7,7 @@ from functools import cache
 from importlib.resources import files
 from typing import Final
 
-from assistant.languages.melfa_basic.rules import QUOTES
+from assistant.languages.melfa_basic.rules import QUOTES, REMARK
 from assistant.languages.melfa_basic.tables.vocabulary import statements
 from assistant.languages.recovery.mistakes import Slip
 
@@ -38,6 +38,10 @@ MISTAKES: Final = (
     Slip(
         "`{0}` is a mark of a wide alphabet", "write a plain minus",
         "1 Mov P1,¦–50", "[–—−－]", "-", rule=QUOTES,
+    ),
+    Slip(
+        "", "", "1 Error 9100\t¦Raises an error.", r"(?:[A-Z][a-z]+(?: [\w-]+)+\.?|\.)\s*$", "'",
+        r"\t\s*", rule=REMARK,
     ),
     Slip(
         "the text has no closing quote", 'write a `"` at its end',
