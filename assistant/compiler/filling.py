@@ -18,7 +18,7 @@ from assistant.program.diagnostics import Refused, error, has_errors, warning
 from assistant.program.program import Program, Signal
 from assistant.program.text import SourceText
 from assistant.program.wanted import ROUTINES, Value, Wanted, neutral
-from assistant.sources.cell import NO_CELL, TABLES, Cell, read_cell, said, with_entries
+from assistant.sources.cell import NO_CELL, TABLES, Cell, parse_cell, read_cell, said, with_entries
 
 UNFILLED: Final = warning(
     "CO071",
@@ -85,6 +85,12 @@ def neutral_cell(loaded: Loaded) -> str:
     """
     wanting = in_cell(loaded, NO_CELL, FilePath("cell.toml")).wanting
     return with_entries("", [(one, neutral(one)) for one in wanting])
+
+
+def in_neutral_cell(loaded: Loaded) -> Loaded:
+    """A program in a cell that says the least of everything, see `neutral_cell`; nothing lacks."""
+    cell = parse_cell(SourceText(neutral_cell(loaded), STATED))
+    return in_cell(loaded, cell, FilePath("cell.toml"))
 
 
 def cell_text(cell: Cell, wanting: Iterable[Wanted]) -> str:
