@@ -147,6 +147,12 @@ def compile(
     return replace(compiled, found=(*loaded.findings, *compiled.found))
 
 
+def told(program: Program, target: Language[Any]) -> Program:
+    """A program with the data that another language than its own is told of it."""
+    origin = program.origin
+    return program if origin is None else language_of(origin.language).told(program, target)
+
+
 def proven_by_motion(
     compiled: Compiled, arms: Arms, proving: Proving | None, entry: str | None
 ) -> Compiled:

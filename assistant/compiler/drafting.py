@@ -12,7 +12,7 @@ from pathlib import Path as FilePath
 from typing import Any, Final, TypeAlias
 
 from assistant.compiler.arms import Arms
-from assistant.compiler.compiling import Compiled, compile_program
+from assistant.compiler.compiling import Compiled, compile_program, told
 from assistant.compiler.source_map import Places, Trace
 from assistant.languages.language import Language
 from assistant.program import expressions as e
@@ -53,7 +53,7 @@ def draft(
 
     Nothing comes of it if the result is not `ok`.
     """
-    places, program = compiled.places, compiled.source
+    places, program = compiled.places, told(compiled.source, target)
     program = replace(program, comments=(*HEADING, *program.comments))
     out: set[Span] = set()
     later: list[Diagnostic] = []

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 
 from assistant.compiler.arms import Arms, robot_of
-from assistant.compiler.compiling import Compiled, compile_program, proven_by_motion
+from assistant.compiler.compiling import Compiled, compile_program, proven_by_motion, told
 from assistant.compiler.drafting import draft as drafted
 from assistant.compiler.entering import entered
 from assistant.compiler.filling import STATED, UNFILLED, head_lines, with_cell
@@ -198,7 +199,9 @@ def _report(
     places = compiled.places
     parts: dict[Span, _Part] = {}
     names: dict[_Name, _Part] = {}
-    for part in _parts(compiled.source, places):
+    plain = told(compiled.source, language_of(compiled.language))
+    also = () if plain is compiled.source else _told_parts(plain)
+    for part in chain(_parts(compiled.source, places), also):
         known = parts.setdefault(part.span, part)
         known.silent = known.silent and part.silent
         for name in part.names:
@@ -226,6 +229,27 @@ def _report(
 
 def _parts(program: Program, places: Places) -> Iterator[_Part]:
     """Each part of the source once or twice: as it is lifted, then as it stands in the tree."""
+    yield from _said(program)
+    for part in places.parts():
+        name, owner = (part.name or "").lower(), part.owner.lower()
+        called = ((None, "", name), (None, owner, name)) if name else ()
+        yield _Part(part.span, part.count, called, head=True)
+
+
+def _told_parts(program: Program) -> Iterator[_Part]:
+    """The same of a source with the data that other languages are told of it."""
+    yield from _said(program)
+    owners = (("", program.variables), *((q.name.lower(), q.variables) for q in program.procedures))
+    for owner, variables in owners:
+        for name, variable in variables.items():
+            if variable.span is not None:
+                low = name.lower()
+                called: tuple[_Name, ...] = ((None, "", low), (None, owner, low))
+                yield _Part(variable.span, names=called, head=True)
+
+
+def _said(program: Program) -> Iterator[_Part]:
+    """The parts of a program as it is lifted."""
     for procedure in program.procedures:
         if procedure.span is not None:
             called = _names("procedures", procedure.name)
@@ -242,10 +266,6 @@ def _parts(program: Program, places: Places) -> Iterator[_Part]:
     for declaration in program.declarations:
         if declaration.span is not None:
             yield _Part(declaration.span, head=True)
-    for part in places.parts():
-        name, owner = (part.name or "").lower(), part.owner.lower()
-        called = ((None, "", name), (None, owner, name)) if name else ()
-        yield _Part(part.span, part.count, called, head=True)
 
 
 def _about(

@@ -277,6 +277,13 @@ class Language(abc.ABC, Generic[T]):
         """
         yield from ()
 
+    def told(self, program: Program, to: Language[Any]) -> Program:  # noqa: ARG002
+        """A program of this language with the data that another one is told of it.
+
+        What a report on it lists beside the source itself. Idempotent.
+        """
+        return program
+
     def exported(
         self,
         program: Program,

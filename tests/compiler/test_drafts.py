@@ -13,7 +13,7 @@ RECORD = """MODULE parts
   RECORD part
     num weight;
   ENDRECORD
-  VAR part held;
+  VAR menudata held;
   VAR num first:=StrLen(ArgName(held));
   VAR num total:=0;
 
@@ -27,7 +27,7 @@ RECORD = """MODULE parts
   ENDPROC
 ENDMODULE
 """
-"""`held` has a type that no other language has: what reads it cannot be said either."""
+"""Nobody knows the parts of `held`: what reads it cannot be said either."""
 
 
 @pytest.fixture

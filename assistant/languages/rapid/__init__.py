@@ -138,6 +138,11 @@ class Rapid(Language["File"]):
 
         return lift(trees)
 
+    def told(self, program: Program, to: Language[Any]) -> Program:
+        from assistant.languages.rapid.lift.plain_data import with_plain_data
+
+        return program if to.family == self.family else with_plain_data(program).program
+
     def exported(self, program: Program, to: Language[Any], arm: Robot | None) -> Adapted:
         from assistant.languages.rapid.lift.exported import exported
 

@@ -118,3 +118,4 @@ ASKED: Final = warning(
     "from 0 to 65535 stands at `operator_number` while `operator_entered` is on",
     "give these signals their numbers in the process file, and wire keys or a panel to them",
 )
+UNREAD: Final = info("RA341", "nothing reads {names}, which is left out", "none is needed")

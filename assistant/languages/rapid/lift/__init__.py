@@ -7,6 +7,7 @@ from typing import Final
 PASSES: Final = (
     "timers",  # clocks that are restarted and read
     "local_names",  # data that only one module has, apart from that of others
+    "plain",  # records as plain data, for other languages
     "expressions",
     "data",  # declared tools, work objects, speeds, zones, targets, variables
     "instructions",  # calls that the pseudo-program has a statement for
@@ -17,6 +18,7 @@ PASSES: Final = (
     "ways",  # what kept texts do to what holds along the ways
     "places",  # where the position is read
     "program",  # modules as procedures and data
+    "plain_data",  # the program of plain data, beside its cell
     "switches",  # optional parameters
     "stopwatches",  # clocks that are stopped and go on
     "operator",  # messages and questions to a person

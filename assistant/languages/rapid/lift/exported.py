@@ -18,6 +18,7 @@ from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.data import numbers
 from assistant.languages.rapid.lift.instructions import Meaning
 from assistant.languages.rapid.lift.operator import with_operator
+from assistant.languages.rapid.lift.plain_data import with_plain_data
 from assistant.languages.rapid.lift.program import routines
 from assistant.languages.rapid.lift.stopwatches import with_stopwatches
 from assistant.languages.rapid.lift.switches import with_switches
@@ -69,7 +70,9 @@ NEAR: Final = frozenset(("inpos20", "inpos50", "inpos100"))
 def exported(program: Program, arm: Robot | None) -> Adapted:
     """The program for another language. arm: that will run it, None if it is not known."""
     findings = Findings()
-    program = with_stopwatches(with_switches(program, routines), findings)
+    plain = with_plain_data(program)
+    findings += plain.findings
+    program = with_stopwatches(with_switches(plain.program, routines), findings)
     if tables := _tables(program):
         program = with_table_rows(program, tables, _with_named_rows)
     if any(is_text(record) for record in records(program.procedures)):

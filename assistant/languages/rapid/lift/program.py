@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from itertools import chain
-from typing import Any
+from types import MappingProxyType
+from typing import Any, Final
 
 from assistant.languages.rapid.lift.data import DataLift
 from assistant.languages.rapid.lift.instructions import Meaning
@@ -44,16 +45,21 @@ from assistant.program.program import (
 from assistant.program.rewriting import counted_on, renamed
 from assistant.program.text import starts_of
 
+NOTHING_KEPT: Final = MappingProxyType[int, str]({})
 
-def lift(files: Sequence[s.File]) -> Program:
-    """The program that the modules of these files say together."""
+
+def lift(files: Sequence[s.File], kept: Mapping[int, str] = NOTHING_KEPT) -> Program:
+    """The program that the modules of these files say together.
+
+    kept: statements that stay as their text, by `id`, each with why.
+    """
     modules: list[s.Module] = []
     starts: list[int] = []
     for file, start in zip(files, starts_of(file.source for file in files), strict=True):
         modules += file.modules
         starts += [start] * len(file.modules)
     own = with_own_names(modules)
-    return _Lift(own, starts).program() if modules else Program("empty", entry=None)
+    return _Lift(own, starts, kept).program() if modules else Program("empty", entry=None)
 
 
 def routines(nodes: Iterable[s.Routine]) -> tuple[Procedure, ...]:
@@ -64,7 +70,9 @@ def routines(nodes: Iterable[s.Routine]) -> tuple[Procedure, ...]:
 class _Lift:
     """modules: one at least. starts: where the text of each begins, see `starts_of`."""
 
-    def __init__(self, modules: Sequence[s.Module], starts: Sequence[int]) -> None:
+    def __init__(
+        self, modules: Sequence[s.Module], starts: Sequence[int], kept: Mapping[int, str]
+    ) -> None:
         self.modules, self.starts = modules, starts
         self.headers = [opening(m) for m in modules]
         self.main = self._main()
@@ -93,7 +101,7 @@ class _Lift:
             self.clocks,
             alone - inner,
         )
-        self.statements = StatementLift(self.meaning, self.paths, self.own)
+        self.statements = StatementLift(self.meaning, self.paths, self.own, kept)
         self.procedures: list[Procedure] = []
         self.declarations: list[Declaration] = []
         self.comments: list[str] = []

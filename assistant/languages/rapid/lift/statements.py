@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 from typing import Final
 
 from assistant.languages.rapid.lift.data import DataLift
@@ -22,6 +23,8 @@ from assistant.program.diagnostics import Refused, over
 from assistant.program.passes.counted_loops import ascends
 from assistant.program.program import Program
 
+PARTS: Final = "say it with the components, one by one"
+"""What to do where a record is used in a way that no plain data can be."""
 _STANDARD: Final = INSTRUCTIONS | OF_OPTIONS
 _WORD: Final = re.compile(r"[A-Za-z]\w*")
 _LOADED: Final = re.compile(rf"{re.escape(LOADED_FROM)}({_WORD.pattern})\.mod")
@@ -41,9 +44,19 @@ def statements_of(text: str, program: Program) -> tuple[p.Statement, ...]:
 
 
 class StatementLift:
-    """procedures: lower-case names of the user's own, which hide instructions."""
+    """procedures: lower-case names of the user's own, which hide instructions.
 
-    def __init__(self, meaning: Meaning, paths: PathLift, procedures: Collection[str]) -> None:
+    kept: statements that stay as their text, by `id`, each with why.
+    """
+
+    def __init__(
+        self,
+        meaning: Meaning,
+        paths: PathLift,
+        procedures: Collection[str],
+        kept: Mapping[int, str] = MappingProxyType({}),
+    ) -> None:
+        self._kept = kept
         self._meaning, self._paths, self._procedures = meaning, paths, procedures
         self._original, self._expression = meaning.original, meaning.expression
 
@@ -66,6 +79,9 @@ class StatementLift:
 
     def _statement(self, node: s.StatementNode) -> Iterator[p.Statement]:
         span, original, expression = node.span, self._original, self._expression
+        if id(node) in self._kept:
+            yield replace(opaque(node), reason=e.Reason(self._kept[id(node)], PARTS))
+            return
         match node:
             case s.CommentLine(text):
                 yield p.Comment(text, span=span)

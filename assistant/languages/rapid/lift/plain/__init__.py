@@ -1,0 +1,86 @@
+"""A program whose data are records as one with plain data, before it is lifted.
+
+`VAR part p` with the components `num height` and `pos place` becomes `VAR num p_height`, and so on;
+arrays of records become arrays of their parts, and routines take and give back the parts. What
+nothing reads is left out. RAPID itself keeps its records: other languages are told this.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from assistant.languages.rapid.lift.local_names import with_own_names
+from assistant.languages.rapid.lift.plain.bodies import Bodies, declared
+from assistant.languages.rapid.lift.plain.scopes import Program
+from assistant.languages.rapid.lift.plain.unread import Unread, without_unread
+from assistant.languages.rapid.lift.plain.values import Spread, Unsaid, Values
+from assistant.languages.rapid.tree import syntax as s
+
+
+@dataclass(frozen=True, slots=True)
+class Plain:
+    """files: with plain data. kept: statements in them that stay as they are written, by `id`,
+    with why. unread: what is left out, of each file.
+    """
+
+    files: tuple[s.File, ...]
+    kept: Mapping[int, str] = field(default_factory=dict)
+    unread: tuple[tuple[Unread, ...], ...] = ()
+
+
+def plain(files: Sequence[s.File]) -> Plain | None:
+    """The files of a program with plain data, None if they have no other."""
+    modules = with_own_names([module for file in files for module in file.modules])
+    program = Program(modules)
+    kept: dict[int, str] = {}
+    made = [_module(program, module, kept) for module in modules]
+    if all(one is before for one, before in zip(made, modules, strict=True)):
+        return None
+    left, unread = without_unread(made, program)
+    listed, found = iter(left), iter(unread)
+    whole, told = [], []
+    for file in files:
+        own = [next(listed) for _ in file.modules]
+        told.append(tuple(one for _ in file.modules for one in next(found)))
+        others = iter(own)
+        parts = (next(others) if isinstance(one, s.Module) else one for one in file.parts)
+        whole.append(replace(file, parts=tuple(parts)))
+    return Plain(tuple(whole), kept, tuple(told))
+
+
+def _module(program: Program, module: s.Module, kept: dict[int, str]) -> s.Module:
+    items = [made for item in module.items for made in _item(program, item, kept)]
+    same = len(items) == len(module.items)
+    same = same and all(a is b for a, b in zip(items, module.items, strict=True))
+    return module if same else replace(module, items=tuple(items))
+
+
+def _item(program: Program, item: s.Item, kept: dict[int, str]) -> Sequence[s.Item]:
+    match item:
+        case s.Record() | s.Alias():
+            return ()
+        case s.Data():
+            datum = program.data.get(item.name.lower())
+            if datum is None:
+                return (item,)
+            try:
+                made = tuple(declared(item, datum, Values(program, {}, _not_called)))
+            except Unsaid:
+                return (item,)
+            return (item,) if made == (item,) else made
+        case s.Routine():
+            whole = Bodies(program, item, kept).whole()
+            result = program.result(item)
+            if result:
+                parts = program.layouts.parts(item.type) or ()
+                data = (s.Data("", "VAR", one.type, result[one.path]) for one in parts)
+                return (*data, replace(whole, kind="PROC", type=""))
+            if item.kind == "FUNC":
+                whole = replace(whole, type=program.plain_type(item.type))
+            return (item,) if whole == item else (whole,)
+    return (item,)
+
+
+def _not_called(call: s.FunctionCall) -> Spread:
+    raise Unsaid(f"`{call.name}` gives back a record")

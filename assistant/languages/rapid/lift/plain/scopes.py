@@ -1,0 +1,196 @@
+"""What names of data mean in a program, and the names that their parts get."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+from assistant.languages.rapid.lift.plain.layouts import SETTINGS, Layouts, Path
+from assistant.languages.rapid.tables.predefined import data as predefined
+from assistant.languages.rapid.tables.signatures import signature
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.walk import nodes, root
+from assistant.program.program import TakenNames, identifier
+
+
+@dataclass(frozen=True, slots=True)
+class Datum:
+    """Data, or a parameter.
+
+    type: without aliases. dimensions: how many. names: of its parts by their ways, empty for what
+    stays whole. value: of data that nothing changes, None if that is not known.
+    """
+
+    name: str
+    type: str
+    dimensions: int = 0
+    names: Mapping[Path, str] = field(default_factory=dict)
+    value: s.Expression | None = None
+
+
+Names = Mapping[str, Datum]
+"""Data by lower-case name."""
+
+
+class Program:
+    """All modules together.
+
+    data: of the modules. routines: those whose names are theirs alone, by lower-case name.
+    """
+
+    def __init__(self, modules: Sequence[s.Module]) -> None:
+        self.layouts = Layouts(modules)
+        self.taken = TakenNames(_said(modules))
+        self.uses = Uses(modules)
+        self.made: set[str] = set()
+        items = [item for module in modules for item in module.items]
+        routines: dict[str, list[s.Routine]] = {}
+        for item in items:
+            if isinstance(item, s.Routine):
+                routines.setdefault(item.name.lower(), []).append(item)
+        self.routines = {name: own[0] for name, own in routines.items() if len(own) == 1}
+        self.own = frozenset(routines)
+        declared: dict[str, list[s.Data]] = {}
+        for item in items:
+            if isinstance(item, s.Data):
+                declared.setdefault(item.name.lower(), []).append(item)
+        self.data: dict[str, Datum] = {
+            name: self.datum(own[0]) for name, own in declared.items() if len(own) == 1
+        }
+
+        self._parameters: dict[int, Datum] = {}
+        self._results: dict[int, Mapping[Path, str]] = {}
+
+    def datum(self, node: s.Data | s.ParameterNode) -> Datum:
+        """What a declaration declares, with names for its parts if it is taken apart."""
+        type = self.layouts.base(node.type)
+        if isinstance(node, s.ParameterNode):
+            apart, value, dimensions = type not in SETTINGS, None, node.dimensions
+        else:
+            key, dimensions = node.name.lower(), len(node.dimensions)
+            steady = node.storage == "CONST" or key not in self.uses.written
+            value = node.value if steady else None
+            apart = type not in SETTINGS or self._is_data(key, steady)
+        parts = (self.layouts.parts(type) or ()) if apart else ()
+        names = {one.path: self.name(f"{node.name}_{one.name}") for one in parts}
+        return Datum(node.name, type, dimensions, names, value)
+
+    def _is_data(self, key: str, steady: bool) -> bool:
+        """Whether a tool, frame, speed or zone is used by its parts, or as one value of many."""
+        named, uses = key in self.uses.named, self.uses
+        return (steady and key in uses.parted) or (not named and (not steady or key in uses.read))
+
+    def stays(self, node: s.Data) -> bool:
+        """Whether data that is taken apart is also used whole, by its name."""
+        return self.layouts.base(node.type) in SETTINGS and node.name.lower() in self.uses.named
+
+    def name(self, wanted: str) -> str:
+        """A name that nothing else has."""
+        name = identifier(wanted, self.taken)
+        self.taken.add(name)
+        self.made.add(name.lower())
+        return name
+
+    def datum_of(self, node: s.ParameterNode) -> Datum:
+        """What a parameter is, the same whoever asks."""
+        if id(node) not in self._parameters:
+            self._parameters[id(node)] = self.datum(node)
+        return self._parameters[id(node)]
+
+    def result(self, routine: s.Routine) -> Mapping[Path, str]:
+        """Variables for the parts of the record that a function gives back, none of any other."""
+        if id(routine) not in self._results:
+            own = routine.kind == "FUNC" and self.routines.get(routine.name.lower()) is routine
+            parts = (self.layouts.parts(routine.type) or ()) if own else ()
+            names = {one.path: self.name(f"{routine.name}_{one.name}") for one in parts}
+            self._results[id(routine)] = names
+        return self._results[id(routine)]
+
+    def plain_type(self, type: str) -> str:
+        """What an alias stands for, if there are variables of that; else the type itself."""
+        return self.layouts.base(type) if self.layouts.is_whole(type) else type
+
+
+class Uses:
+    """How names are used anywhere, whatever they mean there, in lower case.
+
+    written: may be changed. named: given to a routine or a move by their names. parted: a
+    component is asked for. read: used in any other way.
+    """
+
+    def __init__(self, modules: Sequence[s.Module]) -> None:
+        self.written: set[str] = set()
+        self.named: set[str] = set()
+        self.parted: set[str] = set()
+        self.read: set[str] = set()
+        self._own: dict[str, list[s.Routine]] = {}
+        for item in (item for module in modules for item in module.items):
+            if isinstance(item, s.Routine):
+                self._own.setdefault(item.name.lower(), []).append(item)
+        for node in nodes(tuple(modules)):
+            match node:
+                case s.Assignment(target, value):
+                    self._add(self.written, target)
+                    self._add(self.read, value)
+                case s.ProcedureCall(_, arguments) | s.FunctionCall(_, arguments):
+                    self._given(node.name, arguments)
+                case s.Component(value):
+                    self._add(self.parted, value)
+                case s.MoveRunNode(run):
+                    for one in run.motions.table:
+                        given = (one.speed, one.zone, one.tool, one.frame)
+                        self.named.update(name.lower() for name in given if name)
+                case s.Infix(_, left, right):
+                    self._add(self.read, left)
+                    self._add(self.read, right)
+                case s.ReturnFrom(value):
+                    self._add(self.read, value)
+
+    def _add(self, names: set[str], value: Any) -> None:
+        if (found := root(value)) is not None:
+            names.add(found.name.lower())
+
+    def _given(self, name: Any, arguments: Sequence[s.Argument]) -> None:
+        own = self._own.get(name.lower()) if isinstance(name, str) else None
+        known = signature(name) if isinstance(name, str) and own is None else None
+        changing = known is None or any(
+            one.mode and not (one.mode == "PERS" and one.type in _HELD)
+            for slot in known.slots
+            for one in slot.alternatives
+        )
+        if own is not None:
+            changing = any(one.mode for routine in own for one in parameters(routine))
+        for argument in arguments:
+            value = argument.variable if isinstance(argument, s.Conditional) else argument.value
+            if not isinstance(value, s.Component):
+                self._add(self.named, value)
+            if changing:
+                self._add(self.written, value)
+
+
+def parameters(routine: s.Routine) -> Iterator[s.ParameterNode]:
+    for group in routine.parameters:
+        yield from (one for one in group.alternatives if isinstance(one, s.ParameterNode))
+
+
+def predefined_type(name: str) -> str:
+    """Of data that every controller has, empty if there is none of the name."""
+    found = predefined().get(name.lower())
+    return "" if found is None else found.type
+
+
+_HELD: Final = (*SETTINGS, "loaddata")
+"""Types of data that instructions only read, though they want them to be PERS."""
+_NAMING: Final = (s.NameRef, s.Data, s.ParameterNode, s.Routine, s.Record, s.Alias)
+
+
+def _said(modules: Iterable[s.Module]) -> Iterator[str]:
+    """Every name in the modules."""
+    for node in nodes(tuple(modules)):
+        if isinstance(node, _NAMING):
+            yield node.name
+        elif isinstance(node, s.ForLoop):
+            yield node.variable
+        elif isinstance(node, s.TargetRunNode):
+            yield from map(node.run.names.name, range(len(node.run)))

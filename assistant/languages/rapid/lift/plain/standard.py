@@ -1,0 +1,52 @@
+"""The values of data that every controller has, where a program asks for their parts."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from typing import Any
+
+from assistant.languages.rapid.tables.words import (
+    LEAST_CENTRE,
+    LEAST_MASS,
+    SPEEDS,
+    ZONES,
+    usual_sizes,
+)
+from assistant.languages.rapid.tree import syntax as s
+
+_NOWHERE: Any = [[0, 0, 0], [1, 0, 0, 0]]
+_LOAD: Any = [LEAST_MASS, list(LEAST_CENTRE), [1, 0, 0, 0], 0, 0, 0]
+
+
+@cache
+def standard(name: str) -> s.Expression | None:
+    """The value of predefined data of that name in lower case, None if it is not known here.
+
+    Source: the instruction and data type manual (3HAC050917): tool0, wobj0, load0, speeddata,
+    zonedata.
+    """
+    match name:
+        case "tool0":
+            return _node([True, _NOWHERE, _LOAD])
+        case "wobj0":
+            return _node([False, True, "", _NOWHERE, _NOWHERE])
+        case "load0":
+            return _node(_LOAD)
+    speed, zone = SPEEDS.get(name), ZONES.get(name)
+    if speed is not None and math.isfinite(speed.tcp):
+        return _node([speed.tcp, 500, 5000, 1000])
+    if zone is not None and zone.radius is not None and name != "fine":
+        return _node([False, zone.radius, *usual_sizes(zone.radius)])
+    return None
+
+
+def _node(value: Any) -> s.Expression:
+    match value:
+        case bool():
+            return s.BoolLiteral(value)
+        case str():
+            return s.StringLiteral(value)
+        case list():
+            return s.AggregateNode(tuple(map(_node, value)))
+    return s.NumberLiteral(f"{value:g}")

@@ -1,0 +1,372 @@
+"""Expressions of a program with records, as those of one with plain data."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import reduce
+from typing import Any, Final
+
+from assistant.languages.rapid.lift.plain.layouts import Path
+from assistant.languages.rapid.lift.plain.scopes import Datum, Names, Program, predefined_type
+from assistant.languages.rapid.lift.plain.standard import standard
+from assistant.languages.rapid.tables.signatures import signature
+from assistant.languages.rapid.tree import syntax as s
+
+Spread = Mapping[Path, s.Expression]
+"""A value of a record, part by part."""
+Kind = tuple[str, int]
+"""A type without aliases, and of how many dimensions."""
+EQUAL: Final = {"=": "AND", "<>": "OR"}
+POS: Final = "pos"
+
+
+class Unsaid(Exception):
+    """Something that a program with plain data cannot say. why: a clause."""
+
+    def __init__(self, why: str) -> None:
+        super().__init__(why)
+        self.why = why
+
+
+Called = Callable[[s.FunctionCall], Spread]
+"""The parts of what a function of the program gives back, which is called before."""
+
+
+class Values:
+    """Expressions where some names mean something.
+
+    names: of the routine, in front of those of the program. called: see `Called`.
+    """
+
+    def __init__(self, program: Program, names: Names, called: Called) -> None:
+        self.program, self.layouts = program, program.layouts
+        self.names, self.called = names, called
+
+    def find(self, name: str) -> Datum | None:
+        low = name.lower()
+        return self.names[low] if low in self.names else self.program.data.get(low)
+
+    # ----------------------------------------------------------------------------- kinds
+
+    def kind(self, node: Any) -> Kind | None:
+        """What an expression is, None if that is not known."""
+        match node:
+            case s.NameRef(name):
+                found = self.find(name)
+                if found is not None:
+                    return (found.type, found.dimensions) if found.type else None
+                standard = predefined_type(name)
+                return (self.layouts.base(standard), 0) if standard else None
+            case s.Component(value, name):
+                of = self.kind(value)
+                inner = None if of is None else self.layouts.component(of[0], name)
+                return None if inner is None else (inner, 0)
+            case s.Element(value, indices):
+                of = self.kind(value)
+                left = sum(isinstance(index, s.Whole) for index in indices)
+                return None if of is None else (of[0], left)
+            case s.Group(inner):
+                return self.kind(inner)
+            case s.FunctionCall(str(name)):
+                own = self.program.routines.get(name.lower())
+                if own is not None:
+                    return self.layouts.base(own.type), 0
+                known = None if name.lower() in self.program.own else signature(name)
+                return (known.result, 0) if known is not None and known.result else None
+            case s.Infix("+" | "-" | "*" | "/", left, right):
+                return (POS, 0) if (POS, 0) in (self._side(left), self._side(right)) else None
+            case s.Prefix("-" | "+", operand):
+                return self.kind(operand)
+        return None
+
+    def is_record(self, kind: Kind | None) -> bool:
+        """Whether something is a record that is taken apart."""
+        return kind is not None and self.layouts.parts(kind[0]) is not None
+
+    # ----------------------------------------------------------------------------- plain
+
+    def plain(self, node: Any) -> Any:
+        """An expression that is no record; raises Unsaid."""
+        match node:
+            case s.NameRef() | s.Component() | s.Element():
+                return self._variable(node)
+            case s.AggregateNode(items):
+                return replace(node, items=tuple(self.given(one, None) for one in items))
+            case s.Group(inner):
+                return replace(node, inner=self.plain(inner))
+            case s.Prefix(_, operand):
+                return replace(node, operand=self.plain(operand))
+            case s.Infix(operator, left, right):
+                if operator in EQUAL:
+                    kind = self.kind(left) or self.kind(right)
+                    if kind is not None and self.is_record(kind):
+                        return self._compared(operator, left, right, kind)
+                return replace(node, left=self.plain(left), right=self.plain(right))
+            case s.FunctionCall(name, arguments):
+                return replace(node, arguments=self.arguments(name, arguments))
+        return node
+
+    def arguments(self, name: Any, arguments: Sequence[s.Argument]) -> tuple[s.Argument, ...]:
+        """Those of a call; records in brackets for a routine that every controller has."""
+        own = self.program.routines.get(name.lower()) if isinstance(name, str) else None
+        if own is not None:
+            return tuple(self._handed(own, arguments))
+        strange = not isinstance(name, str) or name.lower() in self.program.own
+        known = None if strange else signature(name)
+        reading = known is not None and not any(
+            one.mode for slot in known.slots for one in slot.alternatives
+        )
+        made: list[s.Argument] = []
+        for argument in arguments:
+            match argument:
+                case s.Positional(value) | s.Option(_, value) if value is not None:
+                    said = self.given(value, None) if reading else self.plain(value)
+                    made.append(replace(argument, value=said))
+                case _:
+                    made.append(argument)
+        return tuple(made)
+
+    def _handed(self, own: s.Routine, arguments: Sequence[s.Argument]) -> Sequence[s.Argument]:
+        """Arguments for a routine of the program, a record part by part."""
+        required = iter(group for group in own.parameters if not group.optional)
+        made: list[s.Argument] = []
+        for argument in arguments:
+            match argument:
+                case s.Positional(value):
+                    group = next(required, None)
+                    one = None if group is None else group.alternatives[0]
+                    if not isinstance(one, s.ParameterNode):
+                        raise Unsaid("nobody knows what it is given to")
+                    datum = self.program.datum_of(one)
+                    if datum.names:
+                        spread = self.spread(value, (datum.type, max(one.dimensions, 0)))
+                        made += (s.Positional(spread[path]) for path in datum.names)
+                    else:
+                        made.append(replace(argument, value=self.given(value, datum.type)))
+                case s.Option(_, value) if value is not None:
+                    made.append(replace(argument, value=self.plain(value)))
+                case _:
+                    made.append(argument)
+        return made
+
+    def given(self, node: Any, type: str | None) -> Any:
+        """A value; a record that is taken apart in brackets. type: of an aggregate, if known."""
+        kind = self.kind(node)
+        match node:
+            case s.AggregateNode(items) if type and (inner := self.layouts.components(type)):
+                if len(items) == len(inner):
+                    pairs = zip(items, inner, strict=True)
+                    said = tuple(self.given(item, of) for item, (_, of) in pairs)
+                    return replace(node, items=said)
+            case s.NameRef() | s.Component() | s.Element() | s.Group() | s.Infix() if (
+                kind is not None and self.is_record(kind) and self._apart(node)
+            ):
+                return self._together(self.spread(node, kind), kind[0], ())
+        return self.plain(node)
+
+    def _apart(self, node: Any) -> bool:
+        """Whether a value is one of a variable that is taken apart, or worked out of some."""
+        match node:
+            case s.Group(inner):
+                return self._apart(inner)
+            case s.Infix(_, left, right):
+                return self._apart(left) or self._apart(right)
+            case s.NameRef() | s.Component() | s.Element():
+                try:
+                    self._variable(node)
+                except Unsaid:
+                    return True
+        return False
+
+    def _together(self, spread: Spread, type: str, path: Path) -> s.Expression:
+        """Parts as one value in brackets."""
+        if path in spread:
+            return spread[path]
+        inner = self.layouts.components(type)
+        items = (self._together(spread, of, (*path, name.lower())) for name, of in inner)
+        return s.AggregateNode(tuple(items))
+
+    def _compared(self, operator: str, left: Any, right: Any, kind: Kind) -> s.Expression:
+        first, second = self.spread(left, kind), self.spread(right, kind)
+        pairs: list[Any] = [s.Infix(operator, first[path], second[path]) for path in first]
+        return s.Group(reduce(lambda one, two: s.Infix(EQUAL[operator], one, two), pairs))
+
+    def _variable(self, node: Any) -> Any:
+        """Data or a part of it that is no record that is taken apart; raises Unsaid."""
+        base, index, path = self.steps(node)
+        if base is None:
+            return node
+        datum = self.find(base.name)
+        if datum is None and path and not index:
+            return self._standard(base.name, path) or self._indexed(node)
+        if datum is None or not datum.names or (not path and datum.value is not None):
+            return self._indexed(node)
+        for length in range(1, len(path) + 1):
+            name = datum.names.get(tuple(one.lower() for one in path[:length]))
+            if name is not None:
+                made = _element(s.NameRef(name), index)
+                return reduce(s.Component, path[length:], made)
+        raise Unsaid(f"`{base.name}` is a record, which is used as a whole here")
+
+    def _standard(self, name: str, path: Sequence[str]) -> s.Expression | None:
+        """A component of predefined data, None if its value is not known here."""
+        value, type = standard(name.lower()), predefined_type(name)
+        for component in path:
+            names = [inner.lower() for inner, _ in self.layouts.components(type)]
+            low = component.lower()
+            if not isinstance(value, s.AggregateNode) or low not in names:
+                return None
+            value = value.items[names.index(low)]
+            type = self.layouts.component(type, component) or ""
+        return None if isinstance(value, s.AggregateNode) else value
+
+    def _indexed(self, node: Any) -> Any:
+        """A variable that stays, with plain indices."""
+        match node:
+            case s.Component(value):
+                return replace(node, value=self._indexed(value))
+            case s.Element(value, indices):
+                said = tuple(i if isinstance(i, s.Whole) else self.plain(i) for i in indices)
+                return replace(node, value=self._indexed(value), indices=said)
+        return node
+
+    def steps(
+        self, node: Any
+    ) -> tuple[s.NameRef | None, tuple[s.Expression | s.Whole, ...], tuple[str, ...]]:
+        """The name, plain indices, and components that a variable is; no name of any other."""
+        path: list[str] = []
+        index: tuple[s.Expression | s.Whole, ...] = ()
+        while not isinstance(node, s.NameRef):
+            match node:
+                case s.Component(value, name) if not index:
+                    path.append(name)
+                    node = value
+                case s.Element(value, indices) if not index:
+                    index = tuple(i if isinstance(i, s.Whole) else self.plain(i) for i in indices)
+                    node = value
+                case _:
+                    return None, (), ()
+        return node, index, tuple(reversed(path))
+
+    # ---------------------------------------------------------------------------- spread
+
+    def spread(self, node: Any, kind: Kind) -> Spread:
+        """The parts of a record, or of an array of records; raises Unsaid."""
+        type, dimensions = kind
+        parts = self.layouts.parts(type)
+        if parts is None:
+            raise Unsaid("nobody knows its parts")
+        match node:
+            case s.Group(inner):
+                return self.spread(inner, kind)
+            case s.AggregateNode(items) if dimensions:
+                rows = [self.spread(item, (type, dimensions - 1)) for item in items]
+                return {
+                    one.path: s.AggregateNode(tuple(row[one.path] for row in rows)) for one in parts
+                }
+            case s.AggregateNode(items):
+                return self._spread_items(items, type)
+            case s.NameRef() | s.Component() | s.Element():
+                return self._spread_variable(node, kind)
+            case s.Infix(operator, left, right) if type == POS:
+                return self._spread_worked_out(operator, left, right)
+            case s.Prefix("-" | "+" as operator, operand) if type == POS:
+                inside = self.spread(operand, kind)
+                return {path: s.Prefix(operator, s.Group(one)) for path, one in inside.items()}
+            case s.FunctionCall(str(name)) if name.lower() in self.program.routines:
+                return self.called(node)
+        raise Unsaid("what it gives is a record")
+
+    def _spread_items(self, items: Sequence[Any], type: str) -> Spread:
+        inner = self.layouts.components(type)
+        if len(items) != len(inner):
+            raise Unsaid("it has another number of components")
+        found: dict[Path, s.Expression] = {}
+        for item, (name, of) in zip(items, inner, strict=True):
+            if self.layouts.parts(of) is None:
+                found[(name.lower(),)] = self.given(item, of)
+            else:
+                part = self.spread(item, (self.layouts.base(of), 0))
+                found |= {(name.lower(), *path): value for path, value in part.items()}
+        return found
+
+    def _spread_variable(self, node: Any, kind: Kind) -> Spread:
+        parts = self.layouts.parts(kind[0]) or ()
+        base, index, path = self.steps(node)
+        if base is None:
+            raise Unsaid("it has indices of its components")
+        datum = self.find(base.name)
+        if datum is None:
+            known = standard(base.name.lower())
+            if known is None or index:
+                raise Unsaid(f"nothing tells the parts of `{base.name}`")
+            whole = self.spread(known, (predefined_type(base.name), 0))
+            return _below(whole, path)
+        if datum.names:
+            key = tuple(one.lower() for one in path)
+            found = {}
+            for length in range(len(key)):  # inside a part that is one variable
+                if key[: length + 1] in datum.names:
+                    return {
+                        one.path: reduce(s.Component, one.path, self.plain(node)) for one in parts
+                    }
+            for way, name in datum.names.items():
+                if way[: len(key)] == key:
+                    found[way[len(key) :]] = _element(s.NameRef(name), index)
+            if found:
+                return found
+        if path:
+            return {one.path: reduce(s.Component, one.path, self._indexed(node)) for one in parts}
+        if datum.value is not None and not index and not datum.dimensions:
+            return self.spread(datum.value, kind)
+        raise Unsaid(f"`{base.name}` is used as a whole")
+
+    def _spread_worked_out(self, operator: str, left: Any, right: Any) -> Spread:
+        """Positions that are added, or multiplied by a number or each other as vectors."""
+        kinds = self._side(left), self._side(right)
+        both = kinds == ((POS, 0), (POS, 0))
+        if operator in "+-" and both:
+            first, second = (_single(self.spread(side, (POS, 0))) for side in (left, right))
+            return {way: s.Infix(operator, first[way], second[way]) for way in first}
+        if operator in "*/" and not both and (POS, 0) in kinds:
+            if kinds[0] == (POS, 0):
+                by = _grouped(self.plain(right))
+                first = _single(self.spread(left, (POS, 0)))
+                return {way: s.Infix(operator, one, by) for way, one in first.items()}
+            if operator == "*":
+                by = _grouped(self.plain(left))
+                second = _single(self.spread(right, (POS, 0)))
+                return {way: s.Infix(operator, by, one) for way, one in second.items()}
+        if operator == "*" and both:
+            a, b = (_single(self.spread(side, (POS, 0))) for side in (left, right))
+            x, y, z = (("x",), ("y",), ("z",))
+            return {
+                one: s.Infix("-", s.Infix("*", a[two], b[three]), s.Infix("*", a[three], b[two]))
+                for one, two, three in ((x, y, z), (y, z, x), (z, x, y))
+            }
+        raise Unsaid("it works with whole positions")
+
+    def _side(self, node: Any) -> Kind | None:
+        """What one side of an operator is: values in brackets there are a position."""
+        return (POS, 0) if isinstance(node, s.AggregateNode) else self.kind(node)
+
+
+def _single(spread: Spread) -> Spread:
+    return {path: _grouped(one) for path, one in spread.items()}
+
+
+def _grouped(node: s.Expression) -> s.Expression:
+    return s.Group(node) if isinstance(node, s.Infix | s.Prefix) else node
+
+
+def _element(name: s.NameRef, index: tuple[Any, ...]) -> Any:
+    return s.Element(name, index) if index else name
+
+
+def _below(spread: Spread, path: Sequence[str]) -> Spread:
+    key = tuple(one.lower() for one in path)
+    found = {way[len(key) :]: one for way, one in spread.items() if way[: len(key)] == key}
+    if not found:
+        raise Unsaid("it has no such component")
+    return found

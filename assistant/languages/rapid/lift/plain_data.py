@@ -1,0 +1,87 @@
+"""A program of RAPID with the plain data that other languages are told, beside its cell."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+from assistant.languages.language import Adapted
+from assistant.languages.rapid import rules
+from assistant.languages.rapid.lift.plain import Plain, plain
+from assistant.languages.rapid.lift.program import lift
+from assistant.languages.rapid.text import verbatim
+from assistant.languages.rapid.tree import syntax as s
+from assistant.program.diagnostics import Diagnostic, Span
+from assistant.program.program import Program
+from assistant.program.text import starts_of
+
+_TABLES: Final = (
+    "frames", "tools", "speeds", "blends", "signals", "targets", "joint_targets", "variables",
+)  # fmt: skip
+"""What a cell may have said anew since the program was lifted."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Told:
+    """files: as they were read; they are kept, so that nothing else has their ids."""
+
+    files: tuple[s.File, ...]
+    lifted: Program | None
+    findings: tuple[Diagnostic, ...]
+
+
+_LAST: Final[list[_Told]] = []
+"""The program that was told last: one translation asks several times."""
+
+
+def _told(files: tuple[s.File, ...]) -> _Told:
+    """The program of some files with plain data, none if they have no other."""
+    if _LAST and len(_LAST[0].files) == len(files):
+        if all(a is b for a, b in zip(_LAST[0].files, files, strict=True)):
+            return _LAST[0]
+    found = plain(files)
+    if found is None:
+        told = _Told(files, None, ())
+    else:
+        told = _Told(files, lift(found.files, found.kept), tuple(_unread(files, found)))
+    _LAST[:] = [told]
+    return told
+
+
+def _unread(files: tuple[s.File, ...], found: Plain) -> Iterator[Diagnostic]:
+    """What is left out, a finding for each declaration."""
+    starts = starts_of(file.source for file in files)
+    for start, unread in zip(starts, found.unread, strict=True):
+        spans: dict[Span, list[str]] = {}
+        for one in unread:
+            if one.span is not None:
+                spans.setdefault(one.span.moved(start), []).append(f"`{one.name}`")
+        for span, names in spans.items():
+            yield rules.UNREAD(names=", ".join(names), span=span)
+
+
+def with_plain_data(program: Program) -> Adapted:
+    """The program with plain data, if it is still as it was lifted but for its cell."""
+    origin = program.origin
+    if origin is None or origin.language != verbatim.LANGUAGE:
+        return Adapted(program)
+    if program.procedures is not origin.lifted.procedures:
+        return Adapted(program)
+    told = _told(origin.trees)
+    if told.lifted is None:
+        return Adapted(program)
+    changed: dict[str, Any] = {}
+    for table in _TABLES:
+        before, now = getattr(origin.lifted, table), getattr(program, table)
+        said = {name: one for name, one in now.items() if before.get(name) != one}
+        changed[table] = {**getattr(told.lifted, table), **said}
+    whole = replace(
+        told.lifted,
+        **changed,
+        name=program.name,
+        entry=program.entry,
+        robot=program.robot,
+        origin=origin,
+    )
+    return Adapted(whole, told.findings)

@@ -1,0 +1,180 @@
+"""Records cross over as plain data: each case is run in both languages and compared."""
+
+from __future__ import annotations
+
+import pytest
+
+from assistant.compiler import translate
+from assistant.compiler.loading import load_text
+from assistant.compiler.motion import Proving
+from assistant.compiler.translating import Translation
+from assistant.program.text import SourceText
+
+HEAD = """MODULE Cell
+RECORD size
+  num length;
+  num width;
+ENDRECORD
+RECORD box
+  size outer;
+  string label;
+  bool full;
+ENDRECORD
+RECORD place
+  robtarget at;
+  pos moved;
+  box on;
+ENDRECORD
+PERS tooldata tGrip:=[TRUE,[[0,0,125],[1,0,0,0]],[0.1,[0,0,100],[1,0,0,0],0,0,0]];
+CONST robtarget p10:=[[354,0,300],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+PROC go(num x,num y,num z)
+  MoveL Offs(p10,x,y,z),v100,fine,tGrip;
+ENDPROC
+"""
+
+CASES = {
+    "components": """VAR box one:=[[7,8],"x",TRUE];
+    PROC main()
+      one.outer.length:=one.outer.length*2;
+      IF one.full AND one.label="x" go one.outer.length,one.outer.width,0;
+    ENDPROC""",
+    "records in records, assigned whole": """VAR place here;
+    VAR box two:=[[7,8],"x",TRUE];
+    PROC main()
+      here.on:=two;
+      here.on.outer.width:=30;
+      here.at:=p10;
+      here.moved:=[1,2,3];
+      two.outer:=here.on.outer;
+      MoveL here.at,v100,fine,tGrip;
+      here.at.trans.x:=370;
+      MoveL here.at,v100,fine,tGrip;
+      go two.outer.length,two.outer.width,here.moved.z;
+    ENDPROC""",
+    "arrays of records, of two dimensions": """
+    VAR size many{2,3}:=[[[1,2],[3,4],[5,6]],[[7,8],[9,10],[11,12]]];
+    VAR size row{2};
+    PROC main()
+      VAR num i:=2;
+      row{1}:=many{i,3};
+      many{1,i}:=row{1};
+      many{2,1}:=[many{2,1}.width,many{2,1}.length];
+      FOR k FROM 1 TO 3 DO
+        go many{1,k}.length,many{2,k}.width,many{2,k}.length;
+      ENDFOR
+    ENDPROC""",
+    "a record of its own parts, changed about": """VAR pos off:=[10,20,30];
+    VAR pos bit:=[1,2,3];
+    PROC main()
+      off:=[off.y,off.z,off.x];
+      off:=off+bit*2-off*0.5;
+      off:=-off*bit;
+      go off.x,off.y,off.z;
+    ENDPROC""",
+    "handed over, changed by the routine, and given back": """VAR size one:=[4,5];
+    VAR size other:=[6,7];
+    PROC main()
+      turn one;
+      other:=grown(one,3);
+      go other.length,other.width,area(one);
+      other:=grown(other,other.width);
+      go other.length,other.width,area(grown(one,1));
+      only other;
+      go one.length,other.length,other.width;
+    ENDPROC
+    PROC turn(INOUT size s)
+      s:=[s.width,s.length];
+    ENDPROC
+    PROC only(size s)
+      s.length:=100;
+    ENDPROC
+    FUNC size grown(size s,num by)
+      VAR size r;
+      r:=s;
+      r.length:=r.length+by;
+      RETURN r;
+    ENDFUNC
+    FUNC num area(size s)
+      RETURN s.length*s.width;
+    ENDFUNC""",
+    "compared": """CONST size limit:=[4,5];
+    VAR size one:=[4,5];
+    PROC main()
+      IF one=limit go 1,0,0;
+      one.width:=6;
+      IF one=limit go 2,0,0;
+      IF one<>limit go 3,0,0;
+      WHILE one<>limit DO
+        one.width:=one.width-1;
+      ENDWHILE
+      go one.width,4,0;
+    ENDPROC""",
+    "a tool and a speed that are read": """PROC main()
+      VAR num z;
+      z:=tGrip.tframe.trans.z/10;
+      go z,tGrip.tload.mass,tool0.tframe.trans.x;
+    ENDPROC""",
+    "aliases": """ALIAS num count;
+    ALIAS size format;
+    VAR count n:=3;
+    VAR format f:=[1,2];
+    PROC main()
+      n:=n+1;
+      go n,f.width,0;
+    ENDPROC""",
+    "names that are taken": """VAR size one:=[4,5];
+    VAR num one_length:=7;
+    PROC main()
+      VAR num one_width:=8;
+      one.length:=one.length+1;
+      go one.length,one_length,one.width+one_width;
+    ENDPROC""",
+    "data of a routine hides that of the module": """VAR size one:=[4,5];
+    PROC main()
+      sub;
+      go one.length,one.width,0;
+    ENDPROC
+    PROC sub()
+      VAR size one:=[14,15];
+      FOR k FROM 1 TO 2 DO
+        one.length:=one.length+k;
+      ENDFOR
+      go one.length,one.width,1;
+    ENDPROC""",
+}
+
+
+def crossed(body: str, **options: object) -> Translation:
+    text = f"{HEAD}{body}\nENDMODULE\n"
+    loaded = load_text(SourceText(text), language="rapid")
+    proving = Proving(runs=2, seconds=2.0)
+    return translate(loaded, to="melfa-basic-6", proving=proving, **options)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_records_do_the_same_in_the_other_language(name: str) -> None:
+    done = crossed(CASES[name])
+    assert done.ok, [f"{f.code} {f.message}" for f in done.findings]
+    assert done.motion is not None and done.motion.found is not None and done.motion.found.visits
+
+
+def test_what_nothing_reads_is_left_out_and_told() -> None:
+    done = crossed(
+        'VAR box one:=[[7,8],"x",TRUE];\nPROC main()\none.label:="y";\n'
+        "go one.outer.length,0,0;\nENDPROC"
+    )
+    text = b"".join(done.files.values()).decode("ascii")
+    assert "LABEL" not in text.upper()
+    told = [r for r in done.rows if any(f.code == "RA341" for f in r.reasons)]
+    assert [row.text for row in told] == ['VAR box one:=[[7,8],"x",TRUE];']
+    assert "`one_outer_width`" in told[0].reasons[-1].message + told[0].reasons[0].message
+    assert [row.level for row in done.rows if row.text == 'one.label:="y"'] == ["supported"]
+
+
+def test_only_the_statement_that_needs_the_whole_record_is_refused() -> None:
+    done = crossed(
+        "VAR size one:=[7,8];\nPROC main()\nTPWrite ArgName(one);\nSave one;\n"
+        "go one.length,0,0;\nENDPROC"
+    )
+    refused = [row.text for row in done.rows if row.level == "not"]
+    assert refused == ["TPWrite ArgName(one)", "Save one"]
