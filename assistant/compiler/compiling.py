@@ -184,6 +184,7 @@ def compile_program(
     taught = taught_on(program, arms)
     program, left = without_unused(program, target, taught, arms.robot)
     findings += (*left, *unsaid(program, target, taught, arms.robot))
+    before = program
     if arm is not None:
         program, changed = for_arm(program, taught, arm)
         findings += changed
@@ -205,7 +206,7 @@ def compile_program(
 
         solution = robots.solve_program(program, arm)
         passed("with-configurations", solution.program)
-        program, changed = at_the_pace(solution, source, taught, target.joint_percent)
+        program, changed = at_the_pace(solution, before, taught, target.joint_percent)
         passed("at-the-pace", program)
         findings += (*solution.findings, *with_robot(solution), *changed)
     if arms.joint_speed is not None and not target.joint_percent:

@@ -5,16 +5,16 @@ from __future__ import annotations
 import json
 import re
 import sys
-import tempfile
 import time
 from collections import Counter
-from pathlib import Path
 from typing import Any
 
-from assistant.compiler import Loaded, translate
+from assistant.compiler import Loaded, load, translate
+from assistant.compiler.arms import robot_of
+from assistant.compiler.filling import in_neutral_cell
 from assistant.compiler.motion import Proving
 from assistant.compiler.tasks import Task, load_task, tasks_of
-from assistant.compiler.translating import Translation
+from assistant.compiler.translating import LEVELS, Translation
 from assistant.program.diagnostics import Diagnostic, Refused, Severity
 
 NO_MAIN = "MB245"
@@ -26,10 +26,18 @@ SHOWN = 400
 def crossed(given: dict[str, Any]) -> dict[str, Any]:
     """What becomes of a task.
 
-    given: files, language, begins, to, robot, from_robot, proof (seconds, 0 for none), cell.
+    given: files, language, begins, to, robot, from_robot, proof (seconds, 0 for none).
     """
     began = time.perf_counter()
-    out: dict[str, Any] = {"said": 0, "partly": 0, "not": 0, "whole": False, "proof": "not run"}
+    out: dict[str, Any] = {
+        "alone": [0, 0, 0],
+        "alone_whole": False,
+        "said": 0,
+        "partly": 0,
+        "not": 0,
+        "whole": False,
+        "proof": "not run",
+    }
     try:
         out |= _crossed(given)
     except Refused as refused:
@@ -40,49 +48,52 @@ def crossed(given: dict[str, Any]) -> dict[str, Any]:
 
 
 def _crossed(given: dict[str, Any]) -> dict[str, Any]:
-    source: str | Loaded = given["files"][0]
-    robot, from_robot = given["robot"], given["from_robot"]
-    process = None
-    if len(given["files"]) > 1:
-        from assistant.compiler.arms import robot_of
-
-        (task, *_) = _same(given["files"])
-        source = load_task(task, robot=robot_of(from_robot))
-    language = given["language"]
-
-    def into(proving: Proving | None) -> Translation:
-        return translate(
-            source,
-            to=given["to"],
-            robot=robot,
-            from_robot=from_robot,
-            process=process,
-            language=language,
-            proving=proving,
-        )
-
-    first = into(None)
-    totals = first.totals
-    errors = [f for f in first.compiled.found if f.severity is Severity.ERROR]
+    loaded = _loaded(given)
     library = not given["begins"]
-    others = [f for f in errors if not (library and f.code == NO_MAIN)]
-    whole = totals["not"] == 0 and not others
+    plain = _into(loaded, given, None)
+    alone = plain.totals
+    out = {"alone": [alone[level] for level in LEVELS], "alone_whole": _whole(plain, library)}
+    filled = in_neutral_cell(loaded)
+    first = _into(filled, given, None)
+    totals = first.totals
     reasons: Counter[str] = Counter()
     for row in first.rows:
         if row.level == "not":
             told = next(f for f in row.reasons if f.severity is Severity.ERROR)
             reasons[reason(told)] += row.count
-    out: dict[str, Any] = {
+    whole = _whole(first, library)
+    out |= {
         "said": totals["supported"],
         "partly": totals["partial"],
         "not": totals["not"],
         "whole": whole,
         "reasons": dict(reasons),
-        "stops": sorted({reason(f) for f in others}),
+        "stops": sorted({reason(f) for f in _hindrances(first, library)}),
     }
     if whole and first.ok and given["proof"] and not library:
-        out |= _proven(into(Proving(seconds=given["proof"])))
+        out |= _proven(_into(filled, given, Proving(seconds=given["proof"])))
     return out
+
+
+def _loaded(given: dict[str, Any]) -> Loaded:
+    files, robot = given["files"], robot_of(given["from_robot"])
+    if len(files) == 1:
+        return load(files[0], robot=robot, language=given["language"])
+    return load_task(_same(files), robot=robot)
+
+
+def _into(loaded: Loaded, given: dict[str, Any], proving: Proving | None) -> Translation:
+    arms = {"robot": given["robot"], "from_robot": given["from_robot"]}
+    return translate(loaded, to=given["to"], proving=proving, **arms)
+
+
+def _hindrances(done: Translation, library: bool) -> list[Diagnostic]:
+    errors = [f for f in done.compiled.found if f.severity is Severity.ERROR]
+    return [f for f in errors if not (library and f.code == NO_MAIN)]
+
+
+def _whole(done: Translation, library: bool) -> bool:
+    return done.totals["not"] == 0 and not _hindrances(done, library)
 
 
 def _proven(second: Translation) -> dict[str, Any]:
@@ -97,11 +108,10 @@ def _proven(second: Translation) -> dict[str, Any]:
     return {"proof": "different" if differs else "cannot run", "why": [f.message for f in wrong]}
 
 
-def _same(files: list[str]) -> tuple[Task, ...]:
+def _same(files: list[str]) -> Task:
     """The task of these files, as they were grouped."""
-    found = [task for task in tasks_of(files) if len(task.files) > 1]
-    whole = next((task for task in found if set(task.files) == set(files)), None)
-    return (whole or Task(files[0], tuple(files), "rapid"),)
+    whole = (task for task in tasks_of(files) if set(task.files) == set(files))
+    return next(whole, None) or Task(files[0], tuple(files), "rapid")
 
 
 DECLARING = ("LOCAL", "TASK", "CONST", "PERS", "VAR", "DEF")
@@ -110,9 +120,15 @@ DECLARING = ("LOCAL", "TASK", "CONST", "PERS", "VAR", "DEF")
 
 def reason(finding: Diagnostic) -> str:
     """A finding without what only one program has: of a text its first word or its type."""
-    message = re.sub(r"`([^`]*)`", lambda quoted: f"`{_kind(quoted[1])}`", finding.message)
+    message = re.sub(r"(statement )?`([^`]*)`", _shortened, finding.message)
     message = re.sub(r"(?<![\w.])-?\d+(?:\.\d+)?(?![\w])", "#", message)
     return f"{finding.code} {' '.join(message.split())}"[:SHOWN]
+
+
+def _shortened(quoted: re.Match[str]) -> str:
+    before, text = quoted[1] or "", quoted[2]
+    kind = text.strip(";") if before and text.strip(";").isidentifier() else _kind(text)
+    return f"{before}`{kind}`"
 
 
 def _kind(text: str) -> str:
@@ -127,10 +143,7 @@ def _kind(text: str) -> str:
 
 
 def main() -> None:
-    given = json.load(sys.stdin)
-    with tempfile.TemporaryDirectory() as folder:
-        given["work"] = str(Path(folder))
-        print(json.dumps(crossed(given)))
+    print(json.dumps(crossed(json.load(sys.stdin))))
 
 
 if __name__ == "__main__":

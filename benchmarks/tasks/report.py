@@ -51,7 +51,8 @@ def report(plan: Plan) -> None:
             if not of_kind:
                 continue
             print(f"\n{kind} to {TO[kind]}: {len(of_kind)} tasks\n")
-            print(f"{'said':>6}{'partly':>7}{'not':>6}  {'whole':<6}{'proof':<12}{'s':>6}  task")
+            print(f"{'said':>6}{'partly':>7}{'not':>6}  {'whole':<7}{'filled':<7}", end="")
+            print(f"{'proof':<12}{'s':>6}  task")
             done = []
             for task, out in _all(of_kind, plan):
                 done.append((task, out))
@@ -80,7 +81,8 @@ def _apart(task: Found, plan: Plan) -> dict[str, Any]:
         "proof": plan.proof,
     }
     began = time.perf_counter()
-    none = {"said": 0, "partly": 0, "not": 0, "whole": False, "proof": "not run"}
+    none = {"alone": [0, 0, 0], "alone_whole": False, "said": 0, "partly": 0, "not": 0}
+    none |= {"whole": False, "proof": "not run"}
     command = [sys.executable, "-m", "benchmarks.tasks.crossing"]
     try:
         answer = subprocess.run(
@@ -101,15 +103,18 @@ def _apart(task: Found, plan: Plan) -> dict[str, Any]:
 
 
 def _line(task: Found, out: dict[str, Any]) -> str:
-    whole = "whole" if out["whole"] else "no" if out["said"] + out["not"] else "-"
+    read = out["said"] + out["not"]
+    whole, filled = (
+        "whole" if out[key] else "no" if read else "-" for key in ("alone_whole", "whole")
+    )
     numbers = f"{out['said']:>6}{out['partly']:>7}{out['not']:>6}"
     library = "" if task.begins else " (library)"
     lost = ""
-    if not out["said"] + out["not"]:
+    if not read:
         lost = f": {'; '.join(out['stops'])[:TOLD]}"
     why = f": {out['why'][0][:TOLD]}" if out.get("why") else ""
     tail = f"{_short(task.name)}{library}{lost}{why}"
-    return f"{numbers}  {whole:<6}{out['proof']:<12}{out['seconds']:>6.1f}  {tail}"
+    return f"{numbers}  {whole:<7}{filled:<7}{out['proof']:<12}{out['seconds']:>6.1f}  {tail}"
 
 
 def _short(name: str) -> str:
@@ -119,17 +124,26 @@ def _short(name: str) -> str:
 
 
 def _totals(done: Sequence[tuple[Found, dict[str, Any]]]) -> None:
-    said, partly, no = (sum(out[key] for _, out in done) for key in ("said", "partly", "not"))
-    every = (said + partly + no) or 1
-    share = 100 * (said + partly) / every
-    print(f"\nstatements: {said} said, {partly} partly, {no} not: {share:.1f} % said or partly")
+    levels = [[out[key] for key in ("said", "partly", "not")] for _, out in done]
+    print()
+    for title, rows in (
+        ("as they are", [out["alone"] for _, out in done]),
+        ("in the neutral cell", levels),
+    ):
+        said, partly, no = (sum(column) for column in zip(*rows, strict=True))
+        share = 100 * (said + partly) / ((said + partly + no) or 1)
+        numbers = f"{said} said, {partly} partly, {no} not"
+        print(f"statements, tasks {title}: {numbers}: {share:.1f} % said or partly")
+    plain = sum(bool(out["alone_whole"]) for _, out in done)
+    print(f"whole as they are: {plain} of {len(done)} tasks")
     whole = [(task, out) for task, out in done if out["whole"]]
     programs = [out for task, out in whole if task.begins]
     proofs = Counter(out["proof"] for out in programs)
     equal = proofs["equal"]
     percent = 100 * equal / (len(done) or 1)
     words = ", ".join(f"{count} {word}" for word, count in proofs.most_common())
-    print(f"whole: {len(whole)} of {len(done)} tasks, {len(programs)} of them programs ({words})")
+    count = f"{len(whole)} of {len(done)} tasks, {len(programs)} of them programs"
+    print(f"whole in the neutral cell: {count} ({words or 'none'})")
     print(f"whole and proven equal: {equal} of {len(done)} ({percent:.0f} %)")
     libraries = [task for task, _ in done if not task.begins]
     print(
