@@ -7,7 +7,7 @@ For a language that has position constants of numbers only: `offset(p, 10*i, 0, 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Final
 
@@ -17,10 +17,11 @@ from assistant.languages.records import target
 from assistant.program import expressions as e
 from assistant.program import rotations
 from assistant.program import statements as p
+from assistant.program.arrays import Floats
 from assistant.program.geometry import Configuration, Pose, Target
 from assistant.program.passes.hoisting import Taken, hoisted
 from assistant.program.program import Procedure, Program, Variable
-from assistant.program.rewriting import head, map_head, records
+from assistant.program.rewriting import head, map_expressions, map_head, records
 
 AXES: Final = ("x", "y", "z")
 WHOLE: Final = "trans"
@@ -68,32 +69,41 @@ class _Targets:
                 made.before.append(p.Assign(place, value))
                 return place
             parts, shift = _parts(value), _shift(value, goal)
-            if parts is None and shift is None:
-                return value
-            used += 1
             if parts is not None:
+                used += 1
                 place = self.place("at", used)
                 made.before += _put_together(place, *parts)
                 return place
-            assert shift is not None
-            base, still, moved = shift
-            place = self.place("by", used)
-            made.before += _put_together(place, still, moved, added=False)
-            return e.Binary("@", base, place)
+            if shift is not None:
+                value, factors = shift
+                for still, moved in factors:
+                    used += 1
+                    place = self.place("by", used)
+                    made.before += _put_together(place, still, moved, added=False)
+                    value = e.Binary("@", value, place)
+            return value
 
         match node:
-            case p.Assign(e.Name() as place, value) if (parts := _parts(value)) is not None:
-                changes = any(r == place for r in records(parts[1]))
-                if not changes and not elsewhere and not _inner(value):
+            case p.Assign(place, value) if (parts := _parts(value)) is not None:
+                base, components, added = parts
+                plain = not elsewhere and not _inner(value)
+                fits = isinstance(place, e.Name) or place == base
+                own = base == place and not added
+                if plain and fits and _in_order(place, components, keeps=own):
                     made.after += _put_together(place, *parts)
+                    if made.after:
+                        made.statement = made.after.pop(0)
+                        return made
+            case p.Assign(e.Member(place, field), value) if field.lower() == WHOLE:
+                axes = _components(value)
+                if axes is not None and _in_order(place, axes, keeps=True):
+                    made.after += _assigned(place, axes)
                     made.statement = made.after.pop(0)
                     return made
-            case p.Assign(e.Member(place, field), value) if field.lower() == WHOLE:
-                components = _components(value)
-                if components is not None:
-                    pairs = zip(AXES, components, strict=True)
-                    made.after += (p.Assign(e.Member(place, axis), x) for axis, x in pairs)
-                    made.statement = made.after.pop(0)
+                if axes is not None:
+                    copy = self.place("at", 1)
+                    made.before += (p.Assign(copy, place), *_assigned(copy, axes))
+                    made.statement = replace(node, target=place, value=copy)
                     return made
         made.statement = map_head(node, visit)
         return made
@@ -119,43 +129,66 @@ def _read_elsewhere(node: p.Statement) -> set[e.Expression]:
     return set(found) if len(found) > 1 else set()
 
 
-def _shift(
-    value: e.Expression, in_move: bool
-) -> tuple[e.Expression, e.TargetValue, dict[str, e.Expression]] | None:
-    """Of a target that is moved in its tool: target, what is known of the shift, what is not.
+Moved = tuple[e.TargetValue, dict[str, e.Expression]]
+"""What a target is moved by in its tool: what is known of that, and the components that are not."""
+
+
+def _shift(value: e.Expression, in_move: bool) -> tuple[e.Expression, tuple[Moved, ...]] | None:
+    """Of a target that is moved in its tool: the target, and what it is moved by, one by one.
 
     A distance along the tool alone has a form of its own in a move, and so has a shift that is
-    known and turns about one axis at most. A turn has to be known; it is one about x, then the
-    new y, then the new z.
+    known and turns about one axis at most. Turns are about x, then the new y, then the new z.
     """
     match value:
         case e.Apply("relative", (base, x, y, z, *turns)):
-            computed = {
-                a: v for a, v in zip(AXES, (x, y, z), strict=True) if e.plain_number(v) is None
-            }
-            known = [e.plain_number(v) for v in turns]
-            if None in known:
-                return None
-            angles = [n or 0.0 for n in (*known, 0.0, 0.0, 0.0)[:3]]
-            about_several = sum(a != 0.0 for a in angles) > 1
-            along = in_move and _is_zero(x) and _is_zero(y) and not any(angles)
-            if along or (not computed and not about_several):
-                return None
-            position = tuple(e.plain_number(v) or 0.0 for v in (x, y, z))
-            turn = rotations.from_euler(np.array(angles), "XYZ")
-            moved = Target(Pose.of(np.array(position), turn), Configuration())
-            return base, e.TargetValue(moved), computed
-    return None
+            pass
+        case _:
+            return None
+    computed = {a: v for a, v in zip(AXES, (x, y, z), strict=True) if e.plain_number(v) is None}
+    given = (*turns, *(e.Number(0),) * 3)[:3]
+    angles = [e.plain_number(v) for v in given]
+    if None in angles:
+        return base, tuple(_one_by_one((x, y, z), computed, given))
+    known = [n or 0.0 for n in angles]
+    along = in_move and _is_zero(x) and _is_zero(y) and not any(known)
+    if along or (not computed and sum(a != 0.0 for a in known) <= 1):
+        return None
+    turn = rotations.from_euler(np.array(known), "XYZ")
+    return base, ((_moved_by((x, y, z), turn), computed),)
 
 
-def _parts(value: e.Expression) -> tuple[e.Expression, dict[str, e.Expression], bool] | None:
-    """What a computed target is made of, and whether the components are added; None for others."""
+def _one_by_one(
+    shift: tuple[e.Expression, ...],
+    computed: dict[str, e.Expression],
+    turns: tuple[e.Expression, ...],
+) -> Iterator[Moved]:
+    """A shift with the first turn, then the other turns."""
+    pairs = [pair for pair in zip(e.ANGLES, turns, strict=True) if not _is_zero(pair[1])]
+    for at, (angle, turn) in enumerate(pairs):
+        first = at == 0
+        still = _moved_by(shift if first else (), np.array([1.0, 0.0, 0.0, 0.0]))
+        yield still, {**(computed if first else {}), angle: turn}
+
+
+def _moved_by(shift: tuple[e.Expression, ...], turn: Floats) -> e.TargetValue:
+    position = np.array([e.plain_number(v) or 0.0 for v in shift] or [0.0] * 3)
+    return e.TargetValue(Target(Pose.of(position, turn), Configuration()))
+
+
+Parts = tuple[e.Expression, dict[str, e.Expression], bool]
+"""What a target is put together of: another one, components, whether they are added to its own."""
+
+
+def _parts(value: e.Expression) -> Parts | None:
+    """What a computed target is made of, None for others."""
     match value:
         case e.Apply(function, (base, x, y, z)) if function.lower() == "offset":
             shift = {a: v for a, v in zip(AXES, (x, y, z), strict=True) if not _is_zero(v)}
             if all(e.plain_number(v) is not None for v in (x, y, z)):
                 return None
             return base, shift, True
+        case e.Apply("oriented", (base, x, y, z)):
+            return base, dict(zip(e.ANGLES, (x, y, z), strict=True)), False
         case e.Aggregate((e.Aggregate(place), e.Aggregate(turn), e.Aggregate(arm), outer)):
             numbers = [e.plain_number(v) for v in (*turn, *arm)]
             external = outer.items if isinstance(outer, e.Aggregate) else ()
@@ -177,14 +210,36 @@ def _inner(value: e.Expression) -> bool:
     return any(r is not value and _parts(r) for r in records(value) if isinstance(r, e.Expression))
 
 
+def _in_order(place: e.Expression, parts: Mapping[str, e.Expression], keeps: bool) -> bool:
+    """Whether components of a place can be set one after the other: none needs what went before.
+
+    keeps: the place has its own components until they are set; else it is another target by then.
+    """
+    if not keeps:
+        return not any(r == place for r in records(tuple(parts.values())))
+    gone: set[e.Expression] = set()
+    for name, value in parts.items():
+        own = {r for r in records(value) if isinstance(r, e.Member) and r.value == place}
+        others = map_expressions(value, lambda x: e.Number(0) if x in own else x)  # noqa: B023
+        if own & gone or any(r == place for r in records(others)):
+            return False
+        gone.add(e.Member(place, name))
+    return True
+
+
 def _put_together(
-    place: e.Name, base: e.Expression, parts: dict[str, e.Expression], added: bool
+    place: e.Expression, base: e.Expression, parts: dict[str, e.Expression], added: bool
 ) -> Iterator[p.Statement]:
     if base != place:
         yield p.Assign(place, base)
     for axis, value in parts.items():
         component = e.Member(place, axis)
-        yield p.Assign(component, _sum(component, value) if added else value)
+        if value != component:
+            yield p.Assign(component, _sum(component, value) if added else value)
+
+
+def _assigned(place: e.Expression, parts: Mapping[str, e.Expression]) -> Iterator[p.Statement]:
+    return (p.Assign(e.Member(place, name), value) for name, value in parts.items())
 
 
 def _sum(component: e.Expression, value: e.Expression) -> e.Expression:
@@ -196,12 +251,12 @@ def _sum(component: e.Expression, value: e.Expression) -> e.Expression:
     return e.Binary("+", component, value)
 
 
-def _components(value: e.Expression) -> tuple[e.Expression, ...] | None:
+def _components(value: e.Expression) -> dict[str, e.Expression] | None:
     match value:
         case e.Aggregate((x, y, z)):
-            return x, y, z
+            return dict(zip(AXES, (x, y, z), strict=True))
         case e.Member(place, field) if field.lower() == WHOLE:
-            return tuple(e.Member(place, axis) for axis in AXES)
+            return {axis: e.Member(place, axis) for axis in AXES}
     return None
 
 

@@ -45,6 +45,7 @@ FUNCTIONS: Final[dict[str, str]] = {
     "part": "of a text, from a place counted from 1, so many characters",
     "offset": "target moved by x, y, z mm in its frame",
     "relative": "target moved by x, y, z mm and turned by rx, ry, rz degrees in its tool frame",
+    "oriented": "target with other angles about x, y and z: see `Member`",
     "distance": "mm between two targets",
     "inverse": "inverse of a pose",
     "here": "present target: of the tool in the frame, both by name",
@@ -113,13 +114,19 @@ class Aggregate:
     items: tuple[Expression, ...]
 
 
+ANGLES: Final = ("about_x", "about_y", "about_z")
+"""Components of a position that are angles, see `Member`."""
 NEVER_GIVEN: Final = Aggregate(())
 """A position of an array's first value that is none: to use it before it is set is an error."""
 
 
 @dataclass(frozen=True, slots=True)
 class Member:
-    """A component: `x y z` of a position, `j1` … of joints, or a record's own."""
+    """A component: `x y z` of a position, `j1` … of joints, or a record's own.
+
+    `about_x about_y about_z` are the degrees that a position is turned about z, then about the new
+    y, then about the new x. To read them gives -180 to 180, and -90 to 90 for y.
+    """
 
     value: Expression
     field: str

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Final
 
+import numpy as np
+
+from assistant.program import rotations
+from assistant.program.expressions import ANGLES
 from assistant.program.geometry import JointTarget, Pose, Target
 from assistant.program.program import Procedure, ValueType, Variable
 from assistant.program.statements import Statement
@@ -111,6 +115,8 @@ def _component(value: Value, name: str) -> float:
             return pose.position[AXES.index(name)]
         case Pose(position=position) if name in AXES:
             return position[AXES.index(name)]
+        case Target(pose=pose) | (Pose() as pose) if name in ANGLES:
+            return _angles(pose)[name]
         case JointTarget(joints=joints) if (at := _joint(name, len(joints))) is not None:
             return joints[at]
     raise NotRun(f"the component `{name}` of {kind_of(value)}")
@@ -123,6 +129,10 @@ def _with_component(value: Value, name: str, given: Value) -> Value:
             return replace(value, pose=_moved(pose, name, number))
         case Pose() if name in AXES:
             return _moved(value, name, number)
+        case Target(pose=pose) if name in ANGLES:
+            return replace(value, pose=turned(pose, {name: number}))
+        case Pose() if name in ANGLES:
+            return turned(value, {name: number})
         case JointTarget(joints=joints) if (at := _joint(name, len(joints))) is not None:
             return replace(value, joints=(*joints[:at], number, *joints[at + 1 :]))
     raise NotRun(f"the component `{name}` of {kind_of(value)}")
@@ -131,6 +141,18 @@ def _with_component(value: Value, name: str, given: Value) -> Value:
 def _moved(pose: Pose, name: str, number: float) -> Pose:
     x, y, z = (number if axis == name else v for axis, v in zip(AXES, pose.position, strict=True))
     return replace(pose, position=(x, y, z))
+
+
+def _angles(pose: Pose) -> dict[str, float]:
+    about_z, about_y, about_x = rotations.to_euler(np.array(pose.quaternion), "ZYX")
+    return dict(zip(ANGLES, map(float, (about_x, about_y, about_z)), strict=True))
+
+
+def turned(pose: Pose, angles: Mapping[str, float]) -> Pose:
+    """The pose with other angles for some of those that it has."""
+    about_x, about_y, about_z = ({**_angles(pose), **angles}[name] for name in ANGLES)
+    turn = rotations.from_euler(np.array([about_z, about_y, about_x]), "ZYX")
+    return Pose.of(np.array(pose.position), turn)
 
 
 def _joint(name: str, count: int) -> int | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Final
 
 from assistant.program import expressions as e
@@ -290,6 +291,13 @@ def _distance(a: Value, b: Value) -> Value:
     return math.dist(first.position, second.position)
 
 
+def _oriented(value: Value, *angles: Value) -> Value:
+    if not isinstance(value, Target):
+        raise Fault(f"`oriented` of {kind_of(value)}")
+    given = dict(zip(e.ANGLES, map(number_of, angles), strict=True))
+    return replace(value, pose=data.turned(value.pose, given))
+
+
 def _inverse(value: Value) -> Value:
     if isinstance(value, Target):
         return Target(value.pose.inverse())
@@ -342,6 +350,7 @@ FUNCTIONS: Final[Mapping[str, Callable[..., Value]]] = {
     "length": lambda value: float(len(_words(value))),
     "part": _part_of,
     "distance": _distance,
+    "oriented": _oriented,
     "inverse": _inverse,
 }
 """Those of `program.expressions.FUNCTIONS` that only compute."""

@@ -50,9 +50,10 @@ def call(w: Writer, node: p.Call) -> None:
 
 def assign(w: Writer, node: p.Assign) -> None:
     target = w.expressions.place(node.target)
-    value = w.expressions.of(node.value)
     if poses.is_angle(target.component, w.expressions.robot):
-        value = w.expressions.call("Rad", value)
+        value = w.expressions.angle(node.value)
+    else:
+        value = w.expressions.of(node.value)
     w.add(s.Assign(target, value))
     w.previous = None
 

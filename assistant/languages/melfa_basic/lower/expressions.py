@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
@@ -28,6 +27,7 @@ from assistant.languages.melfa_basic.tables.vocabulary.timers import MILLISECOND
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.timers import timer
 from assistant.program import expressions as e
+from assistant.program.analysis.kinds import COMPONENTS
 from assistant.program.geometry import JointTarget, Target
 from assistant.program.path import configuration_row
 from assistant.program.program import Procedure, Program, Signal
@@ -282,12 +282,22 @@ class Expressions:
     def component(self, inner: e.Expression, component: str) -> s.Variable:
         """A component as the controller keeps it: joints in radians."""
         base = self.of(inner)
-        name = component.upper()
+        name = poses.ANGLES.get(component.lower(), component.upper())
+        if name in poses.ANGLES.values() and not poses.is_angle(name, self.robot):
+            raise Unsayable("an angle of a position of an arm of five axes", "state it as a whole")
         if not isinstance(base, s.Variable) or base.component:
             raise Unsayable("a component of an expression", "assign the expression first")
-        if name not in ("X", "Y", "Z") and not re.fullmatch("J[1-6]", name):
-            raise Unsayable(f"the component `{component}`", "use x, y, z or j1 to j6")
+        if component.lower() not in COMPONENTS:
+            raise Unsayable(f"the component `{component}`", "use x, y, z, angles or j1 to j6")
         return s.Variable(base.name, base.suffix, base.arguments, name)
+
+    def angle(self, value: e.Expression) -> s.Expression:
+        """Degrees as the controller keeps them, in radian."""
+        if isinstance(value, e.Member):
+            whole = self.component(value.value, value.field)
+            if poses.is_angle(whole.component, self.robot):
+                return whole
+        return self.call("Rad", self.of(value))
 
     # -------------------------------------------------------------------------- targets
 

@@ -26,6 +26,9 @@ PLACES: Final = 2
 JOINTS: Final = ("J1", "J2", "J3", "J4", "J5", "J6")
 """Components of a joint position."""
 
+ANGLES: Final = {"about_x": "A", "about_y": "B", "about_z": "C"}
+"""Angles of a position, as the pseudo-program calls them and as the controller does."""
+
 FINE_PLACES: Final = 4
 """Decimals of tools and frames: an angle of a frame acts over the distance to its targets."""
 
@@ -92,6 +95,8 @@ def is_length(component: str, robot: Robot | None) -> bool:
 
 def is_angle(component: str, robot: Robot | None) -> bool:
     """Whether a component is that of an axis that turns, which the controller has in radian."""
+    if component in ANGLES.values():
+        return robot is None or not robot.five_axis
     return component[:1] == "J" and not is_length(component, robot)
 
 

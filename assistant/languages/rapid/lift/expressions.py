@@ -44,7 +44,8 @@ class Expressions:
         self.reading: Reading[s.Expression] = Reading(
             {
                 "value": lambda node, _: self.of(node),
-                "position": lambda node, _: self._position(node),
+                "position": lambda node, _: self._part(node, "trans"),
+                "turned": lambda node, _: self._part(node, functions.TURN),
                 "timer": lambda node, _: self._timer(node),
                 "tool": lambda node, _: self._named(node, tool_name),
                 "frame": lambda node, _: self._named(node, frame_name),
@@ -109,9 +110,18 @@ class Expressions:
             return kept(node)
         return e.Apply(name, given)
 
-    def _position(self, node: s.Expression) -> e.Expression | None:
-        """The target whose position a node is."""
-        if isinstance(node, s.Component) and node.name.lower() == "trans":
+    def oriented(self, target: s.Expression, value: s.Expression) -> e.Expression | None:
+        """The target that `target:=value` turns to angles, as a whole with them."""
+        call = called(value)
+        found = None if call is None else self.reading.fields(functions.ORIENTATION, call)
+        place = self._part(target, functions.TURN)
+        if found is None or place is None:
+            return None
+        return e.Apply("oriented", (place, *(found[name] for name in e.ANGLES)))
+
+    def _part(self, node: s.Expression, name: str) -> e.Expression | None:
+        """The target of which a node is the position or orientation."""
+        if isinstance(node, s.Component) and node.name.lower() == name:
             return None if isinstance(node.value, s.Placeholder) else self.of(node.value)
         return None
 

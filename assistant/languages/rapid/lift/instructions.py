@@ -46,7 +46,7 @@ class Meaning:
         self.speeds, self.blends, self.numbers, self.alone = speeds, blends, numbers, alone
         self.used: list[tuple[str, Signal]] = []
         expressions = Expressions(original, timers)
-        self.expression = expressions.of
+        self.expression, self.oriented = expressions.of, expressions.oriented
         kinds: dict[str, Read[s.Expression]] = {
             **expressions.reading.kinds,
             "target": lambda node, _: self._place(node),

@@ -88,7 +88,11 @@ class StatementLift:
             case s.MoveRunNode():
                 yield from self._paths.statements(node, self._meaning.motion)
             case s.Assignment(target, value) if not isinstance(target, s.Placeholder):
-                yield p.Assign(expression(target), expression(value), span=span)
+                turned = self._meaning.oriented(target, value)
+                if isinstance(turned, e.Apply):
+                    yield p.Assign(turned.arguments[0], turned, span=span)
+                else:
+                    yield p.Assign(expression(target), expression(value), span=span)
             case s.GotoLabel(label):
                 yield p.Goto(original(label), span=span)
             case s.LabelMark(name):

@@ -55,6 +55,7 @@ class Expressions:
             {
                 "value": lambda x, _: self.lower(x),
                 "position": lambda x, _: s.Component(self._variable(x), "trans"),
+                "turned": lambda x, _: self.orientation(x),
                 "timer": lambda x, _: s.NameRef(names.get("timers", x)),
                 "tool": lambda x, _: s.NameRef(names.get("tools", x)),
                 "frame": lambda x, _: s.NameRef(names.get("frames", x) or "wobj0"),
@@ -82,6 +83,10 @@ class Expressions:
                 return bracketed(RECORDS.values(record)), PRIMARY
             case e.Aggregate(items):
                 return s.AggregateNode(tuple(self.lower(i) for i in items)), PRIMARY
+            case e.Member(_, name) if name.lower() in e.ANGLES:
+                call = functions.ROWS.write(x, self.writing)
+                assert call is not None
+                return function_call(call), PRIMARY
             case e.Member(value, name):
                 node = self._variable(value)
                 for part in COMPONENTS.get(name, (name,)):
@@ -105,6 +110,16 @@ class Expressions:
                 return self._apply(x.function, x.arguments), PRIMARY
             case e.Verbatim():
                 return self._verbatim(x)
+
+    def orientation(self, x: e.Expression) -> s.Component:
+        return s.Component(self._variable(x), functions.TURN)
+
+    def oriented(self, angles: tuple[e.Expression, ...]) -> s.FunctionCall:
+        """The orientation of angles about x, y and z."""
+        said = dict(zip(e.ANGLES, angles, strict=True))
+        call = self.writing.called(functions.ORIENTATION, said)
+        assert call is not None
+        return function_call(call)
 
     def _variable(self, x: e.Expression) -> s.Variable:
         node = self.lower(x, PRIMARY)

@@ -159,6 +159,13 @@ def _call(b: Body, x: p.Call) -> Lowered:
 
 
 def _assign(b: Body, x: p.Assign) -> Lowered:
+    match x:
+        case p.Assign(place, e.Apply("oriented", (base, *angles))) if place == base and len(
+            angles
+        ) == len(e.ANGLES):
+            turn = b.expressions.orientation(place)
+            yield s.Assignment(turn, b.expressions.oriented(tuple(angles)))
+            return
     target = b.lower(x.target)
     if not isinstance(target, s.NameRef | s.Component | s.Element):
         raise cannot("an assignment to an expression", "name a variable")

@@ -38,6 +38,10 @@ ROWS: Final = Rows(
     FunctionRow("bitxor", "DnumToNum(BitXOrDnum(NumToDnum({a}), NumToDnum({b})))"),
     Row("Pow({left}, {right})", e.Binary, operator="^"),
     Row("PoseMult({left}, {right})", e.Binary, operator="@"),
+    *(
+        Row(rf"EulerZYX(\{axis}, {{value:turned}})", e.Member, field=name)
+        for axis, name in zip("XYZ", e.ANGLES, strict=True)
+    ),
     Row("ClkRead({timer})", e.Elapsed),
     Row(r"CRobT(\Tool:={tool} \WObj:={frame})", e.Here),
     also=(Row("TestDI({left})", e.Binary, operator="=", right=e.Number(1)),),
@@ -47,6 +51,10 @@ HERE: Final = pattern(r"CRobT(\Tool:={tool?} \WObj:={frame?})")
 
 NO_OTHER: Final = frozenset(("dnumtonum", "testdi", "clkread"))
 """Functions with a row that in another form are calls like those of the user's own."""
+
+ORIENTATION: Final = pattern("OrientZYX({about_z}, {about_y}, {about_x})")
+TURN: Final = "rot"
+"""The component of a target or pose that is its orientation."""
 
 READS: Final = frozenset(("dinput", "doutput", "ginput", "goutput", "ainput", "aoutput"))
 """Functions that give what a signal's name says by itself (RAPID reference manual)."""

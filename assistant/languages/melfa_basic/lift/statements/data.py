@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, Final
 
 from assistant.languages.melfa_basic.lift.statements.paths import Runs
 from assistant.languages.melfa_basic.lift.values.expressions import Expressions
@@ -18,6 +18,8 @@ from assistant.languages.melfa_basic.tree.timers import timer_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Signal
+
+_ANGLES: Final = {melfa: name for name, melfa in poses.ANGLES.items()}
 
 
 def assign(node: s.Assign, lift: Expressions, runs: Runs) -> list[p.Statement]:
@@ -77,10 +79,11 @@ def _component(node: s.Assign, lift: Expressions) -> p.Assign:
     whole = lift.variable(s.Variable(target.name, target.suffix, target.arguments))
     if not isinstance(whole, e.Name | e.Index):
         raise Unliftable
-    member = e.Member(whole, target.component.lower())
+    member = e.Member(whole, _ANGLES.get(target.component, target.component.lower()))
     if poses.is_length(target.component, lift.m.robot):
         return p.Assign(member, lift.of(node.value))
-    if target.component in poses.JOINTS:
+    known = target.component in poses.JOINTS or target.component in _ANGLES
+    if known and poses.is_angle(target.component, lift.m.robot):
         return p.Assign(member, lift.degrees(node.value))
     raise Unliftable
 

@@ -25,7 +25,7 @@ from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS, Unlifta
 from assistant.languages.melfa_basic.lift.values.timers import elapsed
 from assistant.languages.melfa_basic.lift.values.types import Types
 from assistant.languages.melfa_basic.tables.functions import OF_ANGLE, PLAIN, TO_ANGLE
-from assistant.languages.melfa_basic.tables.poses import JOINTS, is_angle, is_length
+from assistant.languages.melfa_basic.tables.poses import ANGLES, JOINTS, is_angle, is_length
 from assistant.languages.melfa_basic.tables.vocabulary.timers import MILLISECONDS
 from assistant.languages.melfa_basic.text import effects, printer
 from assistant.languages.melfa_basic.tree import syntax as s
@@ -41,6 +41,7 @@ _OF_ANGLE: Final = {melfa.upper(): name for name, melfa in OF_ANGLE.items()}
 _TO_ANGLE: Final = {melfa.upper(): name for name, melfa in TO_ANGLE.items()}
 _PLACES: Final = frozenset(("position", "pose"))
 """Types of what stands somewhere, of which a product is one that stands in another."""
+_ANGLES: Final = {melfa: name for name, melfa in ANGLES.items()}
 _NUMBERS: Final = {
     "M_ON": e.Number(1),
     "M_OFF": e.Number(0),
@@ -241,7 +242,7 @@ class Expressions(Types):
         whole = s.Variable(node.name, node.suffix, node.arguments)
         if is_length(node.component, self.m.robot):
             return e.Member(self.variable(whole), node.component.lower())
-        if node.component[:1] == "J" and not self.m.own:
+        if is_angle(node.component, self.m.robot) and not self.m.own:
             return e.Binary("*", self.degrees(node), e.Number(DEGREE))
         raise Unliftable
 
@@ -292,9 +293,9 @@ class Expressions(Types):
                 return self.number(inner)
             case s.Variable(component=component) if is_angle(component, self.m.robot):
                 whole = s.Variable(node.name, node.suffix, node.arguments)
-                if component not in JOINTS:
+                if component not in (*JOINTS, *_ANGLES):
                     raise Unliftable
-                return e.Member(self.variable(whole), component.lower())
+                return e.Member(self.variable(whole), _ANGLES.get(component, component.lower()))
             case s.Variable(arguments=tuple(given)) if node.key in _TO_ANGLE and not node.component:
                 values = tuple(self.number(a) for a in given if a is not None)
                 return e.Apply(_TO_ANGLE[node.key], values)

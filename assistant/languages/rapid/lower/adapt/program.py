@@ -23,6 +23,7 @@ from assistant.program import statements as p
 from assistant.program.analysis.signals import uses, with_used
 from assistant.program.diagnostics import Diagnostic, Findings, Refused, has_errors
 from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
+from assistant.program.passes.angles import with_whole_angles
 from assistant.program.passes.comments import lines
 from assistant.program.passes.counted_loops import counted_loops
 from assistant.program.passes.integers import with_one_kind_of_numbers
@@ -108,6 +109,7 @@ def _rank(declaration: Declaration) -> int:
 
 PASSES: Final[tuple[Pass, ...]] = (
     with_measured_places,
+    with_whole_angles,
     pure(with_one_kind_of_numbers),
     sayable,
     pure(with_places),
