@@ -107,6 +107,16 @@ PULSE_FROM_OFF: Final = info(
     "`{name}` is taken to be off where its pulse begins, as the program never switches it on",
     "switch it off at the start of the program if anything else may have switched it on",
 )
+HANDLED: Final = warning(
+    "RA315",
+    "the error handler of `{name}` is for these errors here: {errors}; others stop the program",
+    "test for what may go wrong before it is done",
+)
+STOPS: Final = warning(
+    "RA316",
+    "`RAISE {name}` stops the program here, as no handler that is said is for it",
+    "say by a variable what went wrong, and test it where the procedure was called",
+)
 PLACE_UNLIKE: Final = warning(
     "RA312",
     "`{name}` is set on the way of {what}, which controllers may count differently",

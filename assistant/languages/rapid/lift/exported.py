@@ -20,9 +20,11 @@ from assistant.languages.rapid.lift.instructions import Meaning
 from assistant.languages.rapid.lift.operator import with_operator
 from assistant.languages.rapid.lift.plain_data import with_plain_data
 from assistant.languages.rapid.lift.program import routines
+from assistant.languages.rapid.lift.statements import lift_of
 from assistant.languages.rapid.lift.stopwatches import with_stopwatches
 from assistant.languages.rapid.lift.switches import with_switches
 from assistant.languages.rapid.lift.told.calls import call_of, is_text, lifted
+from assistant.languages.rapid.lift.told.errors import with_errors
 from assistant.languages.rapid.lift.told.left_out import INSTRUCTIONS
 from assistant.languages.rapid.lift.told.outputs import switched
 from assistant.languages.rapid.lift.told.statements import Telling, told
@@ -76,8 +78,10 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
     if tables := _tables(program):
         program = with_table_rows(program, tables, _with_named_rows)
     if any(is_text(record) for record in records(program.procedures)):
-        program = with_operator(program, findings)
         program = _with_other_words(program, findings)
+        handled = with_errors(program, lift_of(program), findings)
+        program = program if handled is program else _with_other_words(handled, findings)
+        program = with_operator(program, findings)
         program = exchanged(program, lambda node: (_without_near(node, findings),))
         if arm is not None:
             program = with_open_lines(program, steps)

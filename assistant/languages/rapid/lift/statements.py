@@ -38,9 +38,13 @@ def statements_of(text: str, program: Program) -> tuple[p.Statement, ...]:
         return (_kept(text),)  # a finding when it is built
     if any(isinstance(n, s.Data | s.TargetRunNode) for n in read):
         return (_kept(text),)
+    return lift_of(program).block(read)
+
+
+def lift_of(program: Program) -> StatementLift:
+    """What lifts more statements of a program."""
     paths = PathLift((), DataLift((), (), str), str)
-    procedures = {q.name.lower() for q in program.procedures}
-    return StatementLift(Meaning(), paths, procedures).block(read)
+    return StatementLift(Meaning(), paths, {q.name.lower() for q in program.procedures})
 
 
 class StatementLift:

@@ -1,0 +1,165 @@
+"""Error handlers of RAPID: read, and what is left of one for an error that is known.
+
+A handler asks for the error by `ERRNO`. Where it is known which error leads there, so is which of
+its ways is taken: what is left has no `ERRNO` any more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from typing import Any, Final
+
+from assistant.languages.rapid.lift.statements import StatementLift
+from assistant.languages.rapid.text import verbatim
+from assistant.languages.rapid.tree import syntax as s
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.diagnostics import Span
+from assistant.program.effects import Effect
+from assistant.program.kept import effect_of
+from assistant.program.program import walk
+from assistant.program.rewriting import Body, head, map_bodies, map_expressions, map_spans, records
+
+ERRNO: Final = "errno"
+ANY: Final = "long_jmp_all_err"
+LONG_WAIT: Final = "err_wait_maxtime"
+MOST_STATEMENTS: Final = 40
+"""Of what a handler does about one error: it is written wherever that error may happen."""
+
+
+def handlers_of(node: p.Statement) -> tuple[s.Handler, ...]:
+    """The handlers that a kept text says, none for any other statement."""
+    if isinstance(node, p.Opaque) and node.language == verbatim.LANGUAGE:
+        return verbatim.understood(verbatim.handlers, node.text) or ()
+    return ()
+
+
+def takes(handler: s.Handler | None, error: str) -> bool:
+    """Whether a handler is for an error, by its lower-case name: without a list for any."""
+    if handler is None:
+        return False
+    listed = {one.name.lower() for one in handler.numbers if isinstance(one, s.NameRef)}
+    return not handler.numbers or error in listed or ANY in listed
+
+
+def raised(node: p.Statement) -> str | None:
+    """The lower-case name of the error that a kept text raises, empty for the same one again."""
+    match _only(node):
+        case s.RaiseError(s.NameRef(name)):
+            return name.lower()
+        case s.RaiseError(None):
+            return ""
+    return None
+
+
+def word(node: p.Statement) -> str:
+    """`RETRY`, `TRYNEXT` or `ExitCycle` in upper case, if a statement is that alone."""
+    match _only(node):
+        case s.Word(said):
+            return said
+        case s.ProcedureCall(str(name), ()):
+            return name.upper()
+    return ""
+
+
+def _only(node: p.Statement) -> s.StatementNode | None:
+    if isinstance(node, p.Opaque) and node.language == verbatim.LANGUAGE:
+        match verbatim.understood(verbatim.statements, node.text):
+            case (one,):
+                return one
+    return None
+
+
+def left_of(handler: s.Handler, error: str, lift: StatementLift, span: Span | None) -> Body | None:
+    """What a handler does about an error; None if that asks more of the error than which it is."""
+    body = tuple(_without_questions(lift.block(handler.body), error))
+    body = map_spans(body, lambda _: span)
+    nodes = [*walk(body)]
+    if len(nodes) > MOST_STATEMENTS or any(isinstance(one, p.Label | p.Goto) for one in nodes):
+        return None
+    return None if any(map(_asks, nodes)) else body
+
+
+def _asks(node: p.Statement) -> bool:
+    for record in records(head(node)):
+        match record:
+            case e.Name(name) if name.lower() == ERRNO:
+                return True
+            case p.Opaque() | e.Verbatim():
+                effect: Effect = effect_of(record)
+                if ERRNO in effect.names:
+                    return True
+    return False
+
+
+def _without_questions(body: Iterable[p.Statement], error: str) -> Iterator[p.Statement]:
+    """Statements with the ways alone that are taken for an error."""
+    for node in body:
+        node = map_bodies(node, lambda inner: tuple(_without_questions(inner, error)))
+        node = _with_head(node, error)
+        match node:
+            case p.If(branches, otherwise):
+                yield from _chosen(branches, otherwise, node)
+            case p.Switch(e.Name(name), cases, otherwise) if name.lower() == ERRNO:
+                yield from _case(cases, otherwise, error, node)
+            case _:
+                yield node
+
+
+def _with_head(node: Any, error: str) -> Any:
+    if not isinstance(node, p.If):
+        return node
+    branches = tuple(
+        replace(b, condition=map_expressions(b.condition, lambda x: _known(x, error)))
+        for b in node.branches
+    )
+    return replace(node, branches=branches)
+
+
+def _known(x: e.Expression, error: str) -> e.Expression:
+    """A comparison with `ERRNO` as a truth, and what follows from that."""
+    match x:
+        case e.Binary("=" | "<>" as operator, e.Name(one), e.Name(other)) if ERRNO in (
+            one.lower(),
+            other.lower(),
+        ):
+            asked = other if one.lower() == ERRNO else one
+            return e.Truth((asked.lower() == error) is (operator == "="))
+        case e.Binary("and", e.Truth(value), other) | e.Binary("and", other, e.Truth(value)):
+            return other if value else e.Truth(False)
+        case e.Binary("or", e.Truth(value), other) | e.Binary("or", other, e.Truth(value)):
+            return e.Truth(True) if value else other
+        case e.Unary("not", e.Truth(value)):
+            return e.Truth(not value)
+    return x
+
+
+def _chosen(branches: Iterable[p.Branch], otherwise: Body, node: p.If) -> Iterator[p.Statement]:
+    """An `if` without the branches that are never taken, or what is always done of it."""
+    kept: list[p.Branch] = []
+    for branch in branches:
+        if branch.condition == e.Truth(True):
+            otherwise = branch.body
+            break
+        if branch.condition != e.Truth(False):
+            kept.append(branch)
+    if kept:
+        yield replace(node, branches=tuple(kept), otherwise=otherwise)
+    else:
+        yield from otherwise
+
+
+def _case(
+    cases: Iterable[p.Case], otherwise: Body, error: str, node: p.Switch
+) -> Iterator[p.Statement]:
+    """The body that an error selects; the question itself where that is not by a name."""
+    for case in cases:
+        if not all(isinstance(value, e.Name) for value in case.values):
+            yield node
+            return
+        names = {value.name.lower() for value in case.values if isinstance(value, e.Name)}
+        if error in names:
+            yield from case.body
+            return
+    yield from otherwise
