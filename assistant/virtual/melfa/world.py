@@ -217,6 +217,8 @@ class World:
 
     def set_timer(self, number: int, value: float) -> None:
         self.timers[number] = self.clock - value
+        if self.task.kernel.timed is not None:
+            self.task.kernel.timed()
 
 
 def inputs_of(given: Mapping[int, int] | Inputs | None) -> Source:

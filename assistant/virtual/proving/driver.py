@@ -132,7 +132,7 @@ class Driver(Mapping[str, float]):
         self._apply(dict(self.scenario.at(Moment()) or ()))
         self.kernel.board.inputs = _Inputs(self)
         self.kernel.told, self.kernel.stuck = self._told, self._stuck
-        self.kernel.branch = self._branch
+        self.kernel.branch, self.kernel.timed = self._branch, self._still
 
     # ------------------------------------------------------------------------ what is read
 
