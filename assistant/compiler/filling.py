@@ -17,7 +17,7 @@ from assistant.compiler.loading import Loaded, language_of
 from assistant.program.diagnostics import Refused, error, has_errors, warning
 from assistant.program.program import Program, Signal
 from assistant.program.text import SourceText
-from assistant.program.wanted import ROUTINES, Value, Wanted, neutral
+from assistant.program.wanted import ROUTINES, SLOWLY, Value, Wanted, neutral
 from assistant.sources.cell import NO_CELL, TABLES, Cell, parse_cell, read_cell, said, with_entries
 
 UNFILLED: Final = warning(
@@ -61,9 +61,8 @@ def in_cell(loaded: Loaded, cell: Cell, path: FilePath) -> Loaded:
     program = loaded.program
     given = [(_typed(one, cell), _value(one, cell)) for one in declared]
     if given:
-        text = language.supplied(given, trees)
-        trees.append(language.parse(SourceText(text, STATED, newline="\n")))
-    if len(trees) > len(origin.trees):
+        trees = language.with_supplied(trees, given, STATED)
+    if files or given:
         program = language.lift(trees, origin.robot)
     program = _with_signals(program, wanted)
     program, findings = equipped(program, cell.process, str(path), sharing=True)
@@ -84,7 +83,10 @@ def neutral_cell(loaded: Loaded) -> str:
     Signals are numbered from 1. Routines that were not read are stops.
     """
     wanting = in_cell(loaded, NO_CELL, FilePath("cell.toml")).wanting
-    return with_entries("", [(one, neutral(one)) for one in wanting])
+    origin = loaded.program.origin
+    percents = origin is not None and language_of(origin.language).joint_percent
+    head = f"joint_speed = {SLOWLY.tcp:g}\n" if percents else ""
+    return with_entries(head, [(one, neutral(one)) for one in wanting])
 
 
 def in_neutral_cell(loaded: Loaded) -> Loaded:

@@ -327,6 +327,14 @@ class Language(abc.ABC, Generic[T]):
         """
         return ""
 
+    def with_supplied(self, trees: Sequence[T], given: Supplied, path: str) -> list[T]:
+        """The trees and a file beside them that declares names, as `supplied` writes it.
+
+        Or the trees with the names in them, where each file has its own. path: of that file.
+        """
+        text = self.supplied(given, trees)
+        return [*trees, self.parse(SourceText(text, path, newline="\n"))]
+
     def parts(self, tree: T) -> Iterator[Part]:  # noqa: ARG002
         """What a parsed tree holds that a report on it should name beside what is lifted.
 

@@ -299,3 +299,18 @@ def test_a_search_goes_on_behind_inputs_that_the_program_fails_with(tmp_path: Pa
     assert made.motion.holds, made.findings
     assert made.motion.found is not None
     assert 0 < made.motion.found.failing < made.motion.found.runs
+
+
+def test_files_that_are_loaded_while_the_program_runs(tmp_path: Path) -> None:
+    """A program that calls another one becomes a module that loads another one."""
+    place = "P1=(400,0,{z},180,0,180)(7,0)\n"
+    (tmp_path / "MAIN.prg").write_text('Mvs P1\nCallP "SUB"\nEnd\n' + place.format(z=400))
+    (tmp_path / "SUB.prg").write_text("Mvs P1\nM_Out(3)=1\nEnd\n" + place.format(z=300))
+    made = assistant.translate(
+        tmp_path / "MAIN.prg", to="rapid", language="melfa-basic-5", proving=Proving()
+    )
+    assert len(made.files) == 2
+    assert made.motion is not None
+    assert made.motion.holds, made.findings
+    assert made.motion.found is not None
+    assert (made.motion.found.visits, made.motion.found.changes) == (2, 1)

@@ -32,6 +32,7 @@ from assistant.program.text import SourceText
 if TYPE_CHECKING:
     from assistant.languages.melfa_basic.tree import syntax
     from assistant.languages.melfa_basic.tree.syntax import File
+    from assistant.program.wanted import Supplied, Wanted
     from assistant.robots import Robot
 
 __all__ = ["MelfaBasic", "language", "syntax"]
@@ -161,6 +162,16 @@ class MelfaBasic(Language["File"]):
         from assistant.languages.melfa_basic.text.effects import of_text
 
         return of_text(text, kind)
+
+    def wanted(self, trees: Sequence[File]) -> tuple[Wanted, ...]:
+        from assistant.languages.melfa_basic.checks.wanted import wanted
+
+        return wanted(trees)
+
+    def with_supplied(self, trees: Sequence[File], given: Supplied, path: str) -> list[File]:  # noqa: ARG002
+        from assistant.languages.melfa_basic.lower.supplied import with_supplied
+
+        return with_supplied(trees, given, self.name)
 
     def lift_trees(self, trees: Sequence[File], robot: Robot | None) -> Program:
         from assistant.languages.melfa_basic.lift.files.program import lift

@@ -10,7 +10,7 @@ from assistant.virtual.melfa import expressions, poses
 from assistant.virtual.melfa.arm import Arm
 from assistant.virtual.melfa.options import Frame
 from assistant.virtual.melfa.stops import Failed, Unknown, open_point, out_of_range
-from assistant.virtual.melfa.values import Position, eight, position, whole
+from assistant.virtual.melfa.values import ORIGIN, Position, eight, position, whole
 
 if TYPE_CHECKING:
     from assistant.virtual.melfa.machine import Machine
@@ -29,7 +29,18 @@ def _tool(m: Machine, node: s.Expression) -> None:
 
 def choose_tool(m: Machine, number: int) -> None:
     """A tool by its number, as the parameters MEXTL1 and so on give it."""
-    _set_tool(m.world.arm, _numbered(m.world.options.tools, number, "tool"), number)
+    kept = _kept(m, f"MEXTL{number}")
+    _set_tool(m.world.arm, kept or _numbered(m.world.options.tools, number, "tool"), number)
+
+
+def _kept(m: Machine, parameter: str) -> Position | None:
+    """The value of a parameter that a program's list of positions holds for its cell.
+
+    As a position whose name is that of the parameter behind a P.
+    """
+    place = m.main.places.get(f"P{parameter}")
+    value = place.get() if place is not None and place.is_set() else None
+    return value if isinstance(value, Position) else None
 
 
 def _set_tool(arm: Arm, tool: Position, number: int | None) -> None:
@@ -41,10 +52,11 @@ def _base(m: Machine, node: s.Expression) -> None:
     arm, found, number = m.world.arm, expressions.value(m, node), None
     if isinstance(found, bool | int | float):
         number = whole(found)
-        base = _numbered(m.world.options.bases, number, "base")
-        if m.world.options.bases_are is None:
+        kept = _kept(m, f"WK{number}CORD")
+        base = kept or _numbered(m.world.options.bases, number, "base")
+        if kept is None and number and m.world.options.bases_are is None:
             raise open_point("from where a numbered base is seen", "bases_are")
-        if m.world.options.bases_are == "seen":
+        if kept is not None or m.world.options.bases_are == "seen":
             base = poses.inverse(base, None)
     else:
         base = position(found, "a base")
@@ -52,6 +64,9 @@ def _base(m: Machine, node: s.Expression) -> None:
 
 
 def _numbered(frames: Mapping[int, Frame], number: int, what: str) -> Position:
+    """That of 0 is none unless somebody says otherwise (CR1D: Base, Tool)."""
+    if number == 0 and number not in frames:
+        return ORIGIN
     if number not in frames:
         raise open_point(f"the {what} {number}, which stands in a parameter", f"{what}s")
     return Position(eight(frames[number]), (0, 0))

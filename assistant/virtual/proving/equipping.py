@@ -69,6 +69,10 @@ def _number(value: float) -> str:
     return f"{value:.12f}".rstrip("0").rstrip(".")
 
 
+PARAMETER: Final = re.compile(r"wk\d+cord|mextl\d+", re.IGNORECASE)
+"""Names of parameters, whose values stand in positions with a P before the name."""
+
+
 def _melfa(tree: object, text: str, cell: Cell) -> tuple[list[Change], set[str]]:  # noqa: ARG001
     """A frame is a base, from which the robot is seen, or a factor of positions."""
     from assistant.virtual.melfa.poses import position_of
@@ -77,7 +81,7 @@ def _melfa(tree: object, text: str, cell: Cell) -> tuple[list[Change], set[str]]
     changes: list[Change] = []
     found: set[str] = set()
     for name in (*cell.tools, *cell.frames):
-        own = short.get(name, name)
+        own = short.get(name, f"P?{name}" if PARAMETER.fullmatch(name) else name)
         pose = cell.tools[name] if name in cell.tools else cell.frames[name].pose
         if name not in cell.tools and re.search(rf"(?i)\bBase\s+{own}\b", text):
             pose = pose.inverse()

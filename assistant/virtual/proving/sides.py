@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant import languages
 from assistant.program.geometry import Pose
 from assistant.program.passes.asking import is_operators
 from assistant.virtual.branches import Branches
@@ -100,14 +101,33 @@ def _begin_rapid(side: Side, kernel: Kernel) -> None:
     from assistant.virtual.rapid.controller import Controller, Options
     from assistant.virtual.rapid.running import start_task
 
+    controller = Controller(Options(sockets=False))  # to prove a program is not to trust it
+    there, loaded = _apart(side.trees)
+    for tree in loaded:
+        name = _file_name(tree)
+        controller.disk.path(name).write_text(tree.source.text, encoding="utf-8")
     start_task(
         kernel,
-        tuple(side.trees),
+        there,
         robot=side.robot,
         entry=side.entry,
         start=side.start,
-        controller=Controller(Options(sockets=False)),  # to prove a program is not to trust it
+        controller=controller,
     )
+
+
+def _apart(trees: Sequence[Any]) -> tuple[tuple[Any, ...], list[Any]]:
+    """The files that are there from the start, and those that a program loads while it runs."""
+    rapid = languages.get("rapid")
+    called = (name for tree in trees for name in rapid.called_files(tree))
+    names = {PurePath(name.replace("\\", "/")).name.lower() for name in called}
+    loaded = [tree for tree in trees[1:] if tree.source and _file_name(tree).lower() in names]
+    there = tuple(tree for tree in trees if not any(tree is one for one in loaded))
+    return there, loaded
+
+
+def _file_name(tree: Any) -> str:
+    return PurePath((tree.source and tree.source.path) or "").name
 
 
 def _begin_melfa(side: Side, kernel: Kernel) -> None:

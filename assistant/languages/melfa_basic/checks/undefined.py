@@ -31,7 +31,7 @@ def variables(look: Look) -> Found:
     seen: set[str] = set()
     for line, use in look.uses:
         variable, key = use.variable, use.variable.key
-        if use.role != "read" or key in seen or _is_call(look, variable):
+        if use.role != "read" or key in seen or is_call(look, variable):
             continue
         if key in names.given:
             continue
@@ -66,7 +66,7 @@ def _undefined_rows(look: Look, rows: MoveRows, names: Known) -> Found:
         yield look.finding(rules.NO_POSITION, where, kind="position", name=name)
 
 
-def _is_call(look: Look, variable: s.Variable) -> bool:
+def is_call(look: Look, variable: s.Variable) -> bool:
     """Whether a name with or without arguments is a function's."""
     key = variable.key
     if vocabulary.function(key) is not None and variable.arguments is not None:
@@ -93,7 +93,7 @@ def calls(look: Look) -> Found:
         return
     for line, call in look.all(s.Call):
         name = call.function.name
-        if not _is_call(look, call.function):
+        if not is_call(look, call.function):
             yield look.at(rules.NO_CALL, line, name, name=name)
 
 

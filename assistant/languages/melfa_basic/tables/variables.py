@@ -65,3 +65,12 @@ def is_external(name: str, variable: Variable) -> bool:
         and (variable.initial is None or re.fullmatch(r"._[01][0-9]", name) is not None)
         and name[0].upper() == LETTERS[variable.type]
     )
+
+
+PARAMETERS: Final = {"Tool": "MEXTL{number}", "Base": "WK{number}CORD"}
+"""Parameters that hold the tool and the work coordinates of a number (manual CR1D: Tool, Base)."""
+
+
+def kept_as(parameter: str) -> str:
+    """The position of a program's list that says what a parameter of its cell holds."""
+    return f"P{parameter}"

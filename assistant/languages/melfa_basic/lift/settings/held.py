@@ -8,6 +8,7 @@ from typing import Any, Final, TypeVar
 
 from assistant.languages.melfa_basic.lift.values.constants import Constants
 from assistant.languages.melfa_basic.tables import poses
+from assistant.languages.melfa_basic.tables.variables import PARAMETERS, kept_as
 from assistant.languages.melfa_basic.text.header import Header
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import Positions
@@ -138,7 +139,20 @@ class Settings:
                 return _named(f"{kind}_1", made(values), known)
             case (s.Number(value=0),):
                 return default
+            case (s.Number(value=number),):
+                parameter = PARAMETERS["Base" if kind == "frame" else "Tool"].format(
+                    number=round(number)
+                )
+                if (constant := self.positions.constant(kept_as(parameter))) is not None:
+                    # as the cell states it: work coordinates are seen from the robot
+                    seen: Any = plain_frame if kind == "frame" else made
+                    return _named(parameter, seen(constant.values), known)
         return UNKNOWN
+
+
+def plain_frame(values: tuple[float | None, ...]) -> Frame:
+    """Work coordinates of a parameter."""
+    return Frame(poses.plain_pose(values))
 
 
 def _named(wanted: str, value: T, known: dict[str, T]) -> str:

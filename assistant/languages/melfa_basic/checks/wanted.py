@@ -1,0 +1,139 @@
+"""What programs use and neither they nor their position lists give a value: a cell has to say it.
+
+Positions and joints that were taught on the controller and not exported, numbers that somebody set
+there, and the tools and bases that parameters hold by their numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from assistant.languages.melfa_basic.checks.file_view import Calls, Look, program_name
+from assistant.languages.melfa_basic.checks.undefined import is_call
+from assistant.languages.melfa_basic.checks.variables_of import Known, known
+from assistant.languages.melfa_basic.tables import vocabulary
+from assistant.languages.melfa_basic.tables.dialects import DIALECTS
+from assistant.languages.melfa_basic.tables.variables import PARAMETERS, kept_as
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.columnar import MVR, MoveRows
+from assistant.languages.melfa_basic.tree.positions import Positions
+from assistant.languages.melfa_basic.tree.walk import literal
+from assistant.languages.runs.names import Names
+from assistant.program.diagnostics import Span
+from assistant.program.wanted import Plain, Wanted, WantedKind
+
+_OF_TYPE: Final[dict[str, str]] = {"Pos": "P", "Jnt": "J", "Char": "C"}
+"""Type of a `Def` → the letter that names of it begin with elsewhere; numbers otherwise."""
+_KINDS: Final[dict[str, tuple[WantedKind, str, Plain | None]]] = {
+    "P": ("position", "", None),
+    "J": ("joints", "", None),
+    "C": ("data", "string", ""),
+    "M": ("data", "num", 0.0),
+}
+"""By letter: what it is, its type, and the value that says least."""
+
+
+def wanted(trees: Sequence[s.File]) -> tuple[Wanted, ...]:
+    """Names without a value, in the order of the programs and of their first uses.
+
+    Those of programs behind the first one have the name of their program before them.
+    """
+    calls, found = Calls(trees), dict[str, Wanted]()
+    for at, tree in enumerate(trees):
+        look = Look(tree, DIALECTS[tree.dialect], calls)
+        if look.has_strangers:
+            continue
+        before = f"{program_name(tree)}_" if at else ""
+        for one in (*_variables(look), *_parameters(look)):
+            shared = one.kind in ("tool", "frame")
+            name = one.name if shared else before + one.name
+            there = found.get(name.lower())
+            uses = tuple(dict.fromkeys((*(there.uses if there else ()), *one.uses)))
+            found[name.lower()] = replace(there or one, name=name, uses=uses)
+    return tuple(found.values())
+
+
+def _variables(look: Look) -> Iterator[Wanted]:
+    """Plain variables of a file that are used and have no value, or only components of one."""
+    names, positions = look.once(known), Positions(look.tree)
+    types = {
+        v.key: _OF_TYPE.get(node.type, "M")
+        for _, node in look.all(s.DefNames)
+        for v in node.variables
+    }
+    whole = {
+        use.variable.key
+        for _, use in look.uses
+        if use.role in ("written", "either") and not use.variable.component
+    }
+    empty = _empty(look.tree)
+    met: dict[str, Wanted] = {}
+    for line, use in look.uses:
+        variable, key = use.variable, use.variable.key
+        asks = use.role == "read" or bool(variable.component)
+        if not asks or variable.arguments is not None or is_call(look, variable):
+            continue
+        if key[1:2] == "_" or key in whole or vocabulary.status(key) is not None:
+            continue
+        if (
+            key in positions.plain
+            or positions.constant(key) is not None
+            or key in names.dimensioned
+        ):
+            continue
+        if key in names.given and key not in empty and not variable.component:
+            continue
+        kind, type, nothing = _KINDS[types.get(key, key[0] if key[0] in "PJC" else "M")]
+        one = met.get(key) or Wanted(variable.name, kind, type, nothing=nothing)
+        assigned = one.assigned or use.role != "read"
+        met[key] = replace(one, uses=(*one.uses, _place(look, line.span)), assigned=assigned)
+    yield from met.values()
+    for item in look.code:
+        if isinstance(item, MoveRows):
+            yield from _rows(look, item, names, empty)
+
+
+def _empty(tree: s.File) -> set[str]:
+    """Positions that were never taught, whose lines hold zeros without flags."""
+    return {
+        item.variable.key
+        for item in tree.items
+        if isinstance(item, s.Data)
+        and isinstance(item.value, s.Constant)
+        and item.value.flags == (None, None)
+        and not any(item.value.values)
+    }
+
+
+def _rows(look: Look, rows: MoveRows, names: Known, empty: set[str]) -> Iterator[Wanted]:
+    arc = rows.kinds == MVR
+    numbers = np.unique(np.concatenate([rows.end, rows.via[arc], rows.start[arc]]))
+    given = names.given.among(Names.numbered(rows.stem.encode("ascii"), numbers))
+    untaught = np.array([f"{rows.stem.upper()}{number}" in empty for number in numbers], bool)
+    for number in numbers[~given | untaught].tolist():
+        fitting = (rows.end == number) | (rows.via == number) | (rows.start == number)
+        where = look.row(rows, int(np.argmax(fitting)), f"{rows.stem}{number}")
+        yield Wanted(f"{rows.stem}{number}", "position", uses=(_place(look, where),))
+
+
+def _parameters(look: Look) -> Iterator[Wanted]:
+    """Tools and bases by number."""
+    for line, command in look.all(s.Command):
+        known_as = PARAMETERS.get(command.keyword)
+        number = literal(command.arguments[0]) if len(command.arguments) == 1 else None
+        if known_as is not None and number:
+            kind: WantedKind = "tool" if command.keyword == "Tool" else "frame"
+            name = known_as.format(number=round(number))
+            if Positions(look.tree).constant(kept_as(name)) is None:
+                yield Wanted(name, kind, uses=(_place(look, line.span),))
+
+
+def _place(look: Look, span: Span | None) -> str:
+    number = "?"
+    if look.tree.source is not None and span is not None:
+        number = str(look.tree.source.line_column(span.start)[0])
+    return f"{program_name(look.tree) or 'program'}:{number}"

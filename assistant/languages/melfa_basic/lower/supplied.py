@@ -1,0 +1,87 @@
+"""Programs with the values of a cell, in their position lists as an export would have them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from assistant.languages.melfa_basic.checks.file_view import program_name
+from assistant.languages.melfa_basic.reading.parser import parse
+from assistant.languages.melfa_basic.tables import poses
+from assistant.languages.melfa_basic.tables.variables import kept_as
+from assistant.languages.melfa_basic.text import printer
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool
+from assistant.program.path import configuration_row
+from assistant.program.text import SourceText
+from assistant.program.wanted import Supplied, Value, Wanted
+
+NO_FLAGS: Final = (0, 0)
+
+
+def with_supplied(trees: Sequence[s.File], given: Supplied, dialect: str) -> list[s.File]:
+    """The trees, each with a line for every name that its program wants."""
+    made = []
+    for at, tree in enumerate(trees):
+        before = f"{program_name(tree)}_".lower() if at else ""
+        lines = dict[str, str]()
+        for wanted, value in given:
+            own = wanted.name.lower().startswith(before)
+            shared = wanted.kind in ("tool", "frame")
+            if value is None or not (shared or (own and _is_of(wanted, tree))):
+                continue
+            name = kept_as(wanted.name) if shared else wanted.name[len(before) :]
+            lines[name.upper()] = _line(name, value)
+        made.append(_with_lines(tree, lines, dialect) if lines else tree)
+    return made
+
+
+def _is_of(wanted: Wanted, tree: s.File) -> bool:
+    program = program_name(tree) or "program"
+    return any(use.rpartition(":")[0] == program for use in wanted.uses)
+
+
+def _line(name: str, value: Value) -> str:
+    match value:
+        case Tool():
+            return f"{name}={_placed(value.tip, NO_FLAGS)}"
+        case Frame():
+            return f"{name}={_placed(value.pose, NO_FLAGS)}"
+        case Target():
+            configuration = np.array([configuration_row(value.configuration)])
+            first, second = poses.flags_of(configuration, None)[0].tolist()
+            return f"{name}={_placed(value.pose, (first, second))}"
+        case JointTarget():
+            return f"{name}=({','.join(map(_number, value.joints))})"
+        case str():
+            return f'{name}="{value}"'
+        case float() | int():
+            return f"{name}={_number(float(value))}"
+    raise AssertionError(value)
+
+
+def _placed(pose: Pose, flags: tuple[int, int]) -> str:
+    return f"({','.join(map(_number, poses.plain_values(pose)[:6]))})({flags[0]},{flags[1]})"
+
+
+def _number(value: float) -> str:
+    return printer.number(s.Number(round(value, 9)))
+
+
+def _with_lines(tree: s.File, lines: Mapping[str, str], dialect: str) -> s.File:
+    """A line without a value gives its place to the one that has it; others stand at the end."""
+    source = tree.source or SourceText("")
+    text, left = source.text, dict(lines)
+    for item in reversed(tree.items):
+        if isinstance(item, s.Data) and item.span is not None and item.variable.key in left:
+            if item.variable.arguments is None:
+                old = text[item.span.start : item.span.end]
+                end = old[len(old.rstrip("\r\n")) :]
+                new = left.pop(item.variable.key)
+                text = text[: item.span.start] + new + end + text[item.span.end :]
+    if left:
+        text = text.rstrip("\r\n\x1a") + "\n" + "\n".join(left.values()) + "\n"
+    return parse(replace(source, text=text), dialect)

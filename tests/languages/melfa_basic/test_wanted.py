@@ -1,0 +1,103 @@
+"""What programs of MELFA-BASIC use without a value, and a cell's values in their position lists."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from assistant import languages
+from assistant.compiler.filling import neutral_cell
+from assistant.compiler.loading import load
+from assistant.compiler.motion import Proving
+from assistant.compiler.translating import translate
+from assistant.program.geometry import Frame, Pose, Target
+from assistant.program.text import SourceText
+from assistant.program.wanted import Wanted
+
+FIVE = languages.get("melfa-basic-5")
+PLACES = "P1=(400,0,400,180,0,180)(7,0)\n"
+
+
+def wanted(text: str) -> list[Wanted]:
+    return list(FIVE.wanted([FIVE.parse(SourceText(text, "JOB.prg"))]))
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("Mvs P1\nMvs P2\n" + PLACES, [("P2", "position")]),
+        ("Mov Home\nMov PHome\n" + PLACES, [("Home", "data"), ("PHome", "position")]),
+        ("Mov J1\n", [("J1", "joints")]),
+        ("P2=P1\nMvs P2\nM1=1\nDly M1\nDly Wait1\n" + PLACES, [("Wait1", "data")]),
+        ("P2.Z=5\nMvs P2\nP1.X=3\nMvs P1\n" + PLACES, [("P2", "position")]),
+        ("Mvs P2\nP2=(0,0,0,0,0,0)(,)\n", [("P2", "position")]),
+        ("Def Pos Place\nMvs Place\n", [("Place", "position")]),
+        ("Def Char Name\nCallP Name\n", [("Name", "data")]),
+        ("FPrm P2,M1\nMvs P2\nDly M1\n", []),
+        ("Dim P2(3)\nMvs P2(1)\nFor M1=1 To 2\nNext\nMvs P_Curr\nMvs P_01\n", []),
+        ("Tool 2\nBase 1\nBase 1\nTool 0\n", [("MEXTL2", "tool"), ("WK1CORD", "frame")]),
+    ],
+)  # fmt: skip
+def test_names_without_a_value(text: str, found: list[tuple[str, str]]) -> None:
+    assert sorted((one.name, one.kind) for one in wanted(text)) == sorted(found)
+
+
+def test_uses_are_told() -> None:
+    (one,) = wanted("Mvs P2\nM1=1\nIf M1=1 Then Mvs P2\n")
+    assert one.uses == ("JOB:1", "JOB:3")
+
+
+def test_values_stand_in_the_list_of_positions() -> None:
+    tree = FIVE.parse(SourceText("1 Mvs P1\n2 Mvs P2\nP2=(0,0,0,0,0,0)(,)\n", "JOB.prg"))
+    place = Target(Pose((1, 2, 3.5), (0.0, 0.0, 1.0, 0.0)))
+    given = [(one, place) for one in FIVE.wanted([tree])]
+    (made,) = FIVE.with_supplied([tree], given, "cell")
+    text = FIVE.render(made)
+    assert text.startswith("1 Mvs P1\n2 Mvs P2\nP2=(1,2,3.5,")
+    assert text.splitlines()[-1].startswith("P1=(1,2,3.5,")
+    assert FIVE.wanted([made]) == ()
+
+
+def test_programs_of_one_job_have_their_own(tmp_path: Path) -> None:
+    (tmp_path / "MAIN.prg").write_text('1 Mvs P1\n2 CallP "SUB"\n3 End\n')
+    (tmp_path / "SUB.prg").write_text("1 Mvs P1\n2 End\n")
+    loaded = load(tmp_path / "MAIN.prg", language="melfa-basic-5")
+    cell = tmp_path / "cell.toml"
+    text = neutral_cell(loaded)
+    assert "[positions.P1]" in text
+    assert "[positions.SUB_P1]" in text
+    cell.write_text(text.replace("400, 0, 400", "400, 0, 300", 1))
+    found = translate(loaded, to="rapid", cell=cell, proving=Proving())
+    assert found.ok, found.findings
+    written = "".join(data.decode() for data in found.files.values())
+    assert "[[400,0,300]" in written
+    assert "[[400,0,400]" in written
+
+
+def test_work_coordinates_are_seen_from_the_robot(tmp_path: Path) -> None:
+    source, cell = tmp_path / "JOB.prg", tmp_path / "cell.toml"
+    source.write_text("Base 1\nMvs P1\nBase 0\nTool 1\nMov P1\nEnd\n" + PLACES)
+    cell.write_text(
+        "joint_speed = 100\n[frames.WK1CORD]\nposition=[50,20,-100]\neuler_zyx=[30,0,0]\n"
+        "[tools.MEXTL1]\ntip=[0,0,120]\n"
+    )
+    found = translate(source, to="rapid", language="melfa-basic-5", cell=cell, proving=Proving())
+    assert found.ok, found.findings
+    assert found.motion is not None
+    assert found.motion.holds
+    frame = found.compiled.source.frames["WK1CORD"]
+    assert isinstance(frame, Frame)
+    assert frame.user.position == (50, 20, -100)
+    assert "WK1CORD" in next(iter(found.files.values())).decode()
+
+
+def test_numbers_that_nobody_sets(tmp_path: Path) -> None:
+    source, cell = tmp_path / "JOB.prg", tmp_path / "cell.toml"
+    source.write_text("Dly MPause\nMov P1\nMvs P1,-Above\nEnd\n" + PLACES)
+    text = neutral_cell(load(source, language="melfa-basic-5"))
+    assert "joint_speed = 100" in text
+    cell.write_text(text.replace("value = 0", "value = 20"))
+    found = translate(source, to="rapid", language="melfa-basic-5", cell=cell, proving=Proving())
+    assert found.ok, found.findings
+    assert "20" in next(iter(found.files.values())).decode()
