@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
 from assistant.program.diagnostics import Refused, error
 from assistant.program.program import Program
+from assistant.program.wanted import SAME_ARM
 
 if TYPE_CHECKING:
+    from assistant.compiler.loading import Loaded
     from assistant.robots import Robot
 
 UNKNOWN_ROBOT = error(
@@ -26,11 +28,13 @@ class Arms:
     """robot: the arm that was named to run a program. written_for: where the program does not
     say it, the one that it was written for; each None if nobody has named it. joint_speed: mm/s
     of joint moves that state a percentage which nothing else makes a speed of, None for none.
+    same: joint angles count for the arm that runs the program, whichever it is.
     """
 
     robot: Robot | None = None
     written_for: Robot | None = None
     joint_speed: float | None = None
+    same: bool = False
 
 
 def robot_of(robot: str | Robot | None) -> Robot | None:
@@ -62,3 +66,10 @@ def taught_on(program: Program, arms: Arms) -> Robot | None:
         return arms.written_for
     given = (arm for arm in (arms.robot, arms.written_for) if arm and arm.name == program.robot)
     return next(given, None) or known_robot(program.robot)
+
+
+def in_arms(loaded: Loaded, arms: Arms) -> Arms:
+    """The arms of a program that was read, with what a cell file says of them."""
+    taught = None if loaded.arm in (None, SAME_ARM) else robot_of(loaded.arm)
+    same, written_for = loaded.arm == SAME_ARM, arms.written_for or taught
+    return replace(arms, written_for=written_for, joint_speed=loaded.joint_speed, same=same)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.checks import check, with_robot
 from assistant.compiler.arithmetic import differences
-from assistant.compiler.arms import Arms, known_robot, robot_of, taught_on
+from assistant.compiler.arms import Arms, in_arms, known_robot, robot_of, taught_on
 from assistant.compiler.crossing import for_arm, unsaid, without_unused
 from assistant.compiler.entering import entered
 from assistant.compiler.joint_speeds import at_a_speed, at_the_pace
@@ -141,7 +141,7 @@ def compile(
         loaded = load(source, process=process, robot=robot_of(from_robot), unit=unit)
         loaded = replace(loaded, findings=tuple(f.within(str(source)) for f in loaded.findings))
     program = entered(loaded.program, entry)
-    arms = Arms(robot_of(robot), robot_of(from_robot), loaded.joint_speed)
+    arms = in_arms(loaded, Arms(robot_of(robot), robot_of(from_robot)))
     compiled = compile_program(program, Places(program), target, arms, most_targets)
     compiled = proven_by_motion(compiled, arms, proving, entry)
     return replace(compiled, found=(*loaded.findings, *compiled.found))
@@ -182,8 +182,9 @@ def compile_program(
         said = language_of(source.origin.language).exported(program, target, arm)
         program, findings = passed("exported", said.program), [*findings, *said.findings]
     taught = taught_on(program, arms)
-    program, left = without_unused(program, target, taught, arms.robot)
-    findings += (*left, *unsaid(program, target, taught, arms.robot))
+    if taught is not None or not arms.same:
+        program, left = without_unused(program, target, taught, arms.robot)
+        findings += (*left, *unsaid(program, target, taught, arms.robot))
     before = program
     if arm is not None:
         program, changed = for_arm(program, taught, arm)

@@ -122,6 +122,11 @@ def without_unused(
     return replace(program, joint_targets=targets, variables=variables), findings
 
 
+def has_joints(program: Program) -> bool:
+    """Whether a program states joint angles, or works with them."""
+    return any(True for _ in _stated(program)) or any(True for _ in _worked_out(program))
+
+
 def _named(program: Program) -> set[str]:
     """Names that the program uses, also in text that is kept, in lower case."""
     found: set[str] = set()

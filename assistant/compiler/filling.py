@@ -10,15 +10,28 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path as FilePath
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
+from assistant import languages
 from assistant.compiler.cell_file import equipped
+from assistant.compiler.crossing import has_joints
 from assistant.compiler.loading import Loaded, language_of
 from assistant.program.diagnostics import Refused, error, has_errors, warning
 from assistant.program.program import Program, Signal
 from assistant.program.text import SourceText
-from assistant.program.wanted import ROUTINES, SLOWLY, Value, Wanted, neutral
+from assistant.program.wanted import (
+    ROUTINES,
+    SAME_ARM,
+    SLOWLY,
+    TAUGHT_ON,
+    Value,
+    Wanted,
+    neutral,
+)
 from assistant.sources.cell import NO_CELL, TABLES, Cell, parse_cell, read_cell, said, with_entries
+
+if TYPE_CHECKING:
+    from assistant.languages import Language
 
 UNFILLED: Final = warning(
     "CO071",
@@ -38,15 +51,16 @@ FIRST_ANALOG: Final = 6000
 """Number of the first analog signal: the first register that CR controllers have for such."""
 
 
-def with_cell(loaded: Loaded, path: str | FilePath) -> Loaded:
+def with_cell(loaded: Loaded, path: str | FilePath, *, taught: bool = False) -> Loaded:
     """A program in the cell of a cell file, which need not be there yet.
 
-    Raises Unreadable or Refused for a file that cannot be used.
+    taught: the arm that its joint angles were taught on is known. Raises Unreadable or Refused for
+    a file that cannot be used.
     """
-    return in_cell(loaded, read_cell(path), FilePath(path))
+    return in_cell(loaded, read_cell(path), FilePath(path), taught=taught)
 
 
-def in_cell(loaded: Loaded, cell: Cell, path: FilePath) -> Loaded:
+def in_cell(loaded: Loaded, cell: Cell, path: FilePath, *, taught: bool = False) -> Loaded:
     """The same for a cell that was read. What it does not say is in `wanting` of the answer."""
     origin = loaded.program.origin
     if origin is None:
@@ -65,16 +79,28 @@ def in_cell(loaded: Loaded, cell: Cell, path: FilePath) -> Loaded:
     if files or given:
         program = language.lift(trees, origin.robot)
     program = _with_signals(program, wanted)
+    program = replace(program, signals=_told(program, language).signals | program.signals)
     program, findings = equipped(program, cell.process, str(path), sharing=True)
     missing = [one for one in declared if cell.value(one) is None and neutral(one) is not None]
     program, unnumbered = _numbered(program, wanted)
+    arm = Wanted(TAUGHT_ON, "arm")
+    joints = not taught and program.robot is None and has_joints(program)
+    stated = cell.value(arm) if joints else SAME_ARM
     return replace(
         loaded,
         program=program,
         findings=(*loaded.findings, *findings),
         joint_speed=cell.process.joint_speed or loaded.joint_speed,
-        wanting=(*missing, *unnumbered),
+        wanting=(*missing, *unnumbered, *([arm] if stated is None else [])),
+        arm=str(neutral(arm) if stated is None else stated) if joints else loaded.arm,
     )
+
+
+def _told(program: Program, language: Language[Any]) -> Program:
+    """The program as a language of another family is told it, which may ask for more signals."""
+    others = map(language_of, languages.names())
+    other = next(one for one in others if one.family != language.family)
+    return language.exported(program, other, None).program
 
 
 def neutral_cell(loaded: Loaded) -> str:
@@ -133,7 +159,9 @@ def _value(one: Wanted, cell: Cell) -> Value | None:
     return neutral(one) if value is None else value
 
 
-def _files(language: Any, cell: Cell, wanted: Sequence[Wanted], path: FilePath) -> list[Any]:
+def _files(
+    language: Language[Any], cell: Cell, wanted: Sequence[Wanted], path: FilePath
+) -> list[Any]:
     """The trees of files that the cell file names for routines that were not read."""
     names: dict[str, str] = {}
     for one in wanted:

@@ -31,7 +31,8 @@ class Loaded:
     """A pseudo-program, what it was written in (None: no robot language), and the findings.
 
     joint_speed: see `Process`. wanting: what the program uses and neither it nor a cell file says;
-    something that only stands for it is there.
+    something that only stands for it is there. arm: that joint angles were taught on, by its name,
+    or SAME_ARM; None if a cell file does not say it.
     """
 
     program: Program
@@ -39,6 +40,7 @@ class Loaded:
     findings: tuple[Diagnostic, ...] = ()
     joint_speed: float | None = None
     wanting: tuple[Wanted, ...] = ()
+    arm: str | None = None
 
 
 def load(

@@ -8,7 +8,7 @@ from itertools import chain
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 
-from assistant.compiler.arms import Arms, robot_of
+from assistant.compiler.arms import Arms, in_arms, robot_of
 from assistant.compiler.compiling import Compiled, compile_program, proven_by_motion, told
 from assistant.compiler.drafting import draft as drafted
 from assistant.compiler.entering import entered
@@ -140,11 +140,11 @@ def translate(
     if loaded.language is None or loaded.program.origin is None:
         raise Refused(NO_PROGRAM(name=source), exit_status=2)
     if cell is not None:
-        loaded = with_cell(loaded, cell)
+        loaded = with_cell(loaded, cell, taught=arms.written_for is not None)
     program = entered(loaded.program, entry)
     program = replace(program, comments=(*program.comments, *head_lines(loaded.wanting)))
     places = Places(program)
-    arms = replace(arms, joint_speed=loaded.joint_speed)
+    arms = in_arms(loaded, arms)
     compiled = compile_program(program, places, target, arms, most_targets)
     written, later = compiled, tuple[Diagnostic, ...]()
     if not compiled.ok:

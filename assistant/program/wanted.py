@@ -11,15 +11,19 @@ from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.program import Signal
 
 WantedKind = Literal[
-    "tool", "frame", "speed", "blend", "position", "joints", "signal", "data", "routine"
+    "tool", "frame", "speed", "blend", "position", "joints", "signal", "data", "routine", "arm"
 ]
-"""What it is: as in a process file, `data` for any other value, `routine` for what is called."""
+"""What it is: as in a process file, `data` for any other value, `routine` for what is called,
+`arm` for the one that joint angles were taught on."""
 Plain: TypeAlias = float | bool | str | tuple["Plain", ...]
 """A value as its language writes it: a number, truth, text, or values in brackets."""
 Value: TypeAlias = Tool | Frame | Speed | Blend | Target | JointTarget | Plain
 """What a cell says of a wanted name; of a routine one of ROUTINES, or the name of its file."""
 ROUTINES: Final = ("stop", "empty")
 """What may stand for a routine that was not read: it stops there, or does nothing."""
+SAME_ARM: Final = "same"
+"""What may be said of the arm that joint angles were taught on: the one that runs the program."""
+TAUGHT_ON: Final = "taught_on"
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +70,7 @@ ABOVE: Final = Target(Pose((400.0, 0.0, 400.0), (0.0, 0.0, 1.0, 0.0)))
 FOLDED: Final = JointTarget((0.0, 0.0, 0.0, 0.0, 30.0, 0.0))
 _NEUTRAL: Final[Mapping[WantedKind, Value]] = {
     "tool": Tool(), "frame": Frame(), "speed": SLOWLY, "blend": FINE, "position": ABOVE,
-    "joints": FOLDED, "routine": "stop",
+    "joints": FOLDED, "routine": "stop", "arm": SAME_ARM,
 }  # fmt: skip
 
 

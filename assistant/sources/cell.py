@@ -20,6 +20,9 @@ Beside that there is a table for each other name that no program declares:
     [routines.rWash]
     routine = "empty"             # or "stop": the program stops there; or the name of its file
 
+    [arms.taught_on]
+    arm = "same"                  # joint angles are of the arm that runs the program; or its name
+
 A value that nobody has filled in is `"?"`, and its whole entry counts as not there.
 """
 
@@ -48,9 +51,9 @@ OPEN: Final = "?"
 TABLES: Final[Mapping[WantedKind, str]] = {
     "tool": "tools", "frame": "frames", "speed": "speeds", "blend": "blends",
     "position": "positions", "joints": "positions", "signal": "signals", "data": "data",
-    "routine": "routines",
+    "routine": "routines", "arm": "arms",
 }  # fmt: skip
-OWN: Final = ("speeds", "blends", "positions", "data", "routines")
+OWN: Final = ("speeds", "blends", "positions", "data", "routines", "arms")
 """Tables that a process file has not."""
 ENTRIES: Final = tuple(dict.fromkeys(TABLES.values()))
 
@@ -82,6 +85,7 @@ POSITION: Final[Mapping[str, Read]] = {
 }
 DATA: Final[Mapping[str, Read]] = {"type": values.name, "value": _plain}
 ROUTINE: Final[Mapping[str, Read]] = {"routine": values.text}
+ARM: Final[Mapping[str, Read]] = {"arm": values.text}
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,6 +184,9 @@ def _entry(table: str, entry: Table, types: dict[str, str], low: str) -> Value |
                 types[low] = found["type"]
             plain: Plain | None = found.get("value")
             return plain
+        case "arms":
+            arm: str | None = entry.read(ARM).get("arm")
+            return arm
     routine: str | None = entry.read(ROUTINE).get("routine")
     return routine
 
@@ -231,6 +238,7 @@ OPEN_TEXT: Final = f'"{OPEN}"'
 _WORDS: Final[Mapping[WantedKind, str]] = {
     "tool": "tool", "frame": "frame", "speed": "speed", "blend": "corner", "position": "position",
     "joints": "joint angles", "signal": "signal", "data": "data", "routine": "routine",
+    "arm": "arm that joint angles were",
 }  # fmt: skip
 
 
@@ -249,7 +257,7 @@ def _said(wanted: Wanted) -> str:
         word = f"{wanted.signal.kind} {wanted.signal.direction}"
     if wanted.kind == "data":
         word = f"data of type {wanted.type}" if wanted.type else "data"
-    return f"{word} {wanted.name}"
+    return f"{word} {wanted.name.replace('_', ' ') if wanted.kind == 'arm' else wanted.name}"
 
 
 def _argument(one: Argument) -> str:
@@ -291,6 +299,8 @@ def _keys(wanted: Wanted, value: Value | None) -> Iterator[tuple[str, Any, str]]
             yield "value", value, ""
         case "routine":
             yield "routine", value, '"stop", "empty", or the name of its file'
+        case "arm":
+            yield "arm", value, '"same" as the one that runs the program, or a robot by its name'
 
 
 def _toml(value: Any) -> str:

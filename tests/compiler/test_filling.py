@@ -113,3 +113,47 @@ def test_what_a_cell_file_says_wrongly_is_told_at_its_line(tmp_path: Path) -> No
     with pytest.raises(Refused) as told:
         translate(program(tmp_path), to="melfa-basic-6", cell=path)
     assert [(f.code, f.line) for f in told.value.findings] == [("CT303", 2)]
+
+
+TAUGHT = """MODULE Cell
+  CONST num N:=3;
+  VAR speeddata vX:=v200;
+  PERS zonedata zX:=fine;
+  PERS speeddata vY:=vX;
+  VAR num a{N};
+  CONST jointtarget jHome:=[[0,0,0,0,30,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+  PROC main()
+    VAR num key;
+    MoveAbsJ jHome,vX,zX,tool0;
+    MoveAbsJ jHome,vY,zX,tool0;
+    a{N}:=2;
+    TPReadFK key,"what?","A","B",stEmpty,stEmpty,stEmpty;
+    SetDO do1,key-1;
+  ENDPROC
+ENDMODULE
+"""
+
+
+def test_joint_angles_and_an_operators_keys_are_in_the_cell_file(tmp_path: Path) -> None:
+    file, cell = program(tmp_path, TAUGHT), tmp_path / "cell.toml"
+    done = translate(file, to="melfa-basic-6", cell=cell)
+    names = [one.name for one in done.wanting]
+    assert names == ["do1", "operator_key_1", "operator_key_2", "taught_on"]
+    assert done.draft and done.compiled.ok
+    known = translate(file, to="melfa-basic-6", cell=cell, from_robot="rv-4frl", robot="rv-4frl")
+    assert "taught_on" not in [one.name for one in known.wanting]
+
+
+def test_data_that_are_named_after_constants_are_constants(tmp_path: Path) -> None:
+    file, cell = program(tmp_path, TAUGHT), tmp_path / "cell.toml"
+    cell.write_text(neutral_cell(load(file)), encoding="utf-8")
+    done = translate(file, to="melfa-basic-6", cell=cell, proving=Proving())
+    assert done.ok, [f.message for row in done.rows for f in row.reasons]
+
+
+def test_the_arm_of_a_cell_file_is_that_of_its_joint_angles(tmp_path: Path) -> None:
+    file, cell = program(tmp_path, TAUGHT), tmp_path / "cell.toml"
+    cell.write_text('[arms.taught_on]\narm = "irb1200-7-0.7"\n', encoding="utf-8")
+    done = translate(file, to="melfa-basic-6", cell=cell, robot="rv-4frl")
+    told = [f.code for row in done.rows for f in row.reasons]
+    assert "CO501" in told and "CO503" not in told

@@ -48,8 +48,11 @@ def wanted(files: Sequence[s.File]) -> tuple[Wanted, ...]:
         for module in file.modules:
             look = Look(file, module, task)
             _Module(look, met).walk()
-    types = Types(Look(files[0], files[0].modules[0], task)) if task.modules else None
-    return tuple(found for one in met.values() if types and (found := made(one, types)))
+    first = next((file for file in files if file.modules), None)
+    if first is None:
+        return ()
+    types = Types(Look(first, first.modules[0], task))
+    return tuple(found for one in met.values() if (found := made(one, types)))
 
 
 class _Module:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import chain
 from typing import Any, Final, TypeVar
 
 from assistant.languages.rapid.lift.expressions import lift
-from assistant.languages.rapid.tables.motions import speed_of, zone_of
+from assistant.languages.rapid.tables.motions import BLENDS, SPEEDS, speed_of, zone_of
 from assistant.languages.rapid.tables.words import VALUE_OF_TYPE
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
@@ -49,6 +49,7 @@ class DataLift:
         self._held: set[int] = set()
         self._names: set[str] = set()
         assigned = _assigned(modules)
+        self._extents = dict(_extents(modules))
         for module, self.start in zip(modules, starts, strict=True):
             for item in module.items:
                 if isinstance(item, s.Data) and item.name.lower() not in self._names:
@@ -74,6 +75,12 @@ class DataLift:
             self.tools[name] = tool
         elif type == "wobjdata" and (frame := frame_of(value)) and name.lower() != BASE:
             self.frames[name] = frame
+        elif type == "speeddata" and constant and (speed := _named(SPEEDS, item, self.speeds)):
+            self.speeds[item.name.lower()] = speed
+            self._spelled[item.name.lower()] = item.name
+        elif type == "zonedata" and constant and (blend := _named(BLENDS, item, self.blends)):
+            self.blends[item.name.lower()] = blend
+            self._spelled[item.name.lower()] = item.name
         elif type == "speeddata" and constant and shape(value) == "nnnn":
             self.speeds[item.name.lower()] = speed_of(value)
             self._spelled[item.name.lower()] = item.name
@@ -98,12 +105,18 @@ class DataLift:
             return False
         return True
 
+    def _extent(self, node: s.Expression) -> float | int | None:
+        """Of an array: a number, or a constant that is one."""
+        if isinstance(node, s.NameRef):
+            return self._extents.get(node.name.lower())
+        return literal_number(node)
+
     def variable(self, item: s.Data) -> Variable | None:
         """A variable, None if the pseudo-program has none of that kind."""
         type = VALUE_OF_TYPE.get(item.type.lower())
         if type is None:
             return None
-        size = [literal_number(d) for d in item.dimensions]
+        size = [self._extent(d) for d in item.dimensions]
         storage: Any = STORAGES.get(item.storage)  # none in a damaged text
         if storage is None or not all(isinstance(n, int) and n > 0 for n in size):
             return None
@@ -111,6 +124,24 @@ class DataLift:
         extents = tuple(n for n in size if isinstance(n, int))
         span = item.span and item.span.moved(self.start)
         return Variable(type, initial, extents, storage, item.scope == "LOCAL", span)
+
+
+def _named(table: Words[T], item: s.Data, known: Mapping[str, T]) -> T | None:
+    """The value of data that have the one of other data, which are constant; None for others."""
+    if not isinstance(item.value, s.NameRef):
+        return None
+    low = item.value.name.lower()
+    return known.get(low, table.predefined.get(low))
+
+
+def _extents(modules: Sequence[s.Module]) -> Iterator[tuple[str, int]]:
+    """Constant whole numbers, which extents of arrays may be, by lower-case name."""
+    for module in modules:
+        for item in module.items:
+            if isinstance(item, s.Data) and item.storage == "CONST" and not item.dimensions:
+                value = literal_number(item.value) if item.value is not None else None
+                if isinstance(value, int):
+                    yield item.name.lower(), value
 
 
 def fixed_target(variable: Variable) -> Target | JointTarget | None:
