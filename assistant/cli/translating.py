@@ -32,6 +32,7 @@ from assistant.program.visible import visible
 if TYPE_CHECKING:
     from assistant.compiler import Loaded
     from assistant.compiler.motion import Proving
+    from assistant.compiler.tasks import Task
     from assistant.report.translation import Translated
 
 NO_PRINTING: Final = error(
@@ -89,16 +90,17 @@ def run_translate(
         raise Refused(NO_FILE_NAME(name=report), exit_status=2)
     options.check()
     answers, done = Answers(), list[Translated]()
-    for name in _programs(programs, options.from_language, answers):
-        with answers.of(name), working(f"translating {name}"):
-            done.append(_translated(name, options))
+    tasks = _tasks(programs, options.from_language, answers)
+    for task in tasks:
+        with answers.of(task.name), working(f"translating {task.name}"):
+            done.append(_translated(task, options))
     files = {one.source: one.translation.files for one in done if one.translation.files}
     folders, told = placed(files)
     refusals = [*answers.refusals, *told]
     whole = all(one.translation.ok for one in done)
     status = max(answers.status, 0 if whole else 1)
     keep_sources(
-        [one.source for one in done],
+        [file for task in tasks for file in task.files],
         [*paths_of(files, folders, output), *([] if report is None else [report])],
     )
     written = write_each(files, folders, output)
@@ -124,10 +126,10 @@ def run_translate(
     return status
 
 
-def _programs(programs: Sequence[str], language: str | None, answers: Answers) -> list[str]:
-    """The files, and the programs of folders; what others of them call is part of those."""
+def _tasks(programs: Sequence[str], language: str | None, answers: Answers) -> tuple[Task, ...]:
+    """What of the files, and of those in folders, is one program each."""
     from assistant.compiler.formatting import programs_in
-    from assistant.compiler.loading import whole_programs
+    from assistant.compiler.tasks import tasks_of
 
     found: dict[str, None] = {}
     for program in programs:
@@ -136,16 +138,22 @@ def _programs(programs: Sequence[str], language: str | None, answers: Answers) -
         else:
             with answers.of(program):
                 found |= dict.fromkeys(programs_in(program, language))
-    return whole_programs(list(found), language) if len(found) > 1 else list(found)
+    return tasks_of(list(found), language)
 
 
-def _translated(name: str, options: Options) -> Translated:
+def _translated(task: Task, options: Options) -> Translated:
     from assistant.compiler import translate
+    from assistant.compiler.arms import robot_of
+    from assistant.compiler.tasks import load_task
     from assistant.report.translation import Translated
 
+    name = task.name
     source: str | Loaded = name
     if name == STANDARD:
         source = _standard_input(options)
+    elif len(task.files) > 1:
+        arm = robot_of(options.from_robot)
+        source = load_task(task, process=options.process, robot=arm)
     translation = translate(
         source,
         to=options.to,

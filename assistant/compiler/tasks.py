@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from difflib import SequenceMatcher
+from itertools import takewhile
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
@@ -169,7 +170,9 @@ class _Grouping:
         self.units = units
         self.rooms: dict[FilePath, list[_Unit]] = {}
         self.owners: dict[str, list[_Unit]] = {}
+        self.files: dict[str, list[_Unit]] = {}
         for unit in units:
+            self.files.setdefault(unit.file, []).append(unit)
             self.rooms.setdefault(unit.room, []).append(unit)
             for name in unit.declares:
                 self.owners.setdefault(name, []).append(unit)
@@ -259,10 +262,10 @@ class _Grouping:
         pending = list(group.units)
         while pending:
             one = pending.pop(0)
-            loaded = [u for u in self.rooms[one.room] if u.file in one.loads and group.takes(u)]
-            for unit in loaded:
-                group.add(unit)
-                pending.append(unit)
+            for unit in self._loaded_by(one):
+                if group.takes(unit):
+                    group.add(unit)
+                    pending.append(unit)
             for name in sorted(one.mentions - group.declared):
                 found = [u for u in self.owners.get(name, ()) if not u.begins and group.takes(u)]
                 near = [u for u in found if u.room == room]
@@ -277,6 +280,14 @@ class _Grouping:
                         group.findings.append(_choice(name, near, chosen))
                     group.add(chosen)
                     pending.append(chosen)
+
+    def _loaded_by(self, one: _Unit) -> Iterator[_Unit]:
+        """The files that one loads by their names: those that stand nearest to it."""
+        for name in sorted(one.loads):
+            found = [unit for unit in self.files.get(name, ()) if unit is not one]
+            near = [_apart(unit, one) for unit in found]
+            if near and near.count(min(near)) == 1:
+                yield found[near.index(min(near))]
 
     def _libraries(self, rest: Sequence[_Unit]) -> Iterator[_Group]:
         """Files that no task has, those of a folder that use each other together."""
@@ -300,6 +311,13 @@ class _Grouping:
                         joined = True
             self._grow(group, group.units[0].room)
             yield group
+
+
+def _apart(unit: _Unit, other: _Unit) -> int:
+    """How many folders lie between two files."""
+    one, two = (FilePath(u.path).absolute().parent.parts for u in (unit, other))
+    shared = sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(one, two, strict=False)))
+    return len(one) + len(two) - 2 * shared
 
 
 def _started(name: str, unit: _Unit) -> _Group:
