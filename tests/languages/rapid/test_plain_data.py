@@ -122,6 +122,48 @@ CASES = {
       n:=n+1;
       go n,f.width,0;
     ENDPROC""",
+    "optional parameters": """VAR num n:=0;
+    VAR size one:=[4,5];
+    PROC main()
+      add 1;
+      add 2\\by:=3;
+      add 4\\twice;
+      add 5\\by:=6\\twice;
+      both 7\\by:=1;
+      both 8;
+      n:=n+of(n\\less)+of(n\\least);
+      always\\of:=one;
+      sized one;
+      sized one\\limit:=[1,2];
+      put 1\\into:=n;
+      put 2;
+      go n,one.length,one.width;
+    ENDPROC
+    PROC add(num m\\num by\\switch twice)
+      n:=n+m;
+      IF Present(by) n:=n+by;
+      IF Present(twice)=TRUE n:=n*2;
+      IF NOT (Present(by) OR Present(twice)) n:=n+100;
+    ENDPROC
+    PROC both(num m\\num by\\switch twice\\num never)
+      add m\\by?by\\twice?twice;
+      IF Present(never) n:=never;
+    ENDPROC
+    FUNC num of(num q\\switch less|switch least)
+      IF Present(less) RETURN q-1;
+      IF Present(least) RETURN q-2;
+      RETURN q;
+    ENDFUNC
+    PROC always(\\size of)
+      IF Present(of) n:=n+of.length;
+    ENDPROC
+    PROC sized(INOUT size s\\size limit)
+      s.length:=s.length+1;
+      IF Present(limit) s:=limit;
+    ENDPROC
+    PROC put(num v\\INOUT num into)
+      IF Present(into) into:=into+v;
+    ENDPROC""",
     "names that are taken": """VAR size one:=[4,5];
     VAR num one_length:=7;
     PROC main()

@@ -19,7 +19,6 @@ PASSES: Final = (
     "places",  # where the position is read
     "program",  # modules as procedures and data
     "plain_data",  # the program of plain data, beside its cell
-    "switches",  # optional parameters
     "stopwatches",  # clocks that are stopped and go on
     "operator",  # messages and questions to a person
     "told",  # instructions of RAPID alone, for other languages

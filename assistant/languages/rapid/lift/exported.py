@@ -19,10 +19,8 @@ from assistant.languages.rapid.lift.data import numbers
 from assistant.languages.rapid.lift.instructions import Meaning
 from assistant.languages.rapid.lift.operator import with_operator
 from assistant.languages.rapid.lift.plain_data import with_plain_data
-from assistant.languages.rapid.lift.program import routines
 from assistant.languages.rapid.lift.statements import lift_of
 from assistant.languages.rapid.lift.stopwatches import with_stopwatches
-from assistant.languages.rapid.lift.switches import with_switches
 from assistant.languages.rapid.lift.told.calls import call_of, is_text, lifted
 from assistant.languages.rapid.lift.told.errors import with_errors
 from assistant.languages.rapid.lift.told.left_out import INSTRUCTIONS
@@ -74,7 +72,7 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
     findings = Findings()
     plain = with_plain_data(program)
     findings += plain.findings
-    program = with_stopwatches(with_switches(plain.program, routines), findings)
+    program = with_stopwatches(plain.program, findings)
     if tables := _tables(program):
         program = with_table_rows(program, tables, _with_named_rows)
     if any(is_text(record) for record in records(program.procedures)):

@@ -12,7 +12,9 @@ from dataclasses import dataclass, field, replace
 
 from assistant.languages.rapid.lift.local_names import with_own_names
 from assistant.languages.rapid.lift.plain.bodies import Bodies, declared
-from assistant.languages.rapid.lift.plain.scopes import Program
+from assistant.languages.rapid.lift.plain.layouts import Layouts
+from assistant.languages.rapid.lift.plain.optional import with_required
+from assistant.languages.rapid.lift.plain.scopes import Fresh, Program
 from assistant.languages.rapid.lift.plain.unread import Unread, without_unread
 from assistant.languages.rapid.lift.plain.values import Spread, Unsaid, Values
 from assistant.languages.rapid.tree import syntax as s
@@ -31,11 +33,13 @@ class Plain:
 
 def plain(files: Sequence[s.File]) -> Plain | None:
     """The files of a program with plain data, None if they have no other."""
-    modules = with_own_names([module for file in files for module in file.modules])
-    program = Program(modules)
+    read = with_own_names([module for file in files for module in file.modules])
+    layouts, name = Layouts(read), Fresh(read)
+    modules = with_required(read, layouts, name)
+    program = Program(modules, layouts, name)
     kept: dict[int, str] = {}
     made = [_module(program, module, kept) for module in modules]
-    if all(one is before for one, before in zip(made, modules, strict=True)):
+    if all(one is before for one, before in zip(made, read, strict=True)):
         return None
     left, unread = without_unread(made, program)
     listed, found = iter(left), iter(unread)

@@ -33,17 +33,29 @@ Names = Mapping[str, Datum]
 """Data by lower-case name."""
 
 
+class Fresh:
+    """Gives names that nothing in some modules has. made: those that it gave, in lower case."""
+
+    def __init__(self, modules: Sequence[s.Module]) -> None:
+        self._taken = TakenNames(_said(modules))
+        self.made: set[str] = set()
+
+    def __call__(self, wanted: str) -> str:
+        name = identifier(wanted, self._taken)
+        self._taken.add(name)
+        self.made.add(name.lower())
+        return name
+
+
 class Program:
     """All modules together.
 
     data: of the modules. routines: those whose names are theirs alone, by lower-case name.
     """
 
-    def __init__(self, modules: Sequence[s.Module]) -> None:
-        self.layouts = Layouts(modules)
-        self.taken = TakenNames(_said(modules))
+    def __init__(self, modules: Sequence[s.Module], layouts: Layouts, name: Fresh) -> None:
+        self.layouts, self.name = layouts, name
         self.uses = Uses(modules)
-        self.made: set[str] = set()
         items = [item for module in modules for item in module.items]
         routines: dict[str, list[s.Routine]] = {}
         for item in items:
@@ -85,12 +97,10 @@ class Program:
         """Whether data that is taken apart is also used whole, by its name."""
         return self.layouts.base(node.type) in SETTINGS and node.name.lower() in self.uses.named
 
-    def name(self, wanted: str) -> str:
-        """A name that nothing else has."""
-        name = identifier(wanted, self.taken)
-        self.taken.add(name)
-        self.made.add(name.lower())
-        return name
+    @property
+    def made(self) -> set[str]:
+        """Names in lower case that nothing in the program as it was read has."""
+        return self.name.made
 
     def datum_of(self, node: s.ParameterNode) -> Datum:
         """What a parameter is, the same whoever asks."""

@@ -1,0 +1,294 @@
+r"""Routines with optional parameters, as routines that are given all of theirs.
+
+`PROC p(num n\num by\switch fast)` takes a truth more, which says whether `by` is given, and
+`fast` as a truth; where every call gives a parameter, or none does, there is nothing to say.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+from assistant.languages.rapid.lift.plain.layouts import SETTINGS, Layouts
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.walk import nodes
+from assistant.program.rewriting import rewrite
+
+SWITCH: Final = "switch"
+PRESENT: Final = "present"
+_ZERO: Final = s.NumberLiteral("0")
+_NOWHERE: Final = s.AggregateNode(
+    (
+        s.AggregateNode((_ZERO, _ZERO, _ZERO)),
+        s.AggregateNode((s.NumberLiteral("1"), _ZERO, _ZERO, _ZERO)),
+    )
+)
+_OUTSIDE: Final = s.AggregateNode((s.NumberLiteral("9E9"),) * 6)
+ABSENT: Final[Mapping[str, s.Expression]] = {
+    "num": _ZERO,
+    "bool": s.BoolLiteral(False),
+    "string": s.StringLiteral(""),
+    "pose": _NOWHERE,
+    "robtarget": s.AggregateNode((*_NOWHERE.items, s.AggregateNode((_ZERO,) * 4), _OUTSIDE)),
+    "jointtarget": s.AggregateNode((s.AggregateNode((_ZERO,) * 6), _OUTSIDE)),
+}
+"""What is handed over where an optional value is left out; nothing reads it."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Parameter:
+    """An optional parameter that becomes a required one.
+
+    given: the truth that says whether it is there, None if it always is. absent: a value for a
+    call that leaves it out, None if every call gives it. never: no call does.
+    """
+
+    node: s.ParameterNode
+    given: str | None = None
+    absent: s.Expression | None = None
+    never: bool = False
+
+    @property
+    def is_switch(self) -> bool:
+        return self.node.type.lower() == SWITCH
+
+
+Parameters = Mapping[str, _Parameter]
+"""By lower-case name."""
+
+
+def with_required(
+    modules: Sequence[s.Module], layouts: Layouts, name: Callable[[str], str]
+) -> Sequence[s.Module]:
+    """The modules without optional parameters, as far as their types can be said otherwise.
+
+    name: gives one that nothing else has.
+    """
+    routines: dict[str, list[s.Routine]] = {}
+    for item in (item for module in modules for item in module.items):
+        if isinstance(item, s.Routine):
+            routines.setdefault(item.name.lower(), []).append(item)
+    wanted = {
+        key: own[0]
+        for key, own in routines.items()
+        if len(own) == 1 and any(group.optional for group in own[0].parameters)
+    }
+    if not wanted:
+        return modules
+    asked = _Asked(modules, wanted)
+    made: dict[str, Parameters] = {}
+    added: list[s.Data] = []
+    for key, routine in wanted.items():
+        made[key] = dict(_parameters(routine, asked, layouts, name, added))
+    changed = []
+    for at, module in enumerate(modules):
+        items = [
+            _routine(item, made, wanted) if isinstance(item, s.Routine) else item
+            for item in module.items
+        ]
+        data = added if at == 0 else []
+        same = not data and all(a is b for a, b in zip(items, module.items, strict=True))
+        changed.append(module if same else replace(module, items=(*data, *items)))
+    return changed
+
+
+class _Asked:
+    """Which optional parameters calls give: how often, and how often by what the caller has."""
+
+    def __init__(self, modules: Sequence[s.Module], routines: Mapping[str, s.Routine]) -> None:
+        self.calls: dict[str, int] = dict.fromkeys(routines, 0)
+        self.given: dict[tuple[str, str], int] = {}
+        self.handed_on: set[tuple[str, str]] = set()
+        for node in nodes(tuple(modules)):
+            if not isinstance(node, s.ProcedureCall | s.FunctionCall):
+                continue
+            if not isinstance(node.name, str) or node.name.lower() not in routines:
+                continue
+            key = node.name.lower()
+            self.calls[key] += 1
+            for argument in node.arguments:
+                match argument:
+                    case s.Option(name):
+                        place = key, name.lower()
+                        self.given[place] = self.given.get(place, 0) + 1
+                    case s.Conditional(name):
+                        self.handed_on.add((key, name.lower()))
+
+    def ever(self, routine: str, name: str) -> bool:
+        return (routine, name) in self.given or (routine, name) in self.handed_on
+
+    def always(self, routine: str, name: str) -> bool:
+        count = self.given.get((routine, name), 0)
+        return count > 0 and count == self.calls[routine]
+
+
+def _parameters(
+    routine: s.Routine,
+    asked: _Asked,
+    layouts: Layouts,
+    name: Callable[[str], str],
+    added: list[s.Data],
+) -> Iterator[tuple[str, _Parameter]]:
+    """The optional parameters of a routine that become required ones."""
+    key = routine.name.lower()
+    for group in routine.parameters:
+        for one in group.alternatives if group.optional else ():
+            if not isinstance(one, s.ParameterNode):
+                continue
+            low, type = one.name.lower(), layouts.base(one.type)
+            if type == SWITCH:
+                yield low, _Parameter(one)
+                continue
+            if asked.always(key, low):
+                yield low, _Parameter(one)
+                continue
+            absent = _absent(type, layouts)
+            if absent is None or one.dimensions < 0:
+                continue
+            if not asked.ever(key, low):
+                yield low, _Parameter(one, absent=absent, never=True)
+                continue
+            if one.mode or one.dimensions:
+                held = name(f"{routine.name}_{one.name}_none")
+                sizes = (s.NumberLiteral("1"),) * one.dimensions
+                added.append(s.Data("", "PERS" if one.mode == "PERS" else "VAR", type, held, sizes))
+                absent = s.NameRef(held)
+            yield low, _Parameter(one, name(f"{one.name}_given"), absent)
+
+
+def _absent(type: str, layouts: Layouts) -> s.Expression | None:
+    """A value of a type, None if there is none that can be written."""
+    if type in ABSENT:
+        return ABSENT[type]
+    if type in SETTINGS or layouts.parts(type) is None:
+        return None
+    inner = [_absent(layouts.base(of), layouts) for _, of in layouts.components(type)]
+    known = tuple(one for one in inner if one is not None)
+    return s.AggregateNode(known) if len(known) == len(inner) else None
+
+
+def _routine(
+    routine: s.Routine, made: Mapping[str, Parameters], wanted: Mapping[str, s.Routine]
+) -> s.Routine:
+    """A routine with required parameters, whose calls give all that others require."""
+    own = made.get(routine.name.lower(), {})
+
+    def change(part: Any) -> Any:
+        match part:
+            case s.FunctionCall(str(word), (s.Positional(s.NameRef(asked), None),)) if (
+                word.lower() == PRESENT and asked.lower() in own
+            ):
+                return _present(own[asked.lower()])
+            case s.ProcedureCall(str(name), given) | s.FunctionCall(str(name), given) if (
+                parameters := made.get(name.lower())
+            ):
+                callee = wanted[name.lower()]
+                arguments = _arguments(callee, parameters, given, own)
+                return part if arguments is None else replace(part, arguments=arguments)
+        return part
+
+    changed = rewrite(routine, change, ())
+    if own:
+        groups = tuple(one for group in routine.parameters for one in _groups(group, own))
+        local = tuple(
+            s.Data("", "VAR", one.node.type, one.node.name)
+            for one in own.values()
+            if one.never and not one.is_switch and _mentions(routine.body, one.node.name)
+        )
+        changed = replace(changed, parameters=groups, body=(*local, *changed.body))
+    return changed
+
+
+def _mentions(body: Any, name: str) -> bool:
+    low = name.lower()
+    return any(isinstance(n, s.NameRef) and n.name.lower() == low for n in nodes(body))
+
+
+def _present(parameter: _Parameter) -> s.Expression:
+    if parameter.is_switch:
+        return s.NameRef(parameter.node.name)
+    if parameter.given is not None:
+        return s.NameRef(parameter.given)
+    return s.BoolLiteral(not parameter.never)
+
+
+def _groups(group: s.ParameterGroup, own: Parameters) -> Iterator[s.ParameterGroup]:
+    """The required parameters that a group becomes, and what of it stays optional."""
+    if not group.optional:
+        yield group
+        return
+    left: list[s.ParameterNode | s.Placeholder] = []
+    for one in group.alternatives:
+        known = own.get(one.name.lower()) if isinstance(one, s.ParameterNode) else None
+        if known is None:
+            left.append(one)
+        elif known.is_switch:
+            yield s.ParameterGroup(False, (replace(known.node, type="bool", mode=""),))
+        elif not known.never:
+            if known.given is not None:
+                yield s.ParameterGroup(False, (s.ParameterNode("", "bool", known.given),))
+            yield s.ParameterGroup(False, (known.node,))
+    if left:
+        yield replace(group, alternatives=tuple(left))
+
+
+def _arguments(
+    callee: s.Routine, parameters: Parameters, given: Sequence[s.Argument], caller: Parameters
+) -> tuple[s.Argument, ...] | None:
+    """Arguments in the order of the parameters; None for a call that nobody understands.
+
+    caller: the optional parameters of the routine that calls.
+    """
+    plain = [one for one in given if isinstance(one, s.Positional)]
+    named: dict[str, s.Option | s.Conditional] = {}
+    for argument in given:
+        if not isinstance(argument, s.Positional):
+            named[argument.name.lower()] = argument
+    places = iter(plain)
+    made: list[s.Argument] = []
+    for group in callee.parameters:
+        if not group.optional:
+            place = next(places, None)
+            if place is None:
+                return None
+            made.append(replace(place, name=None))
+            continue
+        for one in group.alternatives:
+            if not isinstance(one, s.ParameterNode):
+                return None
+            low = one.name.lower()
+            option, known = named.pop(low, None), parameters.get(low)
+            if known is None:
+                made += () if option is None else (option,)
+            elif (said := _said(known, option, caller)) is None:
+                return None
+            else:
+                made += map(s.Positional, said)
+    return None if named or next(places, None) is not None else tuple(made)
+
+
+def _said(
+    known: _Parameter, argument: s.Option | s.Conditional | None, caller: Parameters
+) -> tuple[s.Expression, ...] | None:
+    """What is handed over for a parameter; None for what nobody understands."""
+    there: s.Expression = s.BoolLiteral(argument is not None)
+    value: s.Expression | None = None
+    match argument:
+        case s.Option(_, value):
+            pass
+        case s.Conditional(_, s.NameRef(name)) if name.lower() in caller:
+            there, value = _present(caller[name.lower()]), s.NameRef(name)
+            if caller[name.lower()].never:
+                value = known.absent
+        case s.Conditional():
+            return None
+        case None:
+            value = known.absent
+    if known.is_switch:
+        return (there,)
+    if known.never:
+        return ()
+    if value is None:
+        return None
+    return (value,) if known.given is None else (there, value)
