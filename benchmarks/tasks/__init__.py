@@ -12,9 +12,6 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-NEUTRAL = Path(__file__).parent / "neutral.toml"
-"""An arm that runs every language, for programs of which nobody says what arm they are for."""
-
 
 def arguments(group: argparse._ArgumentGroup) -> None:
     """What the command takes for tasks."""
@@ -22,8 +19,8 @@ def arguments(group: argparse._ArgumentGroup) -> None:
     group.add_argument("--to", help="only into this language")
     group.add_argument("--task", default="", help="only tasks with this in their names")
     group.add_argument("--proof", type=float, default=10.0, help="seconds of a proof, 0 for none")
-    group.add_argument("--robot", default=str(NEUTRAL), help="arm that will run them")
-    group.add_argument("--from-robot", default=str(NEUTRAL), help="arm that they were for")
+    group.add_argument("--robot", help="arm that will run them")
+    group.add_argument("--from-robot", help="arm that they were for")
     group.add_argument("--alone", action="store_true", help="also RAPID modules by themselves")
     group.add_argument("--jobs", type=int, default=1, help="tasks at a time")
     group.add_argument("--limit", type=float, default=300.0, help="seconds of a task")

@@ -17,6 +17,12 @@ from typing import Any
 from benchmarks.tasks.finding import TO, Found, found
 
 MOST_REASONS = 10
+NEUTRAL = Path(__file__).parent / "neutral.toml"
+"""An arm that runs every language, for programs of which nobody says what arm they are for."""
+NOBODYS = {"rapid": str(NEUTRAL), "melfa": None}
+"""By the language of programs. Those of RAPID state mm/s for joint moves, whose percentage hangs on
+an arm; those of MELFA state percentages, which the cell file says in mm/s, and arm branches of the
+arm that they were taught on."""
 TOLD = 150
 """Characters of a reason in the table of them."""
 
@@ -76,8 +82,8 @@ def _apart(task: Found, plan: Plan) -> dict[str, Any]:
         "language": task.language,
         "begins": task.begins,
         "to": TO[task.kind],
-        "robot": plan.robot,
-        "from_robot": plan.from_robot,
+        "robot": plan.robot or NOBODYS[task.kind],
+        "from_robot": plan.from_robot or NOBODYS[task.kind],
         "proof": plan.proof,
     }
     began = time.perf_counter()
