@@ -104,9 +104,9 @@ def predefined(robot: Robot | None) -> Mapping[str, Cell]:
     cells["intno"] = _cell(0.0)
     cells |= {f"reg{i}": _cell(0.0, "VAR") for i in range(1, 6)}
     cells["clock1"] = Cell(Shape("clock"), "VAR", Clock())
-    cells["load0"] = _cell(load(), "CONST")
-    cells["tool0"] = _cell(tool0(), "CONST")
-    cells["wobj0"] = _cell(wobj0(), "CONST")
+    cells["load0"] = _cell(load(), "PERS")
+    cells["tool0"] = _cell(tool0(), "PERS")
+    cells["wobj0"] = _cell(wobj0(), "PERS")
     return cells
 
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 
 from assistant.languages.rapid.lift.local_names import with_own_names
 from assistant.languages.rapid.lift.plain.bodies import Bodies, declared
+from assistant.languages.rapid.lift.plain.copies import with_copies
 from assistant.languages.rapid.lift.plain.layouts import Layouts
 from assistant.languages.rapid.lift.plain.optional import with_required
 from assistant.languages.rapid.lift.plain.scopes import Fresh, Program
@@ -34,8 +35,10 @@ class Plain:
 def plain(files: Sequence[s.File]) -> Plain | None:
     """The files of a program with plain data, None if they have no other."""
     read = with_own_names([module for file in files for module in file.modules])
-    layouts, name = Layouts(read), Fresh(read)
-    modules = with_required(read, layouts, name)
+    layouts = Layouts(read)
+    copied = with_copies(read, layouts)
+    name = Fresh(copied)
+    modules = with_required(copied, layouts, name)
     program = Program(modules, layouts, name)
     kept: dict[int, str] = {}
     made = [_module(program, module, kept) for module in modules]

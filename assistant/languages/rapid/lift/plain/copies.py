@@ -1,0 +1,315 @@
+r"""Routines that are given tools, frames, signals or devices, as copies that name them.
+
+`PROC pick(robtarget p, PERS tooldata t)` that is called with `tGrip` and with `tSuck` becomes
+`pick_tGrip(robtarget p)` and `pick_tSuck(robtarget p)`: what moves, waits and files name must be
+known where they stand. A call that leaves an optional parameter out gets a copy without it, in
+which `Present(x)` is FALSE. A routine that is always called in one way keeps its name. Calls whose
+arguments are worked out stay, and the routine with them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Final
+
+from assistant.languages.rapid.lift.plain.layouts import SETTINGS, Layouts
+from assistant.languages.rapid.lift.plain.substituting import sound, substituted, told
+from assistant.languages.rapid.text.printer import expression as printed
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.gather import literal_number
+from assistant.languages.rapid.tree.walk import inner_names, nodes, root
+from assistant.program.program import TakenNames, identifier
+from assistant.program.rewriting import rewrite
+
+MOST_COPIES: Final = 60
+"""Of one routine; more is no program that anybody reads."""
+_NAMING: Final = (s.Data, s.Routine, s.Record, s.Alias, s.ParameterNode)
+
+Given = tuple[s.Expression | None, ...]
+"""What a call gives for the parameters that a copy has not, in their order; None for nothing."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Parameter:
+    """One of a routine. place: among the required ones, -1 of an optional one."""
+
+    node: s.ParameterNode
+    place: int
+
+    @property
+    def key(self) -> str:
+        return self.node.name.lower()
+
+
+@dataclass(slots=True)
+class _Routine:
+    """A routine that copies are made of. ways: what it is called with, and the name of the copy.
+
+    stays: somebody calls it in a way that no copy is for.
+    """
+
+    node: s.Routine
+    parameters: tuple[_Parameter, ...]
+    ways: dict[tuple[str | None, ...], tuple[str, Given]] = field(default_factory=dict)
+    stays: bool = False
+
+
+def with_copies(modules: Sequence[s.Module], layouts: Layouts) -> Sequence[s.Module]:
+    """The modules with such copies; themselves if no routine needs any."""
+    return _Copies(modules, layouts).modules()
+
+
+class _Copies:
+    def __init__(self, modules: Sequence[s.Module], layouts: Layouts) -> None:
+        self.all, self.layouts = modules, layouts
+        items = [item for module in modules for item in module.items]
+        found: dict[str, list[s.Routine]] = {}
+        for item in items:
+            if isinstance(item, s.Routine):
+                found.setdefault(item.name.lower(), []).append(item)
+        self.routines = {
+            name: _Routine(own[0], parameters)
+            for name, own in found.items()
+            if len(own) == 1 and (parameters := self._parameters(own[0]))
+        }
+        if not self.routines:
+            return
+        every = list(nodes(tuple(modules)))
+        self.taken = TakenNames(one.name for one in every if isinstance(one, _NAMING))
+        self.late = any(
+            isinstance(one, s.ProcedureCall) and not isinstance(one.name, str) for one in every
+        )
+        written = (root(one.target) for one in every if isinstance(one, s.Assignment))
+        self.written = {one.name.lower() for one in written if one is not None}
+        for one in every:
+            if isinstance(one, s.ProcedureCall | s.FunctionCall) and isinstance(one.name, str):
+                self.written |= self._changed_by(one, found)
+
+    def _changed_by(
+        self, call: s.ProcedureCall | s.FunctionCall, known: Mapping[str, Sequence[s.Routine]]
+    ) -> set[str]:
+        """Names in lower case that a call hands to a routine which assigns to them."""
+        changed: set[str] = set()
+        plain = [a.value for a in call.arguments if isinstance(a, s.Positional)]
+        options = {
+            a.name.lower(): a.value for a in call.arguments if isinstance(a, s.Option) and a.value
+        }
+        for routine in known.get(str(call.name).lower(), ()):
+            assigned, places = _changed(routine), iter(plain)
+            for group in routine.parameters:
+                value = None if group.optional else next(places, None)
+                for one in group.alternatives:
+                    if isinstance(one, s.ParameterNode) and one.name.lower() in assigned:
+                        given = root(options.get(one.name.lower(), value))
+                        changed |= {given.name.lower()} if one.mode and given is not None else set()
+        return changed
+
+    def _parameters(self, routine: s.Routine) -> tuple[_Parameter, ...]:
+        """Those that copies have not; none if one of the routine cannot be told."""
+        if routine.kind == "TRAP":
+            return ()
+        found: list[_Parameter] = []
+        place = 0
+        for group in routine.parameters:
+            for one in group.alternatives:
+                if isinstance(one, s.Placeholder):
+                    return ()
+                if self._is_named(one):
+                    found.append(_Parameter(one, -1 if group.optional else place))
+            place += not group.optional
+        return tuple(found)
+
+    def _is_named(self, one: s.ParameterNode) -> bool:
+        base = self.layouts.base(one.type)
+        kind = self.layouts.kind(base)
+        return base in SETTINGS or kind == "DEVICE" or (kind == "HANDLE" and bool(one.mode))
+
+    def modules(self) -> Sequence[s.Module]:
+        """The modules with the copies behind what they are made of."""
+        if not self.routines:
+            return self.all
+        made: dict[int, s.Item] = {}
+        for item in (item for module in self.all for item in module.items):
+            if isinstance(item, s.Routine) and item.name.lower() not in self.routines:
+                made[id(item)] = self._called(item)
+        copies: dict[str, list[s.Routine]] = {name: [] for name in self.routines}
+        while self._more(copies, made):
+            pass
+        renamed = {
+            copies[name][0].name.lower(): one.node.name
+            for name, one in self.routines.items()
+            if len(copies[name]) == 1 and id(one.node) not in made
+        }
+        whole = []
+        for module in self.all:
+            items: list[s.Item] = []
+            for item in module.items:
+                own = copies.get(item.name.lower(), ()) if isinstance(item, s.Routine) else ()
+                kept = made.get(id(item), None if own else item)
+                items += [] if kept is None else [kept]
+                items += own
+            items = [_renamed(item, renamed) for item in items] if renamed else items
+            same = len(items) == len(module.items)
+            same = same and all(a is b for a, b in zip(items, module.items, strict=True))
+            whole.append(module if same else replace(module, items=tuple(items)))
+        return whole
+
+    def _more(self, copies: dict[str, list[s.Routine]], made: dict[int, s.Item]) -> bool:
+        """Whether there were copies to make, which may call others; at last what stays."""
+        before = sum(map(len, copies.values())) + len(made)
+        for name, one in self.routines.items():
+            for new, given in list(one.ways.values())[len(copies[name]) :]:
+                copies[name].append(self._called(self._copy(one, new, given)))
+        if sum(map(len, copies.values())) + len(made) == before:
+            for one in self.routines.values():
+                if (one.stays or self.late or not one.ways) and id(one.node) not in made:
+                    made[id(one.node)] = self._called(one.node)
+        return sum(map(len, copies.values())) + len(made) > before
+
+    # -------------------------------------------------------------------------------- calls
+
+    def _called(self, routine: s.Routine) -> s.Routine:
+        """A routine that calls copies."""
+        own = {name.lower() for name in inner_names((routine,))}
+
+        def visit(node: Any) -> Any:
+            match node:
+                case s.ProcedureCall(str(name)) | s.FunctionCall(name):
+                    one = self.routines.get(name.lower())
+                    return node if one is None else self._call(node, one, own)
+            return node
+
+        made: s.Routine = rewrite(routine, visit, ())
+        return made
+
+    def _call(
+        self, node: s.ProcedureCall | s.FunctionCall, one: _Routine, own: set[str]
+    ) -> s.ProcedureCall | s.FunctionCall:
+        """A call of a copy; the call itself, if there is none for it."""
+        split = self._split(node, one, own)
+        if split is None:
+            one.stays = True
+            return node
+        given, left = split
+        way = tuple(None if value is None else _way(value) for value in given)
+        if way not in one.ways:
+            if len(one.ways) >= MOST_COPIES:
+                one.stays = True
+                return node
+            names = [value.name for value in given if isinstance(value, s.NameRef)]
+            name = identifier("_".join([one.node.name, *names]), self.taken)
+            self.taken.add(name)
+            one.ways[way] = name, given
+        name, _ = one.ways[way]
+        return replace(node, name=name, arguments=left)
+
+    def _split(
+        self, node: s.ProcedureCall | s.FunctionCall, one: _Routine, own: set[str]
+    ) -> tuple[Given, tuple[s.Argument, ...]] | None:
+        """What a call gives for what a copy has not, and what is left; None if it is not known."""
+        plain = [a for a in node.arguments if isinstance(a, s.Positional)]
+        required = sum(not group.optional for group in one.node.parameters)
+        if len(plain) != required or any(a.name is not None for a in plain):
+            return None
+        options: dict[str, s.Expression] = {}
+        for argument in node.arguments:
+            match argument:
+                case s.Option(name, s.Node() as value):
+                    options[name.lower()] = value
+                case s.Conditional(name):
+                    if any(q.key == name.lower() for q in one.parameters):
+                        return None
+        given: list[s.Expression | None] = []
+        gone: set[int] = set()
+        for q in one.parameters:
+            one_given = plain[q.place].value if q.place >= 0 else options.get(q.key)
+            if one_given is not None and not self._fits(one_given, q, one, own):
+                return None
+            given.append(one_given)
+            if q.place >= 0:
+                gone.add(id(plain[q.place]))
+        keys = {q.key for q in one.parameters if q.place < 0}
+        left = [
+            a
+            for a in node.arguments
+            if id(a) not in gone and not (isinstance(a, s.Option) and a.name.lower() in keys)
+        ]
+        return tuple(given), tuple(left)
+
+    def _fits(self, value: s.Expression, q: _Parameter, one: _Routine, own: set[str]) -> bool:
+        """Whether a copy may have a value in the place of a parameter."""
+        hidden = {name.lower() for name in inner_names((one.node,))}
+        found = root(value)
+        if found is None:
+            literal = isinstance(value, s.AggregateNode) and not q.node.mode
+            fits = literal and _is_literal(value) and not self._has_runs(one)
+            return fits and q.key not in _changed(one.node)
+        low = found.name.lower()
+        if low in own or low in hidden:
+            return False
+        if value is not found and (self._has_runs(one) or not _is_row(value)):
+            return False
+        return bool(q.node.mode) or (low not in self.written and q.key not in _changed(one.node))
+
+    def _has_runs(self, one: _Routine) -> bool:
+        """Whether there are moves in columns, whose settings are names."""
+        return any(isinstance(node, s.MoveRunNode) for node in nodes(one.node))
+
+    # ------------------------------------------------------------------------------- copies
+
+    def _copy(self, one: _Routine, name: str, given: Given) -> s.Routine:
+        """A routine with what it is given in the place of its parameters."""
+        values = {q.key: v for q, v in zip(one.parameters, given, strict=True)}
+        taken = {q.key for q in one.parameters}
+        groups = tuple(g for g in one.node.parameters if not _one_of(g, taken))
+        known: s.Routine = rewrite(one.node, lambda node: told(node, values), ())
+        made: s.Routine = rewrite(known, lambda node: substituted(node, values), ())
+        handlers = tuple(replace(h, body=sound(h.body)) for h in made.handlers)
+        body = sound(made.body)
+        return replace(made, name=name, parameters=groups, body=body, handlers=handlers)
+
+
+def _way(value: s.Expression) -> str:
+    """What tells the ways of calling a routine apart, and a copy's name from others."""
+    return value.name.lower() if isinstance(value, s.NameRef) else printed(value)
+
+
+def _one_of(group: s.ParameterGroup, keys: set[str]) -> bool:
+    return any(
+        isinstance(a, s.ParameterNode) and a.name.lower() in keys for a in group.alternatives
+    )
+
+
+def _is_literal(node: s.Expression) -> bool:
+    if isinstance(node, s.AggregateNode):
+        return all(map(_is_literal, node.items))
+    return isinstance(node, s.BoolLiteral | s.StringLiteral) or literal_number(node) is not None
+
+
+def _changed(routine: s.Routine) -> set[str]:
+    """Names that a routine assigns to, in lower case."""
+    targets = (root(one.target) for one in nodes(routine) if isinstance(one, s.Assignment))
+    return {one.name.lower() for one in targets if one is not None}
+
+
+def _is_row(value: s.Expression) -> bool:
+    """Whether a value is a row of a table by its number."""
+    if not isinstance(value, s.Element) or not isinstance(value.value, s.NameRef):
+        return False
+    numbers = (None if isinstance(i, s.Whole) else literal_number(i) for i in value.indices)
+    return all(isinstance(number, int) for number in numbers)
+
+
+def _renamed(item: s.Item, names: Mapping[str, str]) -> s.Item:
+    """An item with other names of routines, by lower-case name."""
+
+    def visit(node: Any) -> Any:
+        match node:
+            case s.Routine(name=name) | s.ProcedureCall(str(name)) | s.FunctionCall(name):
+                if name.lower() in names:
+                    return replace(node, name=names[name.lower()])
+        return node
+
+    made: s.Item = rewrite(item, visit, ())
+    return made

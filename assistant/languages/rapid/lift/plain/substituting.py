@@ -1,0 +1,84 @@
+"""What stands in a routine for its parameters, once it is known what these are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.runs import MotionNames
+
+
+def told(node: Any, values: Mapping[str, s.Expression | None]) -> Any:
+    """A node in which it is known which optional parameters are there; lower-case names."""
+    match node:
+        case s.FunctionCall(word, (s.Positional(s.NameRef(name), None),)):
+            if word.lower() == "present" and name.lower() in values:
+                return s.BoolLiteral(values[name.lower()] is not None)
+        case s.Prefix("NOT", s.BoolLiteral(value)) | s.Prefix("NOT", s.Group(s.BoolLiteral(value))):
+            return s.BoolLiteral(not value)
+        case s.ProcedureCall(arguments=arguments) | s.FunctionCall(arguments=arguments):
+            given = tuple(g for a in arguments if (g := _handed_on(a, values)) is not None)
+            return node if given == arguments else replace(node, arguments=given)
+    return node
+
+
+def _handed_on(
+    argument: s.Argument, values: Mapping[str, s.Expression | None]
+) -> s.Argument | None:
+    """An argument that hands a parameter on, as what that is; None if it is not there."""
+    match argument:
+        case s.Conditional(option, s.NameRef(name)) if name.lower() in values:
+            there = values[name.lower()] is not None
+            return s.Option(option, s.NameRef(name)) if there else None
+    return argument
+
+
+def sound(body: Sequence[s.StatementNode]) -> tuple[s.StatementNode, ...]:
+    """Statements without branches that are never taken."""
+    return tuple(one for node in body for one in _taken(node))
+
+
+def _taken(node: s.StatementNode) -> Iterator[s.StatementNode]:
+    match node:
+        case s.CompactIf(s.BoolLiteral(value), inner):
+            yield from _taken(inner) if value else ()
+        case s.IfThen(branches, otherwise):
+            left: list[s.IfBranch] = []
+            other = None if otherwise is None else sound(otherwise)
+            for branch in branches:
+                match branch.condition:
+                    case s.BoolLiteral(False):
+                        continue
+                    case s.BoolLiteral(True):
+                        other = sound(branch.body)
+                        break
+                left.append(replace(branch, body=sound(branch.body)))
+            if left:
+                yield replace(node, branches=tuple(left), otherwise=other)
+            else:
+                yield from other or ()
+        case s.WhileLoop(body=body) | s.ForLoop(body=body):
+            yield replace(node, body=sound(body))
+        case s.TestOf(cases=cases, otherwise=otherwise):
+            chosen = tuple(replace(case, body=sound(case.body)) for case in cases)
+            other = None if otherwise is None else sound(otherwise)
+            yield replace(node, cases=chosen, otherwise=other)
+        case _:
+            yield node
+
+
+def substituted(node: Any, named: Mapping[str, s.Expression | None]) -> Any:
+    """A node with what stands for parameters in their place; lower-case names."""
+    match node:
+        case s.NameRef(name) if (value := named.get(name.lower())) is not None:
+            return replace(value, span=node.span)
+        case MotionNames(speed, zone, tool, frame):
+            return MotionNames(*(_name(one, named) for one in (speed, zone, tool, frame)))
+    return node
+
+
+def _name(name: str, named: Mapping[str, s.Expression | None]) -> str:
+    value = named.get(name.lower())
+    return value.name if isinstance(value, s.NameRef) else name
