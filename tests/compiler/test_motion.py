@@ -14,6 +14,7 @@ from assistant.compiler.motion import MotionProof, Proving, prove_motion
 from assistant.compiler.motion_sides import Made
 from assistant.program.diagnostics import Refused
 from assistant.program.text import SourceText
+from assistant.virtual.proving import lasting, search
 
 CELL = """
 [signals.doGrip]
@@ -107,6 +108,34 @@ def test_every_branch_of_the_source_is_taken(compiled: Compiled) -> None:
     assert "branches taken: 3 of 3 in standard input, " in found.line()
     left = {(f.path, f.line, f.message) for f in found.findings if f.code == "CO112"}
     assert ("CELL.prg", 59, "no run took this branch: For passed") in left
+
+
+LONG = """PROC main()
+  VAR num n;
+  FOR i FROM 1 TO 500 DO
+    SetDO doGrip,i MOD 2;
+    n:=n+i;
+  ENDFOR
+ENDPROC
+ENDMODULE
+"""
+
+
+def test_a_run_that_takes_too_long_is_broken_off(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What the source did by then is compared; the written program has to have done as much."""
+    done = made("MODULE Cell\n" + LONG, "melfa-basic-5", tmp_path)
+    every = proof(done).found
+    monkeypatch.setattr(lasting, "LEAST_SECONDS", 0.0)
+    short = proof(done, Proving(seconds=0.0))
+    assert every is not None and every.changes == 500
+    assert [f.code for f in short.findings if f.severity == "error"] == ["CO111"]
+    monkeypatch.setattr(lasting, "first_run", lambda _, source: 0.0 if source else 60.0)
+    monkeypatch.setattr(search, "first_run", lasting.first_run)
+    longer = proof(done, Proving(seconds=0.0))
+    assert longer.holds and longer.found is not None
+    assert 0 < longer.found.changes < 100
 
 
 def test_a_seed_gives_the_same_runs(compiled: Compiled) -> None:

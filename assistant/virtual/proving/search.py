@@ -6,7 +6,7 @@ import re
 import time
 from collections import Counter, deque
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from random import Random
 from typing import Final
 
@@ -17,6 +17,7 @@ from assistant.virtual.kernel import Board, Kernel, Task
 from assistant.virtual.kernel.panel import Panel
 from assistant.virtual.kernel.script import Script, follow
 from assistant.virtual.proving.driver import Driver, Moment, Readings, Scenario
+from assistant.virtual.proving.lasting import OVER, broken_off, first_run
 from assistant.virtual.proving.sides import STATEMENT_TIME, Side
 from assistant.virtual.proving.wires import Wiring
 from assistant.virtual.rounding import Rounding
@@ -126,19 +127,20 @@ class _Search:
         self.pending: deque[Scenario] = deque([Scenario()])
         self.steps = STEPS + 4 * max(side.text().count("\n") for side in (self.first, self.second))
         self.reads = False
+        self.late = False  # whether the time was over in the middle of a run
 
     def run(self) -> Found:
-        end = time.monotonic() + self.budget.seconds
+        self.until = time.monotonic() + self.budget.seconds
         played: list[Scenario] = []
         vain = 0
         while self.found.runs < self.budget.runs and vain < IN_VAIN:
             scenario = self._next(played)
-            if scenario is None or (self.found.runs and time.monotonic() > end):
+            if scenario is None or (self.found.runs and time.monotonic() > self.until):
                 break
             aimed = scenario in self.aimed
             new, done = self._both(scenario)
             played.append(done)
-            if self.found.unlike is not None or self.found.unknown is not None:
+            if self.late or self.found.unlike is not None or self.found.unknown is not None:
                 break
             vain = 0 if new else vain + (not aimed)
             if self.script is not None or not self._open() or not self.reads:
@@ -177,11 +179,22 @@ class _Search:
     def _both(self, scenario: Scenario) -> tuple[bool, Scenario]:
         """Whether it took a new branch, and the scenario with the answers that it needed."""
         one, ours = self._play(self.first, scenario, self.steps, answered=True)
+        if one.ended == OVER:
+            if self.found.runs:
+                self.late = True
+                return False, ours.played
+            one = replace(one, ended="steps")  # what it did by then is compared
         if one.ended == "unknown":
             self.found.unknown = Stop(0, one, ours.played)
             return False, ours.played
         two, theirs = self._play(self.second, ours.played, MORE_STEPS * self.steps, answered=False)
-        if two.ended == "unknown" and one.ended != "error":
+        if two.ended == OVER:
+            if self.found.runs:
+                self.late = True
+                return False, ours.played
+            if one.ended == "steps" and self._as_much(one, two):
+                two = replace(two, ended="steps")
+        if two.ended == OVER or (two.ended == "unknown" and one.ended != "error"):
             self.found.unknown = Stop(1, two, ours.played)
             return False, ours.played
         self._compare(one, two, ours.played)
@@ -200,6 +213,12 @@ class _Search:
                 self.pending.append(ours.played.silent(moment))
         return new, ours.played
 
+    def _as_much(self, one: Run, two: Run) -> bool:
+        """Whether a run that was broken off did all that the first one did."""
+        runs = one, replace(two, ended="steps")
+        done = [likeness(one, run, self.signals, self.rounding) for run in runs]
+        return len({(like.visits, like.changes) for like in done}) == 1
+
     def _play(
         self, side: Side, scenario: Scenario, steps: int, answered: bool
     ) -> tuple[Run, Driver]:
@@ -211,6 +230,8 @@ class _Search:
         if side.answers:
             kernel.person.panel = Panel(lambda name: driver[name])
         side.begin(kernel)
+        left = self.until - time.monotonic()
+        broken_off(kernel, left if self.found.runs else first_run(self.budget.seconds, answered))
         return kernel.run(), driver
 
     def _compare(self, one: Run, two: Run, scenario: Scenario) -> None:
