@@ -52,9 +52,27 @@ WaitDI di1,1\MaxTime:=3\TimeFlag:=late;
 IF late SetDO do1,1;
 WaitUntil di1=1 AND GInput(giOrder)=5\MaxTime:=2\TimeFlag:=late\PollRate:=0.05;
 IF late SetDO doDone,1;""",
+    "routines by their names as texts": r"""VAR string s:="part2";
+%"Cell:part1"%;
+%s%;
+FOR i FROM 1 TO 2 DO
+CallByVar "part",i;
+ENDFOR
+%"part"+NumToStr(1,0)%;
+ENDPROC
+PROC part1()
+SetDO do1,1;
+ENDPROC
+PROC part2()
+SetDO do1,0;""",
+    "a signal by a second name": r"""AliasIO do1,alOut;
+SetDO alOut,1;
+IF alOut=1 SetDO doDone,1;
+Reset alOut;""".replace("\\\\", "\\"),
     "a wait that people are told of": r"""WaitDI di1,0\Visualize\Header:="Part"\Message:="wait";
 WaitUntil\InPos,TRUE;""",
 }
+ALIAS = "LOCAL VAR signaldo alOut;\n"
 TO_DATA = {name: f"{THERE}\n{body}" for name, body in CASES.items()}
 
 
@@ -66,7 +84,7 @@ def test_it_does_the_same(name: str, tmp_path: FilePath) -> None:
     judge(
         tally,
         name,
-        f"{HEAD}PROC main()\n{TO_DATA[name]}\nENDPROC\nENDMODULE\n",
+        f"{HEAD}{ALIAS}PROC main()\n{TO_DATA[name]}\nENDPROC\nENDMODULE\n",
         SCENARIOS,
         source=("rapid", run_rapid),
         target=(SIX, lambda *given: run_melfa(SIX, *given)),
@@ -142,3 +160,50 @@ def test_what_cannot_be_said_stays(body: str, tmp_path: FilePath) -> None:
     text, codes = written(body, tmp_path)
     assert not text
     assert "MB209" in codes
+
+
+DATA = """TASK PERS welddata weld1:=[7,0,[1,2]];
+TASK PERS seamdata seam1:=[0,0];
+PERS tasks both{2}:=[["T_ROB1"],["T_ROB2"]];
+VAR syncident there;
+"""
+
+
+def plain(body: str, tmp_path: FilePath) -> list[str]:
+    """The lines that are said, behind the heading, without their numbers."""
+    process = tmp_path / "cell.process.toml"
+    more = "\n[signals.arc_on]\nnumber = 11\n"
+    process.write_text(rapid_words.process_file() + more, encoding="utf-8")
+    text = f"{HEAD}{DATA}PROC main()\n{body}\nENDPROC\nENDMODULE\n"
+    found = translate(load_text(SourceText(text), process=process, language="rapid"), to=SIX)
+    (data,) = found.files.values()
+    lines = [line.partition(" ")[2] for line in data.decode().splitlines() if line[:1].isdigit()]
+    return [line for line in lines if not line.startswith("'")]
+
+
+def test_a_weld_is_moves_at_its_speed_and_an_output(tmp_path: FilePath) -> None:
+    arc = """ArcLStart p10,v100,seam1,weld1\\Weave:=w1,z10,tGripper;
+ArcL Offs(p10,10,0,0),v100,seam1,weld1,z1,tGripper\\Track:=tr1;
+ArcLEnd Offs(p10,20,0,0),v100,seam1,weld1,fine,tGripper;"""
+    lines = plain(arc, tmp_path)
+    said = [line for line in lines if line.startswith(("Mvs", "M_Out", "Spd"))]
+    assert said == [
+        "Spd 100",
+        "Mvs P10",
+        "M_Out(11)=1",
+        "Spd 7",
+        "Mvs P10+(10,0,0,0,0,0)",
+        "Mvs P10+(20,0,0,0,0,0)",
+        "M_Out(11)=0",
+    ]
+
+
+def test_tasks_meet_by_a_count_that_they_share(tmp_path: FilePath) -> None:
+    lines = plain("WaitSyncTask there,both;\nSetDO do1,1;", tmp_path)
+    assert lines == [
+        "MALLTHERE=(Fix(M_THERE/2)+1)*2",
+        "M_THERE=M_THERE+1",
+        "Wait M_THERE>=MALLTHERE",
+        "M_Out(6)=1",
+        "End",
+    ]

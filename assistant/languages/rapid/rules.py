@@ -117,6 +117,11 @@ STOPS: Final = warning(
     "`RAISE {name}` stops the program here, as no handler that is said is for it",
     "say by a variable what went wrong, and test it where the procedure was called",
 )
+MEETING: Final = warning(
+    "RA317",
+    "the programs that meet at `{point}` count there in `{name}`, which is kept when they end",
+    "start them together, with 0 in it, each in a slot of its own",
+)
 PLACE_UNLIKE: Final = warning(
     "RA312",
     "`{name}` is set on the way of {what}, which controllers may count differently",

@@ -42,7 +42,8 @@ class Kernel:
     to trace it or to hold the run. branch: is told of each way that a statement goes on: its file,
     where it stands there, and which way, counted from 0. stuck: is asked where a task waits, before
     its time is over or the run ends; True if it has brought what is waited for. told: is told of
-    each event. timed: is told when a program sets a timer, as a wait of its own begins. clock: simulated seconds, but behind `now` while a program runs ahead of its arm.
+    each event. timed: is told when a program sets a timer, as a wait of its own begins. clock:
+    simulated seconds, but behind `now` while a program runs ahead of its arm.
     person: answers what programs ask. shared: whether several tasks run. live: what the run is part
     of that goes on when all tasks have ended.
     """

@@ -21,13 +21,17 @@ from assistant.languages.rapid.lift.operator import with_operator
 from assistant.languages.rapid.lift.plain_data import with_plain_data
 from assistant.languages.rapid.lift.statements import lift_of
 from assistant.languages.rapid.lift.stopwatches import with_stopwatches
+from assistant.languages.rapid.lift.told.aliases import SIGNALS, with_aliases
+from assistant.languages.rapid.lift.told.arc import weld_speeds
 from assistant.languages.rapid.lift.told.calls import call_of, is_text, lifted
 from assistant.languages.rapid.lift.told.errors import with_errors
 from assistant.languages.rapid.lift.told.left_out import INSTRUCTIONS
+from assistant.languages.rapid.lift.told.meeting import DUE, shared, task_lists
 from assistant.languages.rapid.lift.told.outputs import switched
 from assistant.languages.rapid.lift.told.statements import Telling, told
 from assistant.languages.rapid.lift.ways import options, steps
 from assistant.languages.rapid.tables.predefined import data as predefined
+from assistant.languages.rapid.tables.welding import DATA
 from assistant.languages.rapid.tables.words import ANSWERS, VALUE_OF_TYPE
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
@@ -38,11 +42,12 @@ from assistant.program import statements as p
 from assistant.program.analysis.signals import with_used
 from assistant.program.diagnostics import Findings
 from assistant.program.geometry import Frame, Tool
+from assistant.program.kept import effect_of
 from assistant.program.passes.constants import with_constants, with_predefined
 from assistant.program.passes.open_lines import with_open_lines
 from assistant.program.passes.stops import stopped, with_stops
 from assistant.program.passes.table_rows import Named, Table, with_table_rows
-from assistant.program.program import Program
+from assistant.program.program import Declaration, Program, Variable
 from assistant.program.rewriting import exchanged, records, rewrite
 
 if TYPE_CHECKING:
@@ -63,6 +68,8 @@ IN_CORNER: Final = e.Reason(
 
 _DISPLACES: Final = re.compile(r"\bEOffs(?:On|Set)\b", re.IGNORECASE)
 """Instructions that displace external axes, which `MoveAbsJ` heeds without `\\NoEOffs`."""
+IDLE: Final = DATA | {"tasks", "syncident", "errnum", *SIGNALS}
+"""Types of data, in lower case, that are left out where nothing takes them any more."""
 NEAR: Final = frozenset(("inpos20", "inpos50", "inpos100"))
 """Predefined stop points: the robot stops at its target, with more or less patience."""
 
@@ -76,7 +83,7 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
     if tables := _tables(program):
         program = with_table_rows(program, tables, _with_named_rows)
     if any(is_text(record) for record in records(program.procedures)):
-        program = _with_other_words(program, findings)
+        program = _with_other_words(with_aliases(program), findings)
         handled = with_errors(program, lift_of(program), findings)
         program = program if handled is program else _with_other_words(handled, findings)
         program = with_operator(program, findings)
@@ -85,6 +92,7 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
             program = with_open_lines(program, steps)
         program = with_stops(program, steps, _besides_standing, IN_CORNER)
         program = exchanged(program, lambda node: _told(node, findings))
+        program = _without_unused(program)
     types = {
         key: (known.name, VALUE_OF_TYPE[known.type])
         for key, known in predefined().items()
@@ -113,9 +121,55 @@ def _with_other_words(program: Program, findings: Findings) -> Program:
     meaning = Meaning(speeds=speeds, blends=blends)
     texts = (one.text for one in program.statements() if isinstance(one, p.Opaque))
     displaced = any(map(_DISPLACES.search, texts))
-    telling = Telling(program, findings, meaning, switched(program), displaced)
+    telling = Telling(
+        program, findings, meaning, switched(program), displaced,
+        weld_speeds(program), task_lists(program),
+    )  # fmt: skip
     program = exchanged(program, lambda node: told(telling, node))
-    return replace(program, signals=with_used(program.signals, meaning.used))
+    counted = dict(map(shared, telling.points))
+    if counted:
+        counted[DUE] = Variable("number")
+    return replace(
+        program,
+        signals=with_used(program.signals, meaning.used),
+        variables={**counted, **program.variables},
+    )
+
+
+def _without_unused(program: Program) -> Program:
+    """The program without data of its own kinds that nothing is left of to take them."""
+    named: set[str] = set()
+    for record in records((program.procedures, program.targets, program.variables)):
+        match record:
+            case p.Opaque() | e.Verbatim():
+                named |= effect_of(record).names
+            case e.Name(name) | p.SetSignal(name) | p.Trigger(name) | p.WaitSignal(name):
+                named.add(name.lower())
+    left = tuple(one for one in program.declarations if _is_routine(one) or not _is_idle(one))
+    for one in program.declarations:
+        if _is_routine(one):
+            named |= effect_of(one).names
+    return replace(
+        program,
+        declarations=tuple(
+            one for one in program.declarations if one in left or effect_of(one).writes & named
+        ),
+    )
+
+
+def _is_idle(declaration: Declaration) -> bool:
+    """Whether it is of data that only instructions take which are said by other statements."""
+    match verbatim.understood(verbatim.items, declaration.text):
+        case (s.Data(type=type),):
+            return type.lower() in IDLE
+    return False
+
+
+def _is_routine(declaration: Declaration) -> bool:
+    match verbatim.understood(verbatim.items, declaration.text):
+        case (s.Routine(),):
+            return True
+    return False
 
 
 def _told(node: p.Opaque, findings: Findings) -> Iterator[p.Statement]:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import Final
 
 from assistant.languages.rapid.tables.signatures import signature
+from assistant.languages.rapid.tables.welding import BURNS, MOVES, SIGNAL
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
@@ -36,6 +37,8 @@ def signals_in(
 
 def _of(call: s.ProcedureCall) -> Iterator[tuple[str, Signal]]:
     found = signature(call.name) if isinstance(call.name, str) else None
+    if str(call.name).lower() in MOVES:
+        yield BURNS, SIGNAL
     if found is None:
         return
     required = iter(found.required)

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 from assistant.languages.patterns import Called
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.instructions import Meaning, of_call
+from assistant.languages.rapid.lift.told import arc
 from assistant.languages.rapid.lift.told.calls import call_of, lifted, without, word_of
+from assistant.languages.rapid.lift.told.late import by_name
 from assistant.languages.rapid.lift.told.left_out import OPTIONS
+from assistant.languages.rapid.lift.told.meeting import met, shared
 from assistant.languages.rapid.lift.told.outputs import delayed, inverted, pulse
 from assistant.languages.rapid.lift.told.waits import limited
+from assistant.languages.rapid.tables.welding import MOVES
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import called
 from assistant.program import expressions as e
@@ -26,8 +30,11 @@ from assistant.program.rewriting import records
 
 @dataclass(frozen=True, slots=True)
 class Telling:
-    """What instructions of a program are said with. switched: lower-case names of outputs that
-    something besides pulses may switch on. displaced: whether anything displaces external axes.
+    """What instructions of a program are said with.
+
+    switched: lower-case names of outputs that something besides pulses may switch on. displaced:
+    whether anything displaces external axes. welds: mm/s of welds, and lists: how many tasks each
+    has, by lower-case name. points: that tasks meet at, filled as they are said.
     """
 
     program: Program
@@ -35,6 +42,9 @@ class Telling:
     meaning: Meaning
     switched: frozenset[str]
     displaced: bool
+    welds: Mapping[str, float]
+    lists: Mapping[str, int]
+    points: list[str] = field(default_factory=list)
 
     def lost(self, what: str, loss: str, cure: str) -> None:
         self.findings.append(rules.LEFT_OUT(what=what, loss=loss, cure=cure))
@@ -52,8 +62,9 @@ Telled = Callable[[Telling, Called[s.Expression], p.Opaque], Said]
 def told(telling: Telling, node: p.Opaque) -> Sequence[p.Statement]:
     """What another language is told of a text: the text itself where it has no word for it."""
     call = call_of(node)
-    if call is None:
-        return (node,)
+    if call is None or word_of(call) == "callbyvar":
+        said = [*by_name(node, telling.program, telling.meaning)]
+        return [replace(one, span=node.span) for one in said] or (node,)
     losses = {
         one.name.lower(): OPTIONS[word_of(call)][one.name.lower()]
         for one in call.arguments
@@ -189,7 +200,32 @@ def _is_within(program: Program, limit: float) -> bool:
     return all(isinstance(one, Speed) and one.tcp <= limit for one in known)
 
 
+def _weld(telling: Telling, call: Called[s.Expression], node: p.Opaque) -> Said:
+    said = [*arc.welded(call, telling.meaning, telling.welds)]
+    if said:
+        telling.lost(f"the data of {node.text.split()[0]}", *_SOURCE)
+    yield from said
+
+
+_SOURCE: Final = (
+    "the output `arc_on` lights the arc and puts it out, and its moves have the speed of the weld; "
+    "what the power source is told, weaving and tracking are not said",
+    "set the power source up for the weld, and give the output its number",
+)
+
+
+def _meet(telling: Telling, call: Called[s.Expression], _: p.Opaque) -> Said:
+    said = [*met(call, telling.lists)]
+    match call.given:
+        case (s.NameRef(point), _) if said:
+            telling.points.append(point)
+            telling.findings.append(rules.MEETING(point=point, name=shared(point)[0]))
+    yield from said
+
+
 INSTRUCTIONS: Final[Mapping[str, Telled]] = {
+    **dict.fromkeys(MOVES, _weld),
+    "waitsynctask": _meet,
     **dict.fromkeys(("movej", "movel", "movec"), _with_own_motion),
     **dict.fromkeys(("movejdo", "moveldo", "movecdo"), _setting_output("SetDO")),
     **dict.fromkeys(("movejao", "movelao", "movecao"), _setting_output("SetAO")),
