@@ -17,20 +17,20 @@ from assistant.program import statements as p
 from assistant.program.diagnostics import Refused
 
 MODULE = """MODULE Cell
-    VAR clock timer;
+    VAR egmident path;
     PERS tooldata torch:=[TRUE,[[0,0,100],[1,0,0,0]],[1,[0,0,50],[1,0,0,0],0,0,0]];
     CONST robtarget p10:=[[350,0,400],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
     VAR num n;
     PROC main()
         MoveJ p10,v1000,fine,torch;
-        ClkReset timer;
+        EGMReset path;
         MoveL Offs(p10,0,0,
             -50),v100,fine,torch;
         IF n>3 THEN
             TPWrite "hello";
             SetDO do1,1;
         ELSE
-            n:=n+ClkRead(timer);
+            n:=n+GetMotorTorque(2);
         ENDIF
     ENDPROC
 ENDMODULE
@@ -119,15 +119,15 @@ def test_another_version_for_a_robot_is_within_its_reach(
 def test_a_level_says_why(tmp_path: Path) -> None:
     rows = {row.place.line: row for row in translated(tmp_path, MODULE, "melfa-basic-5").rows}
     assert [f.code for f in rows[7].reasons] == ["MB204"]
-    assert "ClkReset" in rows[8].reasons[0].message
+    assert "EGMReset" in rows[8].reasons[0].message
     assert "do1" in rows[13].reasons[0].message
     assert rows[9].text == "MoveL Offs(p10,0,0, -50),v100,fine,torch"
     assert rows[11].text == "IF n>3 THEN"
 
 
 def test_statements_tell_where_they_went(tmp_path: Path) -> None:
-    text = MODULE.replace("ClkReset timer;", "").replace("SetDO do1,1;", "")
-    text = text.replace("ClkRead(timer)", "1").replace("VAR clock timer;", "")
+    text = MODULE.replace("EGMReset path;", "").replace("SetDO do1,1;", "")
+    text = text.replace("GetMotorTorque(2)", "1").replace("VAR egmident path;", "")
     found = translated(tmp_path, text, "melfa-basic-5")
     assert found.ok, found.findings
     ((name, data),) = found.files.items()
@@ -158,14 +158,14 @@ def test_a_draft_stops_at_what_it_cannot_say(tmp_path: Path, to: str) -> None:
     (tmp_path / name).write_bytes(data)
     program = load(tmp_path / name, language=to).program
     assert program.comments[0].startswith("DRAFT")
-    assert "| VAR clock timer;" in program.comments
+    assert "| VAR egmident path;" in program.comments
     said = list(program.statements())
     stops = [said[i : i + 3] for i, x in enumerate(said) if isinstance(x, p.Stop) and not x.end]
     quoted = [[c.text for c in rest if isinstance(c, p.Comment)] for _, *rest in stops]
     assert quoted == [
-        ["not translated, line 8:", "| ClkReset timer"],
+        ["not translated, line 8:", "| EGMReset path"],
         ["not translated, line 13:", "| SetDO do1,1"],
-        ["not translated, line 15:", "| n:=n+ClkRead(timer)"],
+        ["not translated, line 15:", "| n:=n+GetMotorTorque(2)"],
     ]
 
 
@@ -206,7 +206,7 @@ def test_a_draft_of_what_can_be_said_is_the_program(tmp_path: Path) -> None:
 def test_what_is_missed_after_something_was_left_out_is_left_out_too(tmp_path: Path) -> None:
     """The array cannot be said, so that what reads it cannot either."""
     text = MODULE.replace("VAR num n;", "VAR num n;\n    VAR num far{2,2,2,2};")
-    text = text.replace("ClkReset timer;", "n:=far{1,1,1,1};")
+    text = text.replace("EGMReset path;", "n:=far{1,1,1,1};")
     found = translated(tmp_path, text, "melfa-basic-5", draft=True)
     assert found.proof.holds or not found.files
 
@@ -223,10 +223,10 @@ def test_what_is_quoted_never_becomes_code(
     quoted = (
         text.replace("\\", "\\\\").replace('"', '""').encode("latin-1", "ignore").decode("latin-1")
     )
-    module = MODULE.replace("ClkReset timer;", f'Open "{quoted}",file;')
+    module = MODULE.replace("EGMReset path;", f'Open "{quoted}",file;')
     found = translated(folder, module, "melfa-basic-5", draft=True)
     plain = translated(
-        folder, MODULE.replace("ClkReset timer;", "ClkStart timer;"), "melfa-basic-5", draft=True
+        folder, MODULE.replace("EGMReset path;", "EGMStop path,EGM_STOP_HOLD;"), "melfa-basic-5", draft=True
     )
     if found.files:
         assert code(found) == code(plain)
@@ -327,7 +327,7 @@ def test_elements_of_arrays_of_a_procedures_own(tmp_path: Path, to: str) -> None
         nCount{2,n}:=n+1;
 """
     text = MODULE[: MODULE.index("        MoveJ")] + body + "    ENDPROC\nENDMODULE\n"
-    found = translated(tmp_path, text.replace("    VAR clock timer;\n", ""), to)
+    found = translated(tmp_path, text.replace("    VAR egmident path;\n", ""), to)
     assert found.ok, found.findings
 
 
@@ -356,7 +356,7 @@ MAIN = """MODULE Station
         VAR num nOwn;
         Prepare;
         Carry pHome;
-        ClkReset timer;
+        EGMReset path;
     ENDPROC
     LOCAL PROC Prepare()
         nDone:=0;
@@ -432,8 +432,8 @@ def test_of_programs_that_call_each_other_one_stays(tmp_path: Path) -> None:
 @pytest.mark.parametrize("to", MELFA)
 def test_a_line_that_is_too_long_has_its_place(tmp_path: Path, to: str) -> None:
     long = " OR ".join(f"n>{k}000 AND n<{k}999" for k in range(1, 30))
-    text = MODULE.replace("IF n>3", f"IF {long}").replace("    VAR clock timer;\n", "")
-    text = text.replace("        ClkReset timer;\n", "").replace("ClkRead(timer)", "1")
+    text = MODULE.replace("IF n>3", f"IF {long}").replace("    VAR egmident path;\n", "")
+    text = text.replace("        EGMReset path;\n", "").replace("GetMotorTorque(2)", "1")
     found = translated(tmp_path, text, to, draft=True)
     assert found.draft, found.written.findings
     (row,) = [row for row in found.rows if row.text.startswith("IF n>1000")]
@@ -472,7 +472,7 @@ def test_external_axes_that_cannot_be_said_are_told_of_where_they_stand(
 
 
 def test_names_that_nothing_declares_are_told_of_as_such(tmp_path: Path) -> None:
-    text = MODULE.replace("n:=n+ClkRead(timer)", "n:=nowhere")
+    text = MODULE.replace("n:=n+GetMotorTorque(2)", "n:=nowhere")
     found = translated(tmp_path, text, "melfa-basic-5", draft=True)
     (row,) = (row for row in found.rows if row.text == "n:=nowhere")
     assert [r.code for r in row.reasons] == ["MB229"]

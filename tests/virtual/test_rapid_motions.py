@@ -115,7 +115,7 @@ def test_inputs_are_as_they_were_given() -> None:
     assert "diB" in found.message or "dib" in found.message
     assert ran(main, inputs=lambda name: {"dia": 1, "dib": 0, "gic": 4}[name]).ended == "stopped"
     flag = 'VAR bool late;\nWaitDI diB,1\\MaxTime:=2\\TimeFlag:=late;\nIF late TPWrite "late";'
-    assert ran(flag).events == (Waited(2), Said("late"))
+    assert ran(flag).events == (Waited(2, limit=True), Said("late"))
     assert ran("WaitDI diB,1\\MaxTime:=2;").ended == "error"
 
 
