@@ -125,6 +125,8 @@ def prove_motion(made: Made, arms: Arms, proving: Proving, entry: str | None = N
             return _not_run(f"programs in {language.name} cannot be run")
     if not made.source.procedures:  # data that other programs use: nothing that could be run
         return MotionProof(Found(), (), (made.source.name, made.program.name))
+    if entry is None and made.source.entry is None:
+        return _not_run("nothing of it was run, as no procedure is the one that it begins with")
     trees, left = in_the_cell(made)
     if left:
         names_left = ", ".join(f"`{name}`" for name in left)

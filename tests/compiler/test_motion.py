@@ -9,7 +9,7 @@ import pytest
 import assistant
 from assistant.compiler import Compiled
 from assistant.compiler.arms import Arms
-from assistant.compiler.loading import load_text
+from assistant.compiler.loading import load, load_text
 from assistant.compiler.motion import MotionProof, Proving, prove_motion
 from assistant.compiler.motion_sides import Made
 from assistant.program.diagnostics import Refused
@@ -108,6 +108,27 @@ def test_every_branch_of_the_source_is_taken(compiled: Compiled) -> None:
     assert "branches taken: 3 of 3 in standard input, " in found.line()
     left = {(f.path, f.line, f.message) for f in found.findings if f.code == "CO112"}
     assert ("CELL.prg", 59, "no run took this branch: For passed") in left
+
+
+def test_of_a_library_nothing_is_run() -> None:
+    text = "MODULE lib\nPERS num n:=1;\nPROC count()\n  n:=n+1;\nENDPROC\nENDMODULE\n"
+    done = assistant.compile(load_text(SourceText(text), language="rapid"), language="rapid")
+    assert done.ok
+    (finding,) = proof(done).findings
+    assert finding.code == "CO111" and "nothing of it was run" in finding.message
+    made_of = Made(done.source, done.program, done.language, done.files)
+    assert prove_motion(made_of, Arms(), Proving(), "count").found is not None
+
+
+def test_the_modules_of_a_list_are_there_from_the_start(tmp_path: Path) -> None:
+    (tmp_path / "m.mod").write_text(HEAD + MAIN, encoding="utf-8")
+    listed = tmp_path / "cell.pgf"
+    listed.write_text("<Program><Module>m.mod</Module></Program>", encoding="utf-8")
+    process = tmp_path / "cell.process.toml"
+    process.write_text(CELL, encoding="utf-8")
+    done = assistant.compile(load(listed, process=process), language="melfa-basic-5")
+    assert done.ok, done.findings
+    assert proof(done, Proving(runs=2)).holds
 
 
 LONG = """PROC main()

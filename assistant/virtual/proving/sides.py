@@ -117,9 +117,12 @@ def _begin_rapid(side: Side, kernel: Kernel) -> None:
 
 
 def _apart(trees: Sequence[Any]) -> tuple[tuple[Any, ...], list[Any]]:
-    """The files that are there from the start, and those that a program loads while it runs."""
+    """The files that are there from the start, and those that a program loads while it runs.
+
+    What a list of modules names is there from the start.
+    """
     rapid = languages.get("rapid")
-    called = (name for tree in trees for name in rapid.called_files(tree))
+    called = (name for tree in trees if tree.modules for name in rapid.called_files(tree))
     names = {PurePath(name.replace("\\", "/")).name.lower() for name in called}
     loaded = [tree for tree in trees[1:] if tree.source and _file_name(tree).lower() in names]
     there = tuple(tree for tree in trees if not any(tree is one for one in loaded))
