@@ -150,6 +150,9 @@ def translate(
             help="File with what programs use and do not declare; written if it lacks any."
         ),
     ] = None,
+    ask: Annotated[
+        bool, typer.Option("--ask", help="Ask for what the file of --cell lacks.")
+    ] = False,
     output: Annotated[str, typer.Option("--output", "-o", help="Folder for the files.")] = ".",
     report: Annotated[
         Path | None,
@@ -183,7 +186,8 @@ def translate(
         entry=entry,
         proving=proving(prove, signals, seed),
     )
-    raise typer.Exit(run_translate(programs, options, output=output, report=report, format=format))
+    run = run_translate(programs, options, output=output, report=report, format=format, ask=ask)
+    raise typer.Exit(run)
 
 
 @app.command()

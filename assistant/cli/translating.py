@@ -77,10 +77,11 @@ def run_translate(
     output: str,
     report: Path | None,
     format: FindingFormat,
+    ask: bool = False,
 ) -> int:
     """0 if everything is said, 1 if something is not, 2 if a program cannot be read."""
     from assistant.findings.formats import finding_record
-    from assistant.report.translation import Translated, record
+    from assistant.report.translation import record
 
     if list(programs).count(STANDARD) > 1:
         raise Refused(TWICE(), exit_status=2)
@@ -89,11 +90,12 @@ def run_translate(
     if report is not None and not report.name:
         raise Refused(NO_FILE_NAME(name=report), exit_status=2)
     options.check()
-    answers, done = Answers(), list[Translated]()
+    answers = Answers()
     tasks = _tasks(programs, options.from_language, answers)
-    for task in tasks:
-        with answers.of(task.name), working(f"translating {task.name}"):
-            done.append(_translated(task, options))
+    done = _all_translated(tasks, options, answers)
+    if options.cell is not None and ask and _asked(options.cell, done):
+        answers = Answers()
+        done = _all_translated(tasks, options, answers)
     files = {one.source: one.translation.files for one in done if one.translation.files}
     folders, told = placed(files)
     refusals = [*answers.refusals, *told]
@@ -184,6 +186,51 @@ def _reported(report: Path, done: Sequence[Translated]) -> list[str]:
     from assistant.report.translation import written
 
     return list(map(str, write_files({report.name: written(done, report)}, report.parent)))
+
+
+def _all_translated(tasks: Sequence[Task], options: Options, answers: Answers) -> list[Translated]:
+    done = []
+    for task in tasks:
+        with answers.of(task.name), working(f"translating {task.name}"):
+            done.append(_translated(task, options))
+    return done
+
+
+def _asked(path: Path, done: Sequence[Translated]) -> bool:
+    """Asks for what programs lack and writes the answers; whether there was any.
+
+    An empty answer leaves a value open, the end of input all that follow. An answer that cannot be
+    is asked for once more.
+    """
+    from assistant.compiler.filling import cell_text
+    from assistant.program.system.writing import write_all
+    from assistant.program.text import SourceText
+    from assistant.sources.cell import parse_cell, questions, read_cell, said, with_answer
+
+    wanting = {(one.kind, one.name.lower()): one for d in done for one in d.translation.wanting}
+    text = before = cell_text(read_cell(path), wanting.values())
+    for one in wanting.values():
+        for key, remark in questions(one):
+            while True:
+                used = f", used in {', '.join(one.uses[:3])}" if one.uses else ""
+                sys.stderr.write(f"{said(one)}{used}\n  {key}{f' ({remark})' if remark else ''}: ")
+                sys.stderr.flush()
+                line = sys.stdin.readline()
+                if not line.strip():
+                    break
+                filled = with_answer(text, one, key, line.strip())
+                try:
+                    parse_cell(SourceText(filled, str(path)))
+                except Refused as refused:
+                    print_findings(refused.findings)
+                    continue
+                text = filled
+                break
+            if not line:
+                break
+    if text != before:
+        write_all({path: text.encode("utf-8")})
+    return text != before
 
 
 def _lacking(path: Path, done: Sequence[Translated]) -> list[str]:

@@ -77,7 +77,7 @@ def in_cell(loaded: Loaded, cell: Cell, path: FilePath, *, taught: bool = False)
     if given:
         trees = language.with_supplied(trees, given, STATED)
     if files or given:
-        program = language.lift(trees, origin.robot)
+        program = _as_stated(language.lift(trees, origin.robot), program, origin.lifted)
     program = _with_signals(program, wanted)
     program = replace(program, signals=_told(program, language).signals | program.signals)
     program, findings = equipped(program, cell.process, str(path), sharing=True)
@@ -94,6 +94,20 @@ def in_cell(loaded: Loaded, cell: Cell, path: FilePath, *, taught: bool = False)
         wanting=(*missing, *unnumbered, *([arm] if stated is None else [])),
         arm=str(neutral(arm) if stated is None else stated) if joints else loaded.arm,
     )
+
+
+_STATED_ANEW: Final = ("frames", "tools", "speeds", "blends", "signals")
+"""What a process file may have said of a program."""
+
+
+def _as_stated(program: Program, before: Program, lifted: Program) -> Program:
+    """A program that was read once more, with what a process file had said of it before."""
+    changed: dict[str, Any] = {}
+    for table in _STATED_ANEW:
+        was, now = getattr(lifted, table), getattr(before, table)
+        anew = {name: one for name, one in now.items() if was.get(name) != one}
+        changed[table] = {**getattr(program, table), **anew}
+    return replace(program, **changed)
 
 
 def _told(program: Program, language: Language[Any]) -> Program:

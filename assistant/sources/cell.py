@@ -28,6 +28,7 @@ A value that nobody has filled in is `"?"`, and its whole entry counts as not th
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
@@ -38,6 +39,7 @@ from assistant.program.motion import Blend, Speed
 from assistant.program.program import Signal
 from assistant.program.system.budgets import SETTINGS_FILE
 from assistant.program.text import SourceText, decode, read_bytes
+from assistant.program.toml_text import toml
 from assistant.program.wanted import Argument, Plain, Value, Wanted, WantedKind
 from assistant.sources.process import NO_PROCESS, Process, values
 from assistant.sources.process.file import ENCODINGS, process_in, read_toml
@@ -218,6 +220,45 @@ def with_entries(text: str, entries: Iterable[tuple[Wanted, Value | None]]) -> s
     for wanted, value in entries:
         parts.append("\n".join(_lines(wanted, value)))
     return "\n\n".join(parts) + "\n"
+
+
+def questions(wanted: Wanted) -> Iterator[tuple[str, str]]:
+    """The keys of an entry that are to be filled in, each with a remark on its value."""
+    if wanted.signal is not None:
+        wanted = replace(wanted, signal=replace(wanted.signal, number=None))
+    for key, given, remark in _keys(wanted, None):
+        if given is None:
+            yield key, remark
+
+
+def with_answer(text: str, wanted: Wanted, key: str, answer: str) -> str:
+    """A cell file's text with an answer in the first open place of a key of an entry.
+
+    The answer is TOML; what is none is a text. The text itself, if there is no such place.
+    """
+    head = re.search(
+        rf"^\[{TABLES[wanted.kind]}\.{re.escape(wanted.name)}\]", text, re.MULTILINE | re.IGNORECASE
+    )
+    if head is None:
+        return text
+    end = text.find("\n[", head.end())
+    entry = text[head.end() : len(text) if end < 0 else end]
+    filled = re.sub(
+        rf"^({key} *= *){re.escape(OPEN_TEXT)}",
+        lambda found: found[1] + _as_toml(answer),
+        entry,
+        count=1,
+        flags=re.MULTILINE,
+    )
+    return text[: head.end()] + filled + text[head.end() + len(entry) :]
+
+
+def _as_toml(answer: str) -> str:
+    try:
+        toml(f"answer = {answer}")
+    except ValueError:
+        return _toml(answer)
+    return answer
 
 
 MOST_USES: Final = 6

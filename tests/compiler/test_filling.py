@@ -5,7 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
+from assistant.cli.app import app
 from assistant.compiler import load, translate
 from assistant.compiler.filling import cell_text, neutral_cell
 from assistant.compiler.motion import Proving
@@ -157,3 +159,16 @@ def test_the_arm_of_a_cell_file_is_that_of_its_joint_angles(tmp_path: Path) -> N
     done = translate(file, to="melfa-basic-6", cell=cell, robot="rv-4frl")
     told = [f.code for row in done.rows for f in row.reasons]
     assert "CO501" in told and "CO503" not in told
+
+
+def test_answers_on_a_terminal_are_written_and_used(tmp_path: Path) -> None:
+    text = "MODULE Cell\n PROC main()\n  rWash;\n  SetDO doX,1;\n ENDPROC\nENDMODULE\n"
+    file, path = program(tmp_path, text), tmp_path / "cell.toml"
+    command = ["translate", str(file), "--to", "melfa-basic-6", "--cell", str(path), "--ask"]
+    first = CliRunner().invoke(app, [*command, "-o", str(tmp_path)], input="no.mod\n-1\n7\n")
+    assert first.exit_code == 1, first.output
+    assert "number = 7" in path.read_text(encoding="utf-8")
+    path.write_text(path.read_text(encoding="utf-8").replace("no.mod", "?"), encoding="utf-8")
+    again = CliRunner().invoke(app, [*command, "-o", str(tmp_path)], input="empty\n")
+    assert again.exit_code == 0, again.output
+    assert 'routine = "empty"' in path.read_text(encoding="utf-8")
