@@ -134,3 +134,8 @@ ASKED: Final = warning(
     "give these signals their numbers in the process file, and wire keys or a panel to them",
 )
 UNREAD: Final = info("RA341", "nothing reads {names}, which is left out", "none is needed")
+NOT_NEEDED: Final = info(
+    "RA342",
+    "the declaration of `{name}` is left out: it has no value, or nothing speaks of it",
+    "none is needed",
+)

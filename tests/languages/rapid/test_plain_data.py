@@ -164,6 +164,16 @@ CASES = {
     PROC put(num v\\INOUT num into)
       IF Present(into) into:=into+v;
     ENDPROC""",
+    "speeds and zones in records": """RECORD way
+      speeddata v;
+      zonedata z;
+      num n;
+    ENDRECORD
+    CONST way slow:=[[100,500,5000,1000],[FALSE,10,15,15,1.5,15,1.5],4];
+    PROC main()
+      MoveL Offs(p10,0,0,slow.n),slow.v,slow.z,tGrip;
+      MoveL p10,slow.v,fine,tGrip;
+    ENDPROC""",
     "names that are taken": """VAR size one:=[4,5];
     VAR num one_length:=7;
     PROC main()
@@ -220,3 +230,17 @@ def test_only_the_statement_that_needs_the_whole_record_is_refused() -> None:
     )
     refused = [row.text for row in done.rows if row.level == "not"]
     assert refused == ["TPWrite ArgName(one)", "Save one"]
+
+
+def test_what_has_no_value_and_what_nobody_names_is_left_out_and_told() -> None:
+    done = crossed(
+        "VAR socketdev line;\nVAR welddata seam;\nPROC main()\nVAR iodev file;\ngo 1,2,3;\nENDPROC"
+    )
+    assert done.ok, [f"{f.code} {f.message}" for f in done.findings]
+    told = [row.text for row in done.rows if any(f.code == "RA342" for f in row.reasons)]
+    assert told == ["VAR socketdev line;", "VAR welddata seam;", "VAR iodev file;"]
+
+
+def test_what_a_statement_needs_that_nobody_can_say_stays() -> None:
+    done = crossed("VAR welddata seam;\nPROC main()\nseam.x:=1;\ngo 1,2,3;\nENDPROC")
+    assert [row.level for row in done.rows if "seam" in row.text] == ["not", "not"]

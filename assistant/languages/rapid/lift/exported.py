@@ -24,6 +24,7 @@ from assistant.languages.rapid.lift.stopwatches import with_stopwatches
 from assistant.languages.rapid.lift.told.aliases import SIGNALS, with_aliases
 from assistant.languages.rapid.lift.told.arc import weld_speeds
 from assistant.languages.rapid.lift.told.calls import call_of, is_text, lifted
+from assistant.languages.rapid.lift.told.declarations import with_needed_declarations
 from assistant.languages.rapid.lift.told.errors import with_errors
 from assistant.languages.rapid.lift.told.left_out import INSTRUCTIONS
 from assistant.languages.rapid.lift.told.meeting import DUE, shared, task_lists
@@ -92,7 +93,7 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
             program = with_open_lines(program, steps)
         program = with_stops(program, steps, _besides_standing, IN_CORNER)
         program = exchanged(program, lambda node: _told(node, findings))
-        program = _without_unused(program)
+    program = _without_unused(with_needed_declarations(program, findings))
     types = {
         key: (known.name, VALUE_OF_TYPE[known.type])
         for key, known in predefined().items()

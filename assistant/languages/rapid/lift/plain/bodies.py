@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
-from assistant.languages.rapid.lift.plain.layouts import Path
+from assistant.languages.rapid.lift.plain.layouts import SETTINGS, Path
 from assistant.languages.rapid.lift.plain.scopes import Datum, Program, parameters
 from assistant.languages.rapid.lift.plain.values import Kind, Spread, Unsaid, Values
 from assistant.languages.rapid.tree import syntax as s
@@ -149,7 +149,7 @@ class Bodies:
         self, node: s.Assignment, target: Any, value: s.Expression
     ) -> Iterator[s.StatementNode]:
         kind = self.values.kind(target)
-        if kind is None or not self.values.is_record(kind):
+        if kind is None or not self.values.is_record(kind) or self._is_setting(target, kind):
             type = None if kind is None else kind[0]
             variable = self.values.plain(target)
             yield replace(node, target=variable, value=self.values.given(value, type))
@@ -160,6 +160,10 @@ class Bodies:
         places = self.values.spread(target, kind)
         self.alone = value
         yield from self._copied(node, places, self.values.spread(value, kind), kind)
+
+    def _is_setting(self, target: Any, kind: Kind) -> bool:
+        """Whether a tool, frame, speed or zone is assigned that is one variable."""
+        return kind[0] in SETTINGS and not self.values.is_apart(target)
 
     def _both_stay(self, node: Any) -> bool:
         """Whether a variable is a component of data that is not taken apart."""

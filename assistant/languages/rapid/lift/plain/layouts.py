@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -10,6 +10,7 @@ from assistant.languages.named_types import MOST_ALIASES, Type
 from assistant.languages.rapid.tables.predefined import types as predefined
 from assistant.languages.rapid.tables.words import VALUE_OF_TYPE
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.walk import nodes
 
 Path = tuple[str, ...]
 """Names of components in lower case, the outermost first; empty of the whole."""
@@ -30,9 +31,14 @@ class Part:
 
 
 class Layouts:
-    """The types of a program: its own and those that every controller knows."""
+    """The types of a program: its own and those that every controller knows.
+
+    A tool, frame, speed or zone in a record stays one value where a move or another instruction is
+    given the component.
+    """
 
     def __init__(self, modules: Sequence[s.Module]) -> None:
+        self._named = frozenset(_given(modules))
         self._types: dict[str, Type] = dict(predefined())
         self._parts: dict[str, tuple[Part, ...] | None] = {}
         declared: dict[str, list[Type]] = {}
@@ -93,9 +99,9 @@ class Layouts:
         for name, of in self.components(base):
             kind = self.base(of)
             inner = self.parts(kind)
-            if (
-                inner is None and kind in self._types and not self.components(kind)
-            ) or self.is_whole(kind):
+            unknown = inner is None and kind in self._types and not self.components(kind)
+            named = kind in SETTINGS and name.lower() in self._named
+            if unknown or named or self.is_whole(kind):
                 listed.append(Part((name.lower(),), name, kind))
             elif inner is None:
                 return None
@@ -106,6 +112,9 @@ class Layouts:
         return tuple(listed) or None
 
 
-def below(parts: Iterable[Part], path: Path) -> Mapping[Path, Part]:
-    """The parts inside a component, by what of their way is left from there."""
-    return {one.path[len(path) :]: one for one in parts if one.path[: len(path)] == path}
+def _given(modules: Sequence[s.Module]) -> Iterator[str]:
+    """Components in lower case that calls are given as they are."""
+    for node in nodes(tuple(modules)):
+        match node:
+            case s.Positional(s.Component(_, name)) | s.Option(_, s.Component(_, name)):
+                yield name.lower()

@@ -118,8 +118,10 @@ class Program:
         return self._results[id(routine)]
 
     def plain_type(self, type: str) -> str:
-        """What an alias stands for, if there are variables of that; else the type itself."""
-        return self.layouts.base(type) if self.layouts.is_whole(type) else type
+        """What an alias stands for, if every controller knows that; else the type itself."""
+        layouts = self.layouts
+        plain = layouts.is_whole(type) or layouts.kind(type) in ("HANDLE", "DEVICE")
+        return layouts.base(type) if plain else type
 
 
 class Uses:

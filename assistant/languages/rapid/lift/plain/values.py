@@ -160,18 +160,18 @@ class Values:
                     said = tuple(self.given(item, of) for item, (_, of) in pairs)
                     return replace(node, items=said)
             case s.NameRef() | s.Component() | s.Element() | s.Group() | s.Infix() if (
-                kind is not None and self.is_record(kind) and self._apart(node)
+                kind is not None and self.is_record(kind) and self.is_apart(node)
             ):
                 return self._together(self.spread(node, kind), kind[0], ())
         return self.plain(node)
 
-    def _apart(self, node: Any) -> bool:
+    def is_apart(self, node: Any) -> bool:
         """Whether a value is one of a variable that is taken apart, or worked out of some."""
         match node:
             case s.Group(inner):
-                return self._apart(inner)
+                return self.is_apart(inner)
             case s.Infix(_, left, right):
-                return self._apart(left) or self._apart(right)
+                return self.is_apart(left) or self.is_apart(right)
             case s.NameRef() | s.Component() | s.Element():
                 try:
                     self._variable(node)
@@ -283,8 +283,9 @@ class Values:
         if len(items) != len(inner):
             raise Unsaid("it has another number of components")
         found: dict[Path, s.Expression] = {}
+        whole = {one.path for one in self.layouts.parts(type) or ()}
         for item, (name, of) in zip(items, inner, strict=True):
-            if self.layouts.parts(of) is None:
+            if (name.lower(),) in whole:
                 found[(name.lower(),)] = self.given(item, of)
             else:
                 part = self.spread(item, (self.layouts.base(of), 0))
