@@ -50,9 +50,15 @@ FUNCTIONS: Final[dict[str, str]] = {
     "inverse": "inverse of a pose",
     "here": "present target: of the tool in the frame, both by name",
     "joints_here": "present joint target",
+    "connected": "1 where somebody is at the other end of a channel, by its name, else 0",
+    "received": "the next text of a channel, by its name, up to a comma or the end of a line",
+    "received_number": "the same as a number",
     "elapsed": "seconds since a timer was started",
 }
 """The functions of the pseudo-program; a call of another name is a call of the user's own."""
+
+TAKING: Final = ("received", "received_number")
+"""Functions that wait, and give something else each time."""
 
 
 @dataclass(frozen=True, slots=True)

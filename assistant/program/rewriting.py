@@ -132,6 +132,7 @@ def is_repeatable(value: e.Expression) -> bool:
     return not any(
         isinstance(part, e.Verbatim)
         or (isinstance(part, e.Apply) and part.function not in e.FUNCTIONS)
+        or (isinstance(part, e.Apply) and part.function in e.TAKING)
         for part in records(value)
     )
 

@@ -264,6 +264,44 @@ class Message(Spanned):
     parts: tuple[Expression, ...]
 
 
+Place = Literal["line", "server", "client", "file"]
+"""What a channel leads to: a communication line of the controller by its number; whoever connects
+to a port of it; a port of another computer (its address and the port); a file by its name."""
+Mode = Literal["both", "read", "write", "append"]
+
+
+@dataclass(frozen=True, slots=True)
+class Attach(Spanned):
+    """Opens a channel for texts; to a server or a line it may be connected later, see `connected`.
+
+    Channels are not declared. mode: of a file; of the others it is `both`.
+    """
+
+    channel: str
+    kind: Place
+    place: tuple[Expression, ...]
+    mode: Mode = "both"
+
+
+@dataclass(frozen=True, slots=True)
+class Detach(Spanned):
+    """Closes a channel."""
+
+    channel: str
+
+
+@dataclass(frozen=True, slots=True)
+class Send(Spanned):
+    """Writes the parts one after the other to a channel.
+
+    kind: `line` with the end of a line behind them, as the controller ends its lines, else `piece`.
+    """
+
+    channel: str
+    kind: Literal["line", "piece"]
+    parts: tuple[Expression, ...]
+
+
 @dataclass(frozen=True, slots=True)
 class Opaque(Spanned):
     """A statement that only one vendor language can say, as its text.
@@ -308,6 +346,9 @@ Statement = (
     | Label
     | Goto
     | Message
+    | Attach
+    | Detach
+    | Send
     | Opaque
 )
 
@@ -323,7 +364,7 @@ TRAITS: Final[Mapping[type, Trait]] = {
     **dict.fromkeys((Move, MoveCircular, MoveJoints, Follow), "moves"),
     **dict.fromkeys((Wait, WaitSignal, WaitUntil), "waits"),
     **dict.fromkeys((StartTimer, SetSignal, Gripper, Assign), "sets"),
-    **dict.fromkeys((SetAcceleration, SetOverride), "sets"),
+    **dict.fromkeys((SetAcceleration, SetOverride, Attach, Detach, Send), "sets"),
     Call: "calls",
     Goto: "jumps",
     Label: "marks",

@@ -291,6 +291,17 @@ ENDED = info(
     "none is needed; reset the program on the controller to start it from the top",
 )  # fmt: skip
 
+LINE = warning(
+    "MB261", "`{name}` is the line `{com}`, which {role}; a text ends with a carriage return there, "
+    "and `Input #` takes what stands before a comma by itself",
+    "set the controller's parameters {parameters}, and see that the other end writes and reads so",
+)  # fmt: skip
+FILE_NAMED = warning(
+    "MB262", "the file {given} is {name} on the controller, which has no folders; its lines end with a "
+    "carriage return",
+    "give each file a name of its own, of at most 16 letters",
+)  # fmt: skip
+
 # --------------------------------------------------------------- from one dialect to another
 NOT_CONVERTED = error("MB501", "{title} cannot say {what}", "{cure}")
 

@@ -31,8 +31,10 @@ from assistant.program.pseudo.words import (
 )
 from assistant.program.statements import (
     Assign,
+    Attach,
     Call,
     Comment,
+    Detach,
     Goto,
     Gripper,
     Label,
@@ -43,6 +45,7 @@ from assistant.program.statements import (
     MoveCircular,
     MoveJoints,
     Return,
+    Send,
     SetAcceleration,
     SetOverride,
     SetSignal,
@@ -208,6 +211,9 @@ _FORMS: Final = (
     _Form(Label, "label {name:name}"),
     _Form(Goto, "goto {label:name}"),
     _Form(Message, "message{parts:parts}"),
+    _Form(Attach, "attach {channel:name} to {kind:word}{place:parts} for {mode:word}"),
+    _Form(Detach, "detach {channel:name}"),
+    _Form(Send, "send {channel:name} {kind:word}{parts:parts}"),
 )
 """A plain statement is one row here, a rule in the grammar, and a record."""
 

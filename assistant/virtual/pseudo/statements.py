@@ -233,6 +233,10 @@ def _message(m: Machine, node: p.Message) -> None:
     m.task.tell(Said("".join(one if isinstance(one, str) else said(one) for one in parts)))
 
 
+def _channel(_: Machine, node: p.Attach | p.Detach | p.Send) -> None:
+    raise NotRun(f"the channel `{node.channel}`")
+
+
 def _kept(_: Machine, node: p.Opaque) -> None:
     lines = lines_of(node.text.strip()) or [""]
     raise NotRun(f"`{lines[0]}`, which is {node.language}")
@@ -261,6 +265,7 @@ STATEMENTS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
     p.Return: _return,
     p.Goto: _goto,
     p.Message: _message,
+    **dict.fromkeys((p.Attach, p.Detach, p.Send), _channel),
     p.Opaque: _kept,
 }
 """Comments and labels do nothing."""

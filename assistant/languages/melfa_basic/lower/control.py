@@ -5,12 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from assistant.languages.melfa_basic import rules
+from assistant.languages.melfa_basic.lower import channels
 from assistant.languages.melfa_basic.lower.expressions import Unsayable
 from assistant.languages.melfa_basic.lower.signals import plain
 from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tables.dialects import EMITTED_LINE
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Procedure
 from assistant.program.rewriting import Body
@@ -49,6 +51,10 @@ def call(w: Writer, node: p.Call) -> None:
 
 
 def assign(w: Writer, node: p.Assign) -> None:
+    match node.value:
+        case e.Apply(function, (e.Text(channel),)) if function in e.TAKING:
+            channels.receive(w, node.target, channel)
+            return
     target = w.expressions.place(node.target)
     if poses.is_angle(target.component, w.expressions.robot):
         value = w.expressions.angle(node.value)

@@ -9,10 +9,15 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from assistant.languages.melfa_basic.lower import channel_numbers
 from assistant.languages.melfa_basic.lower.logic import is_truth
 from assistant.languages.melfa_basic.lower.names import Names
+from assistant.languages.melfa_basic.lower.unsayable import NoNumber as NoNumber
+from assistant.languages.melfa_basic.lower.unsayable import Undeclared as Undeclared
+from assistant.languages.melfa_basic.lower.unsayable import Unsayable as Unsayable
 from assistant.languages.melfa_basic.reading.line import expression
 from assistant.languages.melfa_basic.tables import operators, poses, vocabulary
+from assistant.languages.melfa_basic.tables.channels import CONNECTED
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, Dialect
 from assistant.languages.melfa_basic.tables.functions import (
     ANALOG,
@@ -34,22 +39,6 @@ from assistant.program.program import Procedure, Program, Signal
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
-
-
-class Unsayable(Exception):
-    """MELFA-BASIC has no words for it."""
-
-    def __init__(self, what: str, cure: str = "") -> None:
-        super().__init__(what)
-        self.what, self.cure = what, cure
-
-
-class NoNumber(Unsayable):
-    """A signal that is known by name only; `what` is the name."""
-
-
-class Undeclared(Unsayable):
-    """A name that stands for nothing; `what` is the name."""
 
 
 MOST_TEXT: Final = 127
@@ -185,6 +174,8 @@ class Expressions:
             return self.moved(function, arguments)
         if function == "joints_here" and not arguments:
             return s.Variable(self.word("J_Curr"))
+        if (number := channel_numbers.asked(self.names, function, arguments)) is not None:
+            return s.Variable(self.word(CONNECTED), "", (s.Number(number),))
         callee = self.program.procedure(function)
         if callee is not None and function not in e.FUNCTIONS:
             return self.own(callee, arguments)

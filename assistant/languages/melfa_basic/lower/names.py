@@ -12,10 +12,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Final
 
+from assistant.languages.melfa_basic.tables.channels import NUMBERS
 from assistant.languages.melfa_basic.tables.dialects import PROGRAM_NAME, Dialect
 from assistant.languages.melfa_basic.tables.variables import LETTERS, is_external
 from assistant.languages.melfa_basic.tables.vocabulary.timers import MOST_TIMERS
 from assistant.languages.melfa_basic.tables.words import ARC_START, RESERVED, free
+from assistant.program.channels import numbered as numbered_channels
 from assistant.program.passes.names import free_counters
 from assistant.program.program import Parameter, Procedure, Program, TakenNames, Variable, walk
 from assistant.program.statements import Label
@@ -34,7 +36,7 @@ class Names:
 
     products: a target is multiplied by its frame; else `Base` is set to the frame.
 
-    timers: their numbers by lower-case name. wait_timer: of those that time limits make.
+    timers, channels: their numbers by lower-case name. wait_timer: of those that time limits make.
     position: the first number that `P<number>` and `J<number>` may have.
     """
 
@@ -50,6 +52,7 @@ class Names:
     original_labels: dict[str, str] = field(default_factory=dict)
     original_loops: dict[str, str] = field(default_factory=dict)
     timers: dict[str, int] = field(default_factory=dict)
+    channels: dict[str, int] = field(default_factory=dict)
     wait_timer: int = 1
     position: int = 1
     products: bool = False
@@ -117,6 +120,7 @@ def naming(program: Program, dialect: Dialect, products: bool = False) -> Names:
         if entry.unit is not None and entry.unit not in names.units:
             names.units[entry.unit] = program_name(entry.unit, files)
     names.timers, names.wait_timer = numbered(program, range(1, MOST_TIMERS + 1), _TIMER)
+    names.channels = numbered_channels(program, NUMBERS)
     numbers = (re.fullmatch(r"[PJ]([0-9]{1,8})", name) for name in taken)
     names.position = 1 + max((int(n.group(1)) for n in numbers if n), default=0)
     return names

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from assistant.languages.melfa_basic.convert.words import reworded
-from assistant.languages.melfa_basic.lower import control, motions, signals
+from assistant.languages.melfa_basic.lower import channels, control, motions, signals
 from assistant.languages.melfa_basic.lower.expressions import Unsayable
 from assistant.languages.melfa_basic.lower.writer import Writer
 from assistant.languages.melfa_basic.reading.parser import statement as read_statement
@@ -66,5 +66,8 @@ STATEMENTS: Final[dict[type, Callable[[Writer, Any], None]]] = {
     p.Label: control.label,
     p.Goto: control.goto,
     p.Message: message,
+    p.Attach: channels.attach,
+    p.Detach: channels.detach,
+    p.Send: channels.send,
     p.Opaque: opaque,
 }

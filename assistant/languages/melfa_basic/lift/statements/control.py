@@ -7,7 +7,7 @@ from abc import abstractmethod
 from collections.abc import Mapping
 from typing import Any, Final
 
-from assistant.languages.melfa_basic.lift.statements import data, waits
+from assistant.languages.melfa_basic.lift.statements import channels, data, waits
 from assistant.languages.melfa_basic.lift.statements.lines import Block, Lift, Statements
 from assistant.languages.melfa_basic.lift.structure.regions import next_word
 from assistant.languages.melfa_basic.lift.values import pallets
@@ -230,6 +230,10 @@ LIFTS: Final[Mapping[type, Lift]] = {
     s.Motion: lambda reader, node: reader.moves.move(node, reader.values),
     s.Command: Statements.command,
     s.Assign: lambda reader, node: data.assign(node, reader.expressions, reader.runs),
+    s.Open: lambda reader, node: channels.attach(node, reader.expressions),
+    s.Close: lambda reader, node: channels.detach(node, reader.expressions),
+    s.Print: lambda reader, node: channels.send(node, reader.expressions),
+    s.Input: lambda reader, node: channels.receive(node, reader.expressions, reader.runs),
     s.If: Control.one_line_if,
     s.Jump: Control.jump,
     s.OnJump: Control.on_jump,

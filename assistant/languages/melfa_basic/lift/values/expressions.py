@@ -24,6 +24,7 @@ from assistant.languages.melfa_basic.lift.values.pallets import declared
 from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS, Unliftable
 from assistant.languages.melfa_basic.lift.values.timers import elapsed
 from assistant.languages.melfa_basic.lift.values.types import Types
+from assistant.languages.melfa_basic.tables.channels import CONNECTED, NUMBERS
 from assistant.languages.melfa_basic.tables.functions import OF_ANGLE, PLAIN, TO_ANGLE
 from assistant.languages.melfa_basic.tables.poses import ANGLES, JOINTS, is_angle, is_length
 from assistant.languages.melfa_basic.tables.vocabulary.timers import MILLISECONDS
@@ -32,6 +33,7 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import target_of
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program import expressions as e
+from assistant.program.channels import name_of
 from assistant.program.geometry import Target
 from assistant.program.timers import in_seconds
 
@@ -261,6 +263,11 @@ class Expressions(Types):
             if not isinstance(number, float):
                 raise Unliftable
             return e.Name(self.m.signal(key, round(number)))
+        if key == CONNECTED.upper() and len(values) == 1:
+            number = self.m.value(values[0])
+            if not isinstance(number, float) or round(number) not in NUMBERS:
+                raise Unliftable
+            return e.Apply("connected", (e.Text(name_of(round(number))),))
         if (timer := elapsed(node, self.m.timers)) is not None:
             return e.Binary("*", timer, e.Number(MILLISECONDS))
         if key in ("P_CURR", "J_CURR") and values == [s.Number(1)]:

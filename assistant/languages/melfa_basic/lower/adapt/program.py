@@ -11,6 +11,7 @@ from assistant.languages.computed_targets import with_computed_targets
 from assistant.languages.language import Adapted
 from assistant.languages.line_steps import steps_in
 from assistant.languages.melfa_basic import rules
+from assistant.languages.melfa_basic.lower.adapt.channels import with_channels
 from assistant.languages.melfa_basic.lower.adapt.statements import Plain
 from assistant.languages.melfa_basic.lower.adapt.vendor_text import check_names
 from assistant.languages.melfa_basic.lower.names import Names, naming
@@ -89,6 +90,7 @@ def adapt(
 
 
 FIRST: Final[tuple[Pass, ...]] = (
+    with_channels,
     pure(with_entry_first),
     with_first_values,
     with_array_parameters,

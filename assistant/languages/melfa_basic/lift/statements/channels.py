@@ -1,0 +1,70 @@
+"""Open, Print #, Input # and Close as the channels of the pseudo-program."""
+
+from __future__ import annotations
+
+from assistant.languages.melfa_basic.lift.statements.paths import Runs
+from assistant.languages.melfa_basic.lift.values.expressions import Expressions
+from assistant.languages.melfa_basic.lift.values.symbols import Unliftable
+from assistant.languages.melfa_basic.tables.channels import LINE, MODES, NUMBERS
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.program import channels
+from assistant.program import expressions as e
+from assistant.program import statements as p
+
+RECEIVED = {"text": "received", "number": "received_number", "integer": "received_number"}
+"""What reads an item for a variable of a type."""
+_PRINTED = ("text", "number", "integer")
+
+
+def name(node: s.Expression | None, lift: Expressions) -> str:
+    """The channel of a file's number."""
+    value = None if node is None else lift.m.value(node)
+    if not isinstance(value, float) or round(value) not in NUMBERS:
+        raise Unliftable
+    return channels.name_of(round(value))
+
+
+def attach(node: s.Open, lift: Expressions) -> list[p.Statement]:
+    """A line by its number; a file only with a mode, which says that it is one."""
+    channel, mode = name(node.number, lift), MODES.get(node.mode)
+    if isinstance(node.name, s.String) and ":" in node.name.value:
+        found = LINE.fullmatch(node.name.value)
+        if found is None or node.mode:
+            raise Unliftable
+        return [p.Attach(channel, "line", (e.Number(int(found[1])),))]
+    if mode is None:
+        raise Unliftable
+    return [p.Attach(channel, "file", (lift.plain(node.name),), mode)]
+
+
+def detach(node: s.Close, lift: Expressions) -> list[p.Statement]:
+    if not node.numbers:
+        raise Unliftable
+    return [p.Detach(name(number, lift)) for number in node.numbers]
+
+
+def send(node: s.Print, lift: Expressions) -> list[p.Statement]:
+    """Parts that follow each other at once; a comma would go on in the next column."""
+    channel = name(node.number, lift)
+    goes_on = bool(node.items) and node.items[-1][1] is None
+    given = [value for _, value in node.items if value is not None]
+    marks = [mark for mark, _ in node.items[1:]]
+    if any(mark != ";" for mark in marks) or len(given) + goes_on != len(node.items):
+        raise Unliftable
+    if any(lift.type_of(value) not in _PRINTED for value in given):
+        raise Unliftable
+    parts = tuple(lift.plain(value) for value in given)
+    return [p.Send(channel, "piece" if goes_on else "line", parts)]
+
+
+def receive(node: s.Input, lift: Expressions, runs: Runs) -> list[p.Statement]:
+    """One item after the other."""
+    channel, made = name(node.number, lift), list[p.Statement]()
+    for variable in node.variables:
+        function = RECEIVED.get(lift.type_of(variable) or "")
+        place = lift.plain(variable)
+        if function is None or variable.component or not isinstance(place, e.Name | e.Index):
+            raise Unliftable
+        made.append(p.Assign(place, e.Apply(function, (e.Text(channel),))))
+    runs.previous = None
+    return made

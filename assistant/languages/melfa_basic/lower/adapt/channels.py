@@ -1,0 +1,108 @@
+"""Channels with the numbers of files, and the communication lines that ports of TCP/IP are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import ClassVar
+
+from assistant.languages.melfa_basic import rules
+from assistant.languages.melfa_basic.tables.channels import (
+    ETHERNET,
+    LONGEST_FILE,
+    NUMBERS,
+    line_name,
+)
+from assistant.program import channels
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.diagnostics import Diagnostic
+from assistant.program.passes.legalising import Legalising
+from assistant.program.passes.rewording import Changes, Rewording
+from assistant.program.program import Program
+from assistant.program.pseudo.expressions import expression_text
+
+
+def with_channels(job: Legalising) -> Program:
+    """The program with numbered channels to lines and files."""
+    program = job.program
+    if not channels.channels(program):
+        return program
+    reworded = _Channels(job)
+    procedures = tuple(map(reworded.procedure, program.procedures))
+    made = replace(program, procedures=procedures)
+    numbers = channels.numbered(made, NUMBERS)
+    return channels.renamed(made, {n: channels.name_of(k) for n, k in numbers.items()})
+
+
+class _Channels(Rewording):
+    """lines: those of channels that no line was stated for, by the channel's lower-case name."""
+
+    def __init__(self, job: Legalising) -> None:
+        super().__init__(job)
+        self.numbers = channels.numbered(job.program, NUMBERS)
+        self.lines: dict[str, int] = {}
+        self.told: set[str] = set()
+        stated = (x for x in job.program.statements() if isinstance(x, p.Attach))
+        self.taken = {
+            int(x.place[0].value)
+            for x in stated
+            if x.kind == "line" and isinstance(x.place[0], e.Number)
+        }
+
+    def attach(self, node: p.Attach) -> Iterator[p.Statement]:
+        if node.channel.lower() not in self.numbers:
+            self.job.cannot(f"more than {len(NUMBERS)} channels", "open fewer of them")
+        match node.kind, node.place:
+            case "file", (place,):
+                yield p.Attach(node.channel, "file", (self.file(place),), node.mode)
+            case "server", (port,):
+                role = f"listens at port {expression_text(port)}"
+                yield self.line(node, role, "NETMODE", "1", port)
+            case "client", (host, port):
+                role = f"connects to {expression_text(host)}, port {expression_text(port)}"
+                yield self.line(node, role, "NETHSTIP", expression_text(host), port)
+            case _:
+                yield node
+
+    def file(self, place: e.Expression) -> e.Expression:
+        """The name of a file without its folder, of which there are none."""
+        if not isinstance(place, e.Text):
+            self.told_once(rules.FILE_NAMED(given=expression_text(place), name="that text"))
+            return place
+        name = place.value.replace("\\", "/").rpartition("/")[2].rpartition(":")[2].upper()
+        if not 0 < len(name) <= LONGEST_FILE:
+            what = f"a file named `{place.value}`, whose name has not 1 to {LONGEST_FILE} letters"
+            self.job.cannot(what, "give it a shorter name")
+        if name != place.value:
+            self.told_once(rules.FILE_NAMED(given=place.value, name=f"`{name}`"))
+        return e.Text(name)
+
+    def line(
+        self, node: p.Attach, role: str, word: str, value: str, port: e.Expression
+    ) -> p.Statement:
+        """A communication line for a port, with the parameters that make it one."""
+        key = node.channel.lower()
+        if key not in self.lines:
+            free = (n for n in ETHERNET if n not in {*self.taken, *self.lines.values()})
+            number = next(free, None)
+            if number is None:
+                self.job.cannot(f"more than {len(ETHERNET)} ports", "open fewer of them")
+                return node
+            self.lines[key] = number
+        number = self.lines[key]
+        parameters = (
+            f'COMDEV({number})="OPT1{number}", CPRCE1{number}=2, {word}({number})={value},'
+            f" NETPORT({number + 1})={expression_text(port)}"
+        )
+        self.told_once(rules.LINE(
+            name=node.channel, com=line_name(number), role=role, parameters=parameters
+        ))  # fmt: skip
+        return p.Attach(node.channel, "line", (e.Number(number),))
+
+    def told_once(self, finding: Diagnostic) -> None:
+        if finding.message not in self.told:
+            self.told.add(finding.message)
+            self.job.findings.append(finding)
+
+    changes: ClassVar[Changes] = {p.Attach: attach}

@@ -1,0 +1,70 @@
+"""The channels of a program: what its statements open, write and read; nothing declares them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, Final
+
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.program import Program
+from assistant.program.rewriting import head, records, rewrite
+
+FUNCTIONS: Final = ("connected", *e.TAKING)
+"""Functions of a channel, which they have by its name as a text."""
+_NUMBERED: Final = re.compile(r"channel_([1-9][0-9]?)")
+
+
+def channels(program: Program) -> tuple[str, ...]:
+    """Names as they are spelled first, in order of the text."""
+    found: dict[str, str] = {}
+    for statement in program.statements():
+        names = sorted(name for part in records(head(statement)) if (name := named(part)))
+        for name in names:
+            found.setdefault(name.lower(), name)
+    return tuple(found.values())
+
+
+def named(part: Any) -> str:
+    """The channel that a record names, empty if it names none."""
+    match part:
+        case p.Attach(name) | p.Detach(name) | p.Send(name):
+            return name
+        case e.Apply(function, (e.Text(name), *_)) if function in FUNCTIONS:
+            return name
+    return ""
+
+
+def numbered(program: Program, numbers: Sequence[int]) -> dict[str, int]:
+    """A number for each channel by lower-case name; those beyond the numbers have none.
+
+    A channel whose name says its number keeps it.
+    """
+    wanted = [name.lower() for name in channels(program)]
+    said = ((name, _NUMBERED.fullmatch(name)) for name in wanted)
+    given = {name: int(match[1]) for name, match in said if match and int(match[1]) in numbers}
+    free = [n for n in numbers if n not in given.values()]
+    given.update(zip((name for name in wanted if name not in given), free, strict=False))
+    return given
+
+
+def name_of(number: int) -> str:
+    """The name of a channel that has but a number."""
+    return f"channel_{number}"
+
+
+def renamed(program: Program, names: Mapping[str, str]) -> Program:
+    """The program with other names for its channels. names: by lower-case name."""
+
+    def change(part: Any) -> Any:
+        new = names.get(named(part).lower())
+        match part:
+            case p.Attach() | p.Detach() | p.Send() if new is not None:
+                return replace(part, channel=new)
+            case e.Apply(_, (_, *rest)) if new is not None:
+                return replace(part, arguments=(e.Text(new), *rest))
+        return part
+
+    return rewrite(program, change) if names else program
