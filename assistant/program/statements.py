@@ -264,9 +264,10 @@ class Message(Spanned):
     parts: tuple[Expression, ...]
 
 
-Place = Literal["line", "server", "client", "file"]
-"""What a channel leads to: a communication line of the controller by its number; whoever connects
-to a port of it; a port of another computer (its address and the port); a file by its name."""
+Place = Literal["line", "serial", "server", "client", "file"]
+"""What a channel leads to: a communication line of the controller by its number, whatever it is; a
+serial port by its number; whoever connects to a port of it (the port, and its own address where
+that is known); a port of another computer (its address and the port); a file by its name."""
 Mode = Literal["both", "read", "write", "append"]
 
 

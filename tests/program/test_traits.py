@@ -39,9 +39,9 @@ LINES: dict[type, str] = {
     p.Label: "label here",
     p.Goto: "goto end_of_all",
     p.Message: 'message "a text"',
-    p.Attach: "attach log to file \"LOG.TXT\" for append",
+    p.Attach: 'attach log to file "LOG.TXT" for append',
     p.Detach: "detach log",
-    p.Send: "send log line \"a text\", n",
+    p.Send: 'send log line "a text", n',
     p.Opaque: "opaque rapid | SearchL di1,p,q,v10,tool0;",
 }
 """A line of each statement, which goes on from the target `start`."""

@@ -292,13 +292,13 @@ ENDED = info(
 )  # fmt: skip
 
 LINE = warning(
-    "MB261", "`{name}` is the line `{com}`, which {role}; a text ends with a carriage return there, "
-    "and `Input #` takes what stands before a comma by itself",
+    "MB261", "`{name}` is the line `{com}`, which {role}; a text ends with a carriage return "
+    "there, and `Input #` takes what stands before a comma by itself",
     "set the controller's parameters {parameters}, and see that the other end writes and reads so",
 )  # fmt: skip
 FILE_NAMED = warning(
-    "MB262", "the file {given} is {name} on the controller, which has no folders; its lines end with a "
-    "carriage return",
+    "MB262", "the file {given} is {name} on the controller, which has no folders; its lines end "
+    "with a carriage return",
     "give each file a name of its own, of at most 16 letters",
 )  # fmt: skip
 

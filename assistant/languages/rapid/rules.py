@@ -138,4 +138,9 @@ NOT_NEEDED: Final = info(
     "RA342",
     "the declaration of `{name}` is left out: it has no value, or nothing speaks of it",
     "none is needed",
+RECEIVED: Final = warning(
+    "RA332",
+    "`{what}` reads as the other controller does: up to a carriage return or a comma, without an "
+    "end of the time, of the file or of the connection",
+    "let whoever writes end each text with a carriage return, and put no comma into it",
 )

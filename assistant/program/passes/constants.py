@@ -13,14 +13,18 @@ from assistant.program.program import Program, ValueType, Variable
 from assistant.program.rewriting import rewrite
 
 
-def with_constants(program: Program, predefined: Mapping[str, float]) -> Program:
-    """The program with the numbers instead of the names, where these mean nothing else in it.
+def with_constants(program: Program, predefined: Mapping[str, float | str]) -> Program:
+    """The program with the values instead of the names, where these mean nothing else in it.
 
     predefined: by lower-case name.
     """
     loops = (x.variable.lower() for x in program.statements() if isinstance(x, p.For))
     taken = {*declared(program), *loops}
-    values = {name: e.Number(value) for name, value in predefined.items() if name not in taken}
+    values = {
+        name: e.Text(value) if isinstance(value, str) else e.Number(value)
+        for name, value in predefined.items()
+        if name not in taken
+    }
     if not values:
         return program
 

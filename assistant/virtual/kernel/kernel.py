@@ -44,8 +44,9 @@ class Kernel:
     its time is over or the run ends; True if it has brought what is waited for. told: is told of
     each event. timed: is told when a program sets a timer, as a wait of its own begins. clock:
     simulated seconds, but behind `now` while a program runs ahead of its arm.
-    person: answers what programs ask. shared: whether several tasks run. live: what the run is part
-    of that goes on when all tasks have ended.
+    person: answers what programs ask. peers: what the other end of each line says, text by text,
+    in a run that reaches nothing outside; None where lines lead where they do. shared: whether
+    several tasks run. live: what the run is part of that goes on when all tasks have ended.
     """
 
     board: Board = field(default_factory=Board)
@@ -63,6 +64,7 @@ class Kernel:
     clock: float = 0.0
     steps: int = 0
     person: Person = field(default_factory=Person)
+    peers: tuple[str, ...] | None = None
     shared: bool = False
     live: Live | None = None
     tasks: list[Task] = field(default_factory=list)

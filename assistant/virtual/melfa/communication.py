@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.virtual.melfa import expressions, records
@@ -20,6 +20,16 @@ FILES: Final = range(1, 9)
 END: Final = "\r"
 PREFIX: Final = "PRN"
 """Of data on a line that takes commands as well (protocol without procedure)."""
+
+
+class Outside(Protocol):
+    """What `Open` leads to. stored: files by their names."""
+
+    stored: dict[str, bytearray]
+
+    def line(self, name: str) -> Line: ...
+
+    def uses(self, line: Line) -> bool: ...
 
 
 class Channel:
@@ -81,14 +91,13 @@ def _open(m: Machine, node: s.Open) -> None:
     number = _number(m, node.number)
     name = text(expressions.value(m, node.name), "the name of a file").strip().upper()
     slot = m.world.slot
-    if slot is None:
-        raise Unknown("lines of a program that runs without a controller")
+    outside: Outside = m.world if slot is None else slot.controller
     line: Line
     if ":" in name:
-        line = slot.controller.line(name)
+        line = outside.line(name)
     else:
-        line = _stored(slot.controller.stored, name, node.mode.capitalize())
-    if number in m.world.files or slot.controller.uses(line):
+        line = _stored(outside.stored, name, node.mode.capitalize())
+    if number in m.world.files or outside.uses(line):
         raise Failed(3130, f"{name} or the file {number} is open already")
     try:
         line.open()

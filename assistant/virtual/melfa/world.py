@@ -11,6 +11,7 @@ from assistant.virtual.events import Moved, Stopped, Switched
 from assistant.virtual.kernel.signals import Source
 from assistant.virtual.kernel.task import Task
 from assistant.virtual.melfa.arm import Arm, Settings
+from assistant.virtual.melfa.lines import Peer
 from assistant.virtual.melfa.memory import Memory, Scope
 from assistant.virtual.melfa.options import Options
 from assistant.virtual.melfa.plugins import Command, Given
@@ -22,6 +23,7 @@ from assistant.virtual.on_way import told
 if TYPE_CHECKING:
     from assistant.virtual.kernel.timers import Timer
     from assistant.virtual.melfa.communication import Channel
+    from assistant.virtual.melfa.lines import Line
     from assistant.virtual.melfa.machine import Machine
     from assistant.virtual.melfa.slots import Slot
 
@@ -71,6 +73,8 @@ class World:
     slot: Slot | None = None
     """The slot of a controller; None where a program runs alone, as in slot 1."""
 
+    stored: dict[str, bytearray] = field(default_factory=dict)
+    """Files of a program that runs alone."""
     error: int = 0
     """The number of the caution that holds (M_ErrNo), 0 for none."""
     pulses: list[Timer] = field(default_factory=list)
@@ -95,6 +99,16 @@ class World:
         """Only the slot that has the arm moves it, or switches its motors (COSIROP: GETM)."""
         if self.slot is not None and self.slot.controller.owner is not self.slot:
             raise Failed(3280, f"{what} without GetM")
+
+    def line(self, name: str) -> Line:  # noqa: ARG002
+        """A line of a program that runs alone, at whose other end somebody says what is known."""
+        said = self.task.kernel.peers
+        if said is None:
+            raise Unknown("lines of a program that runs without a controller")
+        return Peer(said)
+
+    def uses(self, line: Line) -> bool:
+        return any(file.line is line for file in self.files.values())
 
     def close_files(self, numbers: Iterable[int] | None = None) -> None:
         """Closes files, all without their numbers (COSIROP: CLOSE, END)."""

@@ -24,6 +24,8 @@ from assistant.virtual.rounding import Rounding
 
 MOST_RUNS: Final = 200
 SECONDS: Final = 10.0
+SAID: Final = 60
+"""Texts that come over a line in a run."""
 STEPS: Final = 20_000
 """Statements of a run beside four for each line of its text: a program without end has shown
 enough by then."""
@@ -120,6 +122,8 @@ class _Search:
         self.known: tuple[Branches, Branches] = self.first.branches(), self.second.branches()
         self.taken: tuple[dict[Way, None], dict[Way, None]] = {}, {}
         self.numbers = _numbers(self.first.text())
+        texts = re.findall(r'"([^",\\\n]{1,40})"', self.first.text())
+        self.texts = ["1", *dict.fromkeys(text for text in texts if text.isascii()), "2"]
         self.tried: set[Scenario] = set()
         self.aimed: set[Scenario] = set()
         self.followed: Counter[tuple[str, int]] = Counter()
@@ -229,10 +233,16 @@ class _Search:
             follow(kernel, side.scripted(self.script))
         if side.answers:
             kernel.person.panel = Panel(lambda name: driver[name])
+        kernel.peers = self._said()
         side.begin(kernel)
         left = self.until - time.monotonic()
         broken_off(kernel, left if self.found.runs else first_run(self.budget.seconds, answered))
         return kernel.run(), driver
+
+    def _said(self) -> tuple[str, ...]:
+        """What the other ends of lines say in a run: texts that the first program has, in turn."""
+        known = self.texts[self.found.runs % len(self.texts) :] + self.texts
+        return tuple(known[i % len(known)] for i in range(SAID))
 
     def _compare(self, one: Run, two: Run, scenario: Scenario) -> None:
         found = self.found

@@ -6,8 +6,9 @@ import re
 import shutil
 import tempfile
 import weakref
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 from typing import IO, Final, Literal
 
@@ -85,6 +86,12 @@ class Stream:
             message = f"`{path.name}` cannot be opened: {error.strerror}"
             raise Fault(message, "ERR_FILEOPEN") from None
 
+    @staticmethod
+    def of_peer(texts: Iterable[str], binary: bool) -> Stream:
+        """A serial port at whose other end somebody says some texts."""
+        said = "".join(f"{text}\r" for text in texts).encode(CODES)
+        return _Both(BytesIO(said), "read", binary)
+
     def read(self, count: int) -> bytes:
         if self.mode != "read":
             raise Fault("a file that was opened to be written is read", "ERR_FILEACC")
@@ -124,3 +131,12 @@ class Stream:
 
     def close(self) -> None:
         self.file.close()
+
+
+class _Both(Stream):
+    """What is written to it goes elsewhere."""
+
+    __slots__ = ()
+
+    def write(self, data: bytes) -> None:
+        """Nobody looks at it."""

@@ -6,7 +6,8 @@ import errno
 import ipaddress
 import socket
 import time
-from collections.abc import Callable, Mapping
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Final, Literal
@@ -174,6 +175,59 @@ class Link:
             return False
         except ConnectionError:
             return True
+
+
+class Peer(Link):
+    """A socket at whose other end somebody says the same texts each time that it is connected."""
+
+    def __init__(self, texts: Iterable[str]) -> None:
+        super().__init__()
+        self._texts = [f"{text}\r".encode("latin-1") for text in texts]
+        self._left: deque[bytes] = deque()
+
+    def create(self) -> None:
+        self.status = "created"
+
+    def close(self) -> None:
+        self.status = "closed"
+        self._left.clear()
+
+    def bind(self, host: str, port: int) -> None:  # noqa: ARG002
+        self.status = "bound"
+
+    def listen(self) -> None:
+        self.status = "listening"
+
+    def accept(self, client: Link, task: Task, seconds: float | None) -> str:
+        if self.status != "listening":
+            raise Fault("a socket accepts that does not listen", "ERR_SOCK_NOT_BOUND")
+        client.connect("", 0, task, seconds)
+        return "127.0.0.1"
+
+    def connect(self, host: str, port: int, task: Task, seconds: float | None) -> None:  # noqa: ARG002
+        self.status = "connected"
+        self._left = deque(self._texts)
+
+    def send(self, data: bytes, task: Task) -> None:  # noqa: ARG002
+        self._there()
+
+    def receive(self, most: int, least: int, task: Task, seconds: float | None) -> bytes:  # noqa: ARG002
+        """A text without its end; byte by byte with it."""
+        self._there()
+        _wait(task, lambda: bool(self._left), seconds, "data")
+        text = self._left.popleft()
+        found, rest = text[:most], text[most:]
+        if rest:
+            self._left.appendleft(rest)
+        return found if most == 1 else found.removesuffix(b"\r")
+
+    def waiting(self) -> int:
+        self._there()
+        return len(self._left[0]) if self._left else 0
+
+    def _there(self) -> None:
+        if self.status != "connected":
+            raise Fault("the socket is not connected", "ERR_SOCK_NOT_CONN")
 
 
 def _wait(task: Task, until: Callable[[], bool], seconds: float | None, what: str) -> None:

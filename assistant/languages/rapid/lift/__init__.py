@@ -20,8 +20,10 @@ PASSES: Final = (
     "program",  # modules as procedures and data
     "plain_data",  # the program of plain data, beside its cell
     "stopwatches",  # clocks that are stopped and go on
+    "kept_calls",  # calls that other languages have other statements for
     "operator",  # messages and questions to a person
     "told",  # instructions of RAPID alone, for other languages
+    "channels",  # files, serial lines and sockets
     "exported",  # what other languages are told
 )
 """In the order in which a program goes through them; none asks a later one."""

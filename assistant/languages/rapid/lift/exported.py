@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.language import Adapted
 from assistant.languages.rapid import rules
+from assistant.languages.rapid.lift.channels import with_channels
 from assistant.languages.rapid.lift.data import numbers
 from assistant.languages.rapid.lift.instructions import Meaning
 from assistant.languages.rapid.lift.operator import with_operator
@@ -33,7 +34,7 @@ from assistant.languages.rapid.lift.told.statements import Telling, told
 from assistant.languages.rapid.lift.ways import options, steps
 from assistant.languages.rapid.tables.predefined import data as predefined
 from assistant.languages.rapid.tables.welding import DATA
-from assistant.languages.rapid.tables.words import ANSWERS, VALUE_OF_TYPE
+from assistant.languages.rapid.tables.words import ELSEWHERE, VALUE_OF_TYPE
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
@@ -87,7 +88,7 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
         program = _with_other_words(with_aliases(program), findings)
         handled = with_errors(program, lift_of(program), findings)
         program = program if handled is program else _with_other_words(handled, findings)
-        program = with_operator(program, findings)
+        program = with_channels(with_operator(program, findings), findings)
         program = exchanged(program, lambda node: (_without_near(node, findings),))
         if arm is not None:
             program = with_open_lines(program, steps)
@@ -99,7 +100,7 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
         for key, known in predefined().items()
         if known.storage == "VAR" and known.type in VALUE_OF_TYPE
     }
-    program = with_constants(program, ANSWERS)
+    program = with_constants(program, ELSEWHERE)
     return Adapted(with_predefined(program, types), tuple(findings))
 
 

@@ -60,6 +60,10 @@ ANSWERS: Final = {
     "resyes": 6, "resno": 7,
 }  # fmt: skip
 """Constants of type btnres, by lower-case name (RAPID reference manual, data types)."""
+ELSEWHERE: Final[Mapping[str, float | str]] = {
+    **ANSWERS, "stempty": "", "eof": "EOF", "eof_num": 9.998e36,
+}  # fmt: skip
+"""Constants that are values for other languages, by lower-case name (the same)."""
 
 _SPEEDS: Final = (
     *(5, 10, 20, 30, 40, 50, 60, 80, 100, 150, 200, 300, 400, 500, 600, 800),

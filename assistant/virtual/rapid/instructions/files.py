@@ -6,6 +6,7 @@ Manual of instructions and functions, Open, Write, ReadStr and their kin. A file
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Final
@@ -23,6 +24,7 @@ from assistant.virtual.rapid.predefined import NUMBERS, TEXTS
 from assistant.virtual.rapid.values import NUMBER, Array, Handle, text_of
 from assistant.virtual.rapid.written import read
 
+SERIAL: Final = re.compile(r"com\d:", re.IGNORECASE)
 LINE: Final = "\n"
 ENDS: Final = "\r\n"
 r"""What is always added to the characters of \Delim."""
@@ -56,10 +58,14 @@ def _stream(given: Given, binary: bool | None = None) -> Stream:
 
 
 def _open(given: Given) -> None:
+    handle, said = _handle(given, "iodev", 1), given.machine.task.kernel.peers
+    if said is not None and SERIAL.fullmatch(given.text(0)):
+        handle.inside = Stream.of_peer(said, given.has("bin"))
+        return
     modes = [mode for mode in MODES if given.has(mode)]
     if len(modes) != 1:
         raise NotSimulated("Open of a file without one of Read, Write and Append")
-    handle, file = _handle(given, "iodev", 1), given.optional("file", "string")
+    file = given.optional("file", "string")
     if isinstance(handle.inside, Stream):
         raise NotSimulated("Open of what is open")
     path = given.machine.controller.disk.path(given.text(0), file if isinstance(file, str) else "")

@@ -14,7 +14,7 @@ from assistant.virtual.rapid.ends import Fault, NotSimulated
 from assistant.virtual.rapid.expressions import place
 from assistant.virtual.rapid.given import Given, takes
 from assistant.virtual.rapid.instructions.raw import raw_of
-from assistant.virtual.rapid.links import Link, Status, host_of
+from assistant.virtual.rapid.links import Link, Peer, Status, host_of
 from assistant.virtual.rapid.machine import Function
 from assistant.virtual.rapid.operators import whole
 from assistant.virtual.rapid.predefined import NUMBERS
@@ -33,7 +33,8 @@ def _link(given: Given, index: int = 0) -> Link:
     if not isinstance(handle, Handle) or handle.type != "socketdev":
         raise Fault("what is no socket is used as one")
     if not isinstance(handle.inside, Link):
-        handle.inside = Link()
+        said = given.machine.task.kernel.peers
+        handle.inside = Link() if said is None else Peer(said)
         given.machine.at_end.append(handle.inside.close)
     return handle.inside
 
@@ -50,6 +51,8 @@ def _where(given: Given) -> tuple[str, int]:
     if port not in PORTS:
         raise Fault(f"the port {port}", "ERR_SOCK_ADDR_INVALID")
     options = given.machine.controller.options
+    if given.machine.task.kernel.peers is not None:
+        return "", port
     if not options.sockets:
         raise NotSimulated("a socket where programs are compared, which reach nothing outside")
     return host_of(given.text(1), options.addresses), port

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import ClassVar
@@ -43,12 +44,12 @@ class _Channels(Rewording):
         self.numbers = channels.numbered(job.program, NUMBERS)
         self.lines: dict[str, int] = {}
         self.told: set[str] = set()
-        stated = (x for x in job.program.statements() if isinstance(x, p.Attach))
-        self.taken = {
-            int(x.place[0].value)
-            for x in stated
-            if x.kind == "line" and isinstance(x.place[0], e.Number)
-        }
+        places = ((x.kind, x.place) for x in job.program.statements() if isinstance(x, p.Attach))
+        self.taken = set[int]()
+        for place in places:
+            match place:
+                case (("line" | "serial"), (e.Number(number),)):
+                    self.taken.add(int(number))
 
     def attach(self, node: p.Attach) -> Iterator[p.Statement]:
         if node.channel.lower() not in self.numbers:
@@ -56,12 +57,17 @@ class _Channels(Rewording):
         match node.kind, node.place:
             case "file", (place,):
                 yield p.Attach(node.channel, "file", (self.file(place),), node.mode)
-            case "server", (port,):
+            case "serial", (e.Number(number),):
+                role = "is serial, as the other controller's is"
+                self.tell(node.channel, int(number), role, 'COMDEV(n)="RS232" and its speed')
+                yield p.Attach(node.channel, "line", node.place)
+            case "server", (port, *_):
                 role = f"listens at port {expression_text(port)}"
-                yield self.line(node, role, "NETMODE", "1", port)
+                yield self.line(node, role, "1", port)
             case "client", (host, port):
                 role = f"connects to {expression_text(host)}, port {expression_text(port)}"
-                yield self.line(node, role, "NETHSTIP", expression_text(host), port)
+                where = f"0, NETHSTIP(n)={expression_text(host)}"
+                yield self.line(node, role, where, port)
             case _:
                 yield node
 
@@ -78,9 +84,7 @@ class _Channels(Rewording):
             self.told_once(rules.FILE_NAMED(given=place.value, name=f"`{name}`"))
         return e.Text(name)
 
-    def line(
-        self, node: p.Attach, role: str, word: str, value: str, port: e.Expression
-    ) -> p.Statement:
+    def line(self, node: p.Attach, role: str, mode: str, port: e.Expression) -> p.Statement:
         """A communication line for a port, with the parameters that make it one."""
         key = node.channel.lower()
         if key not in self.lines:
@@ -91,14 +95,16 @@ class _Channels(Rewording):
                 return node
             self.lines[key] = number
         number = self.lines[key]
-        parameters = (
-            f'COMDEV({number})="OPT1{number}", CPRCE1{number}=2, {word}({number})={value},'
-            f" NETPORT({number + 1})={expression_text(port)}"
-        )
-        self.told_once(rules.LINE(
-            name=node.channel, com=line_name(number), role=role, parameters=parameters
-        ))  # fmt: skip
+        parameters = 'COMDEV(n)="OPT1n", CPRCE1n=2, NETMODE(n)='
+        parameters += f"{mode}, NETPORT({number + 1})={expression_text(port)}"
+        self.tell(node.channel, number, role, parameters)
         return p.Attach(node.channel, "line", (e.Number(number),))
+
+    def tell(self, channel: str, number: int, role: str, parameters: str) -> None:
+        """parameters: with n for the number of the line."""
+        said = re.sub(r"(?<=[(1])n", str(number), parameters)
+        com = line_name(number)
+        self.told_once(rules.LINE(name=channel, com=com, role=role, parameters=said))
 
     def told_once(self, finding: Diagnostic) -> None:
         if finding.message not in self.told:

@@ -1,0 +1,328 @@
+r"""Files, serial lines and sockets of RAPID as channels, as other languages are told them.
+
+A file, or a line, is opened and closed as it is. Of a socket that listens only the clients that
+it accepts are channels; a socket that connects tries again until somebody is there, or the time is
+over. Reference manual of instructions: Open, Write, WriteStrBin, SocketAccept and their kin; of
+functions: ReadStr, ReadNum, SocketGetStatus. Text and bytes are the same there, in Latin-1.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from typing import Any, Final
+
+from assistant.languages.rapid import rules
+from assistant.languages.rapid.lift.instructions import Meaning
+from assistant.languages.rapid.lift.kept_calls import KeptCall, Said, Unsaid, with_calls
+from assistant.languages.rapid.text import verbatim
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.calls import name_of
+from assistant.program import channels
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.diagnostics import Findings
+from assistant.program.program import Program
+from assistant.program.rewriting import Body, exchanged, map_bodies, rewrite
+
+TYPES: Final = frozenset(("iodev", "socketdev"))
+SERIAL: Final = re.compile(r"com([1-8]):", re.IGNORECASE)
+MODES: Final[Mapping[str, p.Mode]] = {"read": "read", "write": "write", "append": "append"}
+USUAL_TIME: Final = 60.0
+r"""Seconds that a socket waits without `\Time` (reference manual: SocketAccept, SocketConnect)."""
+FOR_EVER: Final = "wait_max"
+END: Final = re.compile(r"\r\n?\Z|\n\Z")
+"""The end of a line behind a text."""
+
+BYTES: Final = e.Reason(
+    "bytes are read or written, and other controllers have texts of lines alone",
+    "send and receive texts that end with a carriage return",
+)
+BOTH: Final = e.Reason(
+    "the file is open for both reading and writing", r"open it with \Read, \Write or \Append"
+)
+NO_PORT: Final = e.Reason(
+    "which port the socket listens at is not said by one SocketBind",
+    "bind each socket that listens in one place",
+)
+
+
+def with_channels(program: Program, findings: Findings) -> Program:
+    """The program with channels for what it opens, writes, reads and closes."""
+    ports = _ports(program)
+
+    def said(call: KeptCall, node: p.Statement) -> Said:
+        word = call.word
+        if word in PREPARING:
+            call.name(0)
+            with findings.at(node.span):
+                findings.append(rules.LEFT_OUT(what=call.call.word, **PREPARING[word]))
+            return
+        accepts = word == "socketaccept"
+        made = tuple(_accept(call, ports) if accepts else _SAID[word](call))
+        with findings.at(node.span):
+            if word in READING:
+                findings.append(rules.RECEIVED(what=call.call.word))
+            if accepts and "clientaddress" in call.call.options:
+                findings.append(rules.LEFT_OUT(
+                    what=r"\ClientAddress", loss="nobody tells the address of who connected",
+                    cure="do without it",
+                ))  # fmt: skip
+        yield from made
+
+    instructions = {*_SAID, *PREPARING, "socketaccept"}
+    made = with_calls(program, instructions, READING, said)
+    if made is program or not channels.channels(made):
+        return program
+    told = {name.lower() for name in channels.channels(made)}
+    opened = {x.channel.lower() for x in made.statements() if isinstance(x, p.Attach)}
+    made = rewrite(made, lambda part: _asked(part, told))
+    return _without_handles(_without_unopened(made, opened))
+
+
+def _without_unopened(program: Program, opened: set[str]) -> Program:
+    """Without what closes sockets that only listen, which nothing has opened."""
+
+    def body(statements: Body) -> Body:
+        return tuple(
+            map_bodies(node, body)
+            for node in statements
+            if not isinstance(node, p.Detach) or node.channel.lower() in opened
+        )
+
+    procedures = tuple(replace(q, body=body(q.body)) for q in program.procedures)
+    return replace(program, procedures=procedures)
+
+
+def _without_handles(program: Program) -> Program:
+    """Without the declarations of files and sockets, which channels have none of."""
+    program = exchanged(program, lambda node: () if _declares(node.text) else (node,))
+    kept = tuple(one for one in program.declarations if not _declares(one.text))
+    return replace(program, declarations=kept)
+
+
+def _declares(text: str) -> bool:
+    storage, _, type = verbatim.declares(text).partition(" ")
+    return storage == "VAR" and type in TYPES
+
+
+def _ports(program: Program) -> Mapping[str, e.Expression]:
+    """The port that a socket is bound to, by its lower-case name."""
+    found: dict[str, e.Expression] = {}
+    for node in program.statements():
+        if not isinstance(node, p.Opaque) or node.text[:10].lower() != "socketbind":
+            continue
+        match verbatim.understood(verbatim.statements, node.text):
+            case (
+                s.ProcedureCall(arguments=(s.Positional(s.NameRef(name)), _, s.Positional(port))),
+            ):
+                value = Meaning().expression(port)
+                if found.setdefault(name.lower(), value) != value:
+                    return {}
+    return found
+
+
+def _asked(part: Any, known: set[str]) -> Any:
+    """`SocketGetStatus(s) = SOCKET_CONNECTED` of a channel; any other expression as it is."""
+    match part:
+        case e.Binary(
+            ("=" | "<>") as relation, e.Apply(function, (e.Name(name),)), e.Name(state)
+        ) if (
+            function.lower() == "socketgetstatus"
+            and state.lower() == "socket_connected"
+            and name.lower() in known
+        ):
+            connected = e.Apply("connected", (e.Text(name),))
+            return e.Binary(relation, connected, e.Number(1))
+    return part
+
+
+# ------------------------------------------------------------------------- opening, closing
+
+
+def _open(q: KeptCall) -> Said:
+    channel = q.name(1)
+    of, file = q.given(0), q.option("file")
+    if not q.only("file", "read", "write", "append", "bin") or of is None:
+        raise Unsaid
+    serial = SERIAL.fullmatch(of.value) if isinstance(of, e.Text) and file is None else None
+    if serial is not None:
+        yield p.Attach(channel, "serial", (e.Number(int(serial[1])),))
+        return
+    modes = [mode for word, mode in MODES.items() if word in q.call.options]
+    if len(modes) != 1:
+        raise Unsaid(BOTH)
+    if isinstance(of, e.Text) and isinstance(file, e.Text):
+        place: e.Expression = e.Text(f"{of.value}/{file.value}")
+    else:
+        place = of if file is None else file
+    yield p.Attach(channel, "file", (place,), modes[0])
+
+
+def _close(q: KeptCall) -> Said:
+    if not q.only():
+        raise Unsaid
+    yield p.Detach(q.name(0))
+
+
+def _accept(q: KeptCall, ports: Mapping[str, e.Expression]) -> Said:
+    server, channel = q.name(0), q.name(1)
+    if not q.only("time", "clientaddress"):
+        raise Unsaid
+    port = ports.get(server.lower())
+    if port is None:
+        raise Unsaid(NO_PORT)
+    yield p.Attach(channel, "server", (port,))
+    yield p.WaitUntil(_connected(channel, 1), _time(q))
+
+
+def _connect(q: KeptCall) -> Said:
+    """Closes and opens it again while nobody is there."""
+    channel, host, port = q.name(0), q.given(1), q.given(2)
+    if not q.only("time") or host is None or port is None:
+        raise Unsaid
+    attach, most = p.Attach(channel, "client", (host, port)), _time(q)
+    again: list[p.Statement] = [p.Detach(channel), p.Wait(e.Number(PAUSE)), attach]
+    if most is not None:
+        timer = f"{channel}_time"
+        yield p.StartTimer(timer)
+        in_time = e.Binary("<", e.Elapsed(timer), most)
+        again.insert(0, p.WaitUntil(in_time, e.Number(PAUSE)))
+    yield attach
+    yield p.While(_connected(channel, 0), tuple(again))
+
+
+PAUSE: Final = 0.1
+"""Seconds between one try and the next."""
+
+
+def _connected(channel: str, value: int) -> e.Expression:
+    return e.Binary("=", e.Apply("connected", (e.Text(channel),)), e.Number(value))
+
+
+def _time(q: KeptCall) -> e.Expression | None:
+    """The longest time of a socket, None for ever."""
+    node = q.call.options.get("time")
+    if node is None:
+        return e.Number(USUAL_TIME)
+    return None if name_of(node).lower() == FOR_EVER else q.value(node)
+
+
+# --------------------------------------------------------------------------------- writing
+
+
+def _write(q: KeptCall) -> Said:
+    channel, text = q.name(0), q.given(1)
+    if text is None or not q.only("num", "dnum", "bool", "pos", "orient", "nonewline"):
+        raise Unsaid
+    kind: Any = "piece" if "nonewline" in q.call.options else "line"
+    truth = q.option("bool")
+    if truth is not None:
+        yes, no = (p.Send(channel, kind, (text, e.Text(word))) for word in ("TRUE", "FALSE"))
+        yield p.If((p.Branch(truth, (yes,)),), (no,))
+        return
+    yield p.Send(channel, kind, (text, *_values(q)))
+
+
+def _values(q: KeptCall) -> Iterator[e.Expression]:
+    """What an option adds to a text; a record in brackets."""
+    for option, parts in (("num", ()), ("dnum", ()), ("pos", "xyz"), ("orient", _TURN)):
+        node = q.call.options.get(option)
+        if node is None:
+            continue
+        if not parts:
+            yield q.value(node)
+            return
+        items = node.items if isinstance(node, s.AggregateNode) else None
+        if items is None:
+            items = tuple(s.Component(node, part) for part in parts)
+        for mark, item in zip(("[", *("," for _ in parts)), items, strict=False):
+            yield e.Text(mark)
+            yield q.value(item)
+        yield e.Text("]")
+
+
+_TURN: Final = ("q1", "q2", "q3", "q4")
+
+
+def _write_text(q: KeptCall) -> Said:
+    text = q.given(1)
+    if text is None or not q.only():
+        raise Unsaid
+    yield _sent(q.name(0), text)
+
+
+def _send(q: KeptCall) -> Said:
+    text = q.option("str")
+    if text is None or not q.only("str"):
+        raise Unsaid(BYTES)
+    yield _sent(q.name(0), text)
+
+
+def _sent(channel: str, text: e.Expression) -> p.Send:
+    """A text that ends as lines do is a line, whatever ends those there."""
+    parts = [*_summed(text)]
+    match parts[-1]:
+        case e.Text(last) if END.search(last):
+            rest = END.sub("", last)
+            given = [*parts[:-1], *((e.Text(rest),) if rest or len(parts) == 1 else ())]
+            found = p.Send(channel, "line", tuple(given))
+        case _:
+            found = p.Send(channel, "piece", tuple(parts))
+    for part in found.parts:
+        if isinstance(part, e.Text) and not part.value.isprintable():
+            raise Unsaid(BYTES)
+    return found
+
+
+def _summed(text: e.Expression) -> Iterator[e.Expression]:
+    match text:
+        case e.Binary("+", left, right):
+            yield from _summed(left)
+            yield from _summed(right)
+        case _:
+            yield text
+
+
+# --------------------------------------------------------------------------------- reading
+
+
+def _receive(q: KeptCall) -> Said:
+    target = q.option("str")
+    if target is None or not q.only("str", "time", "readnoofbytes"):
+        raise Unsaid(BYTES)
+    yield p.Assign(target, e.Apply("received", (e.Text(q.name(0)),)))
+
+
+def _read(function: str) -> Callable[[KeptCall], Said]:
+    def said(q: KeptCall) -> Said:
+        if q.answer is None or not q.only("delim", "removecr", "discardheaders", "time"):
+            raise Unsaid
+        yield p.Assign(q.answer, e.Apply(function, (e.Text(q.name(0)),)))
+
+    return said
+
+
+PREPARING: Final[Mapping[str, Mapping[str, str]]] = {
+    word: {
+        "loss": "a line is there as soon as it is opened, by SocketAccept or SocketConnect",
+        "cure": "none is needed, if nobody connects before that",
+    }
+    for word in ("socketcreate", "socketbind", "socketlisten")
+}
+"""Instructions behind which a socket may be used, with what is lost of them."""
+READING: Final = frozenset(("readstr", "readnum", "socketreceive"))
+_SAID: Final[Mapping[str, Callable[[KeptCall], Said]]] = {
+    "open": _open,
+    "close": _close,
+    "write": _write,
+    "writestrbin": _write_text,
+    "socketconnect": _connect,
+    "socketsend": _send,
+    "socketclose": _close,
+    "socketreceive": _receive,
+    "readstr": _read("received"),
+    "readnum": _read("received_number"),
+}
+"""By lower-case names of instructions and functions."""

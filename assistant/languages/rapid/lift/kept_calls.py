@@ -1,0 +1,116 @@
+"""Calls that a lifted program keeps as their text, said for other languages in other statements."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import dataclass, replace
+from typing import TypeAlias
+
+from assistant.languages.patterns import Called
+from assistant.languages.rapid.lift.instructions import Meaning
+from assistant.languages.rapid.text import verbatim
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.calls import called, name_of
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.program import Program
+from assistant.program.rewriting import Body, map_bodies
+
+Said: TypeAlias = Iterator[p.Statement]
+
+
+@dataclass(frozen=True, slots=True)
+class KeptCall:
+    """call: of an instruction or a function. answer: of a function, where its result goes."""
+
+    call: Called[s.Expression]
+    value: Callable[[s.Expression], e.Expression]
+    answer: e.Expression | None = None
+
+    @property
+    def word(self) -> str:
+        return self.call.word.lower()
+
+    def given(self, at: int) -> e.Expression | None:
+        node = self.call.given[at] if at < len(self.call.given) else None
+        return None if node is None else self.value(node)
+
+    def name(self, at: int) -> str:
+        """The name that an argument is; raises Unsaid for anything else."""
+        node = self.call.given[at] if at < len(self.call.given) else None
+        found = name_of(node)
+        if not found:
+            raise Unsaid
+        return found
+
+    def option(self, name: str) -> e.Expression | None:
+        node = self.call.options.get(name)
+        return None if node is None else self.value(node)
+
+    def only(self, *names: str) -> bool:
+        """Whether it has no options but these."""
+        return set(self.call.options) <= set(names)
+
+
+class Unsaid(Exception):
+    """A call that has no other words in this form."""
+
+    def __init__(self, reason: e.Reason | None = None) -> None:
+        super().__init__()
+        self.reason = reason
+
+
+Saying: TypeAlias = Callable[[KeptCall, p.Statement], Said]
+
+
+def with_calls(
+    program: Program, instructions: Collection[str], functions: Collection[str], saying: Saying
+) -> Program:
+    """The program with what is said of some of its calls; they stay where that raises Unsaid.
+
+    instructions, functions: lower-case names; of functions those whose result is assigned.
+    """
+
+    def body(statements: Body) -> Body:
+        return tuple(part for node in statements for part in said(node))
+
+    def said(node: p.Statement) -> Said:
+        call = _kept_call(node, instructions, functions)
+        if call is None:
+            yield map_bodies(node, body)
+            return
+        try:
+            made = tuple(saying(call, node))
+        except Unsaid as unsaid:
+            if isinstance(node, p.Opaque) and unsaid.reason is not None:
+                node = replace(node, reason=unsaid.reason)
+            yield node
+            return
+        yield from (replace(one, span=node.span) for one in made)
+
+    procedures = tuple(replace(q, body=body(q.body)) for q in program.procedures)
+    return replace(program, procedures=procedures)
+
+
+def _kept_call(
+    node: p.Statement, instructions: Collection[str], functions: Collection[str]
+) -> KeptCall | None:
+    expression = Meaning().expression
+    match node:
+        case p.Opaque(verbatim.LANGUAGE, text):
+            match verbatim.understood(verbatim.statements, text):
+                case (s.ProcedureCall(name=str(word)) as call,) if word.lower() in instructions:
+                    found = called(call)
+                    return None if found is None else KeptCall(found, expression)
+        case p.Assign(target, e.Apply(function, given)) if function.lower() in functions:
+            names = [s.NameRef(one.name) for one in given if isinstance(one, e.Name)]
+            if len(names) == len(given):
+                return KeptCall(Called(function, names), expression, target)
+        case p.Assign(target, e.Verbatim(verbatim.LANGUAGE, text)) if (
+            text.partition("(")[0].strip().lower() in functions
+        ):
+            match verbatim.understood(verbatim.expression, text):
+                case s.FunctionCall() as function_call:
+                    found = called(function_call)
+                    return None if found is None else KeptCall(found, expression, target)
+    return None
