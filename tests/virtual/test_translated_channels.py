@@ -96,8 +96,8 @@ def test_a_file_is_appended_and_read(tmp_path: Path) -> None:
     )
     codes = {f.code for f in done.findings}
     assert {"RA332", "MB262"} <= codes
-    found = done.motion and done.motion.found
-    assert found is not None and found.visits == 2
+    assert done.motion is not None and done.motion.found is not None
+    assert done.motion.found.visits == 2
 
 
 def conversation(connect: Callable[[], socket.socket], heard: list[bytes], end: bytes) -> None:

@@ -89,7 +89,7 @@ class Stream:
     @staticmethod
     def of_peer(texts: Iterable[str], binary: bool) -> Stream:
         """A serial port at whose other end somebody says some texts."""
-        said = "".join(f"{text}\r" for text in texts).encode(CODES)
+        said = "".join(f"{text}\n" for text in texts).encode(CODES)
         return _Both(BytesIO(said), "read", binary)
 
     def read(self, count: int) -> bytes:

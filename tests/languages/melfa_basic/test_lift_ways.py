@@ -263,7 +263,7 @@ def test_a_move_tells_which_settings_meet() -> None:
         ("Cmp Tool,1", "soft"),
         ("NVClose", "camera"),
         ("CallP C1$", "worked out"),
-        ("Print #1,M1", "line"),
+        ("Print #1,M1,M2", "line"),
         ("Trk On,P1", "conveyor"),
     ],
 )

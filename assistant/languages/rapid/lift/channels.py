@@ -57,7 +57,8 @@ def with_channels(program: Program, findings: Findings) -> Program:
         if word in PREPARING:
             call.name(0)
             with findings.at(node.span):
-                findings.append(rules.LEFT_OUT(what=call.call.word, **PREPARING[word]))
+                loss, cure = LEFT
+                findings.append(rules.LEFT_OUT(what=call.call.word, loss=loss, cure=cure))
             return
         accepts = word == "socketaccept"
         made = tuple(_accept(call, ports) if accepts else _SAID[word](call))
@@ -236,6 +237,8 @@ def _values(q: KeptCall) -> Iterator[e.Expression]:
             return
         items = node.items if isinstance(node, s.AggregateNode) else None
         if items is None:
+            if not isinstance(node, s.NameRef | s.Component | s.Element):
+                raise Unsaid
             items = tuple(s.Component(node, part) for part in parts)
         for mark, item in zip(("[", *("," for _ in parts)), items, strict=False):
             yield e.Text(mark)
@@ -304,14 +307,13 @@ def _read(function: str) -> Callable[[KeptCall], Said]:
     return said
 
 
-PREPARING: Final[Mapping[str, Mapping[str, str]]] = {
-    word: {
-        "loss": "a line is there as soon as it is opened, by SocketAccept or SocketConnect",
-        "cure": "none is needed, if nobody connects before that",
-    }
-    for word in ("socketcreate", "socketbind", "socketlisten")
-}
-"""Instructions behind which a socket may be used, with what is lost of them."""
+PREPARING: Final = frozenset(("socketcreate", "socketbind", "socketlisten"))
+"""Instructions behind which a socket may be used."""
+LEFT: Final = (
+    "a line is there as soon as it is opened, by SocketAccept or SocketConnect",
+    "none is needed, if nobody connects before that",
+)
+"""What is lost of them, and what to do about it."""
 READING: Final = frozenset(("readstr", "readnum", "socketreceive"))
 _SAID: Final[Mapping[str, Callable[[KeptCall], Said]]] = {
     "open": _open,
