@@ -138,6 +138,7 @@ NOT_NEEDED: Final = info(
     "RA342",
     "the declaration of `{name}` is left out: it has no value, or nothing speaks of it",
     "none is needed",
+)
 RECEIVED: Final = warning(
     "RA332",
     "`{what}` reads as the other controller does: up to a carriage return or a comma, without an "
