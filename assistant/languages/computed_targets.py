@@ -20,7 +20,7 @@ from assistant.program import statements as p
 from assistant.program.arrays import Floats
 from assistant.program.geometry import Configuration, Pose, Target
 from assistant.program.passes.hoisting import Taken, hoisted
-from assistant.program.program import Procedure, Program, Variable
+from assistant.program.program import Procedure, Program, ValueType, Variable
 from assistant.program.rewriting import head, map_expressions, map_head, records
 
 AXES: Final = ("x", "y", "z")
@@ -56,6 +56,7 @@ class _Targets:
         self.known: dict[str, str] = {}
 
     def __call__(self, node: p.Statement) -> Taken:
+        node = map_head(node, _folded)
         made = Taken(node)
         used = 0
         elsewhere = _read_elsewhere(node)
@@ -63,6 +64,11 @@ class _Targets:
 
         def visit(value: e.Expression) -> e.Expression:
             nonlocal used
+            if isinstance(value, e.PoseValue):
+                used += 1
+                place = self.place("pose", used, "pose")
+                made.before.append(p.Assign(place, value))
+                return place
             if value in elsewhere:
                 used += 1
                 place = self.place("at", used)
@@ -84,6 +90,8 @@ class _Targets:
             return value
 
         match node:
+            case p.Assign(e.Name() | e.Index(), e.PoseValue()):
+                return made
             case p.Assign(place, value) if (parts := _parts(value)) is not None:
                 base, components, added = parts
                 plain = not elsewhere and not _inner(value)
@@ -108,16 +116,26 @@ class _Targets:
         made.statement = map_head(node, visit)
         return made
 
-    def place(self, stem: str, number: int) -> e.Name:
-        """A position variable of the procedure; the same ones serve every statement."""
+    def place(self, stem: str, number: int, type: ValueType = "position") -> e.Name:
+        """A variable of the procedure for a place; the same ones serve every statement."""
         key = f"{stem}_{number}"
         if key not in self.known:
             free = (f"{stem}_{k}" for k in itertools.count(1))
             name = next(n for n in free if n not in self.taken)
             self.taken.add(name)
             self.known[key] = name
-            self.variables[name] = Variable("position")
+            self.variables[name] = Variable(type)
         return e.Name(self.known[key])
+
+
+def _folded(value: e.Expression) -> e.Expression:
+    """The inverse of a pose that is written out, and the product of two, worked out."""
+    match value:
+        case e.Apply("inverse", (e.PoseValue(pose),)):
+            return e.PoseValue(pose.inverse())
+        case e.Binary("@", e.PoseValue(one), e.PoseValue(two)):
+            return e.PoseValue(one @ two)
+    return value
 
 
 def _read_elsewhere(node: p.Statement) -> set[e.Expression]:

@@ -18,13 +18,19 @@ from assistant.compiler.loading import load_text
 from assistant.program.text import SourceText
 from assistant.virtual.events import Moved, Run
 from tests.virtual import rapid_words
-from tests.virtual.data_cases import angles, clocks
+from tests.virtual.data_cases import angles, clocks, texts, turns, vectors
 from tests.virtual.test_translated_rapid import LANGUAGES, run_melfa, run_rapid
 
 HEAD = f"""MODULE Cell
 CONST robtarget p10:=[[354,0,300],[0,0,1,0],[0,0,0,0],{rapid_words.UNUSED}];
 """
-CASES = {**angles.CASES, **clocks.CASES}
+CASES = {
+    **angles.CASES,
+    **clocks.CASES,
+    **texts.CASES,
+    **turns.CASES,
+    **vectors.CASES,
+}
 
 
 def shown(run: Run) -> Iterator[tuple[float, float, float]]:

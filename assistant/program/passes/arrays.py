@@ -6,14 +6,14 @@ import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Final
+from typing import Any, Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.passes.legalising import Legalising
 from assistant.program.passes.procedures import NOTHING
 from assistant.program.program import Procedure, Program, Variable, identifier
-from assistant.program.rewriting import Body, map_bodies
+from assistant.program.rewriting import Body, map_bodies, records
 from assistant.program.subjects import Declared
 
 MOST_ALIKE: Final = 4
@@ -67,6 +67,9 @@ def _copied(
     for node in body:
         match node:
             case p.Assign(e.Name(name) as target, value) if size := sizes.get(name.lower(), ()):
+                if given := tuple(_one_by_one(target, value, size)):
+                    made += (replace(node, target=place, value=one) for place, one in given)
+                    continue
                 other = sizes.get(value.name.lower()) if isinstance(value, e.Name) else None
                 if other != size or 0 in size:
                     with job.findings.at(node.span):
@@ -86,6 +89,33 @@ def _copied(
             case _:
                 made.append(map_bodies(node, lambda b: _copied(b, sizes, counters, job)))
     return tuple(made)
+
+
+def _one_by_one(
+    array: e.Name, value: e.Expression, size: tuple[int, ...]
+) -> Iterator[tuple[e.Index, e.Expression]]:
+    """The elements of an array and what values in brackets give them, if none needs the others."""
+
+    def filled(value: e.Expression, rest: tuple[int, ...]) -> bool:
+        if not rest:
+            return True
+        inner = value.items if isinstance(value, e.Aggregate) else ()
+        return len(inner) == rest[0] and all(filled(one, rest[1:]) for one in inner)
+
+    def each(
+        value: Any, rest: tuple[int, ...], at: tuple[e.Expression, ...]
+    ) -> Iterator[tuple[e.Index, e.Expression]]:
+        if not rest:
+            yield e.Index(array, at), value
+            return
+        for k, one in enumerate(value.items, 1):
+            yield from each(one, rest[1:], (*at, e.Number(k)))
+
+    if 0 in size or not filled(value, size):
+        return
+    if any(isinstance(r, e.Name) and r.name.lower() == array.name.lower() for r in records(value)):
+        return
+    yield from each(value, size, ())
 
 
 def with_array_parameters(job: Legalising) -> Program:

@@ -112,9 +112,11 @@ class Expressions:
 
     def oriented(self, target: s.Expression, value: s.Expression) -> e.Expression | None:
         """The target that `target:=value` turns to angles, as a whole with them."""
+        place, other = self._part(target, functions.TURN), self._part(value, functions.TURN)
+        if place is not None and other is not None:
+            return e.Apply("oriented", (place, *(e.Member(other, name) for name in e.ANGLES)))
         call = called(value)
         found = None if call is None else self.reading.fields(functions.ORIENTATION, call)
-        place = self._part(target, functions.TURN)
         if found is None or place is None:
             return None
         return e.Apply("oriented", (place, *(found[name] for name in e.ANGLES)))

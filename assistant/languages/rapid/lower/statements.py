@@ -164,6 +164,12 @@ def _assign(b: Body, x: p.Assign) -> Lowered:
             angles
         ) == len(e.ANGLES):
             turn = b.expressions.orientation(place)
+            first = angles[0]
+            if isinstance(first, e.Member) and angles == [
+                e.Member(first.value, name) for name in e.ANGLES
+            ]:
+                yield s.Assignment(turn, b.expressions.orientation(first.value))
+                return
             yield s.Assignment(turn, b.expressions.oriented(tuple(angles)))
             return
     target = b.lower(x.target)

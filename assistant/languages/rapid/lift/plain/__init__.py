@@ -14,6 +14,7 @@ from assistant.languages.rapid.lift.local_names import with_own_names
 from assistant.languages.rapid.lift.plain.bodies import Bodies, declared
 from assistant.languages.rapid.lift.plain.copies import with_copies
 from assistant.languages.rapid.lift.plain.layouts import Layouts
+from assistant.languages.rapid.lift.plain.library import with_library, without_uncalled
 from assistant.languages.rapid.lift.plain.optional import with_required
 from assistant.languages.rapid.lift.plain.scopes import Fresh, Program
 from assistant.languages.rapid.lift.plain.unread import Unread, without_unread
@@ -35,25 +36,28 @@ class Plain:
 def plain(files: Sequence[s.File]) -> Plain | None:
     """The files of a program with plain data, None if they have no other."""
     read = with_own_names([module for file in files for module in file.modules])
-    layouts = Layouts(read)
-    copied = with_copies(read, layouts)
+    whole = with_library(read)
+    layouts = Layouts(whole)
+    copied = with_copies(whole, layouts)
     name = Fresh(copied)
     modules = with_required(copied, layouts, name)
     program = Program(modules, layouts, name)
     kept: dict[int, str] = {}
     made = [_module(program, module, kept) for module in modules]
+    if whole is not read:
+        made = without_uncalled(made, read)
     if all(one is before for one, before in zip(made, read, strict=True)):
         return None
     left, unread = without_unread(made, program)
     listed, found = iter(left), iter(unread)
-    whole, told = [], []
+    written, told = [], []
     for file in files:
         own = [next(listed) for _ in file.modules]
         told.append(tuple(one for _ in file.modules for one in next(found)))
         others = iter(own)
         parts = (next(others) if isinstance(one, s.Module) else one for one in file.parts)
-        whole.append(replace(file, parts=tuple(parts)))
-    return Plain(tuple(whole), kept, tuple(told))
+        written.append(replace(file, parts=tuple(parts)))
+    return Plain(tuple(written), kept, tuple(told))
 
 
 def _module(program: Program, module: s.Module, kept: dict[int, str]) -> s.Module:

@@ -6,9 +6,19 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
+from assistant.languages.rapid.lift.plain.kinds import Kind
 from assistant.languages.rapid.lift.plain.layouts import SETTINGS, Path
+from assistant.languages.rapid.lift.plain.library import (
+    QUATERNION,
+    TURN,
+    WHOLE,
+    angles_of,
+    call_of,
+    is_written_out,
+    worded,
+)
 from assistant.languages.rapid.lift.plain.scopes import Datum, Program, parameters
-from assistant.languages.rapid.lift.plain.values import Kind, Spread, Unsaid, Values
+from assistant.languages.rapid.lift.plain.values import PLACE, Spread, Unsaid, Values
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
 
@@ -29,7 +39,7 @@ class Bodies:
         }
         data = [node for node in routine.body if isinstance(node, s.Data)]
         self.names |= {node.name.lower(): program.datum(node) for node in data}
-        self.values = Values(program, self.names, self._called)
+        self.values = Values(program, self.names, self._called, self._built)
         self.before: list[s.StatementNode] | None = None
         self.alone: s.Expression | None = None
         """A value that is used at once, before anything else is called."""
@@ -60,7 +70,35 @@ class Bodies:
                 yield group
 
     def block(self, body: Sequence[s.StatementNode]) -> Nodes:
-        return tuple(said for node in body for said in self._statement(node))
+        return tuple(said for node in self._joined(body) for said in self._statement(node))
+
+    def _joined(self, body: Sequence[s.StatementNode]) -> Iterator[s.StatementNode]:
+        """The statements; the four parts of a quaternion that are set one by one as a whole."""
+        at = 0
+        while at < len(body):
+            group = body[at : at + len(QUATERNION)]
+            whole = self._quaternion(group)
+            yield body[at] if whole is None else whole
+            at += 1 if whole is None else len(group)
+
+    def _quaternion(self, group: Sequence[s.StatementNode]) -> s.StatementNode | None:
+        values: dict[str, s.Expression] = {}
+        turns: list[s.Expression] = []
+        for node in group:
+            match node:
+                case s.Assignment(s.Component(s.Component(_, turn) as whole, name), value) if (
+                    turn.lower() == TURN
+                ):
+                    values[name.lower()] = value
+                    turns.append(whole)
+        if sorted(values) != list(QUATERNION) or any(one != turns[0] for one in turns):
+            return None
+        if self.values.whole_turn(turns[0]) is None:
+            return None
+        if any(_names_in(turns[0]) & _names_in(value) for value in values.values()):
+            return None
+        aggregate = s.AggregateNode(tuple(values[name] for name in QUATERNION))
+        return s.Assignment(turns[0], aggregate, span=group[0].span)  # type: ignore[arg-type]
 
     def _statement(self, node: s.StatementNode) -> list[s.StatementNode]:
         before, self.before = self.before, []
@@ -80,6 +118,8 @@ class Bodies:
                 yield from declared(node, self.names[node.name.lower()], self.values)
             case s.Assignment(target, value):
                 yield from self._assigned(node, target, value)
+            case s.ProcedureCall(str()) if (own := worded(self.values, node)) is not node:
+                yield from self._said(own)
             case s.ProcedureCall(name, arguments):
                 yield replace(node, arguments=self.values.arguments(name, arguments))
             case s.ReturnFrom(value) if value is not None:
@@ -149,6 +189,14 @@ class Bodies:
         self, node: s.Assignment, target: Any, value: s.Expression
     ) -> Iterator[s.StatementNode]:
         kind = self.values.kind(target)
+        if (place := self.values.whole_turn(target)) is not None:
+            yield self._turned(node, s.Component(place, TURN), value)
+            return
+        if kind is not None and kind[0] in WHOLE and isinstance(value, s.AggregateNode):
+            if not is_written_out(value):
+                yield from self._put_together(node, target, kind[0], value)
+                return
+        value = worded(self.values, value)
         if kind is None or not self.values.is_record(kind) or self._is_setting(target, kind):
             type = None if kind is None else kind[0]
             variable = self.values.plain(target)
@@ -164,6 +212,58 @@ class Bodies:
     def _is_setting(self, target: Any, kind: Kind) -> bool:
         """Whether a tool, frame, speed or zone is assigned that is one variable."""
         return kind[0] in SETTINGS and not self.values.is_apart(target)
+
+    def _turned(self, node: s.Assignment, turn: s.Component, value: Any) -> s.StatementNode:
+        """An orientation given to a target or pose that has angles."""
+        match value:
+            case s.FunctionCall(str(name), arguments) if (
+                name.lower() == "orientzyx" and not self.values.is_own(name)
+            ):
+                given = self.values.arguments("OrientZYX", arguments)
+                return replace(node, target=turn, value=replace(value, arguments=given))
+        if (other := self.values.whole_turn(value)) is not None:
+            return replace(node, target=turn, value=s.Component(other, TURN))
+        spread = self.values.spread(value, ("orient", 0))
+        held = {path: self._held(one) for path, one in spread.items()}
+        angles = [self.values.plain(one) for one in angles_of(held)]
+        return replace(node, target=turn, value=call_of("OrientZYX", *angles))
+
+    def _held(self, value: s.Expression) -> s.Expression:
+        """A number that is asked for several times, as it is or in a variable of its own."""
+        if isinstance(value, s.NameRef | s.NumberLiteral) or is_written_out(value):
+            return value
+        if self.before is None:
+            raise Unsaid("it is worked out where nothing can be called before")
+        variable = self._variable("turn", "num")
+        self.before.append(s.Assignment(variable, value))
+        return variable
+
+    def _put_together(
+        self, node: s.Assignment, target: Any, type: str, value: s.AggregateNode
+    ) -> Iterator[s.StatementNode]:
+        """A target or pose that is worked out, part by part."""
+        items = dict(zip(("trans", TURN, "robconf", "extax"), value.items, strict=False))
+        if len(items) != (2 if type == "pose" else 4):
+            raise Unsaid("it has another number of components")
+        outer = [items[name] for name in ("robconf", "extax") if name in items]
+        place: s.NameRef | s.Component | s.Element = self.values.plain(target)
+        own = _names_in(place)
+        if own & _names_in(value):
+            place = self._variable("new", type)
+        match outer:
+            case [s.Component(one, "robconf"), s.Component(two, "extax")] if one == two:
+                yield from self._assigned(node, place, one)
+            case _ if all(map(is_written_out, outer)):
+                first = s.AggregateNode(tuple(map(_numbers, ((0, 0, 0), (1, 0, 0, 0)))))
+                whole = replace(first, items=(*first.items, *outer))
+                yield replace(node, target=place, value=whole)
+            case _:
+                raise Unsaid("its configuration is worked out")
+        for name in ("trans", TURN):
+            part = s.Component(place, name)
+            yield from self._assigned(replace(node, target=part), part, items[name])
+        if own & _names_in(value):
+            yield replace(node, target=self.values.plain(target), value=place)
 
     def _both_stay(self, node: Any) -> bool:
         """Whether a variable is a component of data that is not taken apart."""
@@ -214,6 +314,8 @@ class Bodies:
 
     def _called(self, call: s.FunctionCall) -> Spread:
         """Calls a function that gives back a record before the statement at hand."""
+        if call.name.lower() == PLACE:
+            return self._place(call)
         routine = self.program.routines[call.name.lower()]
         result = self.program.result(routine)
         if self.before is None or not result:
@@ -229,6 +331,27 @@ class Bodies:
             self.before.append(s.Assignment(held, s.NameRef(name)))
             made[path] = held
         return made
+
+    def _built(self, type: str, value: s.AggregateNode) -> s.Expression:
+        """A target or pose that is put together before the statement at hand."""
+        if self.before is None:
+            raise Unsaid(f"it puts a {type} together where nothing can be done before")
+        held = self._variable("built", type)
+        self.before += self._put_together(s.Assignment(held, value), held, type, value)
+        return held
+
+    def _place(self, call: s.FunctionCall) -> Spread:
+        """Where the robot stands, read before the statement at hand."""
+        if self.before is None:
+            raise Unsaid(f"`{call.name}` gives back a record where it cannot be read before")
+        held = self._variable("stands", "robtarget")
+        here = replace(call, name="CRobT", arguments=self.values.arguments("CRobT", call.arguments))
+        self.before.append(s.Assignment(held, here))
+        return {(axis,): s.Component(s.Component(held, "trans"), axis) for axis in "xyz"}
+
+
+def _numbers(values: Sequence[float]) -> s.AggregateNode:
+    return s.AggregateNode(tuple(s.NumberLiteral(f"{value:g}") for value in values))
 
 
 def declared(node: s.Data, datum: Datum, values: Values) -> Iterator[s.Data]:

@@ -7,18 +7,30 @@ from dataclasses import replace
 from functools import reduce
 from typing import Any, Final
 
+from assistant.languages.rapid.lift.plain.kinds import ORIENT, POS, Kind, Kinds
 from assistant.languages.rapid.lift.plain.layouts import Path
-from assistant.languages.rapid.lift.plain.scopes import Datum, Names, Program, predefined_type
+from assistant.languages.rapid.lift.plain.library import (
+    PRODUCT,
+    QUATERNION,
+    TURN,
+    WHOLE,
+    call_of,
+    is_written_out,
+    joined,
+    parts_of_turn,
+    worded,
+)
+from assistant.languages.rapid.lift.plain.scopes import Names, Program, predefined_type
 from assistant.languages.rapid.lift.plain.standard import standard
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tree import syntax as s
 
 Spread = Mapping[Path, s.Expression]
 """A value of a record, part by part."""
-Kind = tuple[str, int]
-"""A type without aliases, and of how many dimensions."""
 EQUAL: Final = {"=": "AND", "<>": "OR"}
-POS: Final = "pos"
+PLACE: Final = "cpos"
+"""The function that gives a position alone."""
+SHOWN: Final = "valtostr"
 
 
 class Unsaid(Exception):
@@ -33,62 +45,37 @@ Called = Callable[[s.FunctionCall], Spread]
 """The parts of what a function of the program gives back, which is called before."""
 
 
-class Values:
+Built = Callable[[str, s.AggregateNode], s.Expression]
+"""A variable of a type with a target or pose that is put together before."""
+
+
+def _not_built(type: str, value: s.AggregateNode) -> s.Expression:  # noqa: ARG001
+    raise Unsaid(f"it puts a {type} together where nothing can be done before")
+
+
+class Values(Kinds):
     """Expressions where some names mean something.
 
-    names: of the routine, in front of those of the program. called: see `Called`.
+    names: of the routine, in front of those of the program. called, built: see `Called`, `Built`.
     """
 
-    def __init__(self, program: Program, names: Names, called: Called) -> None:
-        self.program, self.layouts = program, program.layouts
-        self.names, self.called = names, called
-
-    def find(self, name: str) -> Datum | None:
-        low = name.lower()
-        return self.names[low] if low in self.names else self.program.data.get(low)
-
-    # ----------------------------------------------------------------------------- kinds
-
-    def kind(self, node: Any) -> Kind | None:
-        """What an expression is, None if that is not known."""
-        match node:
-            case s.NameRef(name):
-                found = self.find(name)
-                if found is not None:
-                    return (found.type, found.dimensions) if found.type else None
-                standard = predefined_type(name)
-                return (self.layouts.base(standard), 0) if standard else None
-            case s.Component(value, name):
-                of = self.kind(value)
-                inner = None if of is None else self.layouts.component(of[0], name)
-                return None if inner is None else (inner, 0)
-            case s.Element(value, indices):
-                of = self.kind(value)
-                left = sum(isinstance(index, s.Whole) for index in indices)
-                return None if of is None else (of[0], left)
-            case s.Group(inner):
-                return self.kind(inner)
-            case s.FunctionCall(str(name)):
-                own = self.program.routines.get(name.lower())
-                if own is not None:
-                    return self.layouts.base(own.type), 0
-                known = None if name.lower() in self.program.own else signature(name)
-                return (known.result, 0) if known is not None and known.result else None
-            case s.Infix("+" | "-" | "*" | "/", left, right):
-                return (POS, 0) if (POS, 0) in (self._side(left), self._side(right)) else None
-            case s.Prefix("-" | "+", operand):
-                return self.kind(operand)
-        return None
-
-    def is_record(self, kind: Kind | None) -> bool:
-        """Whether something is a record that is taken apart."""
-        return kind is not None and self.layouts.parts(kind[0]) is not None
+    def __init__(
+        self, program: Program, names: Names, called: Called, built: Built | None = None
+    ) -> None:
+        super().__init__(program, names)
+        self.called = called
+        self.built = _not_built if built is None else built
 
     # ----------------------------------------------------------------------------- plain
 
     def plain(self, node: Any) -> Any:
         """An expression that is no record; raises Unsaid."""
+        node = worded(self, node)
         match node:
+            case s.Component(turn, name) if name.lower() in QUATERNION and (
+                place := self.whole_turn(turn)
+            ):
+                return self.plain(parts_of_turn(place)[(name.lower(),)])
             case s.NameRef() | s.Component() | s.Element():
                 return self._variable(node)
             case s.AggregateNode(items):
@@ -103,9 +90,45 @@ class Values:
                     if kind is not None and self.is_record(kind):
                         return self._compared(operator, left, right, kind)
                 return replace(node, left=self.plain(left), right=self.plain(right))
+            case s.FunctionCall("EulerZYX", (s.Option() as axis, s.Positional(turn))) if (
+                place := self.whole_turn(turn)
+            ):
+                own = s.Positional(s.Component(place, TURN))
+                return replace(node, arguments=(axis, own))
+            case s.FunctionCall(name, (s.Positional(value),)) if name.lower() == SHOWN and (
+                self.is_record(self.kind(value))
+            ):
+                return self._shown(value)
             case s.FunctionCall(name, arguments):
                 return replace(node, arguments=self.arguments(name, arguments))
         return node
+
+    def whole_turn(self, node: Any) -> s.Variable | None:
+        """The plain target or pose that a node is the orientation of; None for any other."""
+        match node:
+            case s.Component(value, name) if name.lower() == TURN:
+                kind = self.kind(value)
+                if kind is not None and kind[0] in WHOLE and not kind[1]:
+                    try:
+                        return self._variable(value)  # type: ignore[no-any-return]
+                    except Unsaid:
+                        return None
+        return None
+
+    def _shown(self, value: Any) -> s.Expression:
+        """A record as text."""
+        kind = self.kind(value)
+        assert kind is not None
+        return self._text(self.spread(value, kind), kind[0], ())
+
+    def _text(self, spread: Spread, type: str, path: Path) -> s.Expression:
+        if path in spread:
+            return self.plain(call_of("ValToStr", spread[path]))  # type: ignore[no-any-return]
+        parts: list[s.Expression] = []
+        for name, of in self.layouts.components(type):
+            mark = s.StringLiteral("," if parts else "[")
+            parts += (mark, self._text(spread, of, (*path, name.lower())))
+        return s.Group(joined([*parts, s.StringLiteral("]")]))
 
     def arguments(self, name: Any, arguments: Sequence[s.Argument]) -> tuple[s.Argument, ...]:
         """Those of a call; records in brackets for a routine that every controller has."""
@@ -118,8 +141,14 @@ class Values:
             one.mode for slot in known.slots for one in slot.alternatives
         )
         made: list[s.Argument] = []
+        types = iter(() if known is None else (slot.alternatives[0].type for slot in known.slots))
         for argument in arguments:
+            type = next(types, "") if isinstance(argument, s.Positional) else ""
             match argument:
+                case s.Positional(s.AggregateNode() as value) if type in WHOLE and (
+                    not is_written_out(value)
+                ):
+                    made.append(replace(argument, value=self.built(type, value)))
                 case s.Positional(value) | s.Option(_, value) if value is not None:
                     said = self.given(value, None) if reading else self.plain(value)
                     made.append(replace(argument, value=said))
@@ -257,6 +286,9 @@ class Values:
         parts = self.layouts.parts(type)
         if parts is None:
             raise Unsaid("nobody knows its parts")
+        node = worded(self, node)
+        if kind == (ORIENT, 0) and (place := self.whole_turn(node)) is not None:
+            return {path: self.plain(one) for path, one in parts_of_turn(place).items()}
         match node:
             case s.Group(inner):
                 return self.spread(inner, kind)
@@ -274,7 +306,9 @@ class Values:
             case s.Prefix("-" | "+" as operator, operand) if type == POS:
                 inside = self.spread(operand, kind)
                 return {path: s.Prefix(operator, s.Group(one)) for path, one in inside.items()}
-            case s.FunctionCall(str(name)) if name.lower() in self.program.routines:
+            case s.Infix("*", left, right) if type == ORIENT:
+                return self.spread(call_of(PRODUCT, left, right), kind)
+            case s.FunctionCall(str(name)) if name.lower() in (*self.program.routines, PLACE):
                 return self.called(node)
         raise Unsaid("what it gives is a record")
 
@@ -347,10 +381,6 @@ class Values:
                 for one, two, three in ((x, y, z), (y, z, x), (z, x, y))
             }
         raise Unsaid("it works with whole positions")
-
-    def _side(self, node: Any) -> Kind | None:
-        """What one side of an operator is: values in brackets there are a position."""
-        return (POS, 0) if isinstance(node, s.AggregateNode) else self.kind(node)
 
 
 def _single(spread: Spread) -> Spread:

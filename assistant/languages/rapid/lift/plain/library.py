@@ -1,0 +1,272 @@
+r"""Functions of RAPID that other languages lack, as functions of the program's own.
+
+They stand in `tables/library.txt`, in terms of those that other languages have. A program gets
+those that it calls: `VectMagn(v)` becomes `vector_length(v)`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from functools import cache, reduce
+from importlib.resources import files
+from typing import Any, Final, Protocol
+
+from assistant.languages.rapid.reading.parser import parse
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.calls import called
+from assistant.languages.rapid.tree.gather import literal_number
+from assistant.languages.rapid.tree.walk import nodes
+from assistant.program import rotations
+from assistant.program.rewriting import rewrite
+
+SAME: Final[Mapping[str, str]] = {
+    "vectmagn": "vector_length", "dotprod": "dot_product", "posevect": "vector_in",
+    "orientzyx": "turn_of_angles", "norient": "unit_turn", "bitlsh": "bits_left",
+    "bitrsh": "bits_right", "bitcheck": "has_bit", "strmatch": "text_found",
+    "strmemb": "is_one_of", "strmap": "exchanged", "bitset": "set_bit", "bitclear": "clear_bit",
+}  # fmt: skip
+"""Functions and instructions of RAPID, and those here that take the same arguments."""
+TO_PLACES: Final = {"round": "rounded_to", "trunc": "cut_to"}
+r"""Those with `\Dec`."""
+BITS: Final = {"bitand": "BitAndDnum", "bitor": "BitOrDnum", "bitxor": "BitXOrDnum"}
+"""Functions of bytes, and those of wider numbers that say the same."""
+ANGLES: Final = {"x": "angle_about_x", "y": "angle_about_y", "z": "angle_about_z"}
+"""By option of EulerZYX."""
+BY_TYPE: Final = {"num": "number_of_text", "bool": "truth_of_text"}
+"""What reads a text as data of a type: StrToVal."""
+PART: Final = "part_of_turn"
+PRODUCT: Final = "turn_by"
+TURN: Final = "rot"
+PLACES: Final = 9
+"""Decimals of angles that are worked out: finer than a quaternion of single precision."""
+QUATERNION: Final = ("q1", "q2", "q3", "q4")
+WHOLE: Final = frozenset(("robtarget", "pose"))
+"""Types of data that other languages keep whole, with angles instead of quaternions."""
+_ASKING: Final = frozenset(
+    (*SAME, *TO_PLACES, *BITS, "bitneg", "eulerzyx", "strtoval", "strfind", "distance", "numtostr")
+)
+
+
+class Typed(Protocol):
+    """Knows what expressions are."""
+
+    def kind(self, node: Any) -> tuple[str, int] | None:
+        """Type without aliases and dimensions, None if that is not known."""
+
+    def whole_turn(self, node: Any) -> s.Expression | None:
+        """The target or pose that a node is the orientation of, if other languages keep it."""
+
+    def is_own(self, name: str) -> bool:
+        """Whether the program has a routine of that name."""
+
+
+@cache
+def library() -> tuple[s.Routine, ...]:
+    """All of them, without places in a text."""
+    text = files("assistant.languages.rapid.tables").joinpath("library.txt").read_text("utf-8")
+    (module,) = parse(text, runs=False).modules
+
+    def unplaced(node: Any) -> Any:
+        return replace(node, span=None) if isinstance(node, s.Node) and node.span else node
+
+    routines = tuple(item for item in module.items if isinstance(item, s.Routine))
+    return rewrite(routines, unplaced, ())
+
+
+def with_library(modules: Sequence[s.Module]) -> Sequence[s.Module]:
+    """The modules, the first of them with the whole library if any of it may be called."""
+    if not modules or not any(map(_asks, nodes(tuple(modules)))):
+        return modules
+    taken = {one.name.lower() for m in modules for one in m.items if isinstance(one, s.Routine)}
+    if not taken.isdisjoint(one.name.lower() for one in library()):
+        return modules
+    first, *others = modules
+    return (replace(first, items=(*first.items, *library())), *others)
+
+
+def without_uncalled(modules: Sequence[s.Module], read: Sequence[s.Module]) -> list[s.Module]:
+    """The modules without what of the library nothing calls. read: before it was added."""
+    own = {one.name.lower() for m in read for one in m.items if isinstance(one, s.Routine)}
+    names = {one.name.lower() for one in library()} - own
+    there = {
+        item.name.lower(): item
+        for m in modules
+        for item in m.items
+        if isinstance(item, s.Routine) and item.name.lower() in names
+    }
+    wanted: set[str] = set()
+    others = [[i for i in m.items if id(i) not in set(map(id, there.values()))] for m in modules]
+    pending: list[Any] = [tuple(items) for items in others]
+    while pending:
+        found = set(_called(pending.pop())) & there.keys() - wanted
+        wanted |= found
+        pending += [there[name] for name in found]
+    gone = {name for name in names if name not in wanted}
+
+    def stays(item: s.Item) -> bool:
+        match item:
+            case s.Routine(name=name):
+                return name.lower() not in gone
+            case s.Data(name=name):
+                return not any(name.lower().startswith(f"{routine}_q") for routine in gone)
+        return True
+
+    made = []
+    for module, before in zip(modules, read, strict=True):
+        items = tuple(filter(stays, module.items))
+        same = len(items) == len(before.items)
+        same = same and all(a is b for a, b in zip(items, before.items, strict=True))
+        made.append(before if same else replace(module, items=items))
+    return made
+
+
+def _called(value: Any) -> Iterable[str]:
+    for node in nodes(value):
+        if isinstance(node, s.FunctionCall | s.ProcedureCall) and isinstance(node.name, str):
+            yield node.name.lower()
+
+
+def _asks(node: Any) -> bool:
+    match node:
+        case s.FunctionCall(str(name)) | s.ProcedureCall(str(name)):
+            return name.lower() in _ASKING
+        case s.Component(name=name):
+            return name.lower() == TURN or name.lower() in QUATERNION
+        case s.Data(type=type) | s.ParameterNode(type=type):
+            return type.lower() == "orient"
+    return False
+
+
+def worded(typed: Typed, node: Any) -> Any:
+    """A call of a function of RAPID as one of the library's; any other node as it is."""
+    match node:
+        case s.FunctionCall(str(name)) | s.ProcedureCall(str(name)):
+            key = name.lower()
+        case _:
+            return node
+    if key not in _ASKING and key != "valtostr":
+        return node
+    call = called(node)
+    if call is None or typed.is_own(name) or None in call.given:
+        return node
+    given = tuple(one for one in call.given if one is not None)
+    options = {word.lower(): value for word, value in call.options.items()}
+    if options:
+        return _with_options(typed, key, given, options) or node
+    if key in SAME:
+        return _again(node, SAME[key], given)
+    made = _PLAIN[key](typed, given) if key in _PLAIN else None
+    return node if made is None else made
+
+
+def _again(node: Any, name: str, given: tuple[s.Expression, ...]) -> Any:
+    return replace(node, name=name, arguments=tuple(map(s.Positional, given)))
+
+
+def call_of(name: str, *given: s.Expression) -> s.FunctionCall:
+    return s.FunctionCall(name, tuple(map(s.Positional, given)))
+
+
+Given = tuple[s.Expression, ...]
+
+
+def _with_options(
+    typed: Typed, key: str, given: Given, options: Mapping[str, s.Expression | None]
+) -> s.Expression | None:
+    match key, given, dict(options):
+        case (("round" | "trunc"), (value,), {"dec": s.Node() as places, **rest}) if not rest:
+            return call_of(TO_PLACES[key], value, places)
+        case "eulerzyx", (turn,), one if len(one) == 1 and typed.whole_turn(turn) is None:
+            (axis,) = one
+            return call_of(ANGLES[axis], turn) if axis in ANGLES else None
+        case "strfind", (text, first, characters), {"notinset": None, **rest} if not rest:
+            return call_of("one_found", text, first, characters, s.BoolLiteral(True))
+    return None
+
+
+def _read(typed: Typed, given: Given) -> s.Expression | None:
+    kind = typed.kind(given[1]) if len(given) == 2 else None
+    name = BY_TYPE.get(kind[0]) if kind is not None and not kind[1] else None
+    return None if name is None else call_of(name, *given)
+
+
+def _fixed(_: Typed, given: Given) -> s.Expression | None:
+    places = literal_number(given[1]) if len(given) == 2 else 0
+    return None if places == 0 else call_of("fixed_text", *given)
+
+
+def _distance(typed: Typed, given: Given) -> s.Expression | None:
+    both = [isinstance(one, s.Component) and one.name.lower() == "trans" for one in given]
+    whole = [isinstance(one, s.Component) and typed.whole_turn(_beside(one)) for one in given]
+    return None if all(both) and all(whole) else call_of("distance_between", *given)
+
+
+def _beside(node: s.Component) -> s.Component:
+    """The orientation of what a node is the position of."""
+    return s.Component(node.value, TURN)
+
+
+def _shown(typed: Typed, given: Given) -> s.Expression | None:
+    """ValToStr of what is no number."""
+    kind = typed.kind(given[0]) if len(given) == 1 else None
+    if kind == ("bool", 0):
+        return call_of("text_of_truth", given[0])
+    return None
+
+
+def _bits(name: str) -> Callable[[Typed, Given], s.Expression | None]:
+    def made(_: Typed, given: Given) -> s.Expression:
+        wide = (call_of("NumToDnum", one) for one in given)
+        return call_of("DnumToNum", call_of(BITS[name], *wide))
+
+    return made
+
+
+_PLAIN: Final[Mapping[str, Callable[[Typed, Given], s.Expression | None]]] = {
+    "strtoval": _read,
+    "numtostr": _fixed,
+    "distance": _distance,
+    "valtostr": _shown,
+    "strfind": lambda _, given: call_of("one_found", *given, s.BoolLiteral(False)),
+    "bitneg": lambda _, given: s.Group(s.Infix("-", s.NumberLiteral("255"), s.Group(given[0]))),
+    **{name: _bits(name) for name in BITS},
+}
+
+
+# ----------------------------------------------------------------------------- quaternions
+
+
+def parts_of_turn(place: s.Expression) -> Mapping[tuple[str, ...], s.Expression]:
+    """The quaternion of a target or pose that has angles."""
+    return {
+        (name,): call_of(PART, place, s.NumberLiteral(str(at)))
+        for at, name in enumerate(QUATERNION, 1)
+    }
+
+
+def angles_of(turn: Mapping[tuple[str, ...], s.Expression]) -> Sequence[s.Expression]:
+    """The angles about z, y and x of a quaternion."""
+    parts = [turn[(name,)] for name in QUATERNION]
+    numbers = [float(n) for n in map(literal_number, parts) if n is not None]
+    if len(numbers) == len(parts) and any(numbers):
+        angles = rotations.to_euler(rotations.canonical(numbers), "ZYX")
+        return [_number(round(float(angle), PLACES)) for angle in angles]
+    return [call_of(ANGLES[axis], s.AggregateNode(tuple(parts))) for axis in "zyx"]
+
+
+def _number(value: float) -> s.Expression:
+    literal = s.NumberLiteral(repr(abs(value)))
+    return s.Prefix("-", literal) if value < 0 else literal
+
+
+def is_written_out(value: Any) -> bool:
+    """Whether it is numbers alone."""
+    match value:
+        case s.AggregateNode(items):
+            return all(map(is_written_out, items))
+    return literal_number(value) is not None
+
+
+def joined(parts: Sequence[s.Expression]) -> s.Expression:
+    return reduce(lambda one, two: s.Infix("+", one, two), parts)
