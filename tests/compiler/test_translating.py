@@ -226,7 +226,10 @@ def test_what_is_quoted_never_becomes_code(
     module = MODULE.replace("EGMReset path;", f'Open "{quoted}",file;')
     found = translated(folder, module, "melfa-basic-5", draft=True)
     plain = translated(
-        folder, MODULE.replace("EGMReset path;", "EGMStop path,EGM_STOP_HOLD;"), "melfa-basic-5", draft=True
+        folder,
+        MODULE.replace("EGMReset path;", "EGMStop path,EGM_STOP_HOLD;"),
+        "melfa-basic-5",
+        draft=True,
     )
     if found.files:
         assert code(found) == code(plain)
