@@ -50,7 +50,7 @@ def equipped(
     ]
     if others:
         findings.append(NOT_OF_PROGRAMS(keys=", ".join(others), path=path))
-    program = _with_read(program, stated.signals)
+    program = with_signals(program, stated.signals)
     for kind, given, there in _tables(program, stated):
         known = {name.lower() for name in there}
         findings += [
@@ -62,8 +62,13 @@ def equipped(
         program,
         tools=_with(program.tools, stated.tools),
         frames=_with(program.frames, stated.frames),
-        signals=_with(program.signals, stated.signals),
     ), tuple(findings)
+
+
+def with_signals(program: Program, stated: Mapping[str, Signal]) -> Program:
+    """The program with the signals of the same names, those included that expressions read."""
+    program = _with_read(program, stated)
+    return replace(program, signals=_with(program.signals, stated))
 
 
 def _with_read(program: Program, stated: Mapping[str, Signal]) -> Program:

@@ -13,7 +13,7 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant import languages
-from assistant.compiler.cell_file import equipped
+from assistant.compiler.cell_file import equipped, with_signals
 from assistant.compiler.crossing import has_joints
 from assistant.compiler.loading import Loaded, language_of
 from assistant.program.diagnostics import Refused, error, has_errors, warning
@@ -77,7 +77,8 @@ def in_cell(loaded: Loaded, cell: Cell, path: FilePath, *, taught: bool = False)
     if given:
         trees = language.with_supplied(trees, given, STATED)
     if files or given:
-        program = _as_stated(language.lift(trees, origin.robot), program, origin.lifted)
+        anew = with_signals(language.lift(trees, origin.robot), loaded.signals)
+        program = _as_stated(anew, program, origin.lifted)
     program = _with_signals(program, wanted)
     program = replace(program, signals=_told(program, language).signals | program.signals)
     program, findings = equipped(program, cell.process, str(path), sharing=True)

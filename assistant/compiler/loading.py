@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
@@ -13,7 +13,7 @@ from assistant import languages, sources
 from assistant.program import pseudo
 from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors
 from assistant.program.kept import with_effects
-from assistant.program.program import Program
+from assistant.program.program import Program, Signal
 from assistant.program.text import SourceText, decode, folders_of, read_bytes
 from assistant.sources.lengths import unit_stated
 
@@ -32,7 +32,7 @@ class Loaded:
 
     joint_speed: see `Process`. wanting: what the program uses and neither it nor a cell file says;
     something that only stands for it is there. arm: that joint angles were taught on, by its name,
-    or SAME_ARM; None if a cell file does not say it.
+    or SAME_ARM; None if a cell file does not say it. signals: that files of its controller state.
     """
 
     program: Program
@@ -41,6 +41,7 @@ class Loaded:
     joint_speed: float | None = None
     wanting: tuple[Wanted, ...] = ()
     arm: str | None = None
+    signals: Mapping[str, Signal] = field(default_factory=dict)
 
 
 def load(
@@ -73,7 +74,17 @@ def load(
         return Loaded(reading.program, None, reading.findings)
     loaded = lift(spoken, [spoken.read(source)], robot, beside=source.parent)
     loaded = replace(loaded, findings=(*loaded.findings, *stated))
+    loaded = configured_beside(loaded, spoken, source)
     return loaded if process is None else with_process(loaded, process)
+
+
+def configured_beside(loaded: Loaded, language: Language[Any], file: FilePath) -> Loaded:
+    """A program with what files of its controller state, which stand beside one of its own."""
+    if language.loading is None:
+        return loaded
+    from assistant.compiler.controller_files import as_configured
+
+    return as_configured(loaded, language.loading, file)
 
 
 def load_text(

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 from assistant import languages
 from assistant.compiler.loading import (
     Loaded,
+    configured_beside,
     language_of,
     lifted,
     whole_programs,
@@ -96,6 +97,7 @@ def load_task(
     beside = FilePath(task.files[0]).parent
     loaded = lifted(spoken, with_called(spoken, trees, task.files, beside), robot)
     loaded = replace(loaded, findings=(*task.findings, *loaded.findings))
+    loaded = configured_beside(loaded, spoken, FilePath(task.files[0]))
     return loaded if process is None else with_process(loaded, process)
 
 

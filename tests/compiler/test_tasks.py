@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from assistant.compiler import translate
+from assistant.compiler import load, translate
+from assistant.compiler.motion import Proving
 from assistant.compiler.tasks import load_task, tasks_of
 
 MAIN = "MODULE {name}\n    PROC main()\n{body}    ENDPROC\nENDMODULE\n"
@@ -160,3 +161,29 @@ def test_a_file_that_cannot_be_read_is_a_task_by_itself(tmp_path: Path) -> None:
     (tmp_path / "empty.mod").write_bytes(b"")
     tasks = tasks_of([*files, str(tmp_path / "empty.mod")])
     assert [Path(task.name).name for task in tasks] == ["m.mod", "a.mod", "empty.mod"]
+
+
+def test_signals_of_a_backup_are_those_of_its_controller(tmp_path: Path) -> None:
+    body = "        SetDO doGrip,1;\n        WaitDI diPart,1;\n        SetGO goNum,3;\n"
+    rows = (
+        '-Name "doGrip" -SignalType "DO" -DeviceMap "5"',
+        '-Name "diPart" -SignalType "DI" -DeviceMap "6"',
+        '-Name "goNum" -SignalType "GO" -DeviceMap "8-11"',
+        '-Name "odd" -SignalType "ZZ"',
+    )
+    table = "\n".join(f"      {row}" for row in rows)
+    eio = f'EIO_SIGNAL:\n{table}\nEIO_CROSS:\n      -Res "doGrip" -Act1 "diPart"\n'
+    texts = {
+        "RAPID/TASK1/PROGMOD/m.mod": main("m", body),
+        "RAPID/TASK1/PROGMOD/a.mod": library("a"),
+    }
+    files = written(tmp_path, texts)
+    written(tmp_path, {"SYSPAR/EIO.cfg": eio})
+    (task,) = tasks_of(files)
+    loaded = load_task(task)
+    assert sorted(f.code for f in loaded.findings) == ["CO043", "CO044", "CO045"]
+    found = translate(loaded, to="melfa-basic-6", proving=Proving(runs=3))
+    assert found.ok and found.motion is not None and found.motion.holds
+    (text,) = (data.decode() for data in found.files.values())
+    assert "M_Out(5)=1" in text and "M_In(6)=1" in text
+    assert load(files[0]).program.signals["doGrip"].number == 5

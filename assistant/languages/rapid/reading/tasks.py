@@ -11,7 +11,7 @@ import re
 from pathlib import Path as FilePath
 from typing import Final
 
-from assistant.languages.tasks import Loading
+from assistant.languages.tasks import Configured, Loading
 
 TASK_FOLDERS: Final = frozenset(("PROGMOD", "SYSMOD"))
 SYSTEM_FOLDER: Final = "SYSMOD"
@@ -41,4 +41,16 @@ def loaded(path: FilePath) -> bool:
     return path.parent.name.upper() == SYSTEM_FOLDER or path.suffix.lower() in SYSTEM
 
 
-LOADING: Final = Loading("main", (".pgf",), shared, closed, loaded)
+def _signals_beside(module: FilePath) -> FilePath | None:
+    from assistant.languages.rapid.reading.signals import beside
+
+    return beside(module)
+
+
+def _signals_of(text: str) -> Configured:
+    from assistant.languages.rapid.reading.signals import configured
+
+    return configured(text)
+
+
+LOADING: Final = Loading("main", (".pgf",), shared, closed, loaded, _signals_beside, _signals_of)

@@ -1,0 +1,79 @@
+"""What the files of a controller state about its programs: their signals."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Final
+
+from assistant.compiler.cell_file import with_signals
+from assistant.program.diagnostics import Diagnostic, Refused, info, warning
+from assistant.program.text import decode, read_bytes
+
+if TYPE_CHECKING:
+    from assistant.compiler.loading import Loaded
+    from assistant.languages.tasks import Loading
+    from assistant.program.program import Program
+
+NUMBERED: Final = info(
+    "CO043",
+    "{count} signals of the program have the numbers of the maps in `{name}`, each device behind "
+    "the one before",
+    "see that the other controller is wired so, or state other numbers in the process file",
+)
+CROSSED: Final = warning(
+    "CO044",
+    "the controller sets {names} from other signals, as `{name}` states; this is not translated",
+    "have the other controller or its wiring do that as well",
+)
+UNREAD: Final = warning(
+    "CO045", "of `{name}` {what} cannot be read", "correct it, or state the signals otherwise"
+)
+MOST_NAMED: Final = 5
+ENCODINGS: Final = ("utf-8-sig", "utf-8", "cp1252", "latin-1")
+
+
+def as_configured(loaded: Loaded, loading: Loading | None, file: str | FilePath) -> Loaded:
+    """A program with the signals that the controller's files state, where they are there.
+
+    file: of the program. A file that cannot be read is a finding.
+    """
+    where = None if loading is None else loading.signals_beside(FilePath(file))
+    if where is None or loading is None:
+        return loaded
+    path = str(where)
+    try:
+        text = decode(read_bytes(where), path, ENCODINGS).text
+    except Refused as refused:
+        what = f"nothing ({refused.findings[0].message})"
+        said = UNREAD(name=where.name, what=what, path=path)
+        return replace(loaded, findings=(*loaded.findings, said))
+    given = loading.signals_of(text)
+    found: list[Diagnostic] = []
+    if not given.known:
+        found.append(UNREAD(name=where.name, what="nothing, as it has no section", path=path))
+    if given.unread:
+        found.append(UNREAD(name=where.name, what=_named(given.unread), path=path))
+    program = with_signals(loaded.program, given.signals)
+    numbered = _numbers(program) - _numbers(loaded.program)
+    if numbered:
+        found.append(NUMBERED(count=len(numbered), name=where.name, path=path))
+    crossed = [name for name in program.signals if name.lower() in given.crossed]
+    if crossed:
+        found.append(CROSSED(names=_named(crossed), name=where.name, path=path))
+    return replace(
+        loaded,
+        program=program,
+        findings=(*loaded.findings, *found),
+        signals={**loaded.signals, **given.signals},
+    )
+
+
+def _numbers(program: Program) -> set[str]:
+    return {name for name, signal in program.signals.items() if signal.number is not None}
+
+
+def _named(names: list[str] | tuple[str, ...]) -> str:
+    shown = ", ".join(f"`{name}`" for name in names[:MOST_NAMED])
+    more = len(names) - MOST_NAMED
+    return f"{shown} and {more} more" if more > 0 else shown

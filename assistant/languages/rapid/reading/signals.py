@@ -1,0 +1,139 @@
+"""Signals of a controller, as its system parameters state them: `EIO.cfg`.
+
+    EIO_SIGNAL:
+
+          -Name "doGrip" -SignalType "DO" -Device "Board10" -DeviceMap "5"
+
+Format: the files of RobotWare 5 (`Unit`, `UnitMap`), 6 and 7 (`Device`, `DeviceMap`); an attribute
+is a word behind `-` with its value in quotes; a line goes on behind a backslash.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path as FilePath
+from typing import Final, Literal
+
+from assistant.languages.tasks import Configured
+from assistant.program.program import Signal
+
+FILE: Final = "eio.cfg"
+FOLDER: Final = "syspar"
+ABOVE: Final = 3
+"""Folders above a module in which the system parameters may stand: PROGMOD, TASKn, RAPID."""
+Kind = Literal["digital", "analog", "group"]
+TYPES: Final[dict[str, tuple[Kind, bool]]] = {
+    "DI": ("digital", True),
+    "DO": ("digital", False),
+    "AI": ("analog", True),
+    "AO": ("analog", False),
+    "GI": ("group", True),
+    "GO": ("group", False),
+}
+"""Types of signals: what they are, and whether they are inputs."""
+DEVICE_BITS: Final = 16
+"""Bits of one device are counted from a multiple of this, behind those of the device before."""
+_SECTION: Final = re.compile(r"(?m)^([A-Z][A-Z0-9_]*):[ \t]*$")
+_HEADER: Final = re.compile(r"\s*EIO:CFG")
+_ATTRIBUTE: Final = re.compile(r'-(\w+)(?:[ \t]+"([^"\n]*)")?')
+_BITS: Final = re.compile(r"(\d{1,5})(?:-(\d{1,5}))?")
+
+
+def beside(module: FilePath) -> FilePath | None:
+    """The file with the signals of the controller that a module stands in a backup of.
+
+    `EIO.cfg` beside the module, or in `SYSPAR` of one of the folders above.
+    """
+    folders = [module.absolute().parent, *module.absolute().parent.parents[:ABOVE]]
+    for place, folder in enumerate(folders):
+        if place == 0 and (found := _named(folder, FILE)) is not None:
+            return found
+        inner = _named(folder, FOLDER)
+        if inner is not None and (found := _named(inner, FILE)) is not None:
+            return found
+    return None
+
+
+def _named(folder: FilePath, name: str) -> FilePath | None:
+    try:
+        return next((path for path in folder.iterdir() if path.name.lower() == name), None)
+    except OSError:
+        return None
+
+
+def configured(text: str) -> Configured:
+    """The signals of a file; those that name no type which there is are among the `unread`.
+
+    Each device has its numbers behind those of the device before, as its map counts them.
+    """
+    lines = text.replace("\r\n", "\n").replace("\\\n", " ")
+    rows, unread = [], []
+    for row in _rows(lines, "EIO_SIGNAL"):
+        name, kind = row.get("Name", ""), TYPES.get(row.get("SignalType", "").upper())
+        if kind is None or not name:
+            unread.append(name or "a signal without a name")
+            continue
+        device = row.get("Device", row.get("Unit", "")).lower()
+        begin, bits = _bits(row.get("DeviceMap", row.get("UnitMap", "")))
+        rows.append(_Row(name, *kind, device, None if kind[0] == "analog" else begin, bits))
+    starts = _starts(rows)
+    signals: dict[str, Signal] = {}
+    for one in rows:
+        number = None if one.begin is None else starts[one.input, one.device] + one.begin
+        bits = one.bits if one.kind == "group" else 1
+        signals[one.name] = Signal(one.kind, "input" if one.input else "output", number, bits)
+    results = {row.get("Res", "").lower() for row in _rows(lines, "EIO_CROSS")} - {""}
+    known = bool(_SECTION.search(lines) or _HEADER.match(lines))
+    return Configured(signals, frozenset(results), tuple(unread), known)
+
+
+@dataclass(frozen=True, slots=True)
+class _Row:
+    """A signal as it is stated. begin: the bit of its device that it begins with, if it has one."""
+
+    name: str
+    kind: Kind
+    input: bool
+    device: str
+    begin: int | None
+    bits: int
+
+
+def _rows(text: str, section: str) -> Iterator[dict[str, str]]:
+    """The attributes of each row of a section, once lines that go on are joined."""
+    pieces = _SECTION.split(text)
+    for name, body in zip(pieces[1::2], pieces[2::2], strict=False):
+        if name == section:
+            for line in body.split("\n"):
+                if line.lstrip().startswith("-"):
+                    yield dict(_ATTRIBUTE.findall(line))
+
+
+def _bits(written: str) -> tuple[int | None, int]:
+    """First bit and number of bits of a map; no first bit where they do not follow each other."""
+    spans = [_BITS.fullmatch(part.strip()) for part in written.split(",")]
+    read = [(int(span[1]), int(span[2] or span[1])) for span in spans if span is not None]
+    if len(read) < len(spans):
+        return None, 1
+    bits = sum(abs(end - begin) + 1 for begin, end in read)
+    rising = all(begin <= end for begin, end in read)
+    joined = all(end + 1 == begin for (_, end), (begin, _) in pairwise(read))
+    return (read[0][0] if rising and joined else None), bits
+
+
+def _starts(rows: Sequence[_Row]) -> dict[tuple[bool, str], int]:
+    """The number of bit 0 of each device, of its inputs and of its outputs."""
+    ends: dict[tuple[bool, str], int] = {}
+    for row in rows:
+        if row.begin is not None:
+            key = row.input, row.device
+            ends[key] = max(ends.get(key, 0), row.begin + row.bits)
+    starts: dict[tuple[bool, str], int] = {}
+    after = {True: 0, False: 0}
+    for (is_input, device), end in ends.items():
+        starts[is_input, device] = after[is_input]
+        after[is_input] += -(-end // DEVICE_BITS) * DEVICE_BITS
+    return starts
