@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Mapping
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
@@ -11,9 +11,8 @@ from assistant.program.diagnostics import Diagnostic, Refused, info, warning
 from assistant.program.text import decode, read_bytes
 
 if TYPE_CHECKING:
-    from assistant.compiler.loading import Loaded
     from assistant.languages.tasks import Loading
-    from assistant.program.program import Program
+    from assistant.program.program import Program, Signal
 
 NUMBERED: Final = info(
     "CO043",
@@ -33,40 +32,36 @@ MOST_NAMED: Final = 5
 ENCODINGS: Final = ("utf-8-sig", "utf-8", "cp1252", "latin-1")
 
 
-def as_configured(loaded: Loaded, loading: Loading | None, file: str | FilePath) -> Loaded:
-    """A program with the signals that the controller's files state, where they are there.
+def as_configured(
+    program: Program, loading: Loading, file: str | FilePath
+) -> tuple[Program, Mapping[str, Signal], tuple[Diagnostic, ...]]:
+    """A program with the signals that the controller's files state, and all of those.
 
     file: of the program. A file that cannot be read is a finding.
     """
-    where = None if loading is None else loading.signals_beside(FilePath(file))
-    if where is None or loading is None:
-        return loaded
+    where = loading.signals_beside(FilePath(file))
+    if where is None:
+        return program, {}, ()
     path = str(where)
     try:
         text = decode(read_bytes(where), path, ENCODINGS).text
     except Refused as refused:
         what = f"nothing ({refused.findings[0].message})"
-        said = UNREAD(name=where.name, what=what, path=path)
-        return replace(loaded, findings=(*loaded.findings, said))
+        return program, {}, (UNREAD(name=where.name, what=what, path=path),)
     given = loading.signals_of(text)
     found: list[Diagnostic] = []
     if not given.known:
         found.append(UNREAD(name=where.name, what="nothing, as it has no section", path=path))
     if given.unread:
         found.append(UNREAD(name=where.name, what=_named(given.unread), path=path))
-    program = with_signals(loaded.program, given.signals)
-    numbered = _numbers(program) - _numbers(loaded.program)
+    made = with_signals(program, given.signals)
+    numbered = _numbers(made) - _numbers(program)
     if numbered:
         found.append(NUMBERED(count=len(numbered), name=where.name, path=path))
-    crossed = [name for name in program.signals if name.lower() in given.crossed]
+    crossed = [name for name in made.signals if name.lower() in given.crossed]
     if crossed:
         found.append(CROSSED(names=_named(crossed), name=where.name, path=path))
-    return replace(
-        loaded,
-        program=program,
-        findings=(*loaded.findings, *found),
-        signals={**loaded.signals, **given.signals},
-    )
+    return made, given.signals, tuple(found)
 
 
 def _numbers(program: Program) -> set[str]:

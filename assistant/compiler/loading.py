@@ -84,7 +84,9 @@ def configured_beside(loaded: Loaded, language: Language[Any], file: FilePath) -
         return loaded
     from assistant.compiler.controller_files import as_configured
 
-    return as_configured(loaded, language.loading, file)
+    program, signals, found = as_configured(loaded.program, language.loading, file)
+    every = {**loaded.signals, **signals}
+    return replace(loaded, program=program, signals=every, findings=(*loaded.findings, *found))
 
 
 def load_text(
