@@ -155,7 +155,7 @@ def translate(
         written = compiled = proven_by_motion(compiled, arms, proving, entry)
     with within(REPORTING, None, program.size()):
         rows, whole = _report(compiled, written, later)
-        rows = tuple(row for row in rows if row.place.path != STATED or row.level == "not")
+        rows = tuple(row for row in rows if not _is_stated(row) or row.level == "not")
     unfilled = tuple(UNFILLED(what=said(one), place=one.name) for one in loaded.wanting)
     return Translation(
         compiled,
@@ -187,6 +187,11 @@ class _Part:
     head: bool = False
     silent: bool = False
     found: list[Diagnostic] = field(default_factory=list)
+
+
+def _is_stated(row: Row) -> bool:
+    """Whether it is in no file that was read, but in what a cell file says."""
+    return (row.place.path or "").startswith(STATED)
 
 
 def _report(

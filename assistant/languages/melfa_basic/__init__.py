@@ -168,10 +168,10 @@ class MelfaBasic(Language["File"]):
 
         return wanted(trees)
 
-    def with_supplied(self, trees: Sequence[File], given: Supplied, path: str) -> list[File]:  # noqa: ARG002
+    def with_supplied(self, trees: Sequence[File], given: Supplied, path: str) -> list[File]:
         from assistant.languages.melfa_basic.lower.supplied import with_supplied
 
-        return with_supplied(trees, given, self.name)
+        return with_supplied(trees, given, self.name, path)
 
     def lift_trees(self, trees: Sequence[File], robot: Robot | None) -> Program:
         from assistant.languages.melfa_basic.lift.files.program import lift

@@ -277,6 +277,16 @@ STRAIGHT_ARC = warning(
     "are written at equal distances from its start to its end",
     "see on the controller where they are, or define a pallet of one row",
 )  # fmt: skip
+OUTSIDE = warning(
+    "MB256",
+    "`{what}` is said as a call of `{name}`, a routine that the cell has to give",
+    "write there what the other controller has for it, and try it with care",
+)
+MEASURED = warning(
+    "MB257",
+    "P_Fbc, the position that is measured, is said as the present one, as P_Curr is",
+    "see whether the other controller measures it too, if the arm is pushed or gives way",
+)
 LEFT_OUT = warning("MB254", "`{what}` is left out: {loss}", "{cure}")
 NO_ENTRY = error(
     "MB245", "`{name}` has no main procedure: the program would end at once",

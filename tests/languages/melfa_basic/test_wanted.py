@@ -101,3 +101,45 @@ def test_numbers_that_nobody_sets(tmp_path: Path) -> None:
     found = translate(source, to="rapid", language="melfa-basic-5", cell=cell, proving=Proving())
     assert found.ok, found.findings
     assert "20" in next(iter(found.files.values())).decode()
+
+
+FORCE = """P_FsStf0=(0,0,2.5,0,0,0)(0,0)
+M_FsCod0=1
+Mvs P1
+Fsc On,0,0,1 'soft
+Dly 1
+FsGChg 50,500,-1
+MX=P_FsCurD.Z
+Fsc Off
+Mvs P1
+End
+"""
+
+
+@pytest.mark.parametrize(("value", "stops"), [("stop", 3), ("empty", 0)])
+def test_force_control_is_said_by_routines_of_the_cell(
+    value: str, stops: int, tmp_path: Path
+) -> None:
+    source, cell = tmp_path / "JOB.prg", tmp_path / "cell.toml"
+    source.write_text(FORCE + PLACES)
+    text = neutral_cell(load(source, language="melfa-basic-5"))
+    for entry in ("routines.FscOn", "routines.FscOff", "routines.FsGChg", "positions.P_FsCurD"):
+        assert f"[{entry}]" in text
+    cell.write_text(text.replace('routine = "stop"', f'routine = "{value}"'))
+    found = translate(source, to="rapid", language="melfa-basic-5", cell=cell, proving=Proving())
+    assert found.ok, found.findings
+    assert found.motion is not None
+    assert found.motion.holds
+    rows = {row.text: row for row in found.rows}
+    assert [reason.code for reason in rows["Fsc On,0,0,1 'soft"].reasons] == ["MB256"]
+    written = "".join(data.decode() for data in found.files.values())
+    assert written.count("Stop;") == stops
+    assert '%"FSCON"%' in written
+
+
+def test_force_control_without_a_cell_stays_as_it_is(tmp_path: Path) -> None:
+    source = tmp_path / "JOB.prg"
+    source.write_text(FORCE + PLACES)
+    found = translate(source, to="rapid", language="melfa-basic-5")
+    assert not found.ok
+    assert found.totals["not"] >= 4

@@ -15,7 +15,7 @@ import numpy as np
 from assistant.languages.melfa_basic.checks.file_view import Calls, Look, program_name
 from assistant.languages.melfa_basic.checks.undefined import is_call
 from assistant.languages.melfa_basic.checks.variables_of import Known, known
-from assistant.languages.melfa_basic.tables import vocabulary
+from assistant.languages.melfa_basic.tables import outside, vocabulary
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.languages.melfa_basic.tables.variables import PARAMETERS, kept_as
 from assistant.languages.melfa_basic.tree import syntax as s
@@ -24,7 +24,7 @@ from assistant.languages.melfa_basic.tree.positions import Positions
 from assistant.languages.melfa_basic.tree.walk import literal
 from assistant.languages.runs.names import Names
 from assistant.program.diagnostics import Span
-from assistant.program.wanted import Plain, Wanted, WantedKind
+from assistant.program.wanted import Argument, Plain, Wanted, WantedKind
 
 _OF_TYPE: Final[dict[str, str]] = {"Pos": "P", "Jnt": "J", "Char": "C"}
 """Type of a `Def` → the letter that names of it begin with elsewhere; numbers otherwise."""
@@ -48,8 +48,8 @@ def wanted(trees: Sequence[s.File]) -> tuple[Wanted, ...]:
         if look.has_strangers:
             continue
         before = f"{program_name(tree)}_" if at else ""
-        for one in (*_variables(look), *_parameters(look)):
-            shared = one.kind in ("tool", "frame")
+        for one in (*_variables(look), *_parameters(look), *_outside(look)):
+            shared = one.kind in ("tool", "frame", "routine")
             name = one.name if shared else before + one.name
             there = found.get(name.lower())
             uses = tuple(dict.fromkeys((*(there.uses if there else ()), *one.uses)))
@@ -130,6 +130,26 @@ def _parameters(look: Look) -> Iterator[Wanted]:
             name = known_as.format(number=round(number))
             if Positions(look.tree).constant(kept_as(name)) is None:
                 yield Wanted(name, kind, uses=(_place(look, line.span),))
+
+
+def _outside(look: Look) -> Iterator[Wanted]:
+    """Routines that stand for commands of the maker's own, and the states that they give."""
+    for line, command in look.all(s.Command):
+        routine = outside.routine_of(command)
+        if routine is not None:
+            name, given = routine
+            yield Wanted(
+                name,
+                "routine",
+                arguments=(Argument("num"),) * len(given),
+                uses=(_place(look, line.span),),
+            )
+    written = {use.variable.key for _, use in look.uses if use.role != "read"}
+    for line, use in look.uses:
+        name, key = use.variable.name, use.variable.key
+        if outside.is_state(key) and key not in written:
+            kind, type, nothing = _KINDS[key[0]]
+            yield Wanted(name, kind, type, nothing=nothing, uses=(_place(look, line.span),))
 
 
 def _place(look: Look, span: Span | None) -> str:

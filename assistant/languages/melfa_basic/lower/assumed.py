@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from typing import Any, Final, Literal
 
@@ -13,6 +14,7 @@ from assistant.languages.melfa_basic.lift.values.pallets import ARC, FIXED, arra
 from assistant.languages.melfa_basic.lower.depended import depended_on
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.languages.melfa_basic.tables.functions import BITS
+from assistant.languages.melfa_basic.tables.outside import COMMANDS
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.walk import literal, nodes
 from assistant.program import expressions as e
@@ -56,7 +58,13 @@ def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
         yield from _signed_bits(program)
         yield from _without_value(program)
         yield from unordered(program, rules.CANNOT_SAY)
+        for span in _reading(trees, "P_FBC"):
+            yield rules.MEASURED(span=span)
         for span, node in commands:
+            if isinstance(node, s.CallP) and isinstance(node.program, s.String):
+                what = _command_at(program, span)
+                if what:
+                    yield rules.OUTSIDE(what=what, name=node.program.value, span=span)
             if isinstance(node, s.DefOther) and _is_straight_arc(node, program):
                 yield rules.STRAIGHT_ARC(number=literal(node.arguments[0]), span=span)
             if isinstance(node, s.Command) and node.keyword == "Cnt" and _cuts_nothing(node):
@@ -67,14 +75,25 @@ def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
 
 def _commands(trees: tuple[Any, ...]) -> Iterator[tuple[Span | None, s.Statement]]:
     """Statements with their spans, which count on from one text to the next."""
+    for span, statement in _lines(trees):
+        for node in nodes(statement):
+            if isinstance(node, s.Command | s.Assign | s.DefOther | s.CallP):
+                yield span, node
+
+
+def _reading(trees: tuple[Any, ...], key: str) -> Iterator[Span | None]:
+    """The lines that read a status variable."""
+    for span, statement in _lines(trees):
+        if any(isinstance(node, s.Variable) and node.key == key for node in nodes(statement)):
+            yield span
+
+
+def _lines(trees: tuple[Any, ...]) -> Iterator[tuple[Span | None, s.Statement]]:
     start = 0
     for tree in trees:
         for item in tree.items:
             if isinstance(item, s.Line) and item.statement is not None:
-                span = None if item.span is None else item.span.moved(start)
-                for node in nodes(item.statement):
-                    if isinstance(node, s.Command | s.Assign | s.DefOther):
-                        yield span, node
+                yield None if item.span is None else item.span.moved(start), item.statement
         start += len(tree.source.text if tree.source else "") + 1
 
 
@@ -85,6 +104,17 @@ def _sets(node: s.Statement, word: str, status: str) -> bool:
         case s.Assign(target=target):
             return target.key == status
     return False
+
+
+def _command_at(program: Program, span: Span | None) -> str:
+    """The command that stands where another one is called instead; empty for a plain call."""
+    text = "\n".join(
+        tree.source.text if tree.source else ""
+        for tree in (program.origin.trees if program.origin else ())
+    )
+    line = text[span.start : span.end] if span is not None else ""
+    found = re.search(rf"\b(?:{'|'.join(COMMANDS)})\b[^'\r\n]*", line, re.IGNORECASE)
+    return found[0].strip() if found else ""
 
 
 def _is_straight_arc(node: s.DefOther, program: Program) -> bool:

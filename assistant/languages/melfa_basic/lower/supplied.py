@@ -4,39 +4,77 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
 from assistant.languages.melfa_basic.checks.file_view import program_name
 from assistant.languages.melfa_basic.reading.parser import parse
-from assistant.languages.melfa_basic.tables import poses
+from assistant.languages.melfa_basic.tables import outside, poses
 from assistant.languages.melfa_basic.tables.variables import kept_as
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool
 from assistant.program.path import configuration_row
+from assistant.program.rewriting import rewrite
 from assistant.program.text import SourceText
 from assistant.program.wanted import Supplied, Value, Wanted
 
 NO_FLAGS: Final = (0, 0)
 
 
-def with_supplied(trees: Sequence[s.File], given: Supplied, dialect: str) -> list[s.File]:
-    """The trees, each with a line for every name that its program wants."""
+def with_supplied(
+    trees: Sequence[s.File], given: Supplied, dialect: str, folder: str
+) -> list[s.File]:
+    """The trees, each with a line for every name that its program wants, and the cell's routines.
+
+    folder: that those are said to stand in.
+    """
     made = []
+    routines = {one.name: (one, value) for one, value in given if one.kind == "routine"}
     for at, tree in enumerate(trees):
         before = f"{program_name(tree)}_".lower() if at else ""
         lines = dict[str, str]()
         for wanted, value in given:
-            own = wanted.name.lower().startswith(before)
             shared = wanted.kind in ("tool", "frame")
-            if value is None or not (shared or (own and _is_of(wanted, tree))):
+            own = wanted.name.lower().startswith(before) and _is_of(wanted, tree)
+            if value is None or wanted.kind == "routine" or not (shared or own):
                 continue
             name = kept_as(wanted.name) if shared else wanted.name[len(before) :]
+            name = outside.data_of(name) if outside.is_state(name.upper()) else name
             lines[name.upper()] = _line(name, value)
-        made.append(_with_lines(tree, lines, dialect) if lines else tree)
+        there = _with_lines(tree, lines, dialect) if lines else tree
+        made.append(_with_calls(there, routines) if routines else there)
+    made += [_routine(one, value, dialect, folder) for one, value in routines.values()]
     return made
+
+
+def _with_calls(tree: s.File, routines: Mapping[str, object]) -> s.File:
+    """The tree that calls the cell's routines where it has commands of the maker's own.
+
+    Its text stays, so that findings and reports show what stands there.
+    """
+
+    def said(node: Any) -> Any:
+        match node:
+            case s.Command():
+                routine = outside.routine_of(node)
+                if routine is not None and routine[0] in routines:
+                    return s.CallP(s.String(routine[0].upper()), routine[1])
+            case s.Variable() if outside.is_state(node.key):
+                return replace(node, name=outside.data_of(node.name))
+        return node
+
+    return replace(tree, items=tuple(rewrite(item, said) for item in tree.items))
+
+
+def _routine(wanted: Wanted, value: Value | None, dialect: str, folder: str) -> s.File:
+    """A program that stops where others come to it, or that does nothing."""
+    names = ",".join(f"M{number}" for number, _ in enumerate(wanted.arguments, 1))
+    lines = [f"FPrm {names}"] if names else []
+    lines += ["End"] if value == "empty" else ["Hlt", "End"]
+    text = "\n".join(lines) + "\n"
+    return parse(SourceText(text, f"{folder}/{wanted.name.upper()}.prg", newline="\n"), dialect)
 
 
 def _is_of(wanted: Wanted, tree: s.File) -> bool:

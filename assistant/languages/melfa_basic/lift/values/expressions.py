@@ -51,6 +51,8 @@ _NUMBERS: Final = {
     **{key: e.Number(round(value)) for key, value in INITIAL.items()},
 }
 """What status variables that never change are."""
+_HERE: Final = ("P_CURR", "P_FBC", "J_CURR")
+"""Status variables of where the robot stands, as commanded or as measured."""
 DEGREE: Final = math.pi / 180.0
 
 
@@ -199,7 +201,7 @@ class Expressions(Types):
             return self.applied(node)
         if node.arguments is not None:
             return self.called(node, key)
-        if key in ("P_CURR", "J_CURR"):
+        if key in _HERE:
             return self.here(key)
         return _NUMBERS.get(key) or self.m.name(node)
 
@@ -270,7 +272,7 @@ class Expressions(Types):
             return e.Apply("connected", (e.Text(name_of(round(number))),))
         if (timer := elapsed(node, self.m.timers)) is not None:
             return e.Binary("*", timer, e.Number(MILLISECONDS))
-        if key in ("P_CURR", "J_CURR") and values == [s.Number(1)]:
+        if key in _HERE and values == [s.Number(1)]:
             return self.here(key)
         if key in _OF_ANGLE and len(values) == 1:
             return e.Apply(_OF_ANGLE[key], (self.degrees(values[0]),))

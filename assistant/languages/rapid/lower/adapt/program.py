@@ -28,6 +28,7 @@ from assistant.program.passes.comments import lines
 from assistant.program.passes.counted_loops import counted_loops
 from assistant.program.passes.integers import with_one_kind_of_numbers
 from assistant.program.passes.legalising import Legalising, Pass, legalised, pure
+from assistant.program.passes.named_places import with_named_places
 from assistant.program.passes.outputs import find_outputs_of_two_names
 from assistant.program.passes.paths import with_paths
 from assistant.program.passes.places import with_measured_places
@@ -109,6 +110,7 @@ def _rank(declaration: Declaration) -> int:
 
 PASSES: Final[tuple[Pass, ...]] = (
     with_measured_places,
+    with_named_places,
     with_whole_angles,
     pure(with_one_kind_of_numbers),
     sayable,
