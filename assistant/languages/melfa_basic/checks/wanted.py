@@ -15,9 +15,10 @@ import numpy as np
 from assistant.languages.melfa_basic.checks.file_view import Calls, Look, program_name
 from assistant.languages.melfa_basic.checks.undefined import is_call
 from assistant.languages.melfa_basic.checks.variables_of import Known, known
-from assistant.languages.melfa_basic.tables import outside, vocabulary
+from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.languages.melfa_basic.tables.variables import PARAMETERS, kept_as
+from assistant.languages.melfa_basic.tree import outside
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MVR, MoveRows
 from assistant.languages.melfa_basic.tree.positions import Positions

@@ -14,8 +14,8 @@ from assistant.languages.melfa_basic.lift.values.pallets import ARC, FIXED, arra
 from assistant.languages.melfa_basic.lower.depended import depended_on
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.languages.melfa_basic.tables.functions import BITS
-from assistant.languages.melfa_basic.tables.outside import COMMANDS
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.outside import COMMANDS
 from assistant.languages.melfa_basic.tree.walk import literal, nodes
 from assistant.program import expressions as e
 from assistant.program.analysis.assumptions import (

@@ -10,9 +10,10 @@ import numpy as np
 
 from assistant.languages.melfa_basic.checks.file_view import program_name
 from assistant.languages.melfa_basic.reading.parser import parse
-from assistant.languages.melfa_basic.tables import outside, poses
+from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tables.variables import kept_as
 from assistant.languages.melfa_basic.text import printer
+from assistant.languages.melfa_basic.tree import outside
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool
 from assistant.program.path import configuration_row
