@@ -45,8 +45,10 @@ NO_FILE_OF: Final = error(
 )
 STATED: Final = "cell values"
 """Of the text of declarations that is made of a cell file."""
-GROUP_BITS: Final = 16
-"""Of a group of signals whose width nobody states."""
+GROUP_BITS: Final = {"input": 15, "output": 16}
+"""Of a group of signals whose width nobody states; an input of 16 may be read as negative."""
+WIDTHS: Final = (8, 16, 32)
+"""Of groups that controllers read at once: the rest of one stays free."""
 FIRST_ANALOG: Final = 6000
 """Number of the first analog signal: the first register that CR controllers have for such."""
 
@@ -222,11 +224,12 @@ def _numbered(program: Program, wanted: Sequence[Wanted]) -> tuple[Program, list
     for name, signal in order:
         if signal.number is not None:
             continue
-        bits = GROUP_BITS if signal.kind == "group" and signal.bits == 1 else signal.bits
+        bits = GROUP_BITS[signal.direction] if signal.kind == "group" and signal.bits == 1 else signal.bits
         room = _room(taken, signal)
         first = FIRST_ANALOG if signal.kind == "analog" else 1
-        number = next(n for n in range(first, 100_000) if room.isdisjoint(range(n, n + bits)))
-        room.update(range(number, number + bits))
+        wide = next(width for width in (1, *WIDTHS) if width >= bits)
+        number = next(n for n in range(first, 100_000) if room.isdisjoint(range(n, n + wide)))
+        room.update(range(number, number + wide))
         signals[name] = Signal(signal.kind, signal.direction, number, bits)
         known = uses.get(name.lower(), Wanted(name, "signal"))
         missing.append(replace(known, name=name, signal=signals[name]))

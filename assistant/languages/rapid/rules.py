@@ -130,7 +130,7 @@ PLACE_UNLIKE: Final = warning(
 ASKED: Final = warning(
     "RA331",
     "`{what}` asks a person over inputs: keys from the left are `operator_key_1` and on, a number "
-    "from 0 to 65535 stands at `operator_number` while `operator_entered` is on",
+    "from 0 to 32767 stands at `operator_number` while `operator_entered` is on",
     "give these signals their numbers in the process file, and wire keys or a panel to them",
 )
 UNREAD: Final = info("RA341", "nothing reads {names}, which is left out", "none is needed")

@@ -22,8 +22,8 @@ NUMBER: Final = "operator_number"
 ENTERED: Final = "operator_entered"
 """The input that tells that the number is there."""
 PREFIX: Final = "operator_"
-BITS: Final = 16
-"""Of a number, as the widest group of a controller has."""
+BITS: Final = 15
+"""Of a number: with one more, controllers may take it for a negative one."""
 MOST: Final = 2**BITS - 1
 
 
