@@ -16,6 +16,7 @@ from assistant.compiler.loading import (
     files_in,
     language_of,
     load,
+    not_there,
     parse_pseudo,
     read_companions,
     read_pseudo,
@@ -277,6 +278,7 @@ def _check_texts(
     """Findings of a program; of a broken one those of its text, as it is not known what it does."""
     trees = read_trees(language, texts, beside=beside)
     found = [finding for tree in trees for finding in tree.findings]
+    found += () if beside is None else not_there(language, trees)
     complete = not has_errors(found)
     for text in texts:
         checked.texts[text.path or ""] = Text(text, language.comment_mark, complete)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant import languages, sources
 from assistant.program import pseudo
-from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors
+from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors, warning
 from assistant.program.kept import with_effects
 from assistant.program.program import Program, Signal
 from assistant.program.text import SourceText, decode, folders_of, read_bytes
@@ -24,6 +24,12 @@ if TYPE_CHECKING:
 
 PSEUDO_ENCODINGS: Final = ("utf-8-sig", "utf-8")
 UNKNOWN_LANGUAGE = error("CO001", "there is no language `{name}`", "choose one of {names}")
+
+NOT_THERE: Final = warning(
+    "CO041",
+    "the list names `{name}`, which is not beside it",
+    "copy the file there, or see whether what it declares is missing",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +79,9 @@ def load(
         reading = sources.read(source, process, unit)
         return Loaded(reading.program, None, reading.findings)
     loaded = lift(spoken, [spoken.read(source)], robot, beside=source.parent)
-    loaded = replace(loaded, findings=(*loaded.findings, *stated))
+    origin = loaded.program.origin
+    missing = not_there(spoken, origin.trees if origin is not None else ())
+    loaded = replace(loaded, findings=(*missing, *loaded.findings, *stated))
     loaded = configured_beside(loaded, spoken, source)
     return loaded if process is None else with_process(loaded, process)
 
@@ -193,6 +201,24 @@ def with_called(
 ) -> list[Any]:
     """Trees of files at these paths, and those of the files in a folder that they call."""
     return [*trees, *_called(language, trees, paths, folder)]
+
+
+def not_there(language: Language[Any], trees: Iterable[Any]) -> Iterator[Diagnostic]:
+    """A finding for each file that a list of a task names and that is not beside it."""
+    for tree in trees:
+        path = FilePath((tree.source and tree.source.path) or "")
+        if language.loading is None or path.suffix.lower() not in language.loading.lists:
+            continue
+        there = _files_by_name(path.parent)
+        if not isinstance(there, Refused):
+            for name in language.called_files(tree):
+                if _file_of(name) not in there:
+                    yield NOT_THERE(name=name, path=str(path))
+
+
+def _file_of(name: str) -> str:
+    """The name of a file without the folders before it, in lower case."""
+    return name.replace("\\", "/").rsplit("/", 1)[-1].lower()
 
 
 def whole_programs(files: Sequence[str], language: str | None = None) -> list[str]:

@@ -15,6 +15,7 @@ from assistant.compiler.loading import (
     configured_beside,
     language_of,
     lifted,
+    not_there,
     whole_programs,
     with_called,
     with_process,
@@ -27,11 +28,6 @@ if TYPE_CHECKING:
     from assistant.languages.tasks import Loading
     from assistant.robots import Robot
 
-NOT_THERE: Final = warning(
-    "CO041",
-    "the list names `{name}`, which is not beside it",
-    "copy the file there, or see whether what it declares is missing",
-)
 CHOSEN: Final = warning(
     "CO042",
     "`{name}` is declared in {files}; the program is read with {chosen}",
@@ -96,7 +92,8 @@ def load_task(
     trees = list(task.trees) or [spoken.parse(spoken.read(file)) for file in task.files]
     beside = FilePath(task.files[0]).parent
     loaded = lifted(spoken, with_called(spoken, trees, task.files, beside), robot)
-    loaded = replace(loaded, findings=(*task.findings, *loaded.findings))
+    findings = (*task.findings, *not_there(spoken, trees), *loaded.findings)
+    loaded = replace(loaded, findings=findings)
     loaded = configured_beside(loaded, spoken, FilePath(task.files[0]))
     return loaded if process is None else with_process(loaded, process)
 
@@ -246,8 +243,6 @@ class _Grouping:
             file = name.replace("\\", "/").rsplit("/", 1)[-1].lower()
             if file in there:
                 group.add(there[file])
-            else:
-                group.findings.append(NOT_THERE(name=name, path=one.path))
         for unit in parts:
             if self.loading.loaded(FilePath(unit.path)) and group.takes(unit):
                 group.add(unit)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from assistant.compiler import load, translate
+from assistant.compiler import check_files, load, translate
 from assistant.compiler.motion import Proving
 from assistant.compiler.tasks import load_task, tasks_of
 
@@ -95,9 +95,15 @@ def test_a_list_is_its_modules_and_the_system_modules(tmp_path: Path) -> None:
 
 def test_a_list_of_files_that_are_not_there_says_so(tmp_path: Path) -> None:
     texts = {"one.pgf": listed("m.mod", "gone.mod"), "m.mod": main("m")}
-    (task,) = tasks_of(written(tmp_path, texts))
-    assert [(f.code, "gone.mod" in f.message) for f in task.findings] == [("CO041", True)]
-    assert [f.code for f in load_task(task).findings] == ["CO041"]
+    files = written(tmp_path, texts)
+    (task,) = tasks_of(files)
+    for findings in (
+        load_task(task).findings,
+        load(files[0]).findings,
+        check_files(files[:1]).findings,
+    ):
+        (missing,) = (f for f in findings if f.code == "CO041")
+        assert "gone.mod" in missing.message and missing.path == files[0]
 
 
 def test_the_tasks_of_a_backup_load_their_folders_and_what_is_shared(tmp_path: Path) -> None:
