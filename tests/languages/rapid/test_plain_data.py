@@ -174,6 +174,22 @@ CASES = {
       MoveL Offs(p10,0,0,slow.n),slow.v,slow.z,tGrip;
       MoveL p10,slow.v,fine,tGrip;
     ENDPROC""",
+    "arrays: their extents, and values in brackets": """VAR num few{3};
+    VAR num rows{2,3};
+    VAR size all{2};
+    PROC main()
+      VAR num sum:=0;
+      few:=[1,2,3];
+      rows:=[[1,2,3],[4,5,few{3}]];
+      all:=[[1,2],[3,4]];
+      few:=[few{3},few{2},9];
+      FOR i FROM 1 TO Dim(rows,1) DO
+        FOR j FROM 1 TO Dim(rows,2) DO
+          sum:=sum+rows{i,j}*few{j};
+        ENDFOR
+      ENDFOR
+      go sum,all{Dim(all,1)}.width,all{1}.length;
+    ENDPROC""",
     "names that are taken": """VAR size one:=[4,5];
     VAR num one_length:=7;
     PROC main()

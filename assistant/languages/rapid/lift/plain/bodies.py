@@ -23,7 +23,10 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
 
 Nodes = tuple[s.StatementNode, ...]
-_ONCE: Final = (s.Assignment, s.ProcedureCall, s.ReturnFrom)
+Cell = tuple[tuple[int, ...], s.Expression]
+"""The indices and the value of an element."""
+MOST_ELEMENTS: Final = 120
+"""Of an array that is given values in brackets; of more it stays one statement."""
 
 
 class Bodies:
@@ -200,7 +203,8 @@ class Bodies:
         if kind is None or not self.values.is_record(kind) or self._is_setting(target, kind):
             type = None if kind is None else kind[0]
             variable = self.values.plain(target)
-            yield replace(node, target=variable, value=self.values.given(value, type))
+            said = self.values.given(value, type)
+            yield from self._elements(replace(node, target=variable, value=said), kind)
             return
         if self._both_stay(target) and self._both_stay(value):
             yield node
@@ -286,7 +290,8 @@ class Bodies:
             raise Unsaid("it reads parts of what it assigns")
         if not clashes:
             for path in later:
-                yield s.Assignment(places[path], parts[path], span=node.span)  # type: ignore[arg-type]
+                one: Any = s.Assignment(places[path], parts[path], span=node.span)  # type: ignore[arg-type]
+                yield from self._elements(one, kind)
             return
         types = {one.path: one.type for one in self.program.layouts.parts(kind[0]) or ()}
         held = {path: self._variable("_".join(("new", *path)), types[path]) for path in later}
@@ -294,6 +299,29 @@ class Bodies:
             yield s.Assignment(held[path], parts[path], span=node.span)
         for path in later:
             yield s.Assignment(places[path], held[path], span=node.span)  # type: ignore[arg-type]
+
+    def _elements(self, node: s.Assignment, kind: Kind | None) -> Iterator[s.Assignment]:
+        """An array that is given values in brackets, one by one."""
+        match node:
+            case s.Assignment(s.NameRef(name), s.AggregateNode() as value) if kind and kind[1]:
+                rows = list(_cells(value, kind[1]))
+                if len(rows) <= MOST_ELEMENTS:
+                    yield from self._filled(node, name, rows, kind[0])
+                    return
+        yield node
+
+    def _filled(
+        self, node: s.Assignment, name: str, rows: Sequence[Cell], type: str
+    ) -> Iterator[s.Assignment]:
+        """By way of variables where a value is asked for that was an element before."""
+        if name.lower() in _names_in(node.value):
+            held = [(index, self._variable("new", type)) for index, _ in rows]
+            for (_, variable), (_, cell) in zip(held, rows, strict=True):
+                yield replace(node, target=variable, value=cell)
+            rows = held
+        for index, cell in rows:
+            numbers = tuple(s.NumberLiteral(str(place)) for place in index)
+            yield replace(node, target=s.Element(s.NameRef(name), numbers), value=cell)
 
     def _variable(self, wanted: str, type: str) -> s.NameRef:
         name = self.program.name(wanted)
@@ -369,6 +397,15 @@ def declared(node: s.Data, datum: Datum, values: Values) -> Iterator[s.Data]:
     for part in program.layouts.parts(datum.type) or ():
         name, value = datum.names[part.path], spread.get(part.path)
         yield replace(node, type=part.type, name=name, value=value)
+
+
+def _cells(value: Any, depth: int) -> Iterator[Cell]:
+    """The values of an array in brackets, each with its indices."""
+    for at, item in enumerate(value.items, 1):
+        if depth == 1 or not isinstance(item, s.AggregateNode):
+            yield (at,), item
+        else:
+            yield from (((at, *index), cell) for index, cell in _cells(item, depth - 1))
 
 
 def _at(made: s.StatementNode, node: s.StatementNode) -> s.StatementNode:

@@ -19,7 +19,8 @@ class Datum:
     """Data, or a parameter.
 
     type: without aliases. dimensions: how many. names: of its parts by their ways, empty for what
-    stays whole. value: of data that nothing changes, None if that is not known.
+    stays whole. value: of data that nothing changes, None if that is not known. sizes: of an array,
+    none of a parameter.
     """
 
     name: str
@@ -27,6 +28,7 @@ class Datum:
     dimensions: int = 0
     names: Mapping[Path, str] = field(default_factory=dict)
     value: s.Expression | None = None
+    sizes: tuple[s.Expression, ...] = ()
 
 
 Names = Mapping[str, Datum]
@@ -79,14 +81,16 @@ class Program:
         type = self.layouts.base(node.type)
         if isinstance(node, s.ParameterNode):
             apart, value, dimensions = type not in SETTINGS, None, node.dimensions
+            sizes: tuple[s.Expression, ...] = ()
         else:
             key, dimensions = node.name.lower(), len(node.dimensions)
+            sizes = node.dimensions
             steady = node.storage == "CONST" or key not in self.uses.written
             value = node.value if steady else None
             apart = type not in SETTINGS or self._is_data(key, steady)
         parts = (self.layouts.parts(type) or ()) if apart else ()
         names = {one.path: self.name(f"{node.name}_{one.name}") for one in parts}
-        return Datum(node.name, type, dimensions, names, value)
+        return Datum(node.name, type, dimensions, names, value, sizes)
 
     def _is_data(self, key: str, steady: bool) -> bool:
         """Whether a tool, frame, speed or zone is used by its parts, or as one value of many."""

@@ -24,6 +24,7 @@ from assistant.languages.rapid.lift.plain.scopes import Names, Program, predefin
 from assistant.languages.rapid.lift.plain.standard import standard
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.gather import literal_number
 
 Spread = Mapping[Path, s.Expression]
 """A value of a record, part by part."""
@@ -100,6 +101,9 @@ class Values(Kinds):
             ):
                 return self._shown(value)
             case s.FunctionCall(name, arguments):
+                size = self._size(node)
+                if size is not None:
+                    return size
                 return replace(node, arguments=self.arguments(name, arguments))
         return node
 
@@ -129,6 +133,18 @@ class Values(Kinds):
             mark = s.StringLiteral("," if parts else "[")
             parts += (mark, self._text(spread, of, (*path, name.lower())))
         return s.Group(joined([*parts, s.StringLiteral("]")]))
+
+    def _size(self, call: s.FunctionCall) -> s.Expression | None:
+        """The extent that `Dim(list,1)` asks for, None of what is no declared array."""
+        match call:
+            case s.FunctionCall(
+                word, (s.Positional(s.NameRef(name), None), s.Positional(place, None))
+            ) if word.lower() == "dim" and "dim" not in self.program.own:
+                datum, at = self.find(name), literal_number(place)
+                sizes = () if datum is None else datum.sizes
+                if isinstance(at, int) and 1 <= at <= len(sizes):
+                    return sizes[at - 1]
+        return None
 
     def arguments(self, name: Any, arguments: Sequence[s.Argument]) -> tuple[s.Argument, ...]:
         """Those of a call; records in brackets for a routine that every controller has."""
