@@ -145,3 +145,8 @@ RECEIVED: Final = warning(
     "end of the time, of the file or of the connection",
     "let whoever writes end each text with a carriage return, and put no comma into it",
 )
+NO_AXIS: Final = warning(
+    "RA343",
+    "`{axis}` is left out: no target states a place of that external axis, so that there is none",
+    "state a place of it in a target, if the arm has such an axis",
+)

@@ -190,6 +190,17 @@ CASES = {
       ENDFOR
       go sum,all{Dim(all,1)}.width,all{1}.length;
     ENDPROC""",
+    "external axes that there are none of": """VAR robtarget here;
+    VAR extjoint ext;
+    PROC main()
+      here:=p10;
+      ext:=here.extax;
+      here.extax.eax_a:=5;
+      here.extax:=[9E9,9E9,9E9,9E9,9E9,9E9];
+      here.extax.eax_b:=ext.eax_b;
+      IF here.extax.eax_c>1E9 AND ext.eax_a=9E9 here.trans.z:=310;
+      MoveL here,v100,fine,tGrip;
+    ENDPROC""",
     "names that are taken": """VAR size one:=[4,5];
     VAR num one_length:=7;
     PROC main()

@@ -52,7 +52,10 @@ def _told(files: tuple[s.File, ...]) -> _Told:
 def _unread(files: tuple[s.File, ...], found: Plain) -> Iterator[Diagnostic]:
     """What is left out, a finding for each declaration."""
     starts = starts_of(file.source for file in files)
-    for start, unread in zip(starts, found.unread, strict=True):
+    for start, unread, outside in zip(starts, found.unread, found.outside, strict=True):
+        for span, axis in dict.fromkeys(outside):
+            if span is not None:
+                yield rules.NO_AXIS(axis=axis, span=span.moved(start))
         spans: dict[Span, list[str]] = {}
         for one in unread:
             if one.span is not None:

@@ -20,17 +20,23 @@ from assistant.languages.rapid.lift.plain.scopes import Fresh, Program
 from assistant.languages.rapid.lift.plain.unread import Unread, without_unread
 from assistant.languages.rapid.lift.plain.values import Spread, Unsaid, Values
 from assistant.languages.rapid.tree import syntax as s
+from assistant.program.diagnostics import Span
+
+Outside = tuple[tuple[Span | None, str], ...]
+"""Places, each with the component of an external axis that is left out there."""
 
 
 @dataclass(frozen=True, slots=True)
 class Plain:
     """files: with plain data. kept: statements in them that stay as they are written, by `id`,
-    with why. unread: what is left out, of each file.
+    with why. unread: what is left out, of each file. outside: where external axes are left out that
+    there are none of, and which.
     """
 
     files: tuple[s.File, ...]
     kept: Mapping[int, str] = field(default_factory=dict)
     unread: tuple[tuple[Unread, ...], ...] = ()
+    outside: tuple[Outside, ...] = ()
 
 
 def plain(files: Sequence[s.File]) -> Plain | None:
@@ -43,21 +49,27 @@ def plain(files: Sequence[s.File]) -> Plain | None:
     modules = with_required(copied, layouts, name)
     program = Program(modules, layouts, name)
     kept: dict[int, str] = {}
-    made = [_module(program, module, kept) for module in modules]
+    made: list[s.Module] = []
+    outside: list[Outside] = []
+    for module in modules:
+        made.append(_module(program, module, kept))
+        outside.append(tuple(program.outside))
+        program.outside.clear()
     if whole is not read:
         made = without_uncalled(made, read)
     if all(one is before for one, before in zip(made, read, strict=True)):
         return None
     left, unread = without_unread(made, program)
-    listed, found = iter(left), iter(unread)
-    written, told = [], []
+    listed, found, axes = iter(left), iter(unread), iter(outside)
+    written, told, without = [], [], []
     for file in files:
         own = [next(listed) for _ in file.modules]
         told.append(tuple(one for _ in file.modules for one in next(found)))
+        without.append(tuple(one for _ in file.modules for one in next(axes)))
         others = iter(own)
         parts = (next(others) if isinstance(one, s.Module) else one for one in file.parts)
         written.append(replace(file, parts=tuple(parts)))
-    return Plain(tuple(written), kept, tuple(told))
+    return Plain(tuple(written), kept, tuple(told), tuple(without))
 
 
 def _module(program: Program, module: s.Module, kept: dict[int, str]) -> s.Module:

@@ -17,6 +17,7 @@ from assistant.languages.rapid.lift.plain.library import (
     is_written_out,
     worded,
 )
+from assistant.languages.rapid.lift.plain.outside import OUTSIDE
 from assistant.languages.rapid.lift.plain.scopes import Datum, Program, parameters
 from assistant.languages.rapid.lift.plain.values import PLACE, Spread, Unsaid, Values
 from assistant.languages.rapid.tree import syntax as s
@@ -105,6 +106,7 @@ class Bodies:
 
     def _statement(self, node: s.StatementNode) -> list[s.StatementNode]:
         before, self.before = self.before, []
+        self.program.at = node.span
         try:
             made = list(self._said(node))
             return [_at(one, node) for one in self.before] + made
@@ -204,6 +206,9 @@ class Bodies:
             type = None if kind is None else kind[0]
             variable = self.values.plain(target)
             said = self.values.given(value, type)
+            if variable is OUTSIDE:
+                self._not_called(said)
+                return
             yield from self._elements(replace(node, target=variable, value=said), kind)
             return
         if self._both_stay(target) and self._both_stay(value):
@@ -280,7 +285,10 @@ class Bodies:
     ) -> Iterator[s.StatementNode]:
         """Each part assigned; by way of variables where a part that was assigned is asked for."""
         changed: set[str] = set()
-        later = list(places)
+        for path, place in places.items():
+            if place is OUTSIDE:
+                self._not_called(parts[path])
+        later = [path for path, place in places.items() if place is not OUTSIDE]
         asked = {path: _names_in(parts[path]) for path in later}
         clashes = False
         for path in later:
@@ -299,6 +307,14 @@ class Bodies:
             yield s.Assignment(held[path], parts[path], span=node.span)
         for path in later:
             yield s.Assignment(places[path], held[path], span=node.span)  # type: ignore[arg-type]
+
+    def _not_called(self, value: Any) -> None:
+        """Raises Unsaid for a value that is not needed, and whose routine may do more."""
+        if any(
+            isinstance(n, s.FunctionCall) and n.name.lower() in self.program.own
+            for n in nodes(value)
+        ):
+            raise Unsaid("it calls a routine for an external axis that there is none of")
 
     def _elements(self, node: s.Assignment, kind: Kind | None) -> Iterator[s.Assignment]:
         """An array that is given values in brackets, one by one."""

@@ -7,10 +7,12 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 from assistant.languages.rapid.lift.plain.layouts import SETTINGS, Layouts, Path
+from assistant.languages.rapid.lift.plain.outside import unused_axes
 from assistant.languages.rapid.tables.predefined import data as predefined
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes, root
+from assistant.program.diagnostics import Span
 from assistant.program.program import TakenNames, identifier
 
 
@@ -52,12 +54,17 @@ class Fresh:
 class Program:
     """All modules together.
 
+    unused: components of external axes that nothing states a place of. at: where the statement at
+    hand stands. outside: where such a component is left out.
     data: of the modules. routines: those whose names are theirs alone, by lower-case name.
     """
 
     def __init__(self, modules: Sequence[s.Module], layouts: Layouts, name: Fresh) -> None:
         self.layouts, self.name = layouts, name
         self.uses = Uses(modules)
+        self.unused = unused_axes(modules)
+        self.at: Span | None = None
+        self.outside: list[tuple[Span | None, str]] = []
         items = [item for module in modules for item in module.items]
         routines: dict[str, list[s.Routine]] = {}
         for item in items:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import reduce
 from typing import Any, Final
 
 from assistant.languages.rapid.lift.plain.kinds import ORIENT, POS, Kind, Kinds
-from assistant.languages.rapid.lift.plain.layouts import Path
+from assistant.languages.rapid.lift.plain.layouts import Part, Path
 from assistant.languages.rapid.lift.plain.library import (
     PRODUCT,
     QUATERNION,
@@ -20,6 +20,7 @@ from assistant.languages.rapid.lift.plain.library import (
     parts_of_turn,
     worded,
 )
+from assistant.languages.rapid.lift.plain.outside import OUTSIDE, is_outside
 from assistant.languages.rapid.lift.plain.scopes import Names, Program, predefined_type
 from assistant.languages.rapid.lift.plain.standard import standard
 from assistant.languages.rapid.tables.signatures import signature
@@ -246,12 +247,12 @@ class Values(Kinds):
         if datum is None and path and not index:
             return self._standard(base.name, path) or self._indexed(node)
         if datum is None or not datum.names or (not path and datum.value is not None):
-            return self._indexed(node)
+            return self._inside(self._indexed(node))
         for length in range(1, len(path) + 1):
             name = datum.names.get(tuple(one.lower() for one in path[:length]))
             if name is not None:
                 made = _element(s.NameRef(name), index)
-                return reduce(s.Component, path[length:], made)
+                return self._inside(reduce(s.Component, path[length:], made))
         raise Unsaid(f"`{base.name}` is a record, which is used as a whole here")
 
     def _standard(self, name: str, path: Sequence[str]) -> s.Expression | None:
@@ -359,19 +360,28 @@ class Values(Kinds):
             found = {}
             for length in range(len(key)):  # inside a part that is one variable
                 if key[: length + 1] in datum.names:
-                    return {
-                        one.path: reduce(s.Component, one.path, self.plain(node)) for one in parts
-                    }
+                    return self._components(self.plain(node), parts)
             for way, name in datum.names.items():
                 if way[: len(key)] == key:
                     found[way[len(key) :]] = _element(s.NameRef(name), index)
             if found:
                 return found
         if path:
-            return {one.path: reduce(s.Component, one.path, self._indexed(node)) for one in parts}
+            return self._components(self._indexed(node), parts)
         if datum.value is not None and not index and not datum.dimensions:
             return self.spread(datum.value, kind)
         raise Unsaid(f"`{base.name}` is used as a whole")
+
+    def _components(self, node: Any, parts: Iterable[Part]) -> Spread:
+        """The parts of a value that stays one variable."""
+        return {one.path: self._inside(reduce(s.Component, one.path, node)) for one in parts}
+
+    def _inside(self, node: Any) -> Any:
+        """A part of a variable; what RAPID has for an external axis that there is none of."""
+        if not is_outside(node, self.program.unused):
+            return node
+        self.program.outside.append((self.program.at, node.name.lower()))
+        return OUTSIDE
 
     def _spread_worked_out(self, operator: str, left: Any, right: Any) -> Spread:
         """Positions that are added, or multiplied by a number or each other as vectors."""
