@@ -224,7 +224,11 @@ def _numbered(program: Program, wanted: Sequence[Wanted]) -> tuple[Program, list
     for name, signal in order:
         if signal.number is not None:
             continue
-        bits = GROUP_BITS[signal.direction] if signal.kind == "group" and signal.bits == 1 else signal.bits
+        bits = (
+            GROUP_BITS[signal.direction]
+            if signal.kind == "group" and signal.bits == 1
+            else signal.bits
+        )
         room = _room(taken, signal)
         first = FIRST_ANALOG if signal.kind == "analog" else 1
         wide = next(width for width in (1, *WIDTHS) if width >= bits)

@@ -172,3 +172,17 @@ def test_answers_on_a_terminal_are_written_and_used(tmp_path: Path) -> None:
     again = CliRunner().invoke(app, [*command, "-o", str(tmp_path)], input="empty\n")
     assert again.exit_code == 0, again.output
     assert 'routine = "empty"' in path.read_text(encoding="utf-8")
+
+
+def test_first_values_stand_behind_those_that_they_are_made_of(tmp_path: Path) -> None:
+    text = """MODULE Cell
+  VAR num high:=size*1.25;
+  CONST num size:=50;
+  CONST robtarget p10:=[[400,0,300],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+  PROC main()
+    MoveL Offs(p10,0,0,high),v100,fine,tool0;
+  ENDPROC
+ENDMODULE
+"""
+    done = translate(program(tmp_path, text), to="melfa-basic-6", proving=Proving())
+    assert done.ok, [f.message for f in done.findings]

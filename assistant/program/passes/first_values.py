@@ -9,9 +9,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 from assistant.program.analysis.assignment import Assigning
+from assistant.program.expressions import Name
 from assistant.program.passes.legalising import Legalising
 from assistant.program.passes.procedures import NOTHING
 from assistant.program.program import Program, Variable
+from assistant.program.rewriting import records
 from assistant.program.subjects import Declared
 
 
@@ -44,4 +46,28 @@ def with_first_values(job: Legalising) -> Program:
                     findings.append(can.persistent(name=name, about=about))
                 elif changes:
                     findings.append(can.carried(name=name, about=about))
-    return replace(program, variables=variables)
+    return replace(program, variables=_in_order(variables))
+
+
+def _in_order(variables: dict[str, Variable]) -> dict[str, Variable]:
+    """Variables behind those that their first values name, else as they are declared."""
+    spelled = {name.lower(): name for name in variables}
+    ordered: dict[str, Variable] = {}
+    for name in variables:
+        pending = [name]
+        while pending:
+            first = pending[-1]
+            named = (
+                x.name.lower() for x in records(variables[first].initial) if isinstance(x, Name)
+            )
+            needed = [
+                spelled[low]
+                for low in named
+                if low in spelled and spelled[low] not in ordered and spelled[low] not in pending
+            ]
+            if needed:
+                pending += needed[:1]
+            else:
+                ordered.setdefault(first, variables[first])
+                pending.pop()
+    return ordered
