@@ -7,18 +7,30 @@ are set right behind each other become one assignment.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, Final
+
+import numpy as np
 
 from assistant.program import expressions as e
+from assistant.program import rotations
 from assistant.program import statements as p
 from assistant.program.passes.legalising import Legalising
 from assistant.program.program import Program
-from assistant.program.rewriting import Body, is_repeatable, map_bodies, map_expressions
+from assistant.program.rewriting import (
+    Body,
+    is_repeatable,
+    map_bodies,
+    map_expressions,
+    records,
+    rewrite,
+)
 
-STEEPEST = 90.0
+STEEPEST: Final = 90.0
 """Degrees about y: beyond them the same orientation is read back as other angles."""
+PLACES: Final = 9
+"""Decimals of angles that are worked out."""
 
 
 def with_whole_angles(job: Legalising) -> Program:
@@ -94,3 +106,60 @@ def _with(
         return x
 
     return map_expressions(value, visit)
+
+
+def with_read_angles(program: Program) -> Program:
+    """The program in which a position is turned by the angles that it is read back with.
+
+    For a language that stores angles as they are set: 200 degrees about z are read back as -160
+    from an orientation. What nothing reads stays as it is set.
+    """
+    said = rewrite(program.procedures, _without_copies)
+    if not any(map(_is_angle, records(said))):
+        return program
+
+    def body(statements: Body) -> Body:
+        return tuple(one for node in statements for one in each(node))
+
+    def each(node: p.Statement) -> Iterator[p.Statement]:
+        match node:
+            case p.Assign(place, e.Apply("oriented", (base, *given))) if not _copies(given):
+                numbers = [e.plain_number(one) for one in given]
+                if None in numbers:
+                    yield node
+                    again = e.Apply("relative", (place, *(e.Number(0),) * 3))
+                    yield p.Assign(place, again, span=node.span)
+                else:
+                    said = map(e.number_of, _read_back([n or 0.0 for n in numbers]))
+                    yield replace(node, value=e.Apply("oriented", (base, *said)))
+            case _:
+                yield map_bodies(node, body)
+
+    procedures = (replace(q, body=body(q.body)) for q in program.procedures)
+    return replace(program, procedures=tuple(procedures))
+
+
+def _without_copies(x: Any) -> Any:
+    """A target that is turned as another one is, without the angles that it is given."""
+    match x:
+        case e.Apply("oriented", (base, *given)) if _copies(given):
+            return base
+    return x
+
+
+def _is_angle(record: Any) -> bool:
+    return isinstance(record, e.Member) and record.field.lower() in e.ANGLES
+
+
+def _copies(given: Sequence[e.Expression]) -> bool:
+    """Whether angles are all those of one position."""
+    first = given[0] if given else None
+    if not isinstance(first, e.Member):
+        return False
+    return list(given) == [e.Member(first.value, name) for name in e.ANGLES]
+
+
+def _read_back(angles: Sequence[float]) -> list[float]:
+    """Angles about x, y and z as they are read from the orientation that they make."""
+    turn = rotations.from_euler(np.array(angles[::-1]), "ZYX")
+    return [round(float(angle), PLACES) + 0.0 for angle in rotations.to_euler(turn, "ZYX")[::-1]]

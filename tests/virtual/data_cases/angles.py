@@ -11,7 +11,7 @@ HALF = SO3.Rx(180, unit="deg") * SO3.Rz(180, unit="deg")
 
 def zyx(turn: SO3) -> tuple[float, float, float]:
     """Angles about z, the new y, the new x."""
-    z, y, x = turn.rpy(order="zyx", unit="deg")[::-1]
+    x, y, z = turn.rpy(order="zyx", unit="deg")
     return float(z), float(y), float(x)
 
 
@@ -43,6 +43,19 @@ PROC main()
   {_TIP}
 ENDPROC""",
         [(10.0, 20.0, 30.0), tip(of(10, 20, 30)), (30.0, 10.0, 20.0), tip(of(30, 10, 20))],
+    ),
+    "angles are read back as those of the orientation": (
+        f"""VAR robtarget pt;
+VAR num a:=100;
+PROC main()
+  pt:=p10;
+  pt.rot:=OrientZYX(2*a,a,30);
+  {_SHOWN}
+  {_TIP}
+  pt.rot:=OrientZYX(200,100,-30);
+  {_SHOWN}
+ENDPROC""",
+        [zyx(of(200, 100, 30)), tip(of(200, 100, 30)), zyx(of(200, 100, -30))],
     ),
     "an element of an array is turned": (
         f"""VAR robtarget ps{{2}};

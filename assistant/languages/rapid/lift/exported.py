@@ -45,6 +45,7 @@ from assistant.program.analysis.signals import with_used
 from assistant.program.diagnostics import Findings
 from assistant.program.geometry import Frame, Tool
 from assistant.program.kept import effect_of
+from assistant.program.passes.angles import with_read_angles
 from assistant.program.passes.constants import with_constants, with_predefined
 from assistant.program.passes.open_lines import with_open_lines
 from assistant.program.passes.stops import stopped, with_stops
@@ -101,7 +102,8 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
         if known.storage == "VAR" and known.type in VALUE_OF_TYPE
     }
     program = with_constants(program, ELSEWHERE)
-    return Adapted(with_predefined(program, types), tuple(findings))
+    program = with_read_angles(with_predefined(program, types))
+    return Adapted(program, tuple(findings))
 
 
 def _key(call: s.ProcedureCall) -> str:
