@@ -5,15 +5,15 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import fields, replace
-from typing import Final, TypeVar
+from typing import Any, Final, TypeVar
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic, info, warning
 from assistant.program.passes.asking import is_operators
 from assistant.program.program import Program, Signal
-from assistant.program.rewriting import records
-from assistant.sources.process import NO_PROCESS, Process
+from assistant.program.rewriting import records, rewrite
+from assistant.sources.process import NO_PROCESS, Line, Process
 
 NOT_USED = warning(
     "CO006",
@@ -26,7 +26,7 @@ NOT_OF_PROGRAMS = info(
     "what the process file says of {keys} changes nothing in a program that states its own moves",
     "name arms with --robot and --from-robot; the rest is for drawings and tables",
 )
-OF_PROGRAMS: Final = ("tools", "frames", "signals", "joint_speed", "findings")
+OF_PROGRAMS: Final = ("tools", "frames", "signals", "lines", "joint_speed", "findings")
 """What a process file says that a program takes from it."""
 KEYS: Final = {"defaults": "motion"}
 """Keys of a process file that have other names here."""
@@ -51,6 +51,7 @@ def equipped(
     if others:
         findings.append(NOT_OF_PROGRAMS(keys=", ".join(others), path=path))
     program = with_signals(program, stated.signals)
+    program = _with_lines(program, stated.lines)
     for kind, given, there in _tables(program, stated):
         known = {name.lower() for name in there}
         findings += [
@@ -69,6 +70,21 @@ def with_signals(program: Program, stated: Mapping[str, Signal]) -> Program:
     """The program with the signals of the same names, those included that expressions read."""
     program = _with_read(program, stated)
     return replace(program, signals=_with(program.signals, stated))
+
+
+def _with_lines(program: Program, lines: Mapping[int, Line]) -> Program:
+    """With what the cell knows of communication lines in place of their numbers."""
+
+    def stated(part: Any) -> Any:
+        match part:
+            case p.Attach(kind="line", place=(e.Number(number),)) if number in lines:
+                line = lines[int(number)]
+                port, address = e.Number(line.port), e.Text(line.address)
+                places = {"server": (port, address), "client": (address, port), "serial": (port,)}
+                return replace(part, kind=line.role, place=places[line.role])
+        return part
+
+    return rewrite(program, stated) if lines else program
 
 
 def _with_read(program: Program, stated: Mapping[str, Signal]) -> Program:

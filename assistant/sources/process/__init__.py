@@ -68,6 +68,19 @@ class Layer:
 
 
 @dataclass(frozen=True, slots=True)
+class Line:
+    """What a communication line of the source's controller is.
+
+    port: of TCP, its own or the other computer's; of a `serial` line the number of the port.
+    address: its own on the network as `server`, the other computer's as `client`.
+    """
+
+    role: Literal["server", "client", "serial"]
+    port: int
+    address: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class Process:
     """Everything a process file says.
 
@@ -77,6 +90,7 @@ class Process:
     robot: name of the arm that joints were taught on and that runs the program, None if not said.
     leave_out: layers whose contours nobody wants, compared without case.
     joint_speed: mm/s of joint moves of a robot program whose percentage cannot be said in mm/s.
+    lines: by their numbers on the source's controller.
     findings: warnings about the process file itself.
     """
 
@@ -91,6 +105,7 @@ class Process:
     robot: str | None = None
     leave_out: tuple[str, ...] = ()
     joint_speed: float | None = None
+    lines: Mapping[int, Line] = field(default_factory=dict)
     findings: tuple[Diagnostic, ...] = ()
 
 

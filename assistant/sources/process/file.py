@@ -35,6 +35,11 @@ masses kg; names are letters, digits and `_`, a letter first.
     number = 8                    # first bit, for controllers that count signals
     bits = 1                      # width of a group
 
+    [lines.line_3]                # line 3 of the controller that a program was written for
+    role = "server"               # or "client", "serial"
+    port = 10003                  # of TCP; of a serial line the number of the other one's port
+    address = "192.168.125.1"     # as server its own, as client the other computer's
+
     [layers."GLUE"]               # by layer name, compared without case
     process = "gluing"            # for people; the layer's name if left out
     speed = 50                    # along the contours; these four from [motion] if left out
@@ -59,7 +64,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path as FilePath
 from typing import Any, Final
 
@@ -70,7 +75,7 @@ from assistant.program.statements import Motion
 from assistant.program.system.budgets import SETTINGS_FILE
 from assistant.program.text import SourceText, decode, read_bytes
 from assistant.program.toml_text import toml
-from assistant.sources.process import Defaults, Layer, Process
+from assistant.sources.process import Defaults, Layer, Line, Process
 from assistant.sources.process import values as values
 from assistant.sources.process.table import REPAIRED, Page, Table, nearest
 from assistant.sources.process.values import Read, listed, shown
@@ -84,6 +89,11 @@ RESERVED = error("CT308", "`{name}` is always {meaning}", "give yours another na
 NOT_DEFINED = error("CT309", "there is no {kind} `{name}`", "{cure}")
 NOT_AN_OUTPUT = error("CT310", "`{name}` is an input and cannot be set", "name an output")
 NOT_ITS_VALUE = error("CT311", "the {kind} signal `{name}` cannot be {value}", "write {wanted}")
+NO_LINE = error(
+    "CT313",
+    "`{name}` is no communication line",
+    "name it line_1 to line_8, and give its role, port and, but for a serial one, its address",
+)
 ONE_BIT = error("CT312", "the {kind} signal `{name}` has no bits", 'write kind = "group"')
 
 ENCODINGS: Final = ("utf-8-sig", "utf-8")
@@ -92,7 +102,7 @@ AT: Final = re.compile(r"\s*\(at (?:line (\d+), column (\d+)|end of document)\)$
 MOST_NUMBER: Final = 65535
 """Highest signal number of a CR controller (network inputs and outputs included)."""
 
-TOP: Final = ("motion", "tools", "frames", "signals", "layers", "tags")
+TOP: Final = ("motion", "tools", "frames", "signals", "lines", "layers", "tags")
 
 PLAIN: Final[Mapping[str, Read]] = {
     "robot": values.text,
@@ -128,6 +138,11 @@ SIGNAL: Final[Mapping[str, Read]] = {
     "direction": values.choice("output", "input"),
     "number": values.whole(0, MOST_NUMBER),
     "bits": values.whole(1, values.MOST_BITS),
+}
+LINE: Final[Mapping[str, Read]] = {
+    "role": values.choice("server", "client", "serial"),
+    "port": values.whole(1, 65535),
+    "address": values.text,
 }
 LAYER: Final[Mapping[str, Read]] = {
     "process": values.text,
@@ -168,6 +183,7 @@ def process_in(top: Table, beside: Sequence[str] = ()) -> Process:
     tools = {n: _tool(n, t) for n, t in top.table("tools").named()}
     frames = {n: _frame(n, t) for n, t in top.table("frames").named()}
     signals = {n: _signal(n, t) for n, t in top.table("signals").named()}
+    lines = dict(one for n, t in top.table("lines").named() for one in _line(n, t))
     names = _Names(tools, frames, signals)
     defaults = Defaults(**names.motion(top.table("motion"), DEFAULTS))
     layers = {
@@ -179,7 +195,9 @@ def process_in(top: Table, beside: Sequence[str] = ()) -> Process:
     if has_errors(findings):
         raise Refused(*findings)
     plain = {key: found[key] for key in (*PLAIN, *OF_DRAWINGS) if key in found}
-    return Process(defaults, tools, frames, signals, layers, tags, findings=findings, **plain)
+    return Process(
+        defaults, tools, frames, signals, layers, tags, lines=lines, findings=findings, **plain
+    )
 
 
 def read_toml(source: SourceText) -> Table:
@@ -256,6 +274,14 @@ def _pose(name: str, table: Table, found: Mapping[str, Any], position: str) -> P
         if abs(length - 1.0) > values.EXACT_LENGTH:
             table.say(REPAIRED, "quaternion", key="quaternion", length=length)
     return Pose(found.get(position, (0.0, 0.0, 0.0)), turn)
+
+
+def _line(name: str, table: Table) -> Iterator[tuple[int, Line]]:
+    found, number = table.read(LINE), re.fullmatch(r"(?i)line_([1-8])", name)
+    if number is None or len(found) < len(LINE) - (found.get("role") == "serial"):
+        table.say(NO_LINE, name=name)
+    else:
+        yield int(number[1]), Line(**found)
 
 
 def _signal(name: str, table: Table) -> Signal:

@@ -240,8 +240,11 @@ class _Search:
         return kernel.run(), driver
 
     def _said(self) -> tuple[str, ...]:
-        """What the other ends of lines say in a run: texts that the first program has, in turn."""
-        known = self.texts[self.found.runs % len(self.texts) :] + self.texts
+        """What the other ends of lines say: numbers first, which any variable takes, and in the
+        runs behind that also texts that the first program has, in turn.
+        """
+        place = self.found.runs % len(self.texts)
+        known = [*self.texts[place:], *self.texts] if place else ["1", "2", "3"]
         return tuple(known[i % len(known)] for i in range(SAID))
 
     def _compare(self, one: Run, two: Run, scenario: Scenario) -> None:

@@ -10,6 +10,7 @@ from assistant.languages.positions import Written
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.data import fixed_target
 from assistant.languages.rapid.lift.places import with_places
+from assistant.languages.rapid.lower.adapt.channels import with_channels
 from assistant.languages.rapid.lower.adapt.data import POSITIONS
 from assistant.languages.rapid.lower.adapt.motions import Motions
 from assistant.languages.rapid.lower.adapt.statements import StatementAdapter
@@ -114,6 +115,7 @@ PASSES: Final[tuple[Pass, ...]] = (
     with_whole_angles,
     pure(with_one_kind_of_numbers),
     sayable,
+    with_channels,
     pure(with_places),
     counted_loops,
     pure(with_paths),
