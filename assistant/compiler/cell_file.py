@@ -80,7 +80,11 @@ def _with_lines(program: Program, lines: Mapping[int, Line]) -> Program:
             case p.Attach(kind="line", place=(e.Number(number),)) if number in lines:
                 line = lines[int(number)]
                 port, address = e.Number(line.port), e.Text(line.address)
-                places = {"server": (port, address), "client": (address, port), "serial": (port,)}
+                places: dict[str, tuple[e.Expression, ...]] = {
+                    "server": (port, address),
+                    "client": (address, port),
+                    "serial": (port,),
+                }
                 return replace(part, kind=line.role, place=places[line.role])
         return part
 

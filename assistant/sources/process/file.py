@@ -90,7 +90,7 @@ NOT_DEFINED = error("CT309", "there is no {kind} `{name}`", "{cure}")
 NOT_AN_OUTPUT = error("CT310", "`{name}` is an input and cannot be set", "name an output")
 NOT_ITS_VALUE = error("CT311", "the {kind} signal `{name}` cannot be {value}", "write {wanted}")
 NO_LINE = error(
-    "CT313",
+    "CT321",
     "`{name}` is no communication line",
     "name it line_1 to line_8, and give its role, port and, but for a serial one, its address",
 )

@@ -115,9 +115,15 @@ class _Channels(Rewording):
             case "file", (place,):
                 file = place if isinstance(place, e.Text) else None
                 whole = file is not None and ":" in file.value
-                words = [s.Positional(s.StringLiteral(HOME)), s.Option("File", given[0].value)]
+                words: tuple[s.Argument, ...] = (
+                    s.Positional(s.StringLiteral(HOME)),
+                    s.Option("File", given[0].value),
+                )
                 mode = s.Option(node.mode.capitalize())
-                yield self.call("Open", *(given if whole else words), own, mode)
+                if whole:
+                    yield self.call("Open", *given, own, mode)
+                else:
+                    yield self.call("Open", *words, own, mode)
             case "serial", (e.Number(number),):
                 yield self.call("Open", s.Positional(s.StringLiteral(f"com{number}:")), own)
             case "client", (_, _):
@@ -156,12 +162,16 @@ class _Channels(Rewording):
         rows = lines(node.parts, LONGEST) if node.parts else [[e.Text("")]]
         for number, row in enumerate(rows, 1):
             whole = node.kind == "line" and number == len(rows)
-            ended = [e.Text(END)] if whole and kind != "file" else []
-            parts = [e.Apply("text", (x,)) if is_value(x, self.known) else x for x in row]
-            text = self.node(reduce(lambda a, b: e.Binary("+", a, b), [*parts, *ended]))
+            parts: list[e.Expression] = [
+                e.Apply("text", (x,)) if is_value(x, self.known) else x for x in row
+            ]
+            parts += [e.Text(END)] if whole and kind != "file" else []
+            text = self.node(reduce(lambda a, b: e.Binary("+", a, b), parts))
             if kind in ("file", "serial"):
-                goes_on = () if whole and kind == "file" else (s.Option("NoNewLine"),)
-                yield self.call("Write", own, s.Positional(text), *goes_on)
+                written: tuple[s.Argument, ...] = (own, s.Positional(text))
+                if not whole or kind == "serial":
+                    written += (s.Option("NoNewLine"),)
+                yield self.call("Write", *written)
             else:
                 yield self.call("SocketSend", own, s.Option("Str", text))
 
