@@ -165,7 +165,8 @@ class _Channels(Rewording):
             parts: list[e.Expression] = [
                 e.Apply("text", (x,)) if is_value(x, self.known) else x for x in row
             ]
-            parts += [e.Text(END)] if whole and kind != "file" else []
+            if whole and kind != "file":
+                parts.append(e.Text(END))
             text = self.node(reduce(lambda a, b: e.Binary("+", a, b), parts))
             if kind in ("file", "serial"):
                 written: tuple[s.Argument, ...] = (own, s.Positional(text))
