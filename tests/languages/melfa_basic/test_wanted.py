@@ -143,3 +143,14 @@ def test_force_control_without_a_cell_stays_as_it_is(tmp_path: Path) -> None:
     found = translate(source, to="rapid", language="melfa-basic-5")
     assert not found.ok
     assert found.totals["not"] >= 4
+
+
+def test_a_signal_whose_number_the_list_of_values_holds(tmp_path: Path) -> None:
+    source = tmp_path / "JOB.prg"
+    text = "If M_In(MPart)=1 Then M_Out(MPart)=1\nMvs P1\nEnd\nMPart=5\n"
+    source.write_text(text + PLACES)
+    found = translate(source, to="rapid", language="melfa-basic-5", proving=Proving())
+    assert found.ok, found.findings
+    assert {signal.number for signal in found.compiled.program.signals.values()} == {5}
+    source.write_text(text.replace("Mvs P1", "MPart=6") + PLACES)
+    assert not translate(source, to="rapid", language="melfa-basic-5").ok

@@ -200,7 +200,22 @@ class Symbols:
         """What an expression is known to come to."""
         if isinstance(node, s.Variable) and self.is_shadowed(node.key):
             return None
-        return self.constants.value(node)
+        known = self.constants.value(node)
+        return self._listed(node) if known is None else known
+
+    def _listed(self, node: s.Expression | None) -> float | None:
+        """The number that the file's list of values holds for a variable that no line changes.
+
+        Other programs change shared ones.
+        """
+        if not isinstance(node, s.Variable) or node.arguments is not None or node.component:
+            return None
+        if node.key[1:2] == "_" or node.key in self.constants.assigned:
+            return None
+        match self.positions.plain.get(node.key, ("", {}))[1].get(()):
+            case e.Number(value=value):
+                return float(value)
+        return None
 
     # ----------------------------------------------------------------------------- signals
 
