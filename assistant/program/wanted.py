@@ -74,9 +74,15 @@ _NEUTRAL: Final[Mapping[WantedKind, Value]] = {
 }  # fmt: skip
 
 
+STATE: Final = "state"
+"""Type of a position that is what something measures, and no place that a robot goes to."""
+
+
 def neutral(wanted: Wanted) -> Value | None:
     """What stands for a name until the cell says it: the flange, the base, 100 mm/s, a stop.
 
     None of data whose type has no values.
     """
+    if wanted.kind == "position" and wanted.type == STATE:
+        return Target(Pose())
     return _NEUTRAL.get(wanted.kind, wanted.nothing)

@@ -25,7 +25,7 @@ from assistant.languages.melfa_basic.tree.positions import Positions
 from assistant.languages.melfa_basic.tree.walk import literal
 from assistant.languages.runs.names import Names
 from assistant.program.diagnostics import Span
-from assistant.program.wanted import Argument, Plain, Wanted, WantedKind
+from assistant.program.wanted import STATE, Argument, Plain, Wanted, WantedKind
 
 _OF_TYPE: Final[dict[str, str]] = {"Pos": "P", "Jnt": "J", "Char": "C"}
 """Type of a `Def` → the letter that names of it begin with elsewhere; numbers otherwise."""
@@ -150,6 +150,7 @@ def _outside(look: Look) -> Iterator[Wanted]:
         name, key = use.variable.name, use.variable.key
         if outside.is_state(key) and key not in written:
             kind, type, nothing = _KINDS[key[0]]
+            type = type or STATE
             yield Wanted(name, kind, type, nothing=nothing, uses=(_place(look, line.span),))
 
 
