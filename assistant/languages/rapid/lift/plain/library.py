@@ -191,13 +191,13 @@ def _read(typed: Typed, given: Given) -> s.Expression | None:
     return None if name is None else call_of(name, *given)
 
 
-PLACES = range(1, 7)
+DECIMALS = range(1, 7)
 """Decimals of a text that tell something of a number; for none there is a function."""
 
 
 def _fixed(_: Typed, given: Given) -> s.Expression | None:
     places = literal_number(given[1]) if len(given) == 2 else 0
-    if places is not None and places not in PLACES:
+    if places is not None and places not in DECIMALS:
         return None
     return call_of("fixed_text", *given)
 
