@@ -17,8 +17,9 @@ from assistant.languages.rapid.lift.plain.layouts import Layouts
 from assistant.languages.rapid.lift.plain.library import with_library, without_uncalled
 from assistant.languages.rapid.lift.plain.optional import with_required
 from assistant.languages.rapid.lift.plain.scopes import Fresh, Program
+from assistant.languages.rapid.lift.plain.spreads import Spread, Unsaid
 from assistant.languages.rapid.lift.plain.unread import Unread, without_unread
-from assistant.languages.rapid.lift.plain.values import Spread, Unsaid, Values
+from assistant.languages.rapid.lift.plain.values import Values
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program.diagnostics import Span
 

@@ -4,8 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Final
+from typing import Any
 
+from assistant.languages.rapid.lift.plain.assigning import (
+    by_elements,
+    indices_of,
+    names_in,
+    roots,
+)
 from assistant.languages.rapid.lift.plain.kinds import Kind
 from assistant.languages.rapid.lift.plain.layouts import SETTINGS, Path
 from assistant.languages.rapid.lift.plain.library import (
@@ -19,15 +25,12 @@ from assistant.languages.rapid.lift.plain.library import (
 )
 from assistant.languages.rapid.lift.plain.outside import OUTSIDE
 from assistant.languages.rapid.lift.plain.scopes import Datum, Program, parameters
-from assistant.languages.rapid.lift.plain.values import PLACE, Spread, Unsaid, Values
+from assistant.languages.rapid.lift.plain.spreads import Spread, Unsaid
+from assistant.languages.rapid.lift.plain.values import PLACE, Values
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
 
 Nodes = tuple[s.StatementNode, ...]
-Cell = tuple[tuple[int, ...], s.Expression]
-"""The indices and the value of an element."""
-MOST_ELEMENTS: Final = 120
-"""Of an array that is given values in brackets; of more it stays one statement."""
 
 
 class Bodies:
@@ -99,7 +102,7 @@ class Bodies:
             return None
         if self.values.whole_turn(turns[0]) is None:
             return None
-        if any(_names_in(turns[0]) & _names_in(value) for value in values.values()):
+        if any(names_in(turns[0]) & names_in(value) for value in values.values()):
             return None
         aggregate = s.AggregateNode(tuple(values[name] for name in QUATERNION))
         return s.Assignment(turns[0], aggregate, span=group[0].span)  # type: ignore[arg-type]
@@ -209,7 +212,7 @@ class Bodies:
             if variable is OUTSIDE:
                 self._not_called(said)
                 return
-            yield from self._elements(replace(node, target=variable, value=said), kind)
+            yield from by_elements(replace(node, target=variable, value=said), kind, self._variable)
             return
         if self._both_stay(target) and self._both_stay(value):
             yield node
@@ -256,8 +259,8 @@ class Bodies:
             raise Unsaid("it has another number of components")
         outer = [items[name] for name in ("robconf", "extax") if name in items]
         place: s.NameRef | s.Component | s.Element = self.values.plain(target)
-        own = _names_in(place)
-        if own & _names_in(value):
+        own = names_in(place)
+        if own & names_in(value):
             place = self._variable("new", type)
         match outer:
             case [s.Component(one, "robconf"), s.Component(two, "extax")] if one == two:
@@ -271,7 +274,7 @@ class Bodies:
         for name in ("trans", TURN):
             part = s.Component(place, name)
             yield from self._assigned(replace(node, target=part), part, items[name])
-        if own & _names_in(value):
+        if own & names_in(value):
             yield replace(node, target=self.values.plain(target), value=place)
 
     def _both_stay(self, node: Any) -> bool:
@@ -289,17 +292,17 @@ class Bodies:
             if place is OUTSIDE:
                 self._not_called(parts[path])
         later = [path for path, place in places.items() if place is not OUTSIDE]
-        asked = {path: _names_in(parts[path]) for path in later}
+        asked = {path: names_in(parts[path]) for path in later}
         clashes = False
         for path in later:
-            clashes |= not changed.isdisjoint(asked[path] | _indices_of(places[path]))
-            changed |= _roots(places[path])
+            clashes |= not changed.isdisjoint(asked[path] | indices_of(places[path]))
+            changed |= roots(places[path])
         if clashes and kind[1]:
             raise Unsaid("it reads parts of what it assigns")
         if not clashes:
             for path in later:
                 one: Any = s.Assignment(places[path], parts[path], span=node.span)  # type: ignore[arg-type]
-                yield from self._elements(one, kind)
+                yield from by_elements(one, kind, self._variable)
             return
         types = {one.path: one.type for one in self.program.layouts.parts(kind[0]) or ()}
         held = {path: self._variable("_".join(("new", *path)), types[path]) for path in later}
@@ -315,29 +318,6 @@ class Bodies:
             for n in nodes(value)
         ):
             raise Unsaid("it calls a routine for an external axis that there is none of")
-
-    def _elements(self, node: s.Assignment, kind: Kind | None) -> Iterator[s.Assignment]:
-        """An array that is given values in brackets, one by one."""
-        match node:
-            case s.Assignment(s.NameRef(name), s.AggregateNode() as value) if kind and kind[1]:
-                rows = list(_cells(value, kind[1]))
-                if len(rows) <= MOST_ELEMENTS:
-                    yield from self._filled(node, name, rows, kind[0])
-                    return
-        yield node
-
-    def _filled(
-        self, node: s.Assignment, name: str, rows: Sequence[Cell], type: str
-    ) -> Iterator[s.Assignment]:
-        """By way of variables where a value is asked for that was an element before."""
-        if name.lower() in _names_in(node.value):
-            held = [(index, self._variable("new", type)) for index, _ in rows]
-            for (_, variable), (_, cell) in zip(held, rows, strict=True):
-                yield replace(node, target=variable, value=cell)
-            rows = held
-        for index, cell in rows:
-            numbers = tuple(s.NumberLiteral(str(place)) for place in index)
-            yield replace(node, target=s.Element(s.NameRef(name), numbers), value=cell)
 
     def _variable(self, wanted: str, type: str) -> s.NameRef:
         name = self.program.name(wanted)
@@ -415,33 +395,5 @@ def declared(node: s.Data, datum: Datum, values: Values) -> Iterator[s.Data]:
         yield replace(node, type=part.type, name=name, value=value)
 
 
-def _cells(value: Any, depth: int) -> Iterator[Cell]:
-    """The values of an array in brackets, each with its indices."""
-    for at, item in enumerate(value.items, 1):
-        if depth == 1 or not isinstance(item, s.AggregateNode):
-            yield (at,), item
-        else:
-            yield from (((at, *index), cell) for index, cell in _cells(item, depth - 1))
-
-
 def _at(made: s.StatementNode, node: s.StatementNode) -> s.StatementNode:
     return made if made.span is not None else replace(made, span=node.span)
-
-
-def _names_in(value: Any) -> set[str]:
-    return {node.name.lower() for node in nodes(value) if isinstance(node, s.NameRef)}
-
-
-def _roots(place: Any) -> set[str]:
-    while not isinstance(place, s.NameRef):
-        place = place.value
-    return {place.name.lower()}
-
-
-def _indices_of(place: Any) -> set[str]:
-    found: set[str] = set()
-    while not isinstance(place, s.NameRef):
-        if isinstance(place, s.Element):
-            found |= _names_in(place.indices)
-        place = place.value
-    return found

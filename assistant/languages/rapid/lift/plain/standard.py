@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
+from assistant.languages.rapid.lift.plain.layouts import Layouts
+from assistant.languages.rapid.lift.plain.scopes import predefined_type
 from assistant.languages.rapid.tables.words import (
     LEAST_CENTRE,
     LEAST_MASS,
@@ -50,3 +53,16 @@ def _node(value: Any) -> s.Expression:
         case list():
             return s.AggregateNode(tuple(map(_node, value)))
     return s.NumberLiteral(f"{value:g}")
+
+
+def standard_part(layouts: Layouts, name: str, path: Sequence[str]) -> s.Expression | None:
+    """A component of predefined data, None if its value is not known here."""
+    value, type = standard(name.lower()), predefined_type(name)
+    for component in path:
+        names = [inner.lower() for inner, _ in layouts.components(type)]
+        low = component.lower()
+        if not isinstance(value, s.AggregateNode) or low not in names:
+            return None
+        value = value.items[names.index(low)]
+        type = layouts.component(type, component) or ""
+    return None if isinstance(value, s.AggregateNode) else value

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import reduce
 from typing import Any, Final
@@ -22,25 +22,24 @@ from assistant.languages.rapid.lift.plain.library import (
 )
 from assistant.languages.rapid.lift.plain.outside import OUTSIDE, is_outside
 from assistant.languages.rapid.lift.plain.scopes import Names, Program, predefined_type
-from assistant.languages.rapid.lift.plain.standard import standard
+from assistant.languages.rapid.lift.plain.spreads import (
+    Spread,
+    Unsaid,
+    below,
+    element,
+    grouped,
+    product,
+    single,
+)
+from assistant.languages.rapid.lift.plain.standard import standard, standard_part
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
 
-Spread = Mapping[Path, s.Expression]
-"""A value of a record, part by part."""
 EQUAL: Final = {"=": "AND", "<>": "OR"}
 PLACE: Final = "cpos"
 """The function that gives a position alone."""
 SHOWN: Final = "valtostr"
-
-
-class Unsaid(Exception):
-    """Something that a program with plain data cannot say. why: a clause."""
-
-    def __init__(self, why: str) -> None:
-        super().__init__(why)
-        self.why = why
 
 
 Called = Callable[[s.FunctionCall], Spread]
@@ -245,27 +244,15 @@ class Values(Kinds):
             return node
         datum = self.find(base.name)
         if datum is None and path and not index:
-            return self._standard(base.name, path) or self._indexed(node)
+            return standard_part(self.layouts, base.name, path) or self._indexed(node)
         if datum is None or not datum.names or (not path and datum.value is not None):
             return self._inside(self._indexed(node))
         for length in range(1, len(path) + 1):
             name = datum.names.get(tuple(one.lower() for one in path[:length]))
             if name is not None:
-                made = _element(s.NameRef(name), index)
+                made = element(s.NameRef(name), index)
                 return self._inside(reduce(s.Component, path[length:], made))
         raise Unsaid(f"`{base.name}` is a record, which is used as a whole here")
-
-    def _standard(self, name: str, path: Sequence[str]) -> s.Expression | None:
-        """A component of predefined data, None if its value is not known here."""
-        value, type = standard(name.lower()), predefined_type(name)
-        for component in path:
-            names = [inner.lower() for inner, _ in self.layouts.components(type)]
-            low = component.lower()
-            if not isinstance(value, s.AggregateNode) or low not in names:
-                return None
-            value = value.items[names.index(low)]
-            type = self.layouts.component(type, component) or ""
-        return None if isinstance(value, s.AggregateNode) else value
 
     def _indexed(self, node: Any) -> Any:
         """A variable that stays, with plain indices."""
@@ -354,7 +341,7 @@ class Values(Kinds):
             if known is None or index:
                 raise Unsaid(f"nothing tells the parts of `{base.name}`")
             whole = self.spread(known, (predefined_type(base.name), 0))
-            return _below(whole, path)
+            return below(whole, path)
         if datum.names:
             key = tuple(one.lower() for one in path)
             found = {}
@@ -363,7 +350,7 @@ class Values(Kinds):
                     return self._components(self.plain(node), parts)
             for way, name in datum.names.items():
                 if way[: len(key)] == key:
-                    found[way[len(key) :]] = _element(s.NameRef(name), index)
+                    found[way[len(key) :]] = element(s.NameRef(name), index)
             if found:
                 return found
         if path:
@@ -388,42 +375,18 @@ class Values(Kinds):
         kinds = self._side(left), self._side(right)
         both = kinds == ((POS, 0), (POS, 0))
         if operator in "+-" and both:
-            first, second = (_single(self.spread(side, (POS, 0))) for side in (left, right))
+            first, second = (single(self.spread(side, (POS, 0))) for side in (left, right))
             return {way: s.Infix(operator, first[way], second[way]) for way in first}
         if operator in "*/" and not both and (POS, 0) in kinds:
             if kinds[0] == (POS, 0):
-                by = _grouped(self.plain(right))
-                first = _single(self.spread(left, (POS, 0)))
+                by = grouped(self.plain(right))
+                first = single(self.spread(left, (POS, 0)))
                 return {way: s.Infix(operator, one, by) for way, one in first.items()}
             if operator == "*":
-                by = _grouped(self.plain(left))
-                second = _single(self.spread(right, (POS, 0)))
+                by = grouped(self.plain(left))
+                second = single(self.spread(right, (POS, 0)))
                 return {way: s.Infix(operator, by, one) for way, one in second.items()}
         if operator == "*" and both:
-            a, b = (_single(self.spread(side, (POS, 0))) for side in (left, right))
-            x, y, z = (("x",), ("y",), ("z",))
-            return {
-                one: s.Infix("-", s.Infix("*", a[two], b[three]), s.Infix("*", a[three], b[two]))
-                for one, two, three in ((x, y, z), (y, z, x), (z, x, y))
-            }
+            a, b = (single(self.spread(side, (POS, 0))) for side in (left, right))
+            return product(a, b)
         raise Unsaid("it works with whole positions")
-
-
-def _single(spread: Spread) -> Spread:
-    return {path: _grouped(one) for path, one in spread.items()}
-
-
-def _grouped(node: s.Expression) -> s.Expression:
-    return s.Group(node) if isinstance(node, s.Infix | s.Prefix) else node
-
-
-def _element(name: s.NameRef, index: tuple[Any, ...]) -> Any:
-    return s.Element(name, index) if index else name
-
-
-def _below(spread: Spread, path: Sequence[str]) -> Spread:
-    key = tuple(one.lower() for one in path)
-    found = {way[len(key) :]: one for way, one in spread.items() if way[: len(key)] == key}
-    if not found:
-        raise Unsaid("it has no such component")
-    return found
