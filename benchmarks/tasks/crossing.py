@@ -1,21 +1,21 @@
-"""One task in another language, in a process of its own: what of it is said, as JSON."""
+"""One task in another language: what of it is said, and what is not, by its reason."""
 
 from __future__ import annotations
 
-import json
 import re
-import sys
 import time
 from collections import Counter
+from dataclasses import dataclass
 from typing import Any
 
 from assistant.compiler import Loaded, load, translate
 from assistant.compiler.arms import robot_of
 from assistant.compiler.filling import in_neutral_cell
 from assistant.compiler.motion import Proving
-from assistant.compiler.tasks import Task, load_task, tasks_of
+from assistant.compiler.tasks import Task, load_task
 from assistant.compiler.translating import LEVELS, Translation
 from assistant.program.diagnostics import Diagnostic, Refused, Severity
+from assistant.robots import Robot
 
 NO_MAIN = "MB245"
 """What is said of a library that a program cannot begin with."""
@@ -23,38 +23,52 @@ SHOWN = 400
 """Characters of a reason that are told."""
 
 
-def crossed(given: dict[str, Any]) -> dict[str, Any]:
-    """What becomes of a task.
+@dataclass(frozen=True, slots=True)
+class Crossing:
+    """How a task is tried. proof: seconds, 0 for none."""
 
-    given: files, language, begins, to, robot, from_robot, proof (seconds, 0 for none).
-    """
+    to: str
+    robot: str | None
+    from_robot: str | None
+    proof: float
+
+
+NOTHING: dict[str, Any] = {
+    "alone": [0, 0, 0],
+    "alone_whole": False,
+    "said": 0,
+    "partly": 0,
+    "not": 0,
+    "whole": False,
+    "proof": "not run",
+    "reasons": {},
+    "stops": [],
+}
+"""What is known of a task that nothing could be made of."""
+
+
+def crossed(task: Task, how: Crossing) -> dict[str, Any]:
+    """What becomes of a task."""
     began = time.perf_counter()
-    out: dict[str, Any] = {
-        "alone": [0, 0, 0],
-        "alone_whole": False,
-        "said": 0,
-        "partly": 0,
-        "not": 0,
-        "whole": False,
-        "proof": "not run",
-    }
+    out = dict(NOTHING)
     try:
-        out |= _crossed(given)
+        out |= _crossed(task, how)
     except Refused as refused:
         reasons = Counter(reason(f) for f in refused.findings if f.severity is Severity.ERROR)
-        out |= {"refused": True, "reasons": dict(reasons), "stops": list(reasons)}
-    out["seconds"] = time.perf_counter() - began
-    return out
+        out |= {"reasons": dict(reasons), "stops": list(reasons)}
+    except Exception as error:  # noqa: BLE001 - a crash is what is looked for
+        out |= {"stops": [f"crashed: {error!r}"[:SHOWN]]}
+    return out | {"seconds": time.perf_counter() - began}
 
 
-def _crossed(given: dict[str, Any]) -> dict[str, Any]:
-    loaded = _loaded(given)
-    library = not given["begins"]
-    plain = _into(loaded, given, None)
+def _crossed(task: Task, how: Crossing) -> dict[str, Any]:
+    loaded = _loaded(task, robot_of(how.from_robot))
+    library = not task.begins
+    plain = _into(loaded, how, None)
     alone = plain.totals
     out = {"alone": [alone[level] for level in LEVELS], "alone_whole": _whole(plain, library)}
     filled = in_neutral_cell(loaded)
-    first = _into(filled, given, None)
+    first = _into(filled, how, None)
     totals = first.totals
     reasons: Counter[str] = Counter()
     for row in first.rows:
@@ -70,21 +84,19 @@ def _crossed(given: dict[str, Any]) -> dict[str, Any]:
         "reasons": dict(reasons),
         "stops": sorted({reason(f) for f in _hindrances(first, library)}),
     }
-    if whole and first.ok and given["proof"] and not library:
-        out |= _proven(_into(filled, given, Proving(seconds=given["proof"])))
+    if whole and first.ok and how.proof and not library:
+        out |= _proven(_into(filled, how, Proving(seconds=how.proof)))
     return out
 
 
-def _loaded(given: dict[str, Any]) -> Loaded:
-    files, robot = given["files"], robot_of(given["from_robot"])
-    if len(files) == 1:
-        return load(files[0], robot=robot, language=given["language"])
-    return load_task(_same(files), robot=robot)
+def _loaded(task: Task, robot: Robot | None) -> Loaded:
+    if len(task.files) == 1:
+        return load(task.files[0], robot=robot, language=task.language)
+    return load_task(task, robot=robot)
 
 
-def _into(loaded: Loaded, given: dict[str, Any], proving: Proving | None) -> Translation:
-    arms = {"robot": given["robot"], "from_robot": given["from_robot"]}
-    return translate(loaded, to=given["to"], proving=proving, **arms)
+def _into(loaded: Loaded, how: Crossing, proving: Proving | None) -> Translation:
+    return translate(loaded, to=how.to, proving=proving, robot=how.robot, from_robot=how.from_robot)
 
 
 def _hindrances(done: Translation, library: bool) -> list[Diagnostic]:
@@ -106,12 +118,6 @@ def _proven(second: Translation) -> dict[str, Any]:
     wrong = [f for f in motion.findings if f.severity is Severity.ERROR]
     differs = any(f.code == "CO110" for f in wrong)
     return {"proof": "different" if differs else "cannot run", "why": [f.message for f in wrong]}
-
-
-def _same(files: list[str]) -> Task:
-    """The task of these files, as they were grouped."""
-    whole = (task for task in tasks_of(files) if set(task.files) == set(files))
-    return next(whole, None) or Task(files[0], tuple(files), "rapid")
 
 
 DECLARING = ("LOCAL", "TASK", "CONST", "PERS", "VAR", "DEF")
@@ -140,11 +146,3 @@ def _kind(text: str) -> str:
             first = re.split(r"[^\w.%]", word)[0] or word[:1]
             return " ".join([*words[:place], first, "…"])
     return "…"
-
-
-def main() -> None:
-    print(json.dumps(crossed(json.load(sys.stdin))))
-
-
-if __name__ == "__main__":
-    main()

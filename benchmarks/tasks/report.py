@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import json
-import subprocess
+import multiprocessing
 import sys
 import tempfile
 import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any
 
+from benchmarks.tasks.crossing import NOTHING, Crossing, crossed
 from benchmarks.tasks.finding import TO, Found, found
 
+CONTEXT: Any = multiprocessing.get_context("spawn" if sys.platform == "win32" else "fork")
+"""Forked, a process has what was read to find the tasks, and the tables of the grammars."""
 MOST_REASONS = 10
 NEUTRAL = Path(__file__).parent / "neutral.toml"
 """An arm that runs every language, for programs of which nobody says what arm they are for."""
@@ -49,8 +53,9 @@ def report(plan: Plan) -> None:
     with tempfile.TemporaryDirectory(prefix="tasks-") as work:
         tasks = [
             task
-            for task in found(plan.corpus, Path(work), alone=plan.alone)
-            if plan.task.lower() in task.name.lower() and plan.to in (None, TO[task.kind])
+            for kind in TO
+            if plan.to in (None, TO[kind])
+            for task in found(plan.corpus / kind, Path(work) / kind, plan.task, alone=plan.alone)
         ]
         for kind in TO:
             of_kind = [task for task in tasks if task.kind == kind]
@@ -63,7 +68,7 @@ def report(plan: Plan) -> None:
             for task, out in _all(of_kind, plan):
                 done.append((task, out))
                 print(_line(task, out), flush=True)
-                details.append({"task": task.name, "files": len(task.files), **out})
+                details.append({"task": task.name, "files": len(task.task.files), **out})
             _totals(done)
             _reasons(done)
     if plan.details is not None:
@@ -71,41 +76,62 @@ def report(plan: Plan) -> None:
 
 
 def _all(tasks: Sequence[Found], plan: Plan) -> Iterator[tuple[Found, dict[str, Any]]]:
-    with ThreadPoolExecutor(plan.jobs) as pool:
-        yield from zip(tasks, pool.map(lambda task: _apart(task, plan), tasks), strict=True)
+    """What becomes of each task, in order; so many at a time, each in a process of its own."""
+    waiting = list(enumerate(tasks))[::-1]
+    running: dict[Connection, _Running] = {}
+    done: dict[int, dict[str, Any]] = {}
+    told = 0
+    while waiting or running:
+        while waiting and len(running) < plan.jobs:
+            place, task = waiting.pop()
+            connection, started = _started(place, task, plan)
+            running[connection] = started
+        soonest = min(one.until for one in running.values())
+        ready = wait([*running], max(0.0, soonest - time.monotonic()))
+        for connection, one in list(running.items()):
+            if connection in ready or time.monotonic() >= one.until:
+                done[one.place] = _ended(connection, one, plan, connection in ready)
+                del running[connection]
+        while told in done:
+            yield tasks[told], done[told]
+            told += 1
 
 
-def _apart(task: Found, plan: Plan) -> dict[str, Any]:
-    """A task in a process of its own, ended at the time limit."""
-    given = {
-        "files": task.files,
-        "language": task.language,
-        "begins": task.begins,
-        "to": TO[task.kind],
-        "robot": plan.robot or NOBODYS[task.kind],
-        "from_robot": plan.from_robot or NOBODYS[task.kind],
-        "proof": plan.proof,
-    }
-    began = time.perf_counter()
-    none = {"alone": [0, 0, 0], "alone_whole": False, "said": 0, "partly": 0, "not": 0}
-    none |= {"whole": False, "proof": "not run"}
-    command = [sys.executable, "-m", "benchmarks.tasks.crossing"]
-    try:
-        answer = subprocess.run(
-            command,
-            input=json.dumps(given),
-            capture_output=True,
-            text=True,
-            timeout=plan.limit,
-            check=False,
-        )
-        return dict(json.loads(answer.stdout))
-    except subprocess.TimeoutExpired:
-        stop = f"not done in {plan.limit:g} s"
-    except json.JSONDecodeError:
-        lines = answer.stderr.strip().splitlines()
-        stop = f"crashed: {lines[-1] if lines else answer.returncode}"
-    return {**none, "seconds": time.perf_counter() - began, "reasons": {}, "stops": [stop]}
+@dataclass(frozen=True, slots=True)
+class _Running:
+    """A process. place: of its task. until: when it is ended, on the clock of `monotonic`."""
+
+    place: int
+    process: BaseProcess
+    until: float
+
+
+def _started(place: int, task: Found, plan: Plan) -> tuple[Connection, _Running]:
+    arm = NOBODYS[task.kind]
+    how = Crossing(TO[task.kind], plan.robot or arm, plan.from_robot or arm, plan.proof)
+    ours, theirs = CONTEXT.Pipe(duplex=False)
+    process = CONTEXT.Process(target=_one, args=(theirs, task, how))
+    process.start()
+    theirs.close()
+    return ours, _Running(place, process, time.monotonic() + plan.limit)
+
+
+def _one(connection: Connection, task: Found, how: Crossing) -> None:
+    connection.send(crossed(task.task, how))
+
+
+def _ended(connection: Connection, one: _Running, plan: Plan, answered: bool) -> dict[str, Any]:
+    out = {**NOTHING, "seconds": plan.limit, "stops": [f"not done in {plan.limit:g} s"]}
+    if answered:
+        try:
+            out = connection.recv()
+        except EOFError:
+            out["stops"] = ["the process ended"]
+    else:
+        one.process.kill()
+    one.process.join()
+    connection.close()
+    return out
 
 
 def _line(task: Found, out: dict[str, Any]) -> str:
