@@ -52,6 +52,14 @@ WaitDI di1,1\MaxTime:=3\TimeFlag:=late;
 IF late SetDO do1,1;
 WaitUntil di1=1 AND GInput(giOrder)=5\MaxTime:=2\TimeFlag:=late\PollRate:=0.05;
 IF late SetDO doDone,1;""",
+    "moves that are held while none is made": r"""VAR bool taken;
+StopMove;
+ClearPath;
+StorePath;
+RestoPath;
+StartMove;
+MoveL Offs(p10,0,0,20),v100,fine,tGripper;
+PDispOff;""",
     "routines by their names as texts": r"""VAR string s:="part2";
 %"Cell:part1"%;
 %s%;
@@ -137,6 +145,8 @@ def test_an_output_set_later_has_its_value_until_then(tmp_path: FilePath) -> Non
         ("VelSet 50,600;\nMoveL p10,v100,fine,tGripper;", False),
         ("VelSet 50,600;\nMoveL p10,v1000,fine,tGripper;", True),
         ("AccSet 50,60;", True),
+        ("ActUnit STN1;", True),
+        ("PDispOff;", False),
         ("MoveLDO p10,v100,fine,tGripper,do1,1;", False),
         ("MoveLDO p10,v100,z10,tGripper,do1,1;", True),
     ],

@@ -9,7 +9,7 @@ variables of the program. RAPID itself keeps all of them.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Set
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
@@ -27,6 +27,7 @@ from assistant.languages.rapid.lift.told.arc import weld_speeds
 from assistant.languages.rapid.lift.told.calls import call_of, is_text, lifted
 from assistant.languages.rapid.lift.told.declarations import with_needed_declarations
 from assistant.languages.rapid.lift.told.errors import with_errors
+from assistant.languages.rapid.lift.told.held import with_held_moves
 from assistant.languages.rapid.lift.told.left_out import INSTRUCTIONS
 from assistant.languages.rapid.lift.told.meeting import DUE, shared, task_lists
 from assistant.languages.rapid.lift.told.outputs import switched
@@ -69,8 +70,11 @@ IN_CORNER: Final = e.Reason(
     "the robot may be in a corner there, and would stop in it", "write `fine` for the moves before"
 )
 
-_DISPLACES: Final = re.compile(r"\bEOffs(?:On|Set)\b", re.IGNORECASE)
-"""Instructions that displace external axes, which `MoveAbsJ` heeds without `\\NoEOffs`."""
+_ENDED: Final = {
+    "pdispoff": re.compile(r"\bPDisp(?:On|Set|Add)\b", re.IGNORECASE),
+    "eoffsoff": re.compile(r"\bEOffs(?:On|Set)\b", re.IGNORECASE),
+}
+"""What ends displacements of targets, and of external axes, with the words that begin them."""
 IDLE: Final = DATA | {"tasks", "syncident", "errnum", *SIGNALS}
 """Types of data, in lower case, that are left out where nothing takes them any more."""
 NEAR: Final = frozenset(("inpos20", "inpos50", "inpos100"))
@@ -86,7 +90,8 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
     if tables := _tables(program):
         program = with_table_rows(program, tables, _with_named_rows)
     if any(is_text(record) for record in records(program.procedures)):
-        program = _with_other_words(with_aliases(program), findings)
+        program = with_held_moves(with_aliases(program), findings)
+        program = _with_other_words(program, findings)
         handled = with_errors(program, lift_of(program), findings)
         program = program if handled is program else _with_other_words(handled, findings)
         program = with_channels(with_operator(program, findings), findings)
@@ -94,7 +99,8 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
         if arm is not None:
             program = with_open_lines(program, steps)
         program = with_stops(program, steps, _besides_standing, IN_CORNER)
-        program = exchanged(program, lambda node: _told(node, findings))
+        nothing = NOTHING | {word for word, moves in _ENDED.items() if not _says(program, moves)}
+        program = exchanged(program, lambda node: _told(node, nothing, findings))
     program = _without_unused(with_needed_declarations(program, findings))
     types = {
         key: (known.name, VALUE_OF_TYPE[known.type])
@@ -123,8 +129,7 @@ def _with_other_words(program: Program, findings: Findings) -> Program:
     speeds = {name.lower(): speed for name, speed in program.speeds.items()}
     blends = {name.lower(): blend for name, blend in program.blends.items()}
     meaning = Meaning(speeds=speeds, blends=blends)
-    texts = (one.text for one in program.statements() if isinstance(one, p.Opaque))
-    displaced = any(map(_DISPLACES.search, texts))
+    displaced = _says(program, _ENDED["eoffsoff"])
     telling = Telling(
         program, findings, meaning, switched(program), displaced,
         weld_speeds(program), task_lists(program),
@@ -176,12 +181,19 @@ def _is_routine(declaration: Declaration) -> bool:
     return False
 
 
-def _told(node: p.Opaque, findings: Findings) -> Iterator[p.Statement]:
+def _says(program: Program, words: re.Pattern[str]) -> bool:
+    """Whether a kept text of the program has one of some words."""
+    texts = [one.text for one in program.statements() if isinstance(one, p.Opaque)]
+    texts += [one.text for one in program.declarations]
+    return any(map(words.search, texts))
+
+
+def _told(node: p.Opaque, nothing: Set[str], findings: Findings) -> Iterator[p.Statement]:
     """What another language is told of a text: nothing, or the text."""
     call = call_of(node)
     key = "" if call is None else _key(call)
     loss = INSTRUCTIONS.get(key) or INSTRUCTIONS.get(key.split(" ")[0])
-    if key in NOTHING:
+    if key in nothing:
         return
     if loss is None:
         yield node

@@ -7,6 +7,7 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, Final
 
+from assistant.languages.kept_reasons import INTERRUPTS
 from assistant.languages.patterns import Called, Read, Slot
 from assistant.languages.rapid.lift.expressions import Expressions, frame_name, tool_name
 from assistant.languages.rapid.tables.hands import hand_of
@@ -145,10 +146,21 @@ def _values(node: s.Expression) -> list[float]:
     return [] if None in numbers else [float(n) for n in numbers if n is not None]
 
 
+_INTERRUPTS: Final = (
+    *("isignaldi", "isignaldo", "isignalgi", "isignalgo", "isignalai", "isignalao", "itimer"),
+    *("idelete", "isleep", "iwatch", "ienable", "idisable", "ipers", "ierror", "triggint"),
+)
+_TOGETHER: Final = ("syncmoveon", "syncmoveoff", "syncmovesuspend", "syncmoveresume")
+_ARMS: Final = e.Reason(
+    "arms of several tasks move together there, which no program of one arm does",
+    "move them one after the other, each in its own program",
+)
 REASONS: Final[Mapping[str, e.Reason]] = {
     "pulsedo": e.Reason(
         r"without \High the pulse is the other value than that which the signal has",
         r"write `\High`, or set the signal, wait and set it back",
     ),
+    **dict.fromkeys(_INTERRUPTS, INTERRUPTS),
+    **dict.fromkeys(_TOGETHER, _ARMS),
 }
 """Why calls of instructions stay as their text, by lower-case name."""

@@ -8,6 +8,7 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Final
 
+from assistant.languages.kept_reasons import INTERRUPTS
 from assistant.languages.rapid.lift.data import DataLift
 from assistant.languages.rapid.lift.instructions import REASONS, Meaning, instruction
 from assistant.languages.rapid.lift.paths import PathLift
@@ -130,6 +131,8 @@ class StatementLift:
                 yield p.Switch(expression(subject), chosen, self.block(otherwise), span=span)
             case s.ProcedureCall(name=str()):
                 yield replace(self._call(node), span=span)
+            case s.Connect():
+                yield replace(opaque(node), reason=INTERRUPTS)
             case _:
                 yield opaque(node)
 

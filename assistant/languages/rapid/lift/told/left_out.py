@@ -23,6 +23,15 @@ _STRAIGHT: Final = (
     "see that no move passes a straight wrist",
 )
 
+_UNIT: Final = (
+    "the unit stays as the controller has it",
+    "switch it on and off at the other controller",
+)
+_PATHS: Final = (
+    "no move is held, kept or taken up again: the arm stands where its program goes on",
+    "see that nothing counts on a move that was interrupted",
+)
+
 INSTRUCTIONS: Final[Mapping[str, Loss]] = {
     "tperase": ("what stands on the teach pendant stays there", _NONE),
     "tpshow tp_latest": ("the teach pendant shows what it shows", _NONE),
@@ -52,6 +61,8 @@ INSTRUCTIONS: Final[Mapping[str, Loss]] = {
         "set the load of the hand in the other controller",
     ),
     "mechunitload": ("the load of the unit is not told", "set it in the other controller"),
+    **dict.fromkeys(("actunit", "deactunit"), _UNIT),
+    **dict.fromkeys(("clearpath", "storepath", "restopath", "startmove"), _PATHS),
     "bookerrno": ("the number of an error of the program's own is not reserved", _NONE),
     "resetretrycount": ("retries are not counted", _NONE),
 }

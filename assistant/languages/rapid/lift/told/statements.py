@@ -223,7 +223,22 @@ def _meet(telling: Telling, call: Called[s.Expression], _: p.Opaque) -> Said:
     yield from said
 
 
+def _take(telling: Telling, call: Called[s.Expression], _: p.Opaque) -> Said:
+    """`WaitTestAndSet`: waits until a truth is false and sets it."""
+    match call.given:
+        case (s.NameRef() as node,) if not call.options:
+            taken = telling.meaning.expression(node)
+            telling.lost("the one step of WaitTestAndSet", *_BETWEEN)
+            yield p.WaitUntil(e.Unary("not", taken))
+            yield p.Assign(taken, e.Truth(True))
+
+
+_BETWEEN: Final = (
+    "another program may take it between the wait and the next line",
+    "let one program alone wait for it, or give each a variable of its own",
+)
 INSTRUCTIONS: Final[Mapping[str, Telled]] = {
+    "waittestandset": _take,
     **dict.fromkeys(MOVES, _weld),
     "waitsynctask": _meet,
     **dict.fromkeys(("movej", "movel", "movec"), _with_own_motion),
