@@ -147,6 +147,9 @@ def _with_other_words(program: Program, findings: Findings) -> Program:
 
 def _without_unused(program: Program) -> Program:
     """The program without data of its own kinds that nothing is left of to take them."""
+    idle = {id(one) for one in program.declarations if _is_idle(one)}
+    if not idle:
+        return program
     named: set[str] = set()
     for record in records((program.procedures, program.targets, program.variables)):
         match record:
@@ -154,16 +157,11 @@ def _without_unused(program: Program) -> Program:
                 named |= effect_of(record).names
             case e.Name(name) | p.SetSignal(name) | p.Trigger(name) | p.WaitSignal(name):
                 named.add(name.lower())
-    left = tuple(one for one in program.declarations if _is_routine(one) or not _is_idle(one))
     for one in program.declarations:
         if _is_routine(one):
             named |= effect_of(one).names
-    return replace(
-        program,
-        declarations=tuple(
-            one for one in program.declarations if one in left or effect_of(one).writes & named
-        ),
-    )
+    left = (d for d in program.declarations if id(d) not in idle or effect_of(d).writes & named)
+    return replace(program, declarations=tuple(left))
 
 
 def _is_idle(declaration: Declaration) -> bool:
