@@ -182,7 +182,7 @@ class _Search:
 
     def _both(self, scenario: Scenario) -> tuple[bool, Scenario]:
         """Whether it took a new branch, and the scenario with the answers that it needed."""
-        one, ours = self._play(self.first, scenario, self.steps, answered=True)
+        one, ours = self._play(self.first, scenario, self.steps)
         if one.ended == OVER:
             if self.found.runs:
                 self.late = True
@@ -191,7 +191,7 @@ class _Search:
         if one.ended == "unknown":
             self.found.unknown = Stop(0, one, ours.played)
             return False, ours.played
-        two, theirs = self._play(self.second, ours.played, MORE_STEPS * self.steps, answered=False)
+        two, theirs = self._play(self.second, ours.played, MORE_STEPS * self.steps, one)
         if two.ended == OVER:
             if self.found.runs:
                 self.late = True
@@ -224,8 +224,10 @@ class _Search:
         return len({(like.visits, like.changes) for like in done}) == 1
 
     def _play(
-        self, side: Side, scenario: Scenario, steps: int, answered: bool
+        self, side: Side, scenario: Scenario, steps: int, after: Run | None = None
     ) -> tuple[Run, Driver]:
+        """after: the run of the source, for what was written; None for that of the source."""
+        answered = after is None
         kernel = Kernel(Board(), most_steps=steps, statement_time=STATEMENT_TIME)
         answers = _Answers(self.random, self.numbers) if answered and not self.script else None
         driver = Driver(kernel, side.wiring, scenario, answers)
@@ -236,7 +238,9 @@ class _Search:
         kernel.peers = self._said()
         side.begin(kernel)
         left = self.until - time.monotonic()
-        broken_off(kernel, left if self.found.runs else first_run(self.budget.seconds, answered))
+        if not self.found.runs:
+            left = first_run(self.budget.seconds, answered)
+        broken_off(kernel, left, after)
         return kernel.run(), driver
 
     def _said(self) -> tuple[str, ...]:
