@@ -159,7 +159,9 @@ class _Channels(Rewording):
 
     def send(self, node: p.Send) -> Iterator[p.Statement]:
         kind, own = self.kind(node.channel), _named(node.channel.lower())
-        rows = lines(node.parts, LONGEST) if node.parts else [[e.Text("")]]
+        rows: list[list[e.Expression]] = (
+            lines(node.parts, LONGEST) if node.parts else [[e.Text("")]]
+        )
         for number, row in enumerate(rows, 1):
             whole = node.kind == "line" and number == len(rows)
             parts: list[e.Expression] = [
