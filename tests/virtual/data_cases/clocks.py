@@ -35,6 +35,15 @@ PROC main()
 ENDPROC""",
         [(7.0, 0.0, 0.0)],  # 7 * 0.3 is the first that is not under 2
     ),
+    "the clock that every controller has": (
+        """PROC main()
+  ClkStart Clock1;
+  WaitTime 2;
+  ClkStop clock1;
+  SHOW Round(ClkRead(clock1)),0,0 DONE
+ENDPROC""",
+        [(2.0, 0.0, 0.0)],
+    ),
     "a routine's own clock begins anew beside one of the module": (
         """VAR clock c1;
 PROC main()

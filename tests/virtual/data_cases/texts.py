@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 _S = "abc,12.50,-7"
 
 CASES = {
@@ -67,6 +69,21 @@ PROC main()
   SHOW 100*Round(n\\Dec:=2),100*Trunc(n\\Dec:=2),100*Round(-n\\Dec:=1) DONE
 ENDPROC""",
         [(100 * round(2.71828, 2), 271, 100 * round(-2.71828, 1))],
+    ),
+    "extents of arrays, and pi": (
+        """VAR num rows{3,2}:=[[1,2],[3,4],[5,6]];
+VAR pos all{4};
+PROC main()
+  VAR num sum;
+  FOR i FROM 1 TO Dim(rows,1) DO
+    FOR j FROM 1 TO Dim(rows,2) DO
+      sum:=sum+rows{i,j};
+    ENDFOR
+  ENDFOR
+  all{Dim(all,1)}:=[1,2,3];
+  SHOW sum,Dim(all,1)+all{4}.z,100*pi DONE
+ENDPROC""",
+        [(21, 4 + 3, 100 * math.pi)],
     ),
     "bits of bytes": (
         """VAR byte b:=178;

@@ -19,6 +19,7 @@ PASSES: Final = (
     "places",  # where the position is read
     "program",  # modules as procedures and data
     "plain_data",  # the program of plain data, beside its cell
+    "extents",  # how many elements arrays have
     "stopwatches",  # clocks that are stopped and go on
     "kept_calls",  # calls that other languages have other statements for
     "operator",  # messages and questions to a person

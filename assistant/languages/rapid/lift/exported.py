@@ -17,6 +17,7 @@ from assistant.languages.language import Adapted
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.channels import with_channels
 from assistant.languages.rapid.lift.data import numbers
+from assistant.languages.rapid.lift.extents import with_extents
 from assistant.languages.rapid.lift.instructions import Meaning
 from assistant.languages.rapid.lift.operator import with_operator
 from assistant.languages.rapid.lift.plain_data import with_plain_data
@@ -86,7 +87,7 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
     findings = Findings()
     plain = with_plain_data(program)
     findings += plain.findings
-    program = with_stopwatches(plain.program, findings)
+    program = with_stopwatches(with_extents(plain.program), findings)
     if tables := _tables(program):
         program = with_table_rows(program, tables, _with_named_rows)
     if any(is_text(record) for record in records(program.procedures)):

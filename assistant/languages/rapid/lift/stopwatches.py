@@ -18,12 +18,15 @@ from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.uses import declared
+from assistant.program.analysis.uses import declared, names_in
 from assistant.program.diagnostics import Findings
+from assistant.program.kept import effect_of
 from assistant.program.program import Procedure, Program, TakenNames, Variable, identifier
 from assistant.program.rewriting import Body, map_bodies, map_head
 
 TYPE: Final = "clock"
+CLOCKS: Final = ("clock1",)
+"""Those that every controller has, in lower case (user.sys)."""
 NONE: Final = e.Number(0)
 RUNS: Final = e.Number(1)
 FINE: Final = "highres"
@@ -54,9 +57,10 @@ def with_stopwatches(program: Program, findings: Findings) -> Program:
     """The program whose clocks are timers with what they counted before."""
     named = {d: name for d in program.declarations if (name := _clock(verbatim.items, d.text))}
     own = [tuple(_own(procedure)) for procedure in program.procedures]
-    if not named and not any(own):
-        return program
     taken = TakenNames(declared(program))
+    predefined = [name for name in CLOCKS if name not in taken.lower and _speaks_of(program, name)]
+    if not named and not any(own) and not predefined:
+        return program
 
     def clock(name: str) -> _Clock:
         names = []
@@ -67,7 +71,7 @@ def with_stopwatches(program: Program, findings: Findings) -> Program:
         timer, ran, runs = names
         return _Clock(timer, e.Name(ran), e.Name(runs))
 
-    known = {name.lower(): clock(name) for name in named.values()}
+    known = {name.lower(): clock(name) for name in (*named.values(), *predefined)}
     procedures = [
         _procedure(q, known, {name.lower(): clock(name) for name in names}, findings)
         for q, names in zip(program.procedures, own, strict=True)
@@ -79,6 +83,13 @@ def with_stopwatches(program: Program, findings: Findings) -> Program:
         variables={**program.variables, **variables},
         procedures=tuple(procedures),
     )
+
+
+def _speaks_of(program: Program, name: str) -> bool:
+    """Whether a clock that nothing declares is meant."""
+    if any(name in effect_of(one).names for one in program.declarations):
+        return False
+    return any(name == one.lower() for one in names_in(program.procedures))
 
 
 def _clock(read: Any, text: str) -> str:

@@ -61,7 +61,8 @@ ANSWERS: Final = {
 }  # fmt: skip
 """Constants of type btnres, by lower-case name (RAPID reference manual, data types)."""
 ELSEWHERE: Final[Mapping[str, float | str]] = {
-    **ANSWERS, "stempty": "", "eof": "EOF", "eof_num": 9.998e36,
+    **ANSWERS, "pi": math.pi, "str_digit": "0123456789",
+    "stempty": "", "eof": "EOF", "eof_num": 9.998e36,
 }  # fmt: skip
 """Constants that are values for other languages, by lower-case name (the same)."""
 

@@ -191,7 +191,7 @@ def _read(typed: Typed, given: Given) -> s.Expression | None:
     return None if name is None else call_of(name, *given)
 
 
-DECIMALS = range(1, 7)
+DECIMALS: Final = range(1, 7)
 """Decimals of a text that tell something of a number; for none there is a function."""
 
 

@@ -1,0 +1,37 @@
+"""`Dim` of arrays that a program declares: how many elements they have is known."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from assistant.program import expressions as e
+from assistant.program.analysis.uses import names_in
+from assistant.program.program import Program
+from assistant.program.rewriting import rewrite
+
+Sizes = Mapping[str, tuple[int, ...]]
+"""Extents of arrays by lower-case name, none where they are not known."""
+
+
+def with_extents(program: Program) -> Program:
+    """The program with numbers for `Dim(array,1)`; of an array parameter it stays a call."""
+    shared = {name.lower(): v.size for name, v in program.variables.items()}
+    procedures = []
+    for procedure in program.procedures:
+        own: dict[str, tuple[int, ...]] = {q.name.lower(): () for q in procedure.parameters}
+        own |= {name.lower(): v.size for name, v in procedure.variables.items()}
+        sizes: Sizes = {**shared, **own}
+        body = rewrite(procedure.body, lambda x: _number(x, sizes))  # noqa: B023
+        procedures.append(replace(procedure, body=body))
+    return replace(program, procedures=tuple(procedures))
+
+
+def _number(x: Any, sizes: Sizes) -> Any:
+    match x:
+        case e.Apply(function, (array, e.Number(int(place)))) if function.lower() == "dim":
+            name = next(names_in(array), "").lower()  # of a record that is taken apart any part
+            size = sizes.get(name, ())
+            return e.Number(size[place - 1]) if 0 < place <= len(size) else x
+    return x
