@@ -26,8 +26,11 @@ CROSSED: Final = warning(
     "have the other controller or its wiring do that as well",
 )
 UNREAD: Final = warning(
-    "CO045", "of `{name}` {what} cannot be read", "correct it, or state the signals otherwise"
+    "CO045",
+    "{what} of `{name}` is not used: {reason}",
+    "correct it, or state the signals in the process file",
 )
+ALL: Final = "the text"
 MOST_NAMED: Final = 5
 ENCODINGS: Final = ("utf-8-sig", "utf-8", "cp1252", "latin-1")
 
@@ -46,14 +49,16 @@ def as_configured(
     try:
         text = decode(read_bytes(where), path, ENCODINGS).text
     except Refused as refused:
-        what = f"nothing ({refused.findings[0].message})"
-        return program, {}, (UNREAD(name=where.name, what=what, path=path),)
+        reason = refused.findings[0].message
+        return program, {}, (UNREAD(name=where.name, what=ALL, reason=reason, path=path),)
     given = loading.signals_of(text)
     found: list[Diagnostic] = []
     if not given.known:
-        found.append(UNREAD(name=where.name, what="nothing, as it has no section", path=path))
+        reason = "it does not look like a file of system parameters"
+        found.append(UNREAD(name=where.name, what=ALL, reason=reason, path=path))
     if given.unread:
-        found.append(UNREAD(name=where.name, what=_named(given.unread), path=path))
+        what, reason = _named(given.unread), "it states no type of signal that there is"
+        found.append(UNREAD(name=where.name, what=what, reason=reason, path=path))
     made = with_signals(program, given.signals)
     numbered = _numbers(made) - _numbers(program)
     if numbered:

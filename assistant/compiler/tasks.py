@@ -20,7 +20,7 @@ from assistant.compiler.loading import (
     with_called,
     with_process,
 )
-from assistant.program.diagnostics import Diagnostic, Refused, warning
+from assistant.program.diagnostics import Diagnostic, Refused, has_errors, warning
 from assistant.program.text import read_bytes
 
 if TYPE_CHECKING:
@@ -104,6 +104,7 @@ class _Unit:
 
     listed: the files that a list names, None for what is none. declares: for the whole task.
     routines: those of its names that are no data. mentions: names of others, in lower case.
+    broken: it cannot be read whole; only a list or its own `main` makes it a part of a program.
     """
 
     path: str
@@ -115,6 +116,7 @@ class _Unit:
     listed: tuple[str, ...] | None
     begins: bool
     loads: frozenset[str]
+    broken: bool
 
     @property
     def file(self) -> str:
@@ -140,6 +142,7 @@ def _unit(language: Language[Any], loading: Loading, file: str) -> _Unit:
         called if is_list else None,
         any(name == loading.entry for name, _ in shared),
         frozenset() if is_list else frozenset(name.lower() for name in called),
+        has_errors(tree.findings),
     )
 
 
@@ -158,7 +161,9 @@ class _Group:
 
     def takes(self, unit: _Unit) -> bool:
         """Whether a controller could load the file as well: no name of it is taken."""
-        return unit not in self.units and self.declared.isdisjoint(unit.declares)
+        if unit.broken or unit in self.units:
+            return False
+        return self.declared.isdisjoint(unit.declares)
 
 
 class _Grouping:
@@ -207,8 +212,8 @@ class _Grouping:
         if whole and not groups and parts:
             groups = [_Group(_shown(parts[0], room))]
         for group in groups:
-            if whole and len(groups) == 1:
-                group.name = group.name if lists else _shown(parts[0], room)
+            if whole and len(groups) == 1 and not lists:
+                group.name = _shown(parts[0], room)
                 for unit in parts:
                     if group.takes(unit):
                         group.add(unit)
@@ -219,7 +224,7 @@ class _Grouping:
             self._grow(group, room)
         if len(groups) == 1:
             self._join(groups[0], parts)
-        yield from groups
+        yield from (group for group in groups if group.units)
 
     def _join(self, group: _Group, parts: Sequence[_Unit]) -> None:
         """Takes in what uses the data and routines of the only task of a folder.

@@ -193,3 +193,28 @@ def test_signals_of_a_backup_are_those_of_its_controller(tmp_path: Path) -> None
     (text,) = (data.decode() for data in found.files.values())
     assert "M_Out(5)=1" in text and "M_In(6)=1" in text
     assert load(files[0]).program.signals["doGrip"].number == 5
+
+
+def test_a_broken_file_keeps_no_other_from_crossing(tmp_path: Path) -> None:
+    texts = {
+        "RAPID/TASK1/PROGMOD/m.mod": main("m", "        do_a;\n"),
+        "RAPID/TASK1/PROGMOD/a.mod": library("a"),
+        "RAPID/TASK1/PROGMOD/half.mod": "MODULE half\n    PROC do_half(\n",
+    }
+    assert grouped(tmp_path, texts) == {
+        "RAPID/TASK1": ["m.mod", "a.mod"],
+        "RAPID/TASK1/PROGMOD/half.mod": ["half.mod"],
+    }
+
+
+def test_a_list_in_a_backup_leaves_out_what_it_does_not_name(tmp_path: Path) -> None:
+    texts = {
+        "RAPID/TASK1/PROGMOD/one.pgf": listed("m.mod"),
+        "RAPID/TASK1/PROGMOD/m.mod": main("m"),
+        "RAPID/TASK1/PROGMOD/old.mod": library("old"),
+        "RAPID/TASK1/SYSMOD/user.sys": library("user"),
+    }
+    assert grouped(tmp_path, texts) == {
+        "RAPID/TASK1/PROGMOD/one.pgf": ["one.pgf", "m.mod", "user.sys"],
+        "RAPID/TASK1/PROGMOD/old.mod": ["old.mod"],
+    }
