@@ -28,7 +28,16 @@ from assistant.program.wanted import (
     Wanted,
     neutral,
 )
-from assistant.sources.cell import NO_CELL, TABLES, Cell, parse_cell, read_cell, said, with_entries
+from assistant.sources.cell import (
+    NO_CELL,
+    TABLES,
+    Cell,
+    data_text,
+    parse_cell,
+    read_cell,
+    said,
+    with_entries,
+)
 
 if TYPE_CHECKING:
     from assistant.languages import Language
@@ -42,6 +51,11 @@ NO_FILE_OF: Final = error(
     "CO072",
     "`{name}` stands for itself in the cell file, and the file `{file}` cannot be used: {reason}",
     'name a file beside the cell file, or write "stop" or "empty"',
+)
+OTHER_TYPE: Final = error(
+    "CO073",
+    "what the cell file says of `{name}` is no value of the type {type}",
+    "write {wanted}, or another `type`",
 )
 STATED: Final = "cell values"
 """Of the text of declarations that is made of a cell file."""
@@ -75,7 +89,9 @@ def in_cell(loaded: Loaded, cell: Cell, path: FilePath, *, taught: bool = False)
         wanted = language.wanted(trees)
     declared = [one for one in wanted if one.kind != "signal"]
     program = loaded.program
-    given = [(_typed(one, cell), _value(one, cell)) for one in declared]
+    values = [_value(one, cell) for one in declared]
+    pairs = zip(declared, values, strict=True)
+    given = [(_sized(_typed(one, cell), value), value) for one, value in pairs]
     if given:
         trees = language.with_supplied(trees, given, STATED)
     if files or given:
@@ -172,8 +188,40 @@ def _typed(one: Wanted, cell: Cell) -> Wanted:
 
 
 def _value(one: Wanted, cell: Cell) -> Value | None:
-    value = cell.value(one)
-    return neutral(one) if value is None else value
+    value, least = cell.value(one), neutral(one)
+    if value is None:
+        return least
+    if one.kind == "data" and _typed(one, cell).type == one.type and not _is_like(value, least):
+        shown = data_text(one.nothing)
+        at = f"data.{one.name}"
+        raise Refused(
+            OTHER_TYPE(name=one.name, type=one.type, wanted=f"one like {shown}", place=at)
+        )
+    return value
+
+
+def _sized(one: Wanted, value: Value | None) -> Wanted:
+    """An array with the extents that its value has."""
+    extents: list[int] = []
+    inner: Any = value
+    for _ in one.size:
+        if not isinstance(inner, tuple) or not inner:
+            return one
+        extents.append(len(inner))
+        inner = inner[0]
+    return replace(one, size=tuple(extents))
+
+
+def _is_like(value: Any, other: Any) -> bool:
+    """Whether two values of data have the same form; of an array with any number of elements."""
+    if isinstance(value, tuple) and isinstance(other, tuple):
+        alike = len({type(part) for part in other}) == 1 and len(other) > 0
+        if len(value) != len(other) and not alike:
+            return False
+        return all(_is_like(a, b) for a, b in zip(value, other, strict=False))
+    kinds = (bool, str, tuple, float | int)
+    kind = next(k for k in kinds if isinstance(other, k)) if other is not None else object
+    return isinstance(value, kind) and (kind is not kinds[-1] or not isinstance(value, bool))
 
 
 def _files(

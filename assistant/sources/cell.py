@@ -344,6 +344,11 @@ def _keys(wanted: Wanted, value: Value | None) -> Iterator[tuple[str, Any, str]]
             yield "arm", value, '"same" as the one that runs the program, or a robot by its name'
 
 
+def data_text(value: Plain | None) -> str:
+    """A value of data as the file has it."""
+    return OPEN_TEXT if value is None else _toml(value)
+
+
 def _toml(value: Any) -> str:
     match value:
         case bool():

@@ -109,6 +109,22 @@ def test_a_routine_that_was_not_read_comes_from_a_file_beside(tmp_path: Path) ->
     assert done.ok and b"Hlt" not in b"".join(done.files.values())
 
 
+def test_an_array_has_as_many_elements_as_the_cell_file_says(tmp_path: Path) -> None:
+    file, path = program(tmp_path), tmp_path / "cell.toml"
+    text = neutral_cell(load(file)).replace("value = [0, 0, 0]", "value = [1, 2, 3, 4, 5]")
+    path.write_text(text, encoding="utf-8")
+    done = translate(file, to="melfa-basic-6", cell=path, proving=Proving())
+    assert done.ok and b"(5)" in b"".join(done.files.values())
+
+
+@pytest.mark.parametrize("value", ["true", '"5"', "[1, 2]"])
+def test_data_of_another_type_are_refused(tmp_path: Path, value: str) -> None:
+    path = tmp_path / "cell.toml"
+    path.write_text(f'[data.nOther]\ntype = "num"\nvalue = {value}\n', encoding="utf-8")
+    with pytest.raises(Refused, match="no value of the type num"):
+        translate(program(tmp_path), to="melfa-basic-6", cell=path)
+
+
 def test_what_a_cell_file_says_wrongly_is_told_at_its_line(tmp_path: Path) -> None:
     path = tmp_path / "cell.toml"
     path.write_text('[speeds.vFast]\nspeed = "fast"\n', encoding="utf-8")
@@ -186,3 +202,21 @@ ENDMODULE
 """
     done = translate(program(tmp_path, text), to="melfa-basic-6", proving=Proving())
     assert done.ok, [f.message for f in done.findings]
+
+
+def test_a_process_file_counts_beside_a_cell_file(tmp_path: Path) -> None:
+    text = """MODULE Cell
+  PERS tooldata tGrip:=[TRUE,[[0,0,100],[1,0,0,0]],[1,[0,0,1],[1,0,0,0],0,0,0]];
+  CONST robtarget p10:=[[400,0,300],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+  PROC main()
+    MoveL p10,vFast,fine,tGrip;
+  ENDPROC
+ENDMODULE
+"""
+    process, cell = tmp_path / "cell.process.toml", tmp_path / "cell.toml"
+    process.write_text("[tools.tGrip]\ntip = [0, 0, 77]\n", encoding="utf-8")
+    cell.write_text("[speeds.vFast]\nspeed = 33\n", encoding="utf-8")
+    file = program(tmp_path, text)
+    done = translate(file, to="melfa-basic-6", process=process, cell=cell)
+    made = b"".join(done.files.values())
+    assert done.ok and b"Spd 33" in made and b"PTGRIP=(+0.00,+0.00,+77.00" in made

@@ -15,6 +15,7 @@ import numpy as np
 
 import assistant
 from assistant.compiler.checking import check_files
+from assistant.compiler.filling import in_cell
 from assistant.compiler.script_file import parse_script
 from assistant.controllers.named import controllers_of
 from assistant.deploy.journal import read_journal, steps_of
@@ -25,6 +26,7 @@ from assistant.program.text import decode
 from assistant.project import project_of
 from assistant.project.kept import FILE, read_entries
 from assistant.robots import robot_file
+from assistant.sources.cell import read_cell
 from assistant.sources.process.file import ENCODINGS, read_process
 from tests.fuzz.target import (
     ROOT,
@@ -60,6 +62,16 @@ def process(data: bytes) -> None:
         sound(assistant.load(table, process=path).findings)
         drawing = ROOT / "samples" / "plate.dxf"
         sound(assistant.load(drawing, process=path).findings)
+
+
+def cell(data: bytes) -> None:
+    path = file("input.cell.toml", data)
+    moves = b"MoveL pHome,vNear,zNear,tGrip;\nMoveAbsJ jHome,vNear,fine,tool0;\nnParts:=1;\n"
+    text = b"MODULE m\nPROC main()\n" + moves + b"rWash;\nENDPROC\nENDMODULE\n"
+    program = file("uses.mod", text)
+    with refusing():
+        promise(read_cell(path).text != "" or not data.strip(), "a cell file is read as nothing")
+        in_cell(assistant.load(program), read_cell(path), path)
 
 
 def robot(data: bytes) -> None:
@@ -214,6 +226,7 @@ TARGETS: Final = (
         tried=12,
     ),
     Target("process", process, files_of("tests/fuzz/seeds/process/*"), lambda: _TOML, tried=12),
+    Target("cell", cell, files_of("tests/fuzz/seeds/cell/*"), lambda: _TOML, tried=12),
     Target("robot", robot, files_of("assistant/robots/catalogue/r*.toml"), lambda: _TOML),
     Target("urdf", robot, files_of("tests/fuzz/seeds/urdf/*")),
     Target("script", script, files_of("tests/fuzz/seeds/script/*"), lambda: _TOML),
