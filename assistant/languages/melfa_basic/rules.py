@@ -282,6 +282,12 @@ OUTSIDE = warning(
     "`{what}` is said as a call of `{name}`, a routine that the cell has to give",
     "write there what the other controller has for it, and try it with care",
 )
+STATE = warning(
+    "MB258",
+    "`{name}` is data of the program, which the cell's routines have to read and write: of a "
+    "position the last three numbers are the angles of its orientation",
+    "see that these routines take it like that",
+)
 MEASURED = warning(
     "MB257",
     "P_Fbc, the position that is measured, is said as the present one, as P_Curr is",

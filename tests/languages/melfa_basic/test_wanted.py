@@ -132,6 +132,8 @@ def test_force_control_is_said_by_routines_of_the_cell(
     assert found.motion.holds
     rows = {row.text: row for row in found.rows}
     assert [reason.code for reason in rows["Fsc On,0,0,1 'soft"].reasons] == ["MB256"]
+    state = rows["P_FsStf0=(0,0,2.5,0,0,0)(0,0)"]
+    assert [reason.code for reason in state.reasons] == ["MB258"]
     written = "".join(data.decode() for data in found.files.values())
     assert written.count("Stop;") == stops
     assert '%"FSCON"%' in written
@@ -154,3 +156,12 @@ def test_a_signal_whose_number_the_list_of_values_holds(tmp_path: Path) -> None:
     assert {signal.number for signal in found.compiled.program.signals.values()} == {5}
     source.write_text(text.replace("Mvs P1", "MPart=6") + PLACES)
     assert not translate(source, to="rapid", language="melfa-basic-5").ok
+
+
+def test_moments_that_are_no_angles_stay_as_they_are(tmp_path: Path) -> None:
+    source, cell = tmp_path / "JOB.prg", tmp_path / "cell.toml"
+    source.write_text("P_FsFLm0=(9,9,9,120,5,5)(0,0)\nFsc On,0,0,1\nMvs P1\nEnd\n" + PLACES)
+    cell.write_text(neutral_cell(load(source, language="melfa-basic-5")))
+    found = translate(source, to="rapid", language="melfa-basic-5", cell=cell)
+    assert not found.ok
+    assert [row.text[:8] for row in found.rows if row.level == "not"] == ["P_FsFLm0"]

@@ -46,6 +46,7 @@ def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
     """Findings on a lifted program, with its spans, that is written anew in the language `to`."""
     trees = () if program.origin is None else program.origin.trees
     commands = list(_commands(trees))
+    text = "\n".join(tree.source.text if tree.source else "" for tree in trees)
     left = depended_on(program) if to in DIALECTS else frozenset()
     for word, number, of, default, plain, status in KEPT:
         set_at = [span for span, node in commands if _sets(node, word, status)]
@@ -61,8 +62,12 @@ def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
         for span in _reading(trees, "P_FBC"):
             yield rules.MEASURED(span=span)
         for span, node in commands:
+            if isinstance(node, s.Assign) and node.target.key.startswith(("PFS", "MFS")):
+                state = _found_at(text, span, r"\b([PM]_Fs\w+)\s*=")
+                if state:
+                    yield rules.STATE(name=state, span=span)
             if isinstance(node, s.CallP) and isinstance(node.program, s.String):
-                what = _command_at(program, span)
+                what = _command_at(text, span)
                 if what:
                     yield rules.OUTSIDE(what=what, name=node.program.value, span=span)
             if isinstance(node, s.DefOther) and _is_straight_arc(node, program):
@@ -106,15 +111,16 @@ def _sets(node: s.Statement, word: str, status: str) -> bool:
     return False
 
 
-def _command_at(program: Program, span: Span | None) -> str:
+def _command_at(text: str, span: Span | None) -> str:
     """The command that stands where another one is called instead; empty for a plain call."""
-    text = "\n".join(
-        tree.source.text if tree.source else ""
-        for tree in (program.origin.trees if program.origin else ())
-    )
+    return _found_at(text, span, rf"\b((?:{'|'.join(COMMANDS)})\b[^'\r\n]*)")
+
+
+def _found_at(text: str, span: Span | None, pattern: str) -> str:
+    """What the group of a pattern matches in a line of a text; empty for nothing."""
     line = text[span.start : span.end] if span is not None else ""
-    found = re.search(rf"\b(?:{'|'.join(COMMANDS)})\b[^'\r\n]*", line, re.IGNORECASE)
-    return found[0].strip() if found else ""
+    found = re.search(pattern, line, re.IGNORECASE)
+    return found[1].strip() if found else ""
 
 
 def _is_straight_arc(node: s.DefOther, program: Program) -> bool:

@@ -15,6 +15,7 @@ from assistant.languages.melfa_basic.tables.variables import kept_as
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import outside
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool
 from assistant.program.path import configuration_row
 from assistant.program.rewriting import rewrite
@@ -55,6 +56,12 @@ def _with_calls(tree: s.File, routines: Mapping[str, object]) -> s.File:
 
     Its text stays, so that findings and reports show what stands there.
     """
+    turned = {
+        node.target.key
+        for item in tree.items
+        for node in nodes(item.statement if isinstance(item, s.Line) else None)
+        if isinstance(node, s.Assign) and _is_no_turn(node.value)
+    }
 
     def said(node: Any) -> Any:
         match node:
@@ -62,11 +69,23 @@ def _with_calls(tree: s.File, routines: Mapping[str, object]) -> s.File:
                 routine = outside.routine_of(node)
                 if routine is not None and routine[0] in routines:
                     return s.CallP(s.String(routine[0].upper()), routine[1])
-            case s.Variable() if outside.is_state(node.key):
+            case s.Variable() if outside.is_state(node.key) and node.key not in turned:
                 return replace(node, name=outside.data_of(node.name))
         return node
 
     return replace(tree, items=tuple(rewrite(item, said) for item in tree.items))
+
+
+STEEPEST: Final = 90.0
+"""Degrees below which three angles are read back from an orientation as they were."""
+
+
+def _is_no_turn(value: s.Expression) -> bool:
+    """Whether the last three numbers of a constant are no angles of one orientation alone."""
+    match value:
+        case s.Constant(values=values):
+            return any(abs(v or 0) >= STEEPEST for v in values[3:6])
+    return False
 
 
 def _routine(wanted: Wanted, value: Value | None, dialect: str, folder: str) -> s.File:
