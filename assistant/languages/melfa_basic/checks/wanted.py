@@ -123,13 +123,14 @@ def _rows(look: Look, rows: MoveRows, names: Known, empty: set[str]) -> Iterator
 
 def _parameters(look: Look) -> Iterator[Wanted]:
     """Tools and bases by number."""
+    positions = Positions(look.tree)
     for line, command in look.all(s.Command):
         known_as = PARAMETERS.get(command.keyword)
         number = literal(command.arguments[0]) if len(command.arguments) == 1 else None
         if known_as is not None and number:
             kind: WantedKind = "tool" if command.keyword == "Tool" else "frame"
             name = known_as.format(number=round(number))
-            if Positions(look.tree).constant(kept_as(name)) is None:
+            if positions.constant(kept_as(name)) is None:
                 yield Wanted(name, kind, uses=(_place(look, line.span),))
 
 
