@@ -46,13 +46,25 @@ class _Parameter:
 class _Routine:
     """A routine that copies are made of. ways: what it is called with, and the name of the copy.
 
-    stays: somebody calls it in a way that no copy is for.
+    stays: somebody calls it in a way that no copy is for. hidden: names of its own, and changed:
+    those that it assigns to, in lower case. runs: it has moves in columns, whose settings are
+    names.
     """
 
     node: s.Routine
     parameters: tuple[_Parameter, ...]
     ways: dict[tuple[str | None, ...], tuple[str, Given]] = field(default_factory=dict)
     stays: bool = False
+    hidden: frozenset[str] = frozenset()
+    changed: frozenset[str] = frozenset()
+    runs: bool = False
+
+    @staticmethod
+    def of(node: s.Routine, parameters: tuple[_Parameter, ...]) -> _Routine:
+        hidden = frozenset(name.lower() for name in inner_names((node,)))
+        runs = any(isinstance(inner, s.MoveRunNode) for inner in nodes(node))
+        changed = frozenset(_changed(node))
+        return _Routine(node, parameters, hidden=hidden, changed=changed, runs=runs)
 
 
 def with_copies(modules: Sequence[s.Module], layouts: Layouts) -> Sequence[s.Module]:
@@ -69,7 +81,7 @@ class _Copies:
             if isinstance(item, s.Routine):
                 found.setdefault(item.name.lower(), []).append(item)
         self.routines = {
-            name: _Routine(own[0], parameters)
+            name: _Routine.of(own[0], parameters)
             for name, own in found.items()
             if len(own) == 1 and (parameters := self._parameters(own[0]))
         }
@@ -82,6 +94,7 @@ class _Copies:
         )
         written = (root(one.target) for one in every if isinstance(one, s.Assignment))
         self.written = {one.name.lower() for one in written if one is not None}
+        self._assigned: dict[int, set[str]] = {}
         for one in every:
             if isinstance(one, s.ProcedureCall | s.FunctionCall) and isinstance(one.name, str):
                 self.written |= self._changed_by(one, found)
@@ -96,7 +109,9 @@ class _Copies:
             a.name.lower(): a.value for a in call.arguments if isinstance(a, s.Option) and a.value
         }
         for routine in known.get(str(call.name).lower(), ()):
-            assigned, places = _changed(routine), iter(plain)
+            if id(routine) not in self._assigned:
+                self._assigned[id(routine)] = _changed(routine)
+            assigned, places = self._assigned[id(routine)], iter(plain)
             for group in routine.parameters:
                 value = None if group.optional else next(places, None)
                 for one in group.alternatives:
@@ -239,22 +254,17 @@ class _Copies:
 
     def _fits(self, value: s.Expression, q: _Parameter, one: _Routine, own: set[str]) -> bool:
         """Whether a copy may have a value in the place of a parameter."""
-        hidden = {name.lower() for name in inner_names((one.node,))}
         found = root(value)
         if found is None:
             literal = isinstance(value, s.AggregateNode) and not q.node.mode
-            fits = literal and _is_literal(value) and not self._has_runs(one)
-            return fits and q.key not in _changed(one.node)
+            fits = literal and _is_literal(value) and not one.runs
+            return fits and q.key not in one.changed
         low = found.name.lower()
-        if low in own or low in hidden:
+        if low in own or low in one.hidden:
             return False
-        if value is not found and (self._has_runs(one) or not _is_row(value)):
+        if value is not found and (one.runs or not _is_row(value)):
             return False
-        return bool(q.node.mode) or (low not in self.written and q.key not in _changed(one.node))
-
-    def _has_runs(self, one: _Routine) -> bool:
-        """Whether there are moves in columns, whose settings are names."""
-        return any(isinstance(node, s.MoveRunNode) for node in nodes(one.node))
+        return bool(q.node.mode) or (low not in self.written and q.key not in one.changed)
 
     # ------------------------------------------------------------------------------- copies
 
