@@ -150,3 +150,8 @@ NO_AXIS: Final = warning(
     "`{axis}` is left out: no target states a place of that external axis, so that there is none",
     "state a place of it in a target, if the arm has such an axis",
 )
+SIGNS: Final = warning(
+    "RA351",
+    "the quaternion of a target is worked out of its angles: all parts may have the other sign",
+    "none is needed where they turn something again, as both say the same orientation",
+)

@@ -20,6 +20,7 @@ from assistant.languages.rapid.lift.data import numbers
 from assistant.languages.rapid.lift.extents import with_extents
 from assistant.languages.rapid.lift.instructions import Meaning
 from assistant.languages.rapid.lift.operator import with_operator
+from assistant.languages.rapid.lift.plain.library import PART
 from assistant.languages.rapid.lift.plain_data import with_plain_data
 from assistant.languages.rapid.lift.statements import lift_of
 from assistant.languages.rapid.lift.stopwatches import with_stopwatches
@@ -44,7 +45,7 @@ from assistant.languages.records import frame_of, tool_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.signals import with_used
-from assistant.program.diagnostics import Findings
+from assistant.program.diagnostics import Diagnostic, Findings
 from assistant.program.geometry import Frame, Tool
 from assistant.program.kept import effect_of
 from assistant.program.passes.angles import with_read_angles
@@ -53,7 +54,7 @@ from assistant.program.passes.open_lines import with_open_lines
 from assistant.program.passes.stops import stopped, with_stops
 from assistant.program.passes.table_rows import Named, Table, with_table_rows
 from assistant.program.program import Declaration, Program, Variable
-from assistant.program.rewriting import exchanged, records, rewrite
+from assistant.program.rewriting import exchanged, head, records, rewrite
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
@@ -110,7 +111,16 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
     }
     program = with_constants(program, ELSEWHERE)
     program = with_read_angles(with_predefined(program, types))
+    findings += _signs(program)
     return Adapted(program, tuple(findings))
+
+
+def _signs(program: Program) -> Iterator[Diagnostic]:
+    """Quaternions that are read where there are angles alone."""
+    for statement in program.statements():
+        asked = (r.function for r in records(head(statement)) if isinstance(r, e.Apply))
+        if statement.span is not None and PART in asked:
+            yield rules.SIGNS(span=statement.span)
 
 
 def _key(call: s.ProcedureCall) -> str:
