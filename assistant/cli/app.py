@@ -26,11 +26,18 @@ from assistant.cli.options import (
     SignalsOption,
     Source,
     Sources,
+    TranslationFormatOption,
     UnitOption,
     complete_language,
     complete_robot,
 )
-from assistant.cli.presentation import FindingFormat, Format, FramesAs, answer_as
+from assistant.cli.presentation import (
+    FindingFormat,
+    Format,
+    FramesAs,
+    TranslationFormat,
+    answer_as,
+)
 from assistant.cli.virtual_commands import virtual
 from assistant.cli.virtual_runs import debug, run
 
@@ -168,7 +175,7 @@ def translate(
     prove: ProveOption = False,
     signals: SignalsOption = None,
     seed: SeedOption = 0,
-    format: FindingFormatOption = FindingFormat.TEXT,
+    format: TranslationFormatOption = TranslationFormat.TEXT,
 ) -> None:
     """Write robot programs in another language; tell of every statement what becomes of it."""
     from assistant.cli.proving import proving

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import json
-import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.cli.compiling import STANDARD, TWICE, standard_input, working
-from assistant.cli.presentation import Format, print_findings, say
-from assistant.program.diagnostics import Refused, error, has_errors
+from assistant.cli.presentation import Format, print_findings, print_json, say
+from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors
 
 if TYPE_CHECKING:
     from assistant.languages import Language
@@ -30,20 +28,25 @@ def run_coverage(paths: Sequence[str], language: str | None, format: Format) -> 
     if list(paths).count(STANDARD) > 1:
         raise Refused(TWICE(), exit_status=2)
     status, found = 0, []
+    wrong: list[Diagnostic] = []
     for path in dict.fromkeys(paths):
         try:
             for name, spoken, source in _programs(path, language):
                 with working(f"reading {name}"):
                     tree = spoken.parse(source)
-                    print_findings(f.within(name) for f in tree.findings)
+                    told = [f.within(name) for f in tree.findings]
+                    print_findings(told)
                     if has_errors(tree.findings):
                         status = max(status, 1)
+                        wrong += told
                         continue
                     found.append(coverage(spoken, [tree]))
         except Refused as refused:
-            print_findings(f.within(str(path)) for f in refused.findings)
+            told = [f.within(str(path)) for f in refused.findings]
+            print_findings(told)
+            wrong += told
             status = max(status, refused.exit_status)
-    _show(total(found), format)
+    _show(total(found), wrong, format)
     return status
 
 
@@ -62,10 +65,16 @@ def _programs(path: str, language: str | None) -> Iterator[tuple[str, Language[A
     yield "standard input", language_of(spoken), text
 
 
-def _show(rows: Sequence[Construct], format: Format) -> None:
+def _show(rows: Sequence[Construct], wrong: Sequence[Diagnostic], format: Format) -> None:
+    """wrong: why programs are not counted, which a list of constructs alone would not tell."""
     if format is Format.JSON:
-        json.dump([asdict(row) for row in rows], sys.stdout, indent=2)
-        sys.stdout.write("\n")
+        from assistant.findings.formats import finding_record
+
+        constructs = [asdict(row) for row in rows]
+        findings = [finding_record(finding) for finding in wrong]
+        print_json(
+            {"ok": False, "constructs": constructs, "findings": findings} if wrong else constructs
+        )
         return
     counts = [(row.name, row.supported, row.partial, row.verbatim) for row in rows]
     sums = [sum(column) for column in zip(*(c[1:] for c in counts), strict=True)]

@@ -7,7 +7,13 @@ from typing import Annotated
 
 import typer
 
-from assistant.cli.presentation import FindingFormat, Format, FramesAs, answer_as
+from assistant.cli.presentation import (
+    FindingFormat,
+    Format,
+    FramesAs,
+    TranslationFormat,
+    answer_as,
+)
 
 
 def complete_language(incomplete: str) -> list[str]:
@@ -69,6 +75,11 @@ FramesOption = Annotated[
     FramesAs,
     typer.Option(help="Work objects in MELFA-BASIC: as Base, or as factors of the targets."),
 ]
+TranslationFormatOption = Annotated[
+    TranslationFormat,
+    typer.Option("--format", help="For people, programs, code scanning or pull requests; markdown "
+                 "is a comment of one.", callback=answer_as),
+]  # fmt: skip
 FindingFormatOption = Annotated[
     FindingFormat,
     typer.Option("--format", help="For people, programs, code scanning or pull requests.",

@@ -6,9 +6,9 @@ import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
-from assistant.cli.markdown import cell, code, findings_markdown, folded, plain
 from assistant.cli.presentation import say
 from assistant.program.diagnostics import Diagnostic, worst
+from assistant.report.markdown import cell, code, findings_markdown, folded, plain
 
 if TYPE_CHECKING:
     from assistant.deploy import Deployment, Plan, PlannedFile

@@ -35,6 +35,16 @@ class FindingFormat(enum.StrEnum):
     GITHUB = "github"
 
 
+class TranslationFormat(enum.StrEnum):
+    """How a command that translates answers."""
+
+    TEXT = "text"
+    JSON = "json"
+    SARIF = "sarif"
+    GITHUB = "github"
+    MARKDOWN = "markdown"
+
+
 class PlanFormat(enum.StrEnum):
     """How a command that plans answers."""
 
@@ -161,7 +171,7 @@ def print_refused(findings: Sequence[Diagnostic]) -> None:
     if asked == Format.TEXT:
         print_findings(findings)
     elif asked == PlanFormat.MARKDOWN:
-        from assistant.cli.markdown import findings_markdown
+        from assistant.report.markdown import findings_markdown
 
         print_findings(findings)
         say("\n".join(["### Refused", "", *findings_markdown(findings)]))

@@ -20,6 +20,7 @@ from assistant.cli.compiling import (
 from assistant.cli.presentation import (
     FindingFormat,
     FramesAs,
+    TranslationFormat,
     print_findings,
     print_for_programs,
     print_json,
@@ -76,12 +77,13 @@ def run_translate(
     *,
     output: str,
     report: Path | None,
-    format: FindingFormat,
+    format: TranslationFormat,
     ask: bool = False,
 ) -> int:
     """0 if everything is said, 1 if something is not, 2 if a program cannot be read."""
     from assistant.findings.formats import finding_record
-    from assistant.report.translation import record
+    from assistant.report.markdown import findings_markdown
+    from assistant.report.translation import markdown, record
 
     if list(programs).count(STANDARD) > 1:
         raise Refused(TWICE(), exit_status=2)
@@ -110,21 +112,24 @@ def run_translate(
         written += _reported(report, done)
     if options.cell is not None:
         written += _lacking(options.cell, done)
-    if format is FindingFormat.TEXT:
+    if format is TranslationFormat.TEXT:
         print_findings(refusals)
         for one in done:
             _show(one)
         for path in written:
             say(f"wrote {path}")
-    elif format is FindingFormat.JSON:
+    elif format is TranslationFormat.JSON:
         answer = {
             "ok": status == 0, "programs": list(map(record, done)), "written": written,
             "findings": list(map(finding_record, refusals)),
         }  # fmt: skip
         print_json(answer)
+    elif format is TranslationFormat.MARKDOWN:
+        for line in (*findings_markdown(refusals), *markdown(done).splitlines()):
+            say(line)
     else:
         found = [f for one in done for f in one.translation.findings]
-        print_for_programs([*refusals, *found], (), format)
+        print_for_programs([*refusals, *found], (), FindingFormat(format))
     return status
 
 
@@ -246,13 +251,14 @@ def _lacking(path: Path, done: Sequence[Translated]) -> list[str]:
 
 def _show(one: Translated) -> None:
     """A table on a terminal, one line a statement elsewhere; findings on the whole program."""
-    from assistant.report.translation import lines, totals
+    from assistant.report.translation import lines, reasons, totals
 
     translation = one.translation
     print_findings(f.within(one.source) for f in translation.whole)
     if sys.stdout.isatty():
         _table(one)
-        say(f"{one.source}: {totals(translation)}")
+        for line in (f"{one.source}: {totals(translation)}", *reasons(one)):
+            say(line)
     else:
         for line in lines(one):
             say(line)

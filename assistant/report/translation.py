@@ -1,4 +1,4 @@
-"""The report on translated programs: lines of text, records for programs, a page of HTML."""
+"""The report on translated programs: lines of text, records, Markdown, a page of HTML."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from typing import Any, Final
 from assistant.compiler.source_map import Place
 from assistant.compiler.translating import Row, Translation
 from assistant.findings.formats import finding_record
+from assistant.report.costs import costs
+from assistant.report.markdown import cell, code, findings_markdown
 from assistant.resources import resource
 
 STANDARD: Final = "standard input"
@@ -38,6 +40,57 @@ def lines(one: Translated) -> Iterator[str]:
                 f"; {reason.cure}" if reason.cure else ""
             )
     yield f"{one.source}: {totals(translation)}"
+    yield from reasons(one)
+
+
+def reasons(one: Translated) -> Iterator[str]:
+    """What most statements are not said for, a line each; none of a program that is whole."""
+    for cost in costs(row for row in one.translation.rows if row.level == "not"):
+        cure = f"; {cost.cure}" if cost.cure else ""
+        statements = "statement" if cost.count == 1 else "statements"
+        yield (
+            f"{one.source}: {cost.count:,} {statements} not, first in line {cost.place.line}: "
+            f"{cost.code} {cost.message}{cure}"
+        )
+
+
+def markdown(done: Sequence[Translated]) -> str:
+    """For a pull request: of each program how much is said, and what costs most."""
+    told = ["| program | supported | partial | not | said |", "|---|---:|---:|---:|---:|"]
+    for one in done:
+        counts = " | ".join(f"{count:,}" for count in one.translation.totals.values())
+        told.append(f"| {cell(one.source)} | {counts} | {share(one.translation):.1f} % |")
+    for one in done:
+        told += _program_markdown(one)
+    return "\n".join(told) + "\n"
+
+
+def _program_markdown(one: Translated) -> Iterator[str]:
+    translation = one.translation
+    yield from ("", f"### {code(one.source)} in {translation.language}", "")
+    yield from (f"- {code(line)}" for line in translation.written.proof_lines())
+    if translation.draft:
+        yield "- the files are a draft, with a stop for each statement that is not said"
+    yield from findings_markdown(translation.whole)
+    most = costs(translation.rows)
+    if most:
+        yield from (
+            "",
+            "| statements | | reason | what to do | first in |",
+            "|---:|---|---|---|---|",
+        )
+    for cost in most:
+        where = f"{cost.place.path or STANDARD}:{cost.place.line}"
+        yield (
+            f"| {cost.count:,} | {cost.level} | {cell(f'{cost.code} {cost.message}')} "
+            f"| {cell(cost.cure) if cost.cure else ''} | {cell(where)} |"
+        )
+
+
+def share(translation: Translation) -> float:
+    """Percent of the statements that are said, some with a change."""
+    totals = translation.totals
+    return 100 * (1 - totals["not"] / max(1, sum(totals.values())))
 
 
 def totals(translation: Translation) -> str:
@@ -55,6 +108,8 @@ def record(one: Translated) -> dict[str, Any]:
         "ok": translation.ok,
         "draft": translation.draft,
         "totals": translation.totals,
+        "said_percent": round(share(translation), 1),
+        "reasons": [cost.record() for cost in costs(translation.rows)],
         "statements": [_row(row) for row in translation.rows],
         "findings": [finding_record(f) for f in translation.whole],
         "files": sorted(translation.files),
@@ -130,6 +185,7 @@ def _json(done: Sequence[Translated]) -> str:
 
 WRITTEN: Final[dict[str, Callable[[Sequence[Translated]], str]]] = {
     ".html": page,
+    ".md": markdown,
     ".json": _json,
     ".txt": text,
 }

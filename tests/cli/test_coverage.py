@@ -71,6 +71,10 @@ def test_a_broken_program_is_said_to_be_broken(tmp_path: Path, capsys: Capture) 
     status, _, err = run(capsys, "coverage", str(file))
     assert status == 1
     assert "is missing" in err
+    status, out, _ = run(capsys, "coverage", str(file), "--format", "json")
+    answer = json.loads(out)
+    assert (status, answer["ok"], answer["constructs"]) == (1, False, [])
+    assert "is missing" in answer["findings"][0]["message"]
 
 
 def test_rows_of_a_table_count_one_by_one(tmp_path: Path, capsys: Capture) -> None:

@@ -1,0 +1,68 @@
+"""What keeps a translated program from being said whole: the reasons that cost most."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, Final
+
+from assistant.compiler.source_map import Place
+from assistant.compiler.translating import Level, Row
+
+MOST: Final = 10
+"""Reasons that a report tells of a program."""
+
+
+@dataclass(frozen=True, slots=True)
+class Cost:
+    """A reason that statements have in common.
+
+    count: of the statements that are not said, or only with a change, for this one first.
+    cure: what to do about it. message: of the first of them, which stands at `place`.
+    """
+
+    code: str
+    level: Level
+    count: int
+    message: str
+    cure: str
+    place: Place
+
+    def record(self) -> dict[str, Any]:
+        return {
+            "code": self.code,
+            "level": self.level,
+            "statements": self.count,
+            "message": self.message,
+            "cure": self.cure,
+            "path": self.place.path,
+            "line": self.place.line,
+        }
+
+
+def costs(rows: Iterable[Row], most: int = MOST) -> list[Cost]:
+    """The reasons of the most statements, of those that are not said before the others."""
+    found: dict[tuple[Level, str, str], Cost] = {}
+    for row in rows:
+        if row.level == "supported" or not row.reasons:
+            continue
+        first = row.reasons[0]
+        key = row.level, first.code, _common(first.message)
+        known = found.get(key)
+        if known is None:
+            known = Cost(first.code, row.level, 0, first.message, first.cure, row.place)
+        found[key] = Cost(
+            known.code, known.level, known.count + row.count, known.message, known.cure, known.place
+        )
+    ordered = sorted(found.values(), key=lambda c: (c.level != "not", -c.count, c.code))
+    return ordered[:most]
+
+
+_QUOTED: Final = re.compile(r"`([A-Za-z_]\w*)[^`\w][^`]*`")
+_NUMBER: Final = re.compile(r"(?<![\w`])[-+]?[0-9][0-9.,]*")
+
+
+def _common(message: str) -> str:
+    """A message without what differs from statement to statement: arguments and numbers."""
+    return _NUMBER.sub("#", _QUOTED.sub(r"`\1`", message))
