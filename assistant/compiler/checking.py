@@ -24,7 +24,7 @@ from assistant.compiler.loading import (
     with_process,
 )
 from assistant.compiler.project import configured
-from assistant.compiler.source_map import Places
+from assistant.compiler.source_map import Places, at_moves
 from assistant.program import pseudo
 from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors, info
 from assistant.program.failing import details_wanted, failure
@@ -230,7 +230,7 @@ def _check_pseudo(
     program = parse_pseudo(text, tables)
     checked.texts[name] = Text(text, PSEUDO_MARK, complete=True)
     loaded = _in_cell(program, process)
-    meant = _check_meaning(loaded.program, arm)
+    meant = _check_meaning(loaded.program, arm, Places(program, text))
     return [*loaded.findings, *(_at_its_line(finding, text) for finding in meant)]
 
 
@@ -297,11 +297,13 @@ def _check_texts(
     loaded = _in_cell(program, process)
     found += loaded.findings
     places = Places(loaded.program)
-    meant = map(places.finding, _check_meaning(loaded.program, arm))
+    meant = map(places.finding, _check_meaning(loaded.program, arm, places))
     return [*found, *(f for f in meant if language.restated.get(f.code) not in told)]
 
 
-def _check_meaning(program: Program, arm: Robot | None) -> tuple[Diagnostic, ...]:
+def _check_meaning(
+    program: Program, arm: Robot | None, places: Places | None = None
+) -> tuple[Diagnostic, ...]:
     from assistant import robots
 
     found = checks.check(program)
@@ -312,4 +314,6 @@ def _check_meaning(program: Program, arm: Robot | None) -> tuple[Diagnostic, ...
         program, changed = for_arm(program, taught_on(program, Arms(arm)), arm)
         found += changed
     solution = robots.solve_program(program, arm)
-    return (*found, *solution.findings, *checks.with_robot(solution))
+    solved = (*solution.findings, *checks.with_robot(solution))
+    places = Places(program) if places is None else places
+    return (*found, *at_moves(solved, solution.program, places))

@@ -18,7 +18,7 @@ from assistant.compiler.loading import Loaded, language_of, load
 from assistant.compiler.motion import MotionProof, Proving, prove_motion
 from assistant.compiler.motion_sides import Made
 from assistant.compiler.proof import SAYS_OTHERWISE, Proof, prove
-from assistant.compiler.source_map import Places
+from assistant.compiler.source_map import Places, at_moves
 from assistant.program.diagnostics import (
     Diagnostic,
     Refused,
@@ -142,7 +142,7 @@ def compile(
         loaded = replace(loaded, findings=tuple(f.within(str(source)) for f in loaded.findings))
     program = entered(loaded.program, entry)
     arms = in_arms(loaded, Arms(robot_of(robot), robot_of(from_robot)))
-    compiled = compile_program(program, Places(program), target, arms, most_targets)
+    compiled = compile_program(program, Places(program, loaded.text), target, arms, most_targets)
     compiled = proven_by_motion(compiled, arms, proving, entry)
     return replace(compiled, found=(*loaded.findings, *compiled.found))
 
@@ -209,7 +209,8 @@ def compile_program(
         passed("with-configurations", solution.program)
         program, changed = at_the_pace(solution, before, taught, target.joint_percent)
         passed("at-the-pace", program)
-        findings += (*solution.findings, *with_robot(solution), *changed)
+        solved = (*solution.findings, *with_robot(solution))
+        findings += (*at_moves(solved, solution.program, places), *changed)
     if arms.joint_speed is not None and not target.joint_percent:
         program, changed = at_a_speed(program, arms.joint_speed)
         findings += changed

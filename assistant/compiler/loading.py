@@ -39,6 +39,7 @@ class Loaded:
     joint_speed: see `Process`. wanting: what the program uses and neither it nor a cell file says;
     something that only stands for it is there. arm: that joint angles were taught on, by its name,
     or SAME_ARM; None if a cell file does not say it. signals: that files of its controller state.
+    text: of a pseudo-program.
     """
 
     program: Program
@@ -48,6 +49,7 @@ class Loaded:
     wanting: tuple[Wanted, ...] = ()
     arm: str | None = None
     signals: Mapping[str, Signal] = field(default_factory=dict)
+    text: SourceText | None = None
 
 
 def load(
@@ -70,8 +72,8 @@ def load(
     source = FilePath(path)
     stated = () if unit is None else (unit_stated(path, unit),)
     if source.suffix.lower() == pseudo.SUFFIX:
-        program = parse_pseudo(read_pseudo(path), source.parent)
-        loaded = Loaded(program, None, stated)
+        text = read_pseudo(path)
+        loaded = Loaded(parse_pseudo(text, source.parent), None, stated, text=text)
         return loaded if process is None else with_process(loaded, process)
     data = None if source.suffix.lower() in sources.READERS else read_bytes(source)
     spoken = _spoken(source, data, language)
@@ -106,7 +108,7 @@ def load_text(
 ) -> Loaded:
     """The same for a text that is no file: a robot language's if named, else pseudo text."""
     if language is None:
-        loaded = Loaded(parse_pseudo(text))
+        loaded = Loaded(parse_pseudo(text), text=text)
     else:
         loaded = lift(language_of(language), [text], robot)
     return loaded if process is None else with_process(loaded, process)

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 from assistant.compiler.loading import language_of
 from assistant.languages.language import Part
 from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic, Span
-from assistant.program.program import Program, bodies
+from assistant.program.program import Program, bodies, walk
 from assistant.program.rewriting import Body
+from assistant.program.subjects import Neighbours, NumberedMove, Several, SomeTargets
 from assistant.program.text import SourceText, starts_of
 
 
@@ -25,12 +26,17 @@ class Place:
 
 
 class Places:
-    """The texts of a program that was lifted from a vendor language."""
+    """The texts of a program that was lifted from a vendor language.
 
-    def __init__(self, program: Program) -> None:
+    text: of one that was written as a pseudo-program.
+    """
+
+    def __init__(self, program: Program, text: SourceText | None = None) -> None:
         self._origin = program.origin
         trees = () if program.origin is None else program.origin.trees
         self._texts = [tree.source or SourceText("") for tree in trees]
+        if text is not None and program.origin is None:
+            self._texts = [text]
         self._starts = starts_of(self._texts)
 
     @property
@@ -108,6 +114,43 @@ class Places:
         source, start = self._texts[at], self._starts[at]
         local = span.moved(-start)
         return (source, local) if local.end <= len(source.text) else None
+
+
+def at_moves(
+    findings: Iterable[Diagnostic], program: Program, places: Places
+) -> Iterator[Diagnostic]:
+    """Findings about a move by its number, with the file and the line of that move as well.
+
+    program: whose moves were counted, its statements with the spans of the places. They keep to
+    the whole program: what is found of one move may be cured at another.
+    """
+    for finding in findings:
+        span = None if finding.span or finding.line else _span_of(finding.about, program)
+        yield (
+            finding
+            if span is None
+            else replace(places.finding(replace(finding, span=span)), span=None)
+        )
+
+
+def _span_of(about: object, program: Program) -> Span | None:
+    """The span of the first move that a finding is about by its number."""
+    match about:
+        case NumberedMove(number, name):
+            procedure = program.procedure(name)
+            count = 0
+            for statement in walk(procedure.body) if procedure is not None else ():
+                if isinstance(statement, p.Moving) and not isinstance(statement, p.Follow):
+                    count += 2 if isinstance(statement, p.MoveCircular) else 1
+                if count >= number:
+                    return statement.span
+        case SomeTargets(named=(first, *_)):
+            return _span_of(first, program)
+        case Neighbours(first=first):
+            return _span_of(first, program)
+        case Several(parts=(first, *_)):
+            return _span_of(first, program)
+    return None
 
 
 class Trace:
