@@ -237,7 +237,7 @@ def _stopped(span: Span, places: Places) -> Iterator[p.Statement]:
     """A stop, and the source text of a statement as comments."""
     yield p.Stop(span=span)
     for said in _quoted(span, places):
-        yield p.Comment(said, span=span)
+        yield p.Comment(said)
 
 
 def _quoted(span: Span | None, places: Places, text: str = "") -> Iterator[str]:

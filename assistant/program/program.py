@@ -84,7 +84,7 @@ def identifier(given: str, taken: set[str] | frozenset[str] = frozenset()) -> st
     Letters beyond ASCII become those they are written with where there are none of them: `ü` is
     `ue`, `é` is `e`. Names are compared without case, as both vendors' languages do.
     """
-    name = re.sub(r"[^A-Za-z0-9_]+", "_", _plain_letters(given)).strip("_")[:64] or "unnamed"
+    name = re.sub(r"[^A-Za-z0-9_]+", "_", plain_letters(given)).strip("_")[:64] or "unnamed"
     if not name[0].isalpha():
         name = "n_" + name
     known = taken if isinstance(taken, TakenNames) else TakenNames(taken)
@@ -97,7 +97,7 @@ def identifier(given: str, taken: set[str] | frozenset[str] = frozenset()) -> st
     return free
 
 
-def _plain_letters(text: str) -> str:
+def plain_letters(text: str) -> str:
     """The text with the letters of LETTERS spelled out, and others without their accents."""
     if text.isascii():
         return text

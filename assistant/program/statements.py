@@ -242,9 +242,18 @@ class Return(Spanned):
 
 @dataclass(frozen=True, slots=True)
 class Comment(Spanned):
-    """One line of comment, without its mark and without outer blanks."""
+    """One line of comment, without its mark and without outer blanks.
+
+    One that stood at the end of another statement's line has the span of that statement.
+    """
 
     text: str
+
+    def stands_at_end_of(self, other: Statement | None) -> bool:
+        """Whether it stood at the end of the line of another statement."""
+        if other is None or isinstance(other, Comment):
+            return False
+        return self.span is not None and self.span == other.span
 
 
 @dataclass(frozen=True, slots=True)

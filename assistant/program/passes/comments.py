@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import unicodedata
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import ClassVar
@@ -10,6 +9,7 @@ from typing import ClassVar
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.passes.legalising import Legalising
+from assistant.program.passes.letters import in_ascii
 from assistant.program.passes.rewording import Changes, Rewording
 from assistant.program.program import Program
 
@@ -46,10 +46,10 @@ def with_plain_comments(job: Legalising) -> Program:
 def lines(text: str, job: Legalising) -> list[str]:
     """A comment in lines that fit; control characters become blanks."""
     can = job.can.comments
-    plain = _in_ascii(text) if can.ascii else text
+    plain = in_ascii(text) if can.ascii else text
     plain = "".join(c if c.isprintable() else " " for c in plain).strip()
     if plain != text.strip():
-        job.changed("a comment", f"`{plain[:40]}`", "use one line of ASCII")
+        job.changed(f"the comment `{text.strip()}`", f"`{plain}`", "use one line of ASCII")
     made: list[str] = []
     while can.most_bytes is not None and len(plain.encode("utf-8")) > can.most_bytes:
         most = can.most_bytes
@@ -60,9 +60,3 @@ def lines(text: str, job: Legalising) -> list[str]:
         made.append(plain[:cut].strip())
         plain = plain[cut:].strip()
     return [*made, plain]
-
-
-def _in_ascii(text: str) -> str:
-    """The text with letters without their accents, and `?` for what is beyond ASCII even so."""
-    letters = (c for c in unicodedata.normalize("NFKD", text) if not unicodedata.combining(c))
-    return "".join(letters).encode("ascii", "replace").decode("ascii")

@@ -153,8 +153,8 @@ def test_what_was_written_by_the_compiler_is_changed_in_place() -> None:
         after, _ = lowered(language, text, wait(0.25))
         word = "DLY" if language is FOUR else "Dly"
         old, new = changes(text, after)
-        assert old.split(" ", 1)[1] == f"{word} 0.5 "
-        assert new.split(" ", 1)[1] == f"{word} 0.25 "
+        assert old.split(" ", 1)[1] == f"{word} 0.5 ' settle "
+        assert new.split(" ", 1)[1] == f"{word} 0.25 ' settle "
 
 
 simple = st.one_of(

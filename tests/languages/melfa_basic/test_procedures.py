@@ -56,16 +56,16 @@ def test_parameters_and_results_are_variables(name: str) -> None:
 def test_in_six_they_are_functions() -> None:
     text = written(program("n:=larger(n,m+1)+larger(1,2);\nswap n,m;", SUM + SWAP, NUMBERS),
                    "melfa-basic-6")  # fmt: skip
-    assert text.startswith("Def Float MN,MM\nFunction V Main()\nMN=1\nMM=2\n")
-    assert "MN=LARGER(MN,MM+1)+LARGER(1,2)\nSWAP(MN,MM)\nFEnd\n" in text
-    assert "Function M LARGER(ByVal MA,ByVal MB)\n" in text
-    assert "LARGER=MA\nExit Function\nEndIf\nLARGER=MB\nFEnd\n" in text
-    assert "Function V SWAP(ByRef MA2,ByRef MB2)\n" in text
+    assert text.startswith("Def Float Mn,Mm\nFunction V Main()\nMn=1\nMm=2\n")
+    assert "Mn=larger(Mn,Mm+1)+larger(1,2)\nswap(Mn,Mm)\nFEnd\n" in text
+    assert "Function M larger(ByVal Ma,ByVal Mb)\n" in text
+    assert "larger=Ma\nExit Function\nEndIf\nlarger=Mb\nFEnd\n" in text
+    assert "Function V swap(ByRef Ma2,ByRef Mb2)\n" in text
 
 
 def test_in_six_without_any_they_stay_subroutines() -> None:
     text = written(program("part;", " PROC part()\n  n:=2;\n ENDPROC", NUMBERS), "melfa-basic-6")
-    assert "GoSub *PART\nEnd\n*PART\nMN=2\nReturn\n" in text
+    assert "GoSub *part\nEnd\n*part\nMn=2\nReturn\n" in text
 
 
 @pytest.mark.parametrize("name", ["melfa-basic-4", "melfa-basic-5"])

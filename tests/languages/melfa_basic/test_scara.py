@@ -40,7 +40,7 @@ def test_joints_are_four_the_third_in_mm() -> None:
             joint_targets={"start": JointTarget((0.0, -90.0, 333.0, 0.0))},
         )
     )
-    assert "JSTART=(+0.00,-90.00,+333.00,+0.00)\r\n" in text
+    assert "Jstart=(+0.00,-90.00,+333.00,+0.00)\r\n" in text
     assert "=(+10.00,-20.00,+150.50,+30.00)\r\n" in text
     back = read(text)
     assert back.joint_targets["start"].joints == (0.0, -90.0, 333.0, 0.0)
@@ -65,7 +65,7 @@ def test_a_fifth_joint_that_says_something_is_refused() -> None:
 def test_an_external_axis_keeps_its_place() -> None:
     target = JointTarget((10.0, -20.0, 150.5, 30.0), (55.0, *[float("nan")] * 5))
     text = written(program(p.MoveJoints(e.Name("far"), MOTION), joint_targets={"far": target}))
-    assert "JFAR=(+10.00,-20.00,+150.50,+30.00,+0.00,+0.00,+55.00)\r\n" in text
+    assert "Jfar=(+10.00,-20.00,+150.50,+30.00,+0.00,+0.00,+55.00)\r\n" in text
     back = read(text).joint_targets["far"]
     assert back.joints == (10.0, -20.0, 150.5, 30.0)
     assert back.external[0] == 55.0
@@ -88,7 +88,7 @@ def test_flag_one_tells_the_side_only(stated: Configuration | None, flags: str) 
     y = 100.0 if stated is None or not stated.back else -100.0
     target = Target(Pose((400.0, y, 250.0)), stated)
     text = written(program(p.Move("joint", e.Name("p1"), MOTION), targets={"p1": target}))
-    assert f"P1=(+400.00,{y:+.2f},+250.00,+0.00,+0.00,+0.00){flags}\r\n" in text
+    assert f"p1=(+400.00,{y:+.2f},+250.00,+0.00,+0.00,+0.00){flags}\r\n" in text
     (back,) = read(text).targets.values()
     assert back.configuration is not None
     assert back.configuration.back == (flags == "(0,0)")

@@ -1,7 +1,8 @@
-"""What each thing of a program is called in MELFA-BASIC: short, upper case, by type.
+"""What each thing of a program is called in MELFA-BASIC: short, by type.
 
 A variable's first letter is its type: P positions, J joints, M numbers, C texts. Names
-share one space with the controller's own words; labels have a space of their own.
+share one space with the controller's own words; labels have a space of their own. Where the
+version keeps both cases, a name stays as it is spelled as far as that goes.
 """
 
 from __future__ import annotations
@@ -86,7 +87,7 @@ def naming(program: Program, dialect: Dialect, products: bool = False) -> Names:
         (names.frames, "P", program.frames),
     ):
         for name in given:
-            group[name.lower()] = _variable(name, letter, dialect.names, taken)
+            group[name.lower()] = _variable(name, letter, dialect, taken)
     for procedure, owner in _owners(program):
         variables: Iterable[tuple[str, Variable | Parameter]] = program.variables.items()
         if procedure is not None:
@@ -97,21 +98,21 @@ def naming(program: Program, dialect: Dialect, products: bool = False) -> Names:
                 names.variables[owner, name.lower()] = name.upper()
                 taken.add(name.upper())
                 continue
-            names.variables[owner, name.lower()] = _variable(name, letter, dialect.names, taken)
+            names.variables[owner, name.lower()] = _variable(name, letter, dialect, taken)
         for name in () if procedure is None else free_counters(program, procedure):
-            short = _variable(name, "M", dialect.names, taken)
+            short = _variable(name, "M", dialect, taken)
             names.loops[owner, name.lower()] = short
             names.original_loops[short] = name
     labels = taken if dialect.functions else TakenNames(RESERVED)
     labels.add(MAIN)
     for entry in program.procedures:
-        names.procedures[entry.name.lower()] = _label(entry.name, dialect.labels, labels)
+        names.procedures[entry.name.lower()] = _label(entry.name, dialect, labels)
     for entry in program.procedures:
         for statement in walk(entry.body):
             if isinstance(statement, Label):
                 key = (entry.name.lower(), statement.name.lower())
                 if key not in names.labels:
-                    short = _label(statement.name, dialect.labels, labels)
+                    short = _label(statement.name, dialect, labels)
                     names.labels[key] = short
                     names.original_labels[short] = statement.name
     files = TakenNames()
@@ -135,17 +136,22 @@ def _owners(program: Program) -> Iterable[tuple[Procedure | None, str]]:
         yield procedure, procedure.name.lower()
 
 
-def _variable(given: str, letter: str, most: int, taken: set[str]) -> str:
-    plain = _plain(given)
-    name = plain if plain.startswith(letter) and len(plain) > 1 else letter + plain
-    return free(name, most, taken)
+def _variable(given: str, letter: str, dialect: Dialect, taken: set[str]) -> str:
+    plain = _plain(given, dialect.mixed)
+    own = plain[:1].upper() == letter and len(plain) > 1
+    return free(_unshared(plain if own else letter + plain), dialect.names, taken)
 
 
-def _label(given: str, most: int, taken: set[str]) -> str:
-    plain = _plain(given)
-    if not plain[:1].isalpha() or _MADE_LABEL.fullmatch(plain):
+def _label(given: str, dialect: Dialect, taken: set[str]) -> str:
+    plain = _plain(given, dialect.mixed)
+    if not plain[:1].isalpha() or _MADE_LABEL.fullmatch(plain.upper()):
         plain = "L" + plain
-    return free(plain, most, taken)
+    return free(_unshared(plain), dialect.labels, taken)
+
+
+def _unshared(name: str) -> str:
+    """Without `_` in the second place, which marks what programs share."""
+    return name[0] + name[1:].lstrip("_")
 
 
 def program_name(given: str, taken: set[str]) -> str:
@@ -154,7 +160,12 @@ def program_name(given: str, taken: set[str]) -> str:
     return free(plain or "MAIN", PROGRAM_NAME, taken)
 
 
-def _plain(given: str) -> str:
-    """Letters and digits of a name, in upper case; letters beyond ASCII as those below them."""
+def _plain(given: str, mixed: bool = False) -> str:
+    """Letters and digits of a name, in upper case; letters beyond ASCII as those below them.
+
+    mixed: as they are spelled, and with `_` between them.
+    """
     ascii = unicodedata.normalize("NFKD", given).encode("ascii", "ignore").decode()
+    if mixed:
+        return re.sub(r"[^A-Za-z0-9_]", "", ascii).strip("_")
     return re.sub(r"[^A-Z0-9]", "", ascii.upper())

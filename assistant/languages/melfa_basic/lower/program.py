@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import takewhile
 from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
@@ -23,6 +24,7 @@ from assistant.languages.melfa_basic.tables.variables import LETTERS
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import PositionRows
 from assistant.languages.melfa_basic.tree.line_tables import gathered
+from assistant.program import statements as p
 from assistant.program.analysis.motions import branches_by_frame
 from assistant.program.diagnostics import Refused
 from assistant.program.program import Parameter, Procedure, Program, ValueType, Variable
@@ -58,6 +60,11 @@ def build(
     if findings:
         raise Refused(*findings)
     return lines.tree(code)
+
+
+def _is_note(statement: p.Statement) -> bool:
+    """Whether it is a comment above a procedure."""
+    return isinstance(statement, p.Comment) and statement.span is None
 
 
 class UnitLines(Writer):
@@ -120,11 +127,13 @@ class UnitLines(Writer):
         """What all of them share, the entry as `Main`, and the others."""
         self.definitions()
         for procedure in [*([first] if first else []), *others]:
+            notes = tuple(takewhile(_is_note, procedure.body))
+            self.body(notes)
             self.add(self.head(procedure, procedure is first))
             if procedure is first:
                 self.initial_values()
             self.enter(procedure)
-            self.body(procedure.body)
+            self.body(procedure.body[len(notes) :])
             self.add(s.Command("FEnd"))
 
     def head(self, procedure: Procedure, main: bool) -> s.Function:
@@ -145,9 +154,9 @@ class UnitLines(Writer):
 
     def has_heading(self) -> bool:
         """Whether a file without code says anything."""
-        p = self.program
-        named = p.targets or p.joint_targets or p.tools or p.frames or p.variables or p.signals
-        return bool(named or p.comments)
+        told = self.program
+        data = told.targets, told.joint_targets, told.tools, told.frames, told.variables
+        return any(map(bool, (*data, told.signals, told.comments)))
 
     def definitions(self) -> None:
         """What has a type of its own, or is an array, by type in the order of the heading.

@@ -8,7 +8,7 @@ from typing import Any, Final
 from assistant.languages.melfa_basic.convert.words import reworded
 from assistant.languages.melfa_basic.lower import channels, control, motions, signals
 from assistant.languages.melfa_basic.lower.expressions import Unsayable
-from assistant.languages.melfa_basic.lower.writer import Writer
+from assistant.languages.melfa_basic.lower.writer import Writer, marked
 from assistant.languages.melfa_basic.reading.parser import statement as read_statement
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, Dialect
 from assistant.languages.melfa_basic.tables.statements import ROWS
@@ -17,7 +17,7 @@ from assistant.program import statements as p
 
 
 def comment(w: Writer, node: p.Comment) -> None:
-    w.items.append(s.Line(comment=f"' {node.text}" if node.text else "'"))
+    w.items.append(s.Line(comment=marked(node)))
 
 
 def message(_: Writer, node: p.Message) -> None:

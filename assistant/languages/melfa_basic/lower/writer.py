@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from assistant.languages.melfa_basic import rules
@@ -16,7 +17,8 @@ from assistant.languages.melfa_basic.lower.expressions import (
     numeric,
 )
 from assistant.languages.melfa_basic.lower.names import Names
-from assistant.languages.melfa_basic.tables.dialects import Dialect
+from assistant.languages.melfa_basic.tables.dialects import EMITTED_LINE, Dialect
+from assistant.languages.melfa_basic.text.printer import line
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -27,12 +29,24 @@ from assistant.program.kept import effect_of
 from assistant.program.motion import Blend, Speed
 from assistant.program.passes.procedures import has_functions, procedures_of
 from assistant.program.path import Path
-from assistant.program.program import Parameter, Procedure, Program, Variable
+from assistant.program.program import Parameter, Procedure, Program, Variable, bodies
 from assistant.program.rewriting import head, records
 from assistant.program.subjects import Declared
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
+
+
+def marked(comment: p.Comment) -> str:
+    return f"' {comment.text}" if comment.text else "'"
+
+
+def _opens(item: s.Item) -> bool:
+    """Whether a line is the first of a block, and its comment that of the block."""
+    match item:
+        case s.Line(statement=s.If(then=None) | s.For() | s.Command(keyword="While")):
+            return True
+    return False
 
 
 class Writer:
@@ -177,13 +191,54 @@ class Writer:
 
     def body(self, statements: tuple[p.Statement, ...]) -> None:
         around = self._at
-        for statement in statements:
+        before: p.Statement | None = None
+        held: p.Comment | None = None
+        for statement, below in zip(statements, (*statements[1:], None), strict=False):
             self._note()
-            self._at = statement.span or around
-            with self.findings.at(statement.span), self.saying():
-                self.statement(statement)
+            if isinstance(statement, p.Comment) and statement.stands_at_end_of(below):
+                held = statement
+                continue
+            if not self._ends_block(statement, before):
+                begin, self._at = len(self.items), statement.span or around
+                with self.findings.at(statement.span), self.saying():
+                    self.statement(statement)
+                if held is not None:
+                    self._beside(held, begin, statement)
+            before, held = statement, None
             self._note()
             self._at = around
+
+    def _ends_block(self, comment: p.Statement, before: p.Statement | None) -> bool:
+        """Writes a comment behind the last word of a block, if it stood there."""
+        if not isinstance(comment, p.Comment) or before is None or not bodies(before):
+            return False
+        return comment.stands_at_end_of(before) and self._behind(len(self.items) - 1, comment)
+
+    def _beside(self, comment: p.Comment, begin: int, statement: p.Statement) -> None:
+        """Writes a comment at the end of a statement's line, or above it."""
+        lines, at = self.items[begin:], -1
+        if bodies(statement):
+            at = next((k for k, item in enumerate(lines) if _opens(item)), -1)
+        elif not any(isinstance(item, s.Line) and item.label for item in lines):
+            at = len(lines) - 1
+        if at < 0 or not self._behind(begin + at, comment):
+            self.items.insert(begin, s.Line(comment=marked(comment)))
+
+    def _behind(self, at: int, comment: p.Comment) -> bool:
+        """Writes a comment at the end of a line, if that has room."""
+        last = self.items[at] if at >= 0 else None
+        if not isinstance(last, s.Line) or last.comment is not None or last.statement is None:
+            return False
+        said = replace(last, comment=marked(comment))
+        if len(line(said).encode()) > EMITTED_LINE - len("32767 "):
+            return False
+        self.items[at] = said
+        if id(last) in self.settings:
+            self.settings.remove(id(last))
+            self.settings.add(id(said))
+        if (span := self.spans.pop(id(last), None)) is not None:
+            self.spans[id(said)] = span
+        return True
 
     def statement(self, statement: p.Statement) -> None:
         """Writes a statement; one that reads the position, under the tool and frame it names."""

@@ -42,6 +42,9 @@ class Dialect:
     """Most characters of a variable's name that is written [CR1D: 8; CR750 4-136]."""
     labels: int = 16
     """Most characters of a label that is written [CR1D 4.3.5: 8]."""
+    mixed: bool = False
+    """Names are written as they are spelled, in both cases and with `_`; else in upper case, as a
+    controller may store them [CR1D 4.3.6]."""
     longest: int = 40
     """Most characters of names and labels that others wrote. No manual states it for V and VI."""
     label_underscores: bool = True
@@ -134,6 +137,9 @@ SIX: Final = replace(
     name="melfa-basic-6",
     title="MELFA-BASIC VI",
     level=6,
+    names=20,  # programs that others wrote have such in plenty, and longer ones
+    labels=20,
+    mixed=True,
     functions=True,
 )
 """Controller CR800."""

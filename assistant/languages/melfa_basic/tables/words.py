@@ -22,15 +22,18 @@ ARC_START: Final = "PSTART"
 
 
 def free(name: str, most: int, taken: set[str]) -> str:
-    """A name of at most so many characters that begins like the given one; then it is taken."""
-    found = name[:most]
-    if found in taken:
+    """A name of at most so many characters that begins like the given one; then it is taken.
+
+    taken: in upper case, as names that differ in case alone are the same.
+    """
+    found = name[:most].rstrip("_")
+    if found.upper() in taken:
         mark = "Z" if name[-1:].isdigit() else ""
         counts = taken.counts if isinstance(taken, TakenNames) else {}
-        key = found, mark, most
+        key = found.upper(), mark, most
         count = counts.get(key, 2)
-        while (found := name[: most - len(f"{mark}{count}")] + f"{mark}{count}") in taken:
+        while (found := name[: most - len(f"{mark}{count}")] + f"{mark}{count}").upper() in taken:
             count += 1
         counts[key] = count
-    taken.add(found)
+    taken.add(found.upper())
     return found

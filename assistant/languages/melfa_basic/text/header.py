@@ -15,6 +15,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import starmap
 from typing import Any, Final, cast
 
 from assistant.languages.ascii_names import NAME, from_ascii, in_ascii
@@ -86,7 +87,7 @@ def lines(header: Header, dialect: str) -> Iterator[str]:
     if header.products:
         yield PRODUCTS
     for kind in NAME_KINDS:
-        yield from packed(kind, (f"{s} = {in_ascii(o)}" for s, o in header.names[kind].items()))
+        yield from packed(kind, starmap(_pair, header.names[kind].items()))
     yield from packed("path", (f"P{a}-P{b} = {in_ascii(n)}" for a, b, n in header.paths))
     yield from packed("inline", header.inline)
     for name, signal in header.signals.items():
@@ -99,6 +100,12 @@ def lines(header: Header, dialect: str) -> Iterator[str]:
         words += [f"of {in_ascii(v.owner)}"] if v.owner else []
         yield f"variable: {short} = {in_ascii(v.name)} {' '.join(words)}"
     yield END
+
+
+def _pair(short: str, original: str) -> str:
+    """The entry of a name; what is called the same is said once."""
+    said = in_ascii(original)
+    return short if short == said else f"{short} = {said}"
 
 
 def packed(kind: str, entries: Iterable[str]) -> Iterator[str]:
@@ -121,13 +128,13 @@ def bounds(texts: Sequence[str]) -> tuple[int, int] | None:
     return start, texts.index(END, start)
 
 
-_PAIR: Final = re.compile(rf"([A-Za-z0-9_-]+) = ({NAME})")
+_PAIR: Final = re.compile(rf"([A-Za-z0-9_-]+)(?: = ({NAME}))?")
 _PATH: Final = re.compile(rf"P([0-9]{{1,9}})-P([0-9]{{1,9}}) = ({NAME})")
 _SIGNAL: Final = re.compile(
     rf"(digital|analog|group) (input|output) (-|[0-9]{{1,6}}) ([0-9]{{1,3}}) = ({NAME})"
 )
 _VARIABLE: Final = re.compile(
-    rf"([A-Z][A-Z0-9_]*) = ({NAME}) (number|integer|truth|text|position|pose|joints) "
+    rf"([A-Za-z][A-Za-z0-9_]*) = ({NAME}) (number|integer|truth|text|position|pose|joints) "
     r"(constant|variable|persistent|parameter)( [0-9]{1,3}(?:x[0-9]{1,3}){0,2})?"
     rf"( local)?( initial)?(?: of ({NAME}))?"
 )
@@ -148,7 +155,9 @@ def read(texts: Iterable[str]) -> Header:
             header.robot = value
         elif key in NAME_KINDS:
             found = (_PAIR.fullmatch(entry) for entry in value.split(", "))
-            header.names[key].update({f.group(1): from_ascii(f.group(2)) for f in found if f})
+            header.names[key].update(
+                {f[1].upper(): f[1] if f[2] is None else from_ascii(f[2]) for f in found if f}
+            )
         elif key == "path":
             ranges = (_PATH.fullmatch(entry) for entry in value.split(", "))
             header.paths += [
@@ -168,7 +177,7 @@ def read(texts: Iterable[str]) -> Header:
             )
         elif key == "variable" and (v := _VARIABLE.fullmatch(value)):
             short, name, kind, storage, size, local, initial, owner = v.groups()
-            header.variables[short] = Declared(
+            header.variables[short.upper()] = Declared(
                 from_ascii(name),
                 cast(ValueType, kind),
                 storage,

@@ -178,9 +178,13 @@ class _Lift:
         declarations: list[Declaration] = []
         unit = self.original(module.name) if header.unit else None
         pending: list[str] = []
+        above: s.Item | None = None
         for item in module.items[header.lines :]:
+            before, above = above, item
             match item:
                 case s.CommentLine(text):
+                    if item.trailing and isinstance(before, s.Data):
+                        text = f"{before.name}: {text}"
                     pending.append(text)
                     continue
                 case s.Routine():

@@ -72,6 +72,11 @@ class StatementLift:
     def _body(self, nodes: Sequence[s.StatementNode]) -> Iterator[p.Statement]:
         at = 0
         while at < len(nodes):
+            node = nodes[at]
+            if at and isinstance(node, s.CommentLine) and node.trailing:
+                yield p.Comment(node.text, span=nodes[at - 1].span)
+                at += 1
+                continue
             for count, read in ((3, self._loaded_call), (2, self._timer)):
                 said = read(nodes[at : at + count])
                 if said is not None:

@@ -59,7 +59,12 @@ class Body:
         self.findings = Findings()
 
     def statements(self, body: tuple[p.Statement, ...]) -> Iterator[s.StatementNode]:
+        before: p.Statement | None = None
         for statement in body:
+            above, before = before, statement
+            if isinstance(statement, p.Comment):
+                yield s.CommentLine(statement.text, statement.stands_at_end_of(above))
+                continue
             with self.findings.at(statement.span):
                 try:
                     if (lower := STATEMENTS.get(type(statement))) is None:
@@ -212,10 +217,6 @@ def _return(b: Body, x: p.Return) -> Lowered:
     yield s.ReturnFrom(None if x.value is None else b.lower(x.value))
 
 
-def _comment(_: Body, x: p.Comment) -> Lowered:
-    yield s.CommentLine(x.text)
-
-
 def _label(b: Body, x: p.Label) -> Lowered:
     yield s.LabelMark(spelt(b.labels, x.name))
 
@@ -256,7 +257,6 @@ STATEMENTS: Final[dict[type, Callable[[Body, Any], Lowered]]] = {
     p.Switch: _switch,
     p.Stop: _stop,
     p.Return: _return,
-    p.Comment: _comment,
     p.Label: _label,
     p.Goto: _goto,
     p.Message: _message,

@@ -43,12 +43,17 @@ def taken_values(header: Header, code: list[s.Entry]) -> dict[str, s.Assign]:
     """Takes out the lines that give a heading's variables their first values, by short name."""
     found: dict[str, s.Assign] = {}
     for short, declared in header.variables.items():
-        at = int(bool(code) and isinstance(code[0].statement, s.Function))
+        if not declared.initial or declared.storage == "parameter":
+            continue
+        at = next((k for k, item in enumerate(code) if item.statement is not None), len(code))
+        if at < len(code) and isinstance(code[at].statement, s.Function):
+            at += 1  # the comments of a function stand above it
+        else:
+            at = 0
         statement = code[at].statement if at < len(code) else None
-        if declared.initial and declared.storage != "parameter":
-            if isinstance(statement, s.Assign) and statement.target.key == short:
-                found[short] = statement
-                del code[at]
+        if isinstance(statement, s.Assign) and statement.target.key == short:
+            found[short] = statement
+            del code[at]
     return found
 
 

@@ -45,6 +45,7 @@ from assistant.program.passes.procedures import (
     without_recursion,
 )
 from assistant.program.passes.settled_loops import with_settled_loops
+from assistant.program.passes.spacing import with_blank_lines, with_comments_in_front
 from assistant.program.passes.spelling import with_declared_names
 from assistant.program.passes.splitting import split
 from assistant.program.passes.watching import passed
@@ -111,8 +112,10 @@ FIRST: Final[tuple[Pass, ...]] = (
 LAST: Final[tuple[Pass, ...]] = (
     split,
     pure(with_units_together),
+    pure(with_comments_in_front),
+    pure(with_blank_lines),
 )
-"""Plain statements, which paths become."""
+"""Plain statements, which paths become, as they stood."""
 
 
 def _own_variables(program: Program) -> Iterator[Diagnostic]:

@@ -34,6 +34,7 @@ from assistant.program.passes.outputs import find_outputs_of_two_names
 from assistant.program.passes.paths import with_paths
 from assistant.program.passes.places import with_measured_places
 from assistant.program.passes.procedures import units
+from assistant.program.passes.spacing import with_comments_behind
 from assistant.program.passes.splitting import split
 from assistant.program.program import Declaration, Procedure, Program
 from assistant.program.rewriting import map_bodies
@@ -120,6 +121,7 @@ PASSES: Final[tuple[Pass, ...]] = (
     counted_loops,
     pure(with_paths),
     split,
+    pure(with_comments_behind),
 )
 """Parts of a program as RAPID has them, and then what it says in other words, in this order."""
 
