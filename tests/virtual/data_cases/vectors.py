@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from spatialmath import SE3, SO3
+from spatialmath import SE3, SO3, UnitQuaternion
 
 A, B = np.array([1.0, 2.0, 3.0]), np.array([4.0, -5.0, 6.5])
+TURNED = SE3(1, 2, 3) * UnitQuaternion([0.5, 0.5, 0.5, 0.5]).SE3()
 AT = SE3(10, 20, 30) * SE3.Rz(90, unit="deg")
 
 
@@ -101,6 +102,19 @@ ENDPROC""",
             three(AT.inv() * B),
             three((AT.inv() * B).ravel() + A + (SO3.Rz(90, unit="deg") * B).ravel()),
         ],
+    ),
+    "a pose that is written out is handed over, turned round and multiplied": (
+        f"""{_HEAD}PROC main()
+  VAR pose made;
+  use [[1,2,3],[0.5,0.5,0.5,0.5]];
+  use PoseInv([[1,2,3],[0.5,0.5,0.5,0.5]]);
+  made:=PoseMult([[1,2,3],[0.5,0.5,0.5,0.5]],at);
+  use made;
+ENDPROC
+PROC use(pose one)
+  SHOW one.trans.x,one.trans.y,one.trans.z DONE
+ENDPROC""",
+        [three(TURNED.t), three(TURNED.inv().t), three((TURNED * AT).t)],
     ),
     "where the robot stands": (
         f"""{_HEAD}PROC main()
