@@ -184,7 +184,8 @@ def test_the_files_of_a_page_are_read(page, text, tmp_path):
         assert said if LIMITS in text else settings.levels
     else:
         process = read_process(file)
-        assert any((process.layers, process.signals, process.tools, process.frames))
+        tables = process.layers, process.signals, process.tools, process.frames, process.lines
+        assert any(tables)
 
 
 def test_the_findings_page_is_what_the_rules_say():
