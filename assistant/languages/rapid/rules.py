@@ -155,3 +155,4 @@ SIGNS: Final = warning(
     "the quaternion of a target is worked out of its angles: all parts may have the other sign",
     "none is needed where they turn something again, as both say the same orientation",
 )
+IDLE: Final = info("RA344", "this is left out: nothing reads what it assigns", "none is needed")

@@ -21,7 +21,7 @@ from assistant.languages.rapid.lift.extents import with_extents
 from assistant.languages.rapid.lift.instructions import Meaning
 from assistant.languages.rapid.lift.operator import with_operator
 from assistant.languages.rapid.lift.plain.library import PART
-from assistant.languages.rapid.lift.plain_data import with_plain_data
+from assistant.languages.rapid.lift.plain_data import with_plain_data, without_marks
 from assistant.languages.rapid.lift.statements import lift_of
 from assistant.languages.rapid.lift.stopwatches import with_stopwatches
 from assistant.languages.rapid.lift.told.aliases import SIGNALS, with_aliases
@@ -88,7 +88,7 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
     findings = Findings()
     plain = with_plain_data(program)
     findings += plain.findings
-    program = with_stopwatches(with_extents(plain.program), findings)
+    program = with_stopwatches(with_extents(without_marks(plain.program)), findings)
     if tables := _tables(program):
         program = with_table_rows(program, tables, _with_named_rows)
     if any(is_text(record) for record in records(program.procedures)):

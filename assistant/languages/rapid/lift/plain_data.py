@@ -9,11 +9,14 @@ from typing import Any, Final
 from assistant.languages.language import Adapted
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.plain import Plain, plain
+from assistant.languages.rapid.lift.plain.unread import LEFT_OUT
 from assistant.languages.rapid.lift.program import lift
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
+from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.program import Program
+from assistant.program.rewriting import Body, map_bodies
 from assistant.program.text import starts_of
 
 _TABLES: Final = (
@@ -44,9 +47,35 @@ def _told(files: tuple[s.File, ...]) -> _Told:
     if found is None:
         told = _Told(files, None, ())
     else:
-        told = _Told(files, lift(found.files, found.kept), tuple(_unread(files, found)))
+        lifted = lift(found.files, found.kept)
+        told = _Told(files, lifted, (*_unread(files, found), *_idle(lifted)))
     _LAST[:] = [told]
     return told
+
+
+def _idle(program: Program) -> Iterator[Diagnostic]:
+    """What assigns only to what nothing reads."""
+    said = list(program.statements())
+    left = {node.span for node in said if not _is_left_out(node)}
+    for span in dict.fromkeys(node.span for node in said if _is_left_out(node)):
+        if span is not None and span not in left:
+            yield rules.IDLE(span=span)
+
+
+def _is_left_out(node: p.Statement) -> bool:
+    return isinstance(node, p.Comment) and node.text == LEFT_OUT
+
+
+def without_marks(program: Program) -> Program:
+    """The program without the comments that stand for statements which were left out."""
+
+    def body(statements: Body) -> Body:
+        return tuple(map_bodies(node, body) for node in statements if not _is_left_out(node))
+
+    if not any(map(_is_left_out, program.statements())):
+        return program
+    procedures = tuple(replace(q, body=body(q.body)) for q in program.procedures)
+    return replace(program, procedures=procedures)
 
 
 def _unread(files: tuple[s.File, ...], found: Plain) -> Iterator[Diagnostic]:

@@ -17,6 +17,10 @@ MOST_ROUNDS: Final = 12
 """What is read only for the sake of what nothing reads is left out in the next round."""
 
 
+LEFT_OUT: Final = "\0"
+"""The comment that stands where a statement was left out, until the program is told to others."""
+
+
 @dataclass(frozen=True, slots=True)
 class Unread:
     """A variable that is left out, and where the data that it was a part of is declared."""
@@ -155,6 +159,7 @@ class _Cut:
                     continue
                 case s.Assignment(target) if (found := root(target)) is not None:
                     if found.name.lower() in self.dead:
+                        yield s.CommentLine(LEFT_OUT, span=node.span)
                         continue
             yield self._inside(node)
 
