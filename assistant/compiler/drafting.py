@@ -149,12 +149,14 @@ def _without(program: Program, spans: Collection[Span], names: Names, places: Pl
             heads += _quoted(declaration.span, places, declaration.text)
         else:
             kept.append(declaration)
+    own = {declaration.span for declaration in program.declarations}
+    alone = {span for span in spans if span not in own}  # else it is of another part of a record
     tables: dict[str, Any] = {}
     inner_first = sorted(places.parts(), key=lambda part: not part.owner)
     parts = {part.name.lower(): part for part in inner_first if part.name}
     for table in DATA:
         given = getattr(program, table)
-        gone = [n for n, v in given.items() if ("", n.lower()) in names or _stands_in(v, spans)]
+        gone = [n for n, v in given.items() if ("", n.lower()) in names or _stands_in(v, alone)]
         if gone:
             tables[table] = _fewer(given, gone)
         for name in gone:
