@@ -21,12 +21,6 @@ from benchmarks.tasks.finding import TO, Found, found
 CONTEXT: Any = multiprocessing.get_context("spawn" if sys.platform == "win32" else "fork")
 """Forked, a process has what was read to find the tasks, and the tables of the grammars."""
 MOST_REASONS = 10
-NEUTRAL = Path(__file__).parent / "neutral.toml"
-"""An arm that runs every language, for programs of which nobody says what arm they are for."""
-NOBODYS = {"rapid": str(NEUTRAL), "melfa": None}
-"""By the language of programs. Those of RAPID state mm/s for joint moves, whose percentage hangs on
-an arm; those of MELFA state percentages, which the cell file says in mm/s, and arm branches of the
-arm that they were taught on."""
 TOLD = 150
 """Characters of a reason in the table of them."""
 
@@ -107,8 +101,7 @@ class _Running:
 
 
 def _started(place: int, task: Found, plan: Plan) -> tuple[Connection, _Running]:
-    arm = NOBODYS[task.kind]
-    how = Crossing(TO[task.kind], plan.robot or arm, plan.from_robot or arm, plan.proof)
+    how = Crossing(TO[task.kind], plan.robot, plan.from_robot, plan.proof)
     ours, theirs = CONTEXT.Pipe(duplex=False)
     process = CONTEXT.Process(target=_one, args=(theirs, task, how))
     process.start()
