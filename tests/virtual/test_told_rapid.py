@@ -129,9 +129,9 @@ PROC there()
 SetDO doDone,1;"""
     lines = written(move, tmp_path)[0].splitlines()
     plain = [line.split(" ", 1)[1] for line in lines if line[:1].isdigit()]
-    at = plain.index("Mvs P10")
+    at = plain.index("Mvs p10")
     assert plain[at + 1].startswith("M_Out8(24)=")
-    assert plain[at + 2 : at + 4] == ["Mvs P10", "GoSub *THERE"]
+    assert plain[at + 2 : at + 4] == ["Mvs p10", "GoSub *there"]
 
 
 def test_an_output_set_later_has_its_value_until_then(tmp_path: FilePath) -> None:
@@ -199,21 +199,21 @@ ArcLEnd Offs(p10,20,0,0),v100,seam1,weld1,fine,tGripper;"""
     said = [line for line in lines if line.startswith(("Mvs", "M_Out", "Spd"))]
     assert said == [
         "Spd 100",
-        "Mvs P10",
+        "Mvs p10",
         "M_Out(11)=1",
         "Spd 7",
-        "Mvs P10+(10,0,0,0,0,0)",
-        "Mvs P10+(20,0,0,0,0,0)",
+        "Mvs p10+(10,0,0,0,0,0)",
+        "Mvs p10+(20,0,0,0,0,0)",
         "M_Out(11)=0",
     ]
 
 
 def test_tasks_meet_by_a_count_that_they_share(tmp_path: FilePath) -> None:
     lines = plain("WaitSyncTask there,both;\nSetDO do1,1;", tmp_path)
-    assert lines == [
-        "MALLTHERE=(Fix(M_THERE/2)+1)*2",
-        "M_THERE=M_THERE+1",
-        "Wait M_THERE>=MALLTHERE",
-        "M_Out(6)=1",
-        "End",
+    assert [line.replace("_", "").upper() for line in lines] == [
+        "MALLTHERE=(FIX(MTHERE/2)+1)*2",
+        "MTHERE=MTHERE+1",
+        "WAIT MTHERE>=MALLTHERE",
+        "MOUT(6)=1",
+        "END",
     ]
