@@ -80,12 +80,12 @@ def test_a_question_is_answered_by_inputs_and_both_sides_do_the_same(
 def test_the_key_that_is_pressed_is_the_answer(tmp_path: Path) -> None:
     said = lines(translated(tmp_path, QUESTIONS["keys"]))
     wait = said.index("Wait M_In(20)=1 Or M_In(22)=1")
-    assert said[wait + 1 : wait + 6] == [
-        "If M_In(20)=1 Then",
+    assert [line.upper() for line in said[wait + 1 : wait + 6]] == [
+        "IF M_IN(20)=1 THEN",
         "MX=1",
-        "ElseIf M_In(22)=1 Then",
+        "ELSEIF M_IN(22)=1 THEN",
         "MX=3",
-        "EndIf",
+        "ENDIF",
     ]
     assert (
         said[said.index("' message: Which? [1: A] [3: C]") + 1] == "Wait M_In(20)=0 And M_In(22)=0"
