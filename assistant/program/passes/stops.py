@@ -29,6 +29,8 @@ def with_stops(
     def waits(node: Any) -> bool:
         return isinstance(node, p.Opaque) and [*(kept(node.text) or ())] == [Step.STOPS]
 
+    if not any(map(waits, program.statements())):
+        return program
     ways = Ways(program, waits, kept)
     corners = {
         id(node): ways.at(procedure, node)[CORNER]

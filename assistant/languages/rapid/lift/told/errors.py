@@ -70,6 +70,9 @@ class _Errors:
         for key, names in self.called.items():
             for name in names & self.known.keys():
                 self.callers[name].add(key)
+        self.begun = {key: _begun(one.procedure.body) for key, one in self.known.items()}
+        """By procedure, the errors that its own statements may raise."""
+        self.above: dict[str, set[str]] = {}
         self.about: dict[tuple[str, str], Body | None] = {}
         self.leaves: dict[str, frozenset[str]] = dict.fromkeys(self.known, frozenset())
         self._settle()
@@ -98,31 +101,26 @@ class _Errors:
 
     def _settle(self) -> None:
         """Finds what each procedure leaves to those that call it."""
-        while True:
-            before = dict(self.leaves)
-            for key, one in self.known.items():
-                found = {
-                    after
-                    for error in self._raised(key)
-                    for after in self._after(key, error)
-                    if after == EXIT or self._is_taken_above(key, after, set())
-                }
-                plain = one.procedure.result is None and key != self.entry
-                self.leaves[key] = frozenset(found) if plain else frozenset()
-            if before == self.leaves:
-                return
+        pending = dict.fromkeys(reversed(self.known))
+        while pending:
+            key, _ = pending.popitem()
+            one = self.known[key].procedure
+            if one.result is not None or key == self.entry:
+                continue
+            found = frozenset(
+                after
+                for error in self._raised(key)
+                for after in self._after(key, error)
+                if after == EXIT or key in self._taken_above(after)
+            )
+            if found != self.leaves[key]:
+                self.leaves[key] = found
+                pending |= dict.fromkeys(self.callers[key])
 
     def _raised(self, key: str) -> set[str]:
         """What may happen in a procedure, without what its handler does."""
-        found = {name for one in self.called[key] for name in self.leaves.get(one, ())}
-        for node in walk(self.known[key].procedure.body):
-            if _limit(node) is not None:
-                found.add(h.LONG_WAIT)
-            if name := h.raised(node):
-                found.add(name)
-            if h.word(node) == "EXITCYCLE":
-                found.add(EXIT)
-        return found
+        left = {name for one in self.called[key] for name in self.leaves.get(one, ())}
+        return left | self.begun[key]
 
     def _after(self, key: str, error: str) -> set[str]:
         """What of an error in a procedure is left behind its handler."""
@@ -142,16 +140,19 @@ class _Errors:
             self.about[key, error] = body
         return self.about[key, error]
 
-    def _is_taken_above(self, key: str, error: str, seen: set[str]) -> bool:
-        """Whether a handler of some caller is for an error."""
-        for caller in self.callers[key] - seen:
-            seen.add(caller)
-            if self.left(caller, error) is not None:
-                return True
-            if self.known[caller].handler is None or not h.takes(self.known[caller].handler, error):
-                if self._is_taken_above(caller, error, seen):
-                    return True
-        return False
+    def _taken_above(self, error: str) -> set[str]:
+        """The procedures whose callers, or theirs, have a handler for an error."""
+        if error not in self.above:
+            found: set[str] = set()
+            pending = [key for key in self.known if self.left(key, error) is not None]
+            while pending:
+                for name in self.called[pending.pop()] & self.known.keys():
+                    if name not in found:
+                        found.add(name)
+                        if not h.takes(self.known[name].handler, error):
+                            pending.append(name)
+            self.above[error] = found
+        return self.above[error]
 
     # ------------------------------------------------------------------------- what is said
 
@@ -204,6 +205,18 @@ def _limit(node: p.Statement) -> p.WaitSignal | p.WaitUntil | None:
     if isinstance(node, p.WaitSignal | p.WaitUntil) and node.timeout is not None:
         return node if is_repeatable(condition(node)) else None
     return None
+
+
+def _begun(body: Body) -> set[str]:
+    found: set[str] = set()
+    for node in walk(body):
+        if _limit(node) is not None:
+            found.add(h.LONG_WAIT)
+        elif name := h.raised(node):
+            found.add(name)
+        elif h.word(node) == "EXITCYCLE":
+            found.add(EXIT)
+    return found
 
 
 def _calls(body: Body) -> set[str]:

@@ -64,7 +64,7 @@ def word(node: p.Statement) -> str:
 
 
 def _only(node: p.Statement) -> s.StatementNode | None:
-    if isinstance(node, p.Opaque) and node.language == verbatim.LANGUAGE:
+    if isinstance(node, p.Opaque) and node.language == verbatim.LANGUAGE and not handlers_of(node):
         match verbatim.understood(verbatim.statements, node.text):
             case (one,):
                 return one
