@@ -27,6 +27,7 @@ from assistant.cli.presentation import (
     say,
 )
 from assistant.program.diagnostics import Refused, error
+from assistant.program.lines import lines_of
 from assistant.program.text import is_folder
 from assistant.program.visible import visible
 
@@ -125,7 +126,7 @@ def run_translate(
         }  # fmt: skip
         print_json(answer)
     elif format is TranslationFormat.MARKDOWN:
-        for line in (*findings_markdown(refusals), *markdown(done).splitlines()):
+        for line in (*findings_markdown(refusals), *lines_of(markdown(done))):
             say(line)
     else:
         found = [f for one in done for f in one.translation.findings]

@@ -77,7 +77,7 @@ def test_what_is_not_filled_in_makes_a_draft_that_says_so(tmp_path: Path) -> Non
     text = made.decode("ascii")
     assert "DRAFT: not for production" in text
     assert "to be filled in: tool tGrip" in text
-    assert text.count("PTGRIP=(") == 1
+    assert text.count("PtGrip=(") == 1
     assert "CO071" in {f.code for f in done.whole}
     assert not [row for row in done.rows if row.level == "not"]
 
@@ -90,7 +90,7 @@ def test_the_file_is_taken_back_in_and_keeps_what_people_wrote(tmp_path: Path) -
     path.write_text(told, encoding="utf-8")
     again = translate(file, to="melfa-basic-6", cell=path)
     assert "tGrip" not in {one.name for one in again.wanting}
-    assert b"PTGRIP=(+0.00,+0.00,+120.00" in b"".join(again.files.values())
+    assert b"PtGrip=(+0.00,+0.00,+120.00" in b"".join(again.files.values())
     assert cell_text(read_cell(path), again.wanting) == told
 
 
@@ -219,4 +219,4 @@ ENDMODULE
     file = program(tmp_path, text)
     done = translate(file, to="melfa-basic-6", process=process, cell=cell)
     made = b"".join(done.files.values())
-    assert done.ok and b"Spd 33" in made and b"PTGRIP=(+0.00,+0.00,+77.00" in made
+    assert done.ok and b"Spd 33" in made and b"PtGrip=(+0.00,+0.00,+77.00" in made

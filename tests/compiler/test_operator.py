@@ -87,9 +87,7 @@ def test_the_key_that_is_pressed_is_the_answer(tmp_path: Path) -> None:
         "MX=3",
         "ENDIF",
     ]
-    assert (
-        said[said.index("' message: Which? [1: A] [3: C]") + 1] == "Wait M_In(20)=0 And M_In(22)=0"
-    )
+    assert "Wait M_In(20)=0 And M_In(22)=0 ' message: Which? [1: A] [3: C]" in said[:wait]
 
 
 @pytest.mark.parametrize(

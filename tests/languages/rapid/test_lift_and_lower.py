@@ -83,7 +83,8 @@ def test_an_unchanged_program_comes_back_as_it_was() -> None:
 
 
 def test_without_its_origin_a_program_says_the_same() -> None:
-    tree = module(CELL)
+    behind = "  CONST num rows := 3;   ! of the pallet"  # is written above, with the name
+    tree = module(CELL.replace(behind, "  ! rows: of the pallet\n  CONST num rows := 3;"))
     program = parse_pseudo(print_program(RAPID.lift(tree)).text)
     assert program.origin is None
     assert list(differences([tree], [RAPID.lower(program)])) == []

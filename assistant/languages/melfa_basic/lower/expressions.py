@@ -11,7 +11,7 @@ import numpy as np
 
 from assistant.languages.melfa_basic.lower import channel_numbers
 from assistant.languages.melfa_basic.lower.logic import is_truth
-from assistant.languages.melfa_basic.lower.names import Names
+from assistant.languages.melfa_basic.lower.names import Names, mark
 from assistant.languages.melfa_basic.lower.unsayable import NoNumber as NoNumber
 from assistant.languages.melfa_basic.lower.unsayable import Undeclared as Undeclared
 from assistant.languages.melfa_basic.lower.unsayable import Unsayable as Unsayable
@@ -206,7 +206,7 @@ class Expressions:
     def name(self, name: str) -> s.Expression:
         short = self.variable(name)
         if short is not None:
-            return s.Variable(short, "$" if short.startswith("C") else "")
+            return s.Variable(short, mark(short))
         key = name.lower()
         for table in (self.names.targets, self.names.joints):
             if key in table:

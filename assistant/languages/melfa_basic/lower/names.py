@@ -136,6 +136,11 @@ def _owners(program: Program) -> Iterable[tuple[Procedure | None, str]]:
         yield procedure, procedure.name.lower()
 
 
+def mark(short: str) -> str:
+    """What a variable of this name ends with where it is used: texts are told by it."""
+    return "$" if short[:1] in ("C", "c") else ""
+
+
 def _variable(given: str, letter: str, dialect: Dialect, taken: set[str]) -> str:
     plain = _plain(given, dialect.mixed)
     own = plain[:1].upper() == letter and len(plain) > 1

@@ -15,7 +15,7 @@ from assistant.languages.melfa_basic.lift.files.program import settings_that_hol
 from assistant.languages.melfa_basic.lower.depended import depended_on
 from assistant.languages.melfa_basic.lower.expressions import joint_constant, position_constant
 from assistant.languages.melfa_basic.lower.heading import heading, named
-from assistant.languages.melfa_basic.lower.names import naming
+from assistant.languages.melfa_basic.lower.names import mark, naming
 from assistant.languages.melfa_basic.lower.statements import STATEMENTS
 from assistant.languages.melfa_basic.lower.writer import Writer
 from assistant.languages.melfa_basic.tables import poses
@@ -233,4 +233,4 @@ MOST_DEFINED: Final = 8
 
 
 def _whole(short: str) -> s.Variable:
-    return s.Variable(short, "$" if short.startswith("C") else "")
+    return s.Variable(short, mark(short))
