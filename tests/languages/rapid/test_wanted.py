@@ -78,6 +78,12 @@ def test_calls_tell_the_parameters_of_a_routine() -> None:
     ]  # fmt: skip
 
 
+def test_routines_of_a_make_of_hand_come_from_the_cell() -> None:
+    found = wanted("PROC main()\ng_GripIn;\ng_MoveTo 10;\nSoftAct 1,20;\nENDPROC")
+    assert sorted(found) == ["g_GripIn", "g_MoveTo"]
+    assert [a.type for a in found["g_MoveTo"].arguments] == ["num"]
+
+
 def test_signals_are_of_the_kind_and_way_of_their_instruction() -> None:
     found = wanted("PROC main()\nSetAO aoX,1;\nWaitDI diX,1;\nENDPROC")
     assert found["aoX"].signal == Signal("analog", "output")

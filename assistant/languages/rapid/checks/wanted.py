@@ -37,6 +37,8 @@ _PARTS: Final[Mapping[str, tuple[str, ...]]] = {
     "orient": ("q1", "q2", "q3", "q4"),
     "confdata": ("cf1", "cf4", "cf6", "cfx"),
 }
+OF_A_TOOL: Final = frozenset({"SmartGripper"})
+"""Options of RobotWare whose routines drive one make of hand, which only a cell can stand for."""
 _OF_PART: Final = {part: type for type, parts in _PARTS.items() for part in parts}
 """Components that one predefined record alone has → that record."""
 
@@ -173,7 +175,7 @@ class _Module:
         routine: Signature | None = None
         if found is None:
             routine = signature(name)
-            if routine is None:
+            if routine is None or routine.option in OF_A_TOOL:
                 self._unread(node, name, scope, kind, result)
                 return
         elif isinstance(found.node, s.Routine):
