@@ -16,6 +16,7 @@ from assistant import languages
 from assistant.compiler.cell_file import equipped, with_signals
 from assistant.compiler.crossing import has_joints
 from assistant.compiler.loading import Loaded, language_of
+from assistant.program import statements as p
 from assistant.program.diagnostics import Refused, error, has_errors, warning
 from assistant.program.program import Program, Signal
 from assistant.program.text import SourceText
@@ -56,6 +57,11 @@ OTHER_TYPE: Final = error(
     "CO073",
     "what the cell file says of `{name}` is no value of the type {type}",
     "write {wanted}, or another `type`",
+)
+UNPROVEN: Final = warning(
+    "CO074",
+    "what lacks values of its cell is not proven by motion",
+    "write them in the cell file, then prove it",
 )
 STATED: Final = "cell values"
 """Of the text of declarations that is made of a cell file."""
@@ -166,12 +172,20 @@ def cell_text(cell: Cell, wanting: Iterable[Wanted]) -> str:
     )
 
 
-def head_lines(wanting: Sequence[Wanted]) -> tuple[str, ...]:
-    """Comments at the head of a program that lacks values."""
+def as_draft(program: Program, wanting: Sequence[Wanted]) -> Program:
+    """A program that lacks values, with a head that says so, and a stop before anything else.
+
+    An output or a frame that only stands for another one is none to begin to move with.
+    """
     if not wanting:
-        return ()
+        return program
     names = (f"to be filled in: {said(one)}" for one in wanting)
-    return ("DRAFT: not for production. The cell file does not say these values:", *names)
+    head = ("DRAFT: not for production. The cell file does not say these values:", *names)
+    procedures = tuple(
+        replace(one, body=(p.Stop(), *one.body)) if one.name == program.entry else one
+        for one in program.procedures
+    )
+    return replace(program, comments=(*program.comments, *head), procedures=procedures)
 
 
 def _open(one: Wanted) -> Wanted:

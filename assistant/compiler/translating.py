@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import chain
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final, Literal, TypeAlias
@@ -12,7 +12,7 @@ from assistant.compiler.arms import Arms, in_arms, robot_of
 from assistant.compiler.compiling import Compiled, compile_program, proven_by_motion, told
 from assistant.compiler.drafting import draft as drafted
 from assistant.compiler.entering import entered
-from assistant.compiler.filling import STATED, UNFILLED, head_lines, with_cell
+from assistant.compiler.filling import STATED, UNFILLED, UNPROVEN, as_draft, with_cell
 from assistant.compiler.loading import Loaded, language_of, load
 from assistant.compiler.motion import MotionProof, Proving
 from assistant.compiler.proof import Proof
@@ -142,7 +142,7 @@ def translate(
     if cell is not None:
         loaded = with_cell(loaded, cell, taught=arms.written_for is not None)
     program = entered(loaded.program, entry)
-    program = replace(program, comments=(*program.comments, *head_lines(loaded.wanting)))
+    program = as_draft(program, loaded.wanting)
     places = Places(program)
     arms = in_arms(loaded, arms)
     compiled = compile_program(program, places, target, arms, most_targets)
@@ -152,11 +152,14 @@ def translate(
             drawn, later = drafted(compiled, target, arms, most_targets)
         written = drawn if draft else compiled
     else:
-        written = compiled = proven_by_motion(compiled, arms, proving, entry)
+        sought = None if loaded.wanting else proving
+        written = compiled = proven_by_motion(compiled, arms, sought, entry)
     with within(REPORTING, None, program.size()):
         rows, whole = _report(compiled, written, later)
         rows = tuple(row for row in rows if not _is_stated(row) or row.level == "not")
     unfilled = tuple(UNFILLED(what=said(one), place=one.name) for one in loaded.wanting)
+    if loaded.wanting and proving is not None:
+        unfilled += (UNPROVEN(),)
     return Translation(
         compiled,
         written,

@@ -78,8 +78,17 @@ def test_what_is_not_filled_in_makes_a_draft_that_says_so(tmp_path: Path) -> Non
     assert "DRAFT: not for production" in text
     assert "to be filled in: tool tGrip" in text
     assert text.count("PtGrip=(") == 1
+    body = [line.split(maxsplit=1)[1].strip() for line in text.splitlines() if line[:1].isdigit()]
+    assert body[body.index("Function V Main()") + 1] == "Hlt"
     assert "CO071" in {f.code for f in done.whole}
     assert not [row for row in done.rows if row.level == "not"]
+
+
+def test_a_draft_is_not_proven_by_motion(tmp_path: Path) -> None:
+    file, cell = program(tmp_path), tmp_path / "cell.toml"
+    done = translate(file, to="melfa-basic-6", cell=cell, proving=Proving(seconds=1))
+    assert done.motion is None and done.draft
+    assert "CO074" in {f.code for f in done.whole}
 
 
 def test_the_file_is_taken_back_in_and_keeps_what_people_wrote(tmp_path: Path) -> None:
