@@ -271,6 +271,20 @@ def test_what_has_no_value_and_what_nobody_names_is_left_out_and_told() -> None:
     assert told == ["VAR socketdev line;", "VAR welddata seam;", "VAR iodev file;"]
 
 
+def test_a_target_of_many_axes_is_left_out_where_nothing_speaks_of_it() -> None:
+    joints = "PERS jointtarget {}:=[[0,-20,67,3,-47,-93],[0,0,0,0,0,0]];\n"
+    place = "PERS robtarget {}:=[[354,0,300],[0,0,1,0],[0,0,0,0],[8,-4,-2,0,0,0]];\n"
+    idle = joints.format("jIdle") + place.format("pIdle")
+    done = crossed(idle + "PROC main()\ngo 1,2,3;\nENDPROC")
+    assert done.ok, [f"{f.code} {f.message}" for f in done.findings]
+    told = [row.text for row in done.rows if any(f.code == "RA342" for f in row.reasons)]
+    assert told == idle.splitlines()
+    taken = place.format("pTaken")
+    done = crossed(taken + "PROC main()\nMoveL pTaken,v100,fine,tGrip;\nENDPROC")
+    assert not done.ok
+    assert not any(f.code == "RA342" for f in done.findings)
+
+
 def test_what_a_statement_needs_that_nobody_can_say_stays() -> None:
     done = crossed("VAR welddata seam;\nPROC main()\nseam.x:=1;\ngo 1,2,3;\nENDPROC")
     assert [row.level for row in done.rows if "seam" in row.text] == ["not", "not"]

@@ -1,14 +1,16 @@
 """Declarations that stay as their text, and that another language need not be told.
 
 Data that have no value of their own (a socket, a file) say nothing alone: what is done with them
-is told by itself. Data of any other type are left out where nothing speaks of them.
+is told by itself. Data of any other type are left out where nothing speaks of them, and so are
+targets with more external axes than an arm of another controller has.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Set
 from dataclasses import replace
+from typing import Final, TypeVar
 
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.tables.predefined import is_handle
@@ -16,10 +18,18 @@ from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.uses import names_in, texts_in
 from assistant.program.diagnostics import Findings
+from assistant.program.geometry import JointTarget, Target
 from assistant.program.kept import effect_of
 from assistant.program.program import Declaration, Program
 from assistant.program.rewriting import exchanged, records
+from assistant.program.subjects import Declared, Table
+
+T = TypeVar("T")
+
+ELSEWHERE: Final = 2
+"""External axes at most of a target in the other languages here."""
 
 
 def with_needed_declarations(program: Program, findings: Findings) -> Program:
@@ -33,6 +43,8 @@ def with_needed_declarations(program: Program, findings: Findings) -> Program:
         kept = tuple(d for d in program.declarations if d not in idle)
         program = replace(program, declarations=kept)
 
+    program = _without_idle_targets(program, findings)
+
     def needed(node: p.Opaque) -> Iterator[p.Statement]:
         item = _local(node)
         if item is None or not is_handle(item.type):
@@ -41,6 +53,44 @@ def with_needed_declarations(program: Program, findings: Findings) -> Program:
             _tell(findings, item, node)
 
     return exchanged(program, needed) if any(map(_local, _texts(program))) else program
+
+
+def _without_idle_targets(program: Program, findings: Findings) -> Program:
+    """The program without targets of more external axes than elsewhere that nothing speaks of."""
+    idle: dict[Table, set[str]] = {
+        "targets": {n for n, one in program.targets.items() if _has_more_axes(one)},
+        "joint_targets": {n for n, one in program.joint_targets.items() if _has_more_axes(one)},
+        "variables": {n for n, one in program.variables.items() if _has_more_axes(one.initial)},
+    }
+    if not any(idle.values()):
+        return program
+    parts = (program.procedures, tuple(program.variables.values()))
+    said = texts_in(parts) | {name.lower() for name in names_in(parts)}
+    for one in program.declarations:
+        said |= effect_of(one).names
+    for table, names in idle.items():
+        names -= {name for name in names if name.lower() in said}
+        for name in sorted(names):
+            findings.append(rules.NOT_NEEDED(name=name, about=Declared(name, table)))
+    return replace(
+        program,
+        targets=_without(program.targets, idle["targets"]),
+        joint_targets=_without(program.joint_targets, idle["joint_targets"]),
+        variables=_without(program.variables, idle["variables"]),
+    )
+
+
+def _without(table: Mapping[str, T], names: Set[str]) -> dict[str, T]:
+    return {name: one for name, one in table.items() if name not in names}
+
+
+def _has_more_axes(value: Target | JointTarget | e.Expression | None) -> bool:
+    match value:
+        case e.TargetValue(target) | e.JointValue(target):
+            return _has_more_axes(target)
+        case Target() | JointTarget():
+            return any(place == place for place in value.external[ELSEWHERE:])
+    return False
 
 
 def _tell(findings: Findings, item: s.Data, node: Declaration | p.Opaque) -> None:
