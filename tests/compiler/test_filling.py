@@ -79,7 +79,9 @@ def test_what_is_not_filled_in_makes_a_draft_that_says_so(tmp_path: Path) -> Non
     assert "to be filled in: tool tGrip" in text
     assert text.count("PtGrip=(") == 1
     body = [line.split(maxsplit=1)[1].strip() for line in text.splitlines() if line[:1].isdigit()]
-    assert body[body.index("Function V Main()") + 1] == "Hlt"
+    begun = body[body.index("Function V Main()") + 1 :]
+    assert all(line[0] == "M" and "=" in line for line in begun[: begun.index("Hlt")])
+    assert not [line for line in begun[: begun.index("Hlt")] if line.startswith("M_")]
     assert "CO071" in {f.code for f in done.whole}
     assert not [row for row in done.rows if row.level == "not"]
 
