@@ -42,6 +42,9 @@ MOVE = "MoveL p10,v100,fine,tG;"
         ("SingArea\\LockAxis4", "partial"),
         ("SoftAct 3,50", "partial"),
         ("PathAccLim FALSE,FALSE", "partial"),
+        ("WZBoxDef\\Inside,shape,low,high", "partial"),
+        ("WZLimSup\\Stat,zone,shape", "partial"),
+        ("WZDOSet\\Stat,zone\\Inside,shape,doIn,1", "not"),
         ("MoveL p10,v100,fine\\Inpos:=stoptime1_0,tG", "not"),
     ],
 )

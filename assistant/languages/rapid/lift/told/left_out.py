@@ -31,6 +31,11 @@ _PATHS: Final = (
     "no move is held, kept or taken up again: the arm stands where its program goes on",
     "see that nothing counts on a move that was interrupted",
 )
+_SHAPE: Final = ("the shape of the zone is not kept", "note its corners for the other controller")
+_ZONE: Final = (
+    "nobody watches the zone: the arm is not stopped at its border",
+    "set the zone in the other controller, among the areas that it watches, before the first run",
+)
 
 INSTRUCTIONS: Final[Mapping[str, Loss]] = {
     "tperase": ("what stands on the teach pendant stays there", _NONE),
@@ -63,6 +68,8 @@ INSTRUCTIONS: Final[Mapping[str, Loss]] = {
     "mechunitload": ("the load of the unit is not told", "set it in the other controller"),
     **dict.fromkeys(("actunit", "deactunit"), _UNIT),
     **dict.fromkeys(("clearpath", "storepath", "restopath", "startmove"), _PATHS),
+    **dict.fromkeys(("wzboxdef", "wzcyldef", "wzsphdef", "wzlimjointdef", "wzhomejointdef"), _SHAPE),
+    **dict.fromkeys(("wzlimsup", "wzenable", "wzdisable", "wzfree"), _ZONE),
     "bookerrno": ("the number of an error of the program's own is not reserved", _NONE),
     "resetretrycount": ("retries are not counted", _NONE),
 }
