@@ -203,6 +203,17 @@ CASES = {
       IF here.extax.eax_c>1E9 AND ext.eax_a=9E9 here.trans.z:=310;
       MoveL here,v100,fine,tGrip;
     ENDPROC""",
+    "a value is worked out for an external axis that there is none of": """
+    FUNC num degrees(num a)
+      RETURN a*180/pi;
+    ENDFUNC
+    PROC main()
+      VAR robtarget here;
+      here:=p10;
+      here.extax.eax_a:=degrees(here.extax.eax_a);
+      here.trans.z:=degrees(4);
+      MoveL here,v100,fine,tGrip;
+    ENDPROC""",
     "names that are taken": """VAR size one:=[4,5];
     VAR num one_length:=7;
     PROC main()

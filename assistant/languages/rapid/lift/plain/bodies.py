@@ -313,10 +313,9 @@ class Bodies:
 
     def _not_called(self, value: Any) -> None:
         """Raises Unsaid for a value that is not needed, and whose routine may do more."""
-        if any(
-            isinstance(n, s.FunctionCall) and n.name.lower() in self.program.own
-            for n in nodes(value)
-        ):
+        own = {n.name.lower() for n in nodes(value) if isinstance(n, s.FunctionCall)}
+        own &= self.program.own
+        if not all(map(self.program.only_works_out, own)):
             raise Unsaid("it calls a routine for an external axis that there is none of")
 
     def _variable(self, wanted: str, type: str) -> s.NameRef:

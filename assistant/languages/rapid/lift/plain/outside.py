@@ -5,7 +5,7 @@ Their components are 9E9 to RAPID, and what is assigned to them moves nothing.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from typing import Any, Final
 
 import numpy as np
@@ -51,3 +51,27 @@ def is_outside(node: Any, unused: frozenset[str]) -> bool:
         case s.Component(s.Component(_, part), axis):
             return part.lower() == COMPONENT and axis.lower() in unused
     return False
+
+
+def only_works_out(routine: s.Routine | None, divisors: Set[str]) -> bool:
+    """Whether a function does nothing but work out a value, in which no error can arise.
+
+    divisors: names in lower case of what is never 0.
+    """
+    match routine:
+        case s.Routine(kind="FUNC", body=(s.ReturnFrom(value=value),), handlers=()):
+            return value is not None and _never_fails(value, divisors)
+    return False
+
+
+def _never_fails(value: s.Expression, divisors: Set[str]) -> bool:
+    match value:
+        case s.Infix("/", left, s.NameRef(name)):
+            return name.lower() in divisors and _never_fails(left, divisors)
+        case s.Infix("/", left, right):
+            return bool(literal_number(right)) and _never_fails(left, divisors)
+        case s.Infix("+" | "-" | "*", left, right):
+            return _never_fails(left, divisors) and _never_fails(right, divisors)
+        case s.Prefix("+" | "-", operand):
+            return _never_fails(operand, divisors)
+    return isinstance(value, s.NumberLiteral | s.NameRef)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 from assistant.languages.rapid.lift.plain.layouts import SETTINGS, Layouts, Path
-from assistant.languages.rapid.lift.plain.outside import unused_axes
+from assistant.languages.rapid.lift.plain.outside import only_works_out, unused_axes
 from assistant.languages.rapid.tables.predefined import data as predefined
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tree import syntax as s
@@ -34,6 +34,8 @@ class Datum:
 
 
 Names = Mapping[str, Datum]
+PI: Final = "pi"
+"""A constant of the system, which a program may hide."""
 """Data by lower-case name."""
 
 
@@ -80,8 +82,15 @@ class Program:
             name: self.datum(own[0]) for name, own in declared.items() if len(own) == 1
         }
 
+        self._declared = frozenset(declared)
         self._parameters: dict[int, Datum] = {}
         self._results: dict[int, Mapping[Path, str]] = {}
+
+    def only_works_out(self, name: str) -> bool:
+        """Whether a function of the modules changes nothing; name: in lower case."""
+        routine = self.routines.get(name)
+        own = set() if routine is None else {one.name.lower() for one in parameters(routine)}
+        return only_works_out(routine, {PI} - self._declared - own)
 
     def datum(self, node: s.Data | s.ParameterNode) -> Datum:
         """What a declaration declares, with names for its parts if it is taken apart."""
