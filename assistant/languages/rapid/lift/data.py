@@ -10,9 +10,9 @@ from assistant.languages.rapid.lift.expressions import lift
 from assistant.languages.rapid.tables.motions import BLENDS, SPEEDS, speed_of, zone_of
 from assistant.languages.rapid.tables.words import VALUE_OF_TYPE
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.gather import literal_number
+from assistant.languages.rapid.tree.gather import literal_number, numbers
 from assistant.languages.rapid.tree.walk import lists, root
-from assistant.languages.records import Values, frame_of, shape, tool_of
+from assistant.languages.records import frame_of, shape, tool_of
 from assistant.program import expressions as e
 from assistant.program.geometry import BASE, FLANGE, Frame, JointTarget, Target, Tool
 from assistant.program.motion import Blend, Speed
@@ -154,18 +154,6 @@ def fixed_target(variable: Variable) -> Target | JointTarget | None:
         case e.JointValue(joints):
             return joints
     return None
-
-
-def numbers(node: s.Expression | None) -> Values:
-    """The values of a literal, see `records`."""
-    match node:
-        case s.AggregateNode(items):
-            return [numbers(i) for i in items]
-        case s.BoolLiteral(value) | s.StringLiteral(value):
-            return value
-        case None:
-            return None
-    return literal_number(node)
 
 
 def _assigned(modules: Sequence[s.Module]) -> set[str]:

@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Any, Final
 from assistant.languages.language import Adapted
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.channels import with_channels
-from assistant.languages.rapid.lift.data import numbers
 from assistant.languages.rapid.lift.extents import with_extents
 from assistant.languages.rapid.lift.instructions import Meaning
 from assistant.languages.rapid.lift.operator import with_operator
@@ -40,7 +39,7 @@ from assistant.languages.rapid.tables.welding import DATA
 from assistant.languages.rapid.tables.words import ELSEWHERE, VALUE_OF_TYPE
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.gather import literal_number
+from assistant.languages.rapid.tree.gather import literal_number, numbers
 from assistant.languages.records import frame_of, tool_of
 from assistant.program import expressions as e
 from assistant.program import statements as p

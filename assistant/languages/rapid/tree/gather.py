@@ -149,3 +149,15 @@ def plain_move(node: s.ProcedureCall) -> MoveRow | None:
 def _name(value: s.Expression | None) -> str:
     """The name that an expression is, empty for any other."""
     return value.name if isinstance(value, s.NameRef) and _plain_name(value.name) else ""
+
+
+def numbers(node: s.Expression | None) -> Any:
+    """The values of a literal, see `records`."""
+    match node:
+        case s.AggregateNode(items):
+            return [numbers(i) for i in items]
+        case s.BoolLiteral(value) | s.StringLiteral(value):
+            return value
+        case None:
+            return None
+    return literal_number(node)

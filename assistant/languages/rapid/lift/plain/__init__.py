@@ -15,6 +15,7 @@ from assistant.languages.rapid.lift.plain.bodies import Bodies, declared
 from assistant.languages.rapid.lift.plain.copies import with_copies
 from assistant.languages.rapid.lift.plain.layouts import Layouts
 from assistant.languages.rapid.lift.plain.library import with_library, without_uncalled
+from assistant.languages.rapid.lift.plain.moving_frames import with_still_frames
 from assistant.languages.rapid.lift.plain.optional import with_required
 from assistant.languages.rapid.lift.plain.scopes import Fresh, Program
 from assistant.languages.rapid.lift.plain.spreads import Spread, Unsaid
@@ -42,7 +43,8 @@ class Plain:
 
 def plain(files: Sequence[s.File]) -> Plain | None:
     """The files of a program with plain data, None if they have no other."""
-    read = with_own_names([module for file in files for module in file.modules])
+    there = with_own_names([module for file in files for module in file.modules])
+    read = with_still_frames(there)
     whole = with_library(read)
     layouts = Layouts(whole)
     copied = with_copies(whole, layouts)
@@ -58,7 +60,7 @@ def plain(files: Sequence[s.File]) -> Plain | None:
         program.outside.clear()
     if whole is not read:
         made = without_uncalled(made, read)
-    if all(one is before for one, before in zip(made, read, strict=True)):
+    if all(one is before for one, before in zip(made, there, strict=True)):
         return None
     left, unread = without_unread(made, program)
     listed, found, axes = iter(left), iter(unread), iter(outside)

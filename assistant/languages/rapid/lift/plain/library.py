@@ -37,6 +37,8 @@ BY_TYPE: Final = {"num": "number_of_text", "bool": "truth_of_text"}
 """What reads a text as data of a type: StrToVal."""
 PART: Final = "part_of_turn"
 PRODUCT: Final = "turn_by"
+IN_FRAME: Final = "target_in"
+"""A target as it is seen from the base frame."""
 TURN: Final = "rot"
 PLACES: Final = 9
 """Decimals of angles that are worked out: finer than a quaternion of single precision."""
@@ -130,7 +132,7 @@ def _called(value: Any) -> Iterable[str]:
 def _asks(node: Any) -> bool:
     match node:
         case s.FunctionCall(str(name)) | s.ProcedureCall(str(name)):
-            return name.lower() in _ASKING
+            return name.lower() in _ASKING or name == IN_FRAME
         case s.Component(name=name):
             return name.lower() == TURN or name.lower() in QUATERNION
         case s.Data(type=type) | s.ParameterNode(type=type):

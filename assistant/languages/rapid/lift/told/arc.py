@@ -10,11 +10,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from assistant.languages.patterns import Called
-from assistant.languages.rapid.lift.data import numbers
 from assistant.languages.rapid.lift.instructions import Meaning, of_call
 from assistant.languages.rapid.tables.welding import BESIDE, BURNS, MOVES, SIGNAL
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.gather import numbers
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.motion import Speed
