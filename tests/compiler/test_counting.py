@@ -6,6 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from assistant import compile
+from assistant.compiler.loading import parse_pseudo
+from assistant.program.text import SourceText
 from tests.compiler.same_motion import MELFA, moves_alike, translated
 
 HEAD = """MODULE cell
@@ -73,3 +76,12 @@ def test_constant_bounds_need_no_variables(tmp_path: Path, to: str) -> None:
     made = moves_alike(tmp_path, f"{HEAD}PROC main()\n{body}\nENDPROC\nENDMODULE\n", to, 6)
     assert "Step -1" in made or "STEP -1" in made
     assert "_BY" not in made.upper()
+
+
+@pytest.mark.parametrize(("bounds", "said"), [("1 towards 7", "1 TO 7"), ("7 towards 1", "7 TO 1")])
+def test_a_way_between_numbers_is_one_way_in_rapid(bounds: str, said: str) -> None:
+    loop = f"  for i from {bounds}\n    v = i\n  end\n"
+    text = f"program a\nvariable v number\nprocedure main\n{loop}end\n"
+    made = compile(parse_pseudo(SourceText(text, "a.pseudo")), language="rapid")
+    assert made.ok, made.findings
+    assert f"FROM {said}".encode() in b"".join(made.files.values())

@@ -9,14 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Generator, Iterator
 from dataclasses import replace
-from typing import Final
+from typing import Any, Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import base
 from assistant.program.kept import effect_of
+from assistant.program.passes.counted_loops import ascends
 from assistant.program.program import Procedure, Program, TakenNames, Variable, identifier
-from assistant.program.rewriting import Body, map_bodies, records
+from assistant.program.rewriting import Body, map_bodies, records, rewrite
 
 _PLAIN: Final = (e.Number, e.Truth, e.Name, e.Unary, e.Binary)
 """Expressions that give the same each time, as long as nothing is assigned to their names."""
@@ -29,6 +30,19 @@ def with_settled_loops(program: Program) -> Program:
         return program
     loops = _Loops(program)
     return replace(program, procedures=tuple(map(loops.procedure, program.procedures)))
+
+
+def with_directions(program: Program) -> Program:
+    """The program with a step for each loop whose bounds are numbers, where a reader sees which."""
+    return rewrite(program, _directed)
+
+
+def _directed(part: Any) -> Any:
+    if isinstance(part, p.For) and part.step is None:
+        upwards = ascends(part.first, part.last)
+        if upwards is not None:
+            return replace(part, step=p.ONE if upwards else _BACKWARDS)
+    return part
 
 
 class _Loops:

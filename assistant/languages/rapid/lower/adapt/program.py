@@ -34,6 +34,7 @@ from assistant.program.passes.outputs import find_outputs_of_two_names
 from assistant.program.passes.paths import with_paths
 from assistant.program.passes.places import with_measured_places
 from assistant.program.passes.procedures import units
+from assistant.program.passes.settled_loops import with_directions
 from assistant.program.passes.spacing import with_comments_behind
 from assistant.program.passes.splitting import split
 from assistant.program.program import Declaration, Procedure, Program
@@ -118,6 +119,7 @@ PASSES: Final[tuple[Pass, ...]] = (
     sayable,
     with_channels,
     pure(with_places),
+    pure(with_directions),
     counted_loops,
     pure(with_paths),
     split,
