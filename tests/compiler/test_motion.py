@@ -248,6 +248,13 @@ after = 0.5
 """
 
 
+def test_an_output_of_the_cell_that_is_only_read_is_off(tmp_path: Path) -> None:
+    text = HEAD + "PROC main()\nIF doGrip=0 MoveL p10,v100,fine,tGrip;\nENDPROC\nENDMODULE\n"
+    there = proof(made(text, "melfa-basic-5", tmp_path))
+    found = there.found
+    assert found is not None and found.visits and not found.failing and found.unlike is None
+
+
 def test_a_script_drives_both_programs(compiled: Compiled, tmp_path: Path) -> None:
     script = tmp_path / "part.toml"
     script.write_text(SCRIPT, encoding="utf-8")

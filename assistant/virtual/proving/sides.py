@@ -102,6 +102,9 @@ def _begin_rapid(side: Side, kernel: Kernel) -> None:
     from assistant.virtual.rapid.running import start_task
 
     controller = Controller(Options(sockets=False))  # to prove a program is not to trust it
+    cell = {name.lower() for name in side.outputs.values()}  # also those that are only read
+    controller.outputs |= cell
+    controller.known |= cell
     there, loaded = _apart(side.trees)
     for tree in loaded:
         name = _file_name(tree)
