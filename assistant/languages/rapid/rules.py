@@ -156,3 +156,8 @@ SIGNS: Final = warning(
     "none is needed where they turn something again, as both say the same orientation",
 )
 IDLE: Final = info("RA344", "this is left out: nothing reads what it assigns", "none is needed")
+SETTLED: Final = warning(
+    "RA345",
+    "`{name}` is given no other value, and holds it from the start: this is left out",
+    "see that no move with it comes before this one is done",
+)

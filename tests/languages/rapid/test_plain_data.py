@@ -332,7 +332,7 @@ def test_a_work_object_that_more_than_moves_are_given_stays(other: str) -> None:
 def test_a_part_that_cannot_be_said_costs_no_other_part() -> None:
     done = crossed(
         "RECORD way\nspeeddata v;\nnum n;\nENDRECORD\nVAR way one;\nPROC main()\n"
-        "one.v:=v100;\none.n:=3;\ngo one.n,0,0;\nMoveL p10,one.v,fine,tGrip;\nENDPROC"
+        "one.v:=v100;\none.v:=v200;\none.n:=3;\ngo one.n,0,0;\nMoveL p10,one.v,fine,tGrip;\nENDPROC"
     )
     levels = {row.text: row.level for row in done.rows}
     assert levels["MoveL p10,one.v,fine,tGrip"] == "not"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import Any, Final, TypeGuard
 
 from assistant.languages.language import Adapted
 from assistant.languages.rapid import rules
@@ -54,16 +54,18 @@ def _told(files: tuple[s.File, ...]) -> _Told:
 
 
 def _idle(program: Program) -> Iterator[Diagnostic]:
-    """What assigns only to what nothing reads."""
+    """What assigns only to what nothing reads, or what a speed or zone holds already."""
     said = list(program.statements())
     left = {node.span for node in said if not _is_left_out(node)}
-    for span in dict.fromkeys(node.span for node in said if _is_left_out(node)):
+    gone = {node.span: node.text for node in said if _is_left_out(node)}
+    for span, text in gone.items():
         if span is not None and span not in left:
-            yield rules.IDLE(span=span)
+            name = text.removeprefix(LEFT_OUT)
+            yield rules.SETTLED(name=name, span=span) if name else rules.IDLE(span=span)
 
 
-def _is_left_out(node: p.Statement) -> bool:
-    return isinstance(node, p.Comment) and node.text == LEFT_OUT
+def _is_left_out(node: p.Statement) -> TypeGuard[p.Comment]:
+    return isinstance(node, p.Comment) and node.text.startswith(LEFT_OUT)
 
 
 def without_marks(program: Program) -> Program:

@@ -18,6 +18,7 @@ from assistant.languages.rapid.lift.plain.library import with_library, without_u
 from assistant.languages.rapid.lift.plain.moving_frames import with_still_frames
 from assistant.languages.rapid.lift.plain.optional import with_required
 from assistant.languages.rapid.lift.plain.scopes import Fresh, Program
+from assistant.languages.rapid.lift.plain.settled import with_settled
 from assistant.languages.rapid.lift.plain.spreads import Spread, Unsaid
 from assistant.languages.rapid.lift.plain.unread import Unread, without_unread
 from assistant.languages.rapid.lift.plain.values import Values
@@ -60,6 +61,7 @@ def plain(files: Sequence[s.File]) -> Plain | None:
         program.outside.clear()
     if whole is not read:
         made = without_uncalled(made, read)
+    made = with_settled(made, layouts, kept)
     if all(one is before for one, before in zip(made, there, strict=True)):
         return None
     left, unread = without_unread(made, program)
