@@ -2,8 +2,8 @@
 
 `VAR speeddata slow;` with `slow := v100;` in a routine becomes `CONST speeddata slow := v100;`:
 other languages write the values of a move where it stands. Without a first value nothing else can
-be in force, as a move at no speed at all is none. A zone without a first value needs a speed beside it
-that is set in the same run of assignments, and that all moves with the zone have.
+be in force, as a move at no speed at all is none. A zone without a first value needs a speed beside
+it that is set in the same run of assignments, and that all moves with the zone have.
 """
 
 from __future__ import annotations
