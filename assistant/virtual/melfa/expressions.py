@@ -41,12 +41,28 @@ def value(m: Machine, node: s.Expression | None) -> Value:
             return variable(m, node)
         case s.Unary(operator=sign, operand=operand):
             return unary(sign.upper(), value(m, operand))
+        case s.Binary(operator=sign, left=s.Variable() as read, right=s.Number(value=mask)) if (
+            sign.upper() == "AND" and 0 <= mask < SIGN and (low := _bits(m, read)) is not None
+        ):
+            return low & whole(mask, "an operand")
         case s.Binary(operator=sign, left=left, right=right):
             return binary(m, sign.upper(), value(m, left), value(m, right))
         case s.Pallet(number=number_, point=point):
             which, at = whole(value(m, number_), "the pallet"), whole(value(m, point), "the point")
             return pallets.point(m.pallets.get(which), which, at)
     raise Failed(4220, "an expression that is none")
+
+
+SIGN: Final = 1 << 15
+"""The bit that may be a sign: those below it are the same with and without one."""
+
+
+def _bits(m: Machine, node: s.Variable) -> int | None:
+    """The signals of a group that a node reads, None for anything else."""
+    key = node.key
+    if node.component or m.is_own(key) or key in m.code.functions or not is_status(key):
+        return None
+    return status.bits(m.world, key, tuple(value(m, a) for a in node.arguments or ()))
 
 
 def values(m: Machine, given: tuple[s.Expression | None, ...]) -> tuple[Value | None, ...]:

@@ -155,6 +155,14 @@ def timer_number(number: int) -> int:
     return number
 
 
+def bits(world: World, name: str, index: tuple[Value, ...]) -> int | None:
+    """The signals of a group as a number without a sign; None for another status variable."""
+    if name not in WIDTHS or len(index) != 1:
+        return None
+    output, width = WIDTHS[name]
+    return world.read(output, whole(index[0], f"the index of {name}"), width)
+
+
 def _signed(world: World, value: int, width: int) -> int:
     """A number of 16 or 32 bits whose highest one is set may be shown as negative or not."""
     if width in (16, 32) and value >> (width - 1):
