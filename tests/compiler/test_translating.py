@@ -434,12 +434,12 @@ def test_of_programs_that_call_each_other_one_stays(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("to", MELFA)
 def test_a_line_that_is_too_long_has_its_place(tmp_path: Path, to: str) -> None:
-    long = " OR ".join(f"n>{k}000 AND n<{k}999" for k in range(1, 30))
-    text = MODULE.replace("IF n>3", f"IF {long}").replace("    VAR egmident path;\n", "")
+    long = "+".join(f"n*{k}000" for k in range(1, 60))
+    text = MODULE.replace("IF n>3", f"IF {long}>3").replace("    VAR egmident path;\n", "")
     text = text.replace("        EGMReset path;\n", "").replace("GetMotorTorque(2)", "1")
     found = translated(tmp_path, text, to, draft=True)
     assert found.draft, found.written.findings
-    (row,) = [row for row in found.rows if row.text.startswith("IF n>1000")]
+    (row,) = [row for row in found.rows if row.text.startswith("IF n*1000")]
     assert row.level == "not"
     assert [f.code for f in row.reasons] == ["MB107"]
 

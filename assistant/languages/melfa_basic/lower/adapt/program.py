@@ -12,6 +12,7 @@ from assistant.languages.language import Adapted
 from assistant.languages.line_steps import steps_in
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lower.adapt.channels import with_channels
+from assistant.languages.melfa_basic.lower.adapt.long_conditions import with_short_conditions
 from assistant.languages.melfa_basic.lower.adapt.statements import Plain
 from assistant.languages.melfa_basic.lower.adapt.vendor_text import check_names
 from assistant.languages.melfa_basic.lower.names import Names, naming
@@ -76,6 +77,7 @@ def adapt(
     plain = Plain(job, dialect, robot, products)
     job = replace(job, program=passed("sayable", plain.program()))
     adapted = legalised(job, LAST)
+    adapted = with_short_conditions(adapted, dialect, robot, products=products)
     if adapted.procedures and adapted.entry is None:
         findings.append(rules.NO_ENTRY(name=adapted.name))
     findings += _own_variables(adapted)

@@ -1,0 +1,139 @@
+"""Conditions that no step holds, worked out in several steps before the `If` that asks them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final, Literal
+
+from assistant.languages.melfa_basic.lower.expressions import Expressions, Unsayable
+from assistant.languages.melfa_basic.lower.names import naming
+from assistant.languages.melfa_basic.tables.dialects import LAST_STEP, Dialect
+from assistant.languages.melfa_basic.text import printer
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.program import Procedure, Program, TakenNames, Variable, identifier
+from assistant.program.rewriting import Body, map_bodies, records
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+
+ROOM: Final = 30
+"""Bytes of a step that are left for the variable which the parts of a condition go to."""
+
+FEW: Final = 6
+"""Records of a condition, its names and numbers among them: of two comparisons there are 7."""
+
+
+def with_short_conditions(
+    program: Program, dialect: Dialect, robot: Robot | None, *, products: bool
+) -> Program:
+    """The program with a variable for each condition of an `If` that is too long for a step.
+
+    All parts are worked out in their order, as the one step would do it.
+    """
+    if not dialect.blocks or not any(map(_may_be_long, program.statements())):
+        return program
+    names = naming(program, dialect, products)
+    said = Expressions(program, dialect, names, robot, lambda: names.position)
+    taken = TakenNames((program.name, *program.variables, *program.signals, *program.targets))
+    taken.update((*program.joint_targets, *program.tools, *program.frames))
+    for q in program.procedures:
+        taken.update((q.name, *q.variables, *(one.name for one in q.parameters)))
+    most = dialect.line - len(f"{LAST_STEP} ") - ROOM
+
+    def fits(value: e.Expression) -> bool:
+        try:
+            condition = said.of(value)
+        except Unsayable:
+            return True  # which is told where it is written
+        text = printer.line(s.Line(statement=s.If(condition, None)), dialect.upper)
+        return len(text.encode()) <= most
+
+    procedures = []
+    for procedure in program.procedures:
+        said.procedure = procedure
+        procedures.append(_Shortening(procedure, fits, taken).procedure())
+    same = all(a is b for a, b in zip(procedures, program.procedures, strict=True))
+    return program if same else replace(program, procedures=tuple(procedures))
+
+
+def _may_be_long(node: p.Statement) -> bool:
+    """Whether an `If` asks so much that it is worth a look at its length."""
+    if not isinstance(node, p.If):
+        return False
+    asked = node.branches[0].condition
+    return isinstance(asked, e.Binary) and sum(1 for _ in records(asked)) > FEW
+
+
+class _Shortening:
+    """One procedure. fits: whether a step holds a condition. taken: names, with those made here."""
+
+    def __init__(
+        self, owner: Procedure, fits: Callable[[e.Expression], bool], taken: TakenNames
+    ) -> None:
+        self.owner, self.fits, self.taken = owner, fits, taken
+        self.new: dict[str, Variable] = {}
+
+    def procedure(self) -> Procedure:
+        body = self.body(self.owner.body)
+        if not self.new:
+            return self.owner
+        return replace(self.owner, body=body, variables={**self.owner.variables, **self.new})
+
+    def body(self, body: Body) -> Body:
+        made: list[p.Statement] = []
+        for node in body:
+            inner = map_bodies(node, self.body)
+            if isinstance(inner, p.If):
+                inner = self.asked(inner, made)
+            made.append(inner)
+        return tuple(made)
+
+    def asked(self, node: p.If, made: list[p.Statement]) -> p.If:
+        """An `If` that asks a variable if its first condition is too long."""
+        first, *others = node.branches
+        match first.condition:
+            case e.Binary("and" | "or" as word) if not self.fits(first.condition):
+                parts = [*_chain(first.condition, word)]
+            case _:
+                return node
+        if not all(map(self.fits, parts)):
+            return node
+        name = identifier("condition", self.taken)
+        self.taken.add(name)
+        self.new[name] = Variable("truth")
+        before: e.Expression | None = None
+        value, *left = parts
+        for part in left:
+            longer = e.Binary(word, value, part)
+            if self.fits(longer):
+                value = longer
+                continue
+            made.append(p.Assign(e.Name(name), _joined(word, before, value), span=node.span))
+            before, value = e.Name(name), part
+        made.append(p.Assign(e.Name(name), _joined(word, before, value), span=node.span))
+        return replace(node, branches=(replace(first, condition=e.Name(name)), *others))
+
+
+def _joined(
+    word: Literal["and", "or"], before: e.Expression | None, value: e.Expression
+) -> e.Expression:
+    """A chain of one operator behind what it goes on from."""
+    match value:
+        case _ if before is None:
+            return value
+        case e.Binary(operator, left, right) if operator == word:
+            return e.Binary(word, _joined(word, before, left), right)
+    return e.Binary(word, before, value)
+
+
+def _chain(value: e.Expression, word: str) -> Iterator[e.Expression]:
+    """What one operator joins, in its order."""
+    match value:
+        case e.Binary(operator, left, right) if operator == word:
+            yield from _chain(left, word)
+            yield right
+        case _:
+            yield value
