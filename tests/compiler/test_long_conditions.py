@@ -42,7 +42,7 @@ def test_a_condition_is_asked_in_several_steps(condition: str, tmp_path: Path) -
         "doYes = { number = 3 }\ndoNo = { number = 4 }\n",
         encoding="utf-8",
     )
-    found = translate(source, to="melfa-basic-6", proving=Proving(seconds=1.0), process=process)
+    found = translate(source, to="melfa-basic-6", proving=Proving(), process=process)
     assert found.ok, found.findings
     assert found.motion is not None
     assert found.motion.holds and found.motion.found is not None
