@@ -6,11 +6,9 @@ from pathlib import Path as FilePath
 
 import pytest
 
-from tests.virtual import rapid_words
 from tests.virtual.test_told_rapid import SIX, written
 from tests.virtual.test_translated_cases import HEAD
-from tests.virtual.test_translated_rapid import NUMBERS, run_melfa, run_rapid
-from tests.virtual.translating import Tally, judge
+from tests.virtual.test_translated_rapid import says_the_same
 
 CASES = {
     "a wait that is tried again, and then given up": r"""VAR num n;
@@ -100,22 +98,8 @@ DATA = "VAR num ERR_HOME:=-1;\nVAR num nTry;\n"
 
 @pytest.mark.parametrize("name", CASES)
 def test_it_does_the_same(name: str, tmp_path: FilePath) -> None:
-    process = tmp_path / "cell.process.toml"
-    process.write_text(rapid_words.process_file(), encoding="utf-8")
-    tally = Tally()
-    judge(
-        tally,
-        name,
-        f"{HEAD}{DATA}PROC main()\n{CASES[name]}\nENDPROC\nENDMODULE\n",
-        SCENARIOS,
-        source=("rapid", run_rapid),
-        target=(SIX, lambda *given: run_melfa(SIX, *given)),
-        process=process,
-        signals=NUMBERS,
-    )
-    assert tally.kept == []
-    assert not tally.reasons
-    assert tally.counts["equal"] == 1
+    text = f"{HEAD}{DATA}PROC main()\n{CASES[name]}\nENDPROC\nENDMODULE\n"
+    says_the_same((name, text, SCENARIOS), SIX, tmp_path)
 
 
 @pytest.mark.parametrize(

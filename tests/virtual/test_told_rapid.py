@@ -11,8 +11,7 @@ from assistant.compiler.loading import load_text
 from assistant.program.text import SourceText
 from tests.virtual import rapid_words
 from tests.virtual.test_translated_cases import HEAD
-from tests.virtual.test_translated_rapid import NUMBERS, run_melfa, run_rapid
-from tests.virtual.translating import Tally, judge
+from tests.virtual.test_translated_rapid import says_the_same
 
 SIX = "melfa-basic-6"
 SCENARIOS: tuple[dict[str, float], ...] = ({}, {"di1": 1.0}, {"di1": 1.0, "giorder": 5.0})
@@ -86,22 +85,8 @@ TO_DATA = {name: f"{THERE}\n{body}" for name, body in CASES.items()}
 
 @pytest.mark.parametrize("name", CASES)
 def test_it_does_the_same(name: str, tmp_path: FilePath) -> None:
-    process = tmp_path / "cell.process.toml"
-    process.write_text(rapid_words.process_file(), encoding="utf-8")
-    tally = Tally()
-    judge(
-        tally,
-        name,
-        f"{HEAD}{ALIAS}PROC main()\n{TO_DATA[name]}\nENDPROC\nENDMODULE\n",
-        SCENARIOS,
-        source=("rapid", run_rapid),
-        target=(SIX, lambda *given: run_melfa(SIX, *given)),
-        process=process,
-        signals=NUMBERS,
-    )
-    assert tally.kept == []
-    assert not tally.reasons
-    assert tally.counts["equal"] == 1
+    text = f"{HEAD}{ALIAS}PROC main()\n{TO_DATA[name]}\nENDPROC\nENDMODULE\n"
+    says_the_same((name, text, SCENARIOS), SIX, tmp_path)
 
 
 def written(body: str, tmp_path: FilePath) -> tuple[str, list[str]]:

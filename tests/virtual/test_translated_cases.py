@@ -12,8 +12,7 @@ from assistant.compiler.loading import load_text
 from assistant.program.text import SourceText
 from assistant.virtual.events import Moved, Stopped, Switched
 from tests.virtual import rapid_words
-from tests.virtual.test_translated_rapid import LANGUAGES, NUMBERS, run_melfa, run_rapid
-from tests.virtual.translating import Tally, judge
+from tests.virtual.test_translated_rapid import LANGUAGES, run_melfa, says_the_same
 
 HEAD = f"""MODULE Cell
 PERS tooldata tGripper:={rapid_words.TOOLS["tGripper"]};
@@ -176,22 +175,8 @@ SCENARIOS = ({}, {"di1": 1.0, "giorder": 5.0})
 @pytest.mark.parametrize("language", LANGUAGES)
 @pytest.mark.parametrize("name", CASES)
 def test_it_does_the_same(name: str, language: str, tmp_path: FilePath) -> None:
-    process = tmp_path / "cell.process.toml"
-    process.write_text(rapid_words.process_file(), encoding="utf-8")
-    tally = Tally()
-    judge(
-        tally,
-        name,
-        f"{HEAD}{CASES[name]}\nENDMODULE\n",
-        SCENARIOS,
-        source=("rapid", run_rapid),
-        target=(language, lambda *given: run_melfa(language, *given)),
-        process=process,
-        signals=NUMBERS,
-    )
-    assert tally.kept == []
-    assert not tally.reasons
-    assert tally.counts["equal"] == 1
+    text = f"{HEAD}{CASES[name]}\nENDMODULE\n"
+    says_the_same((name, text, SCENARIOS), language, tmp_path)
 
 
 @pytest.mark.parametrize("language", LANGUAGES)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from pathlib import Path as FilePath
 
 import pytest
@@ -33,23 +34,41 @@ def run_melfa(language: str, text: str, inputs: Inputs, most_steps: int) -> Run:
     return melfa.run(tree, inputs=bits, start=START, most_steps=most_steps)
 
 
-def tally_of(language: str, seeds: range, folder: FilePath) -> Tally:
-    """Programs of some seeds, translated to a language and compared."""
+Case = tuple[str, str, Sequence[Inputs]]
+"""What a program is called, its text, and the inputs that it is run with."""
+
+
+def judged(language: str, cases: Iterable[Case], folder: FilePath) -> Tally:
+    """Programs translated to a language and compared."""
     process = folder / "cell.process.toml"
     process.write_text(rapid_words.process_file(), encoding="utf-8")
     tally = Tally()
-    for seed in seeds:
-        drawn = program(seed)
+    for name, text, scenarios in cases:
         judge(
             tally,
-            f"seed {seed}",
-            drawn.text,
-            drawn.scenarios,
+            name,
+            text,
+            scenarios,
             source=("rapid", run_rapid),
             target=(language, lambda *given: run_melfa(language, *given)),
             process=process,
             signals=NUMBERS,
         )
+    return tally
+
+
+def says_the_same(case: Case, language: str, folder: FilePath) -> None:
+    """Asserts that one program is translated whole, and does the same."""
+    tally = judged(language, [case], folder)
+    assert tally.kept == []
+    assert not tally.reasons
+    assert tally.counts["equal"] == 1
+
+
+def tally_of(language: str, seeds: range, folder: FilePath) -> Tally:
+    """Programs of some seeds."""
+    drawn = ((seed, program(seed)) for seed in seeds)
+    tally = judged(language, ((f"seed {n}", one.text, one.scenarios) for n, one in drawn), folder)
     print(f"rapid to {language}: {tally}")  # noqa: T201
     return tally
 
