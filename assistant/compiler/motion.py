@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 from assistant.compiler.arms import Arms
 from assistant.compiler.loading import language_of
-from assistant.compiler.motion_sides import Made, in_the_cell, names_of_wires, outputs_of, sides
+from assistant.compiler.motion_sides import (
+    Made,
+    in_the_cell,
+    names_of_wires,
+    on_stand_ins,
+    outputs_of,
+    sides,
+)
 from assistant.program.diagnostics import Diagnostic, error, has_errors, info, warning
 
 if TYPE_CHECKING:
@@ -42,6 +49,12 @@ STALLED = warning(
     "CO114",
     "the script leaves `{name}` waiting here: what follows was not compared",
     "say in the script what ends the wait, if something does",
+)
+
+STAND_IN = info(
+    "CO115",
+    "both were run on the {title}, as nobody has named an arm and they read where it stands",
+    "name the arm that runs the program with --robot",
 )
 
 
@@ -141,7 +154,16 @@ def prove_motion(made: Made, arms: Arms, proving: Proving, entry: str | None = N
     script = None if proving.script is None else read_script(proving.script)
     budget = Budget(proving.seed, proving.runs, proving.seconds)
     found = compared(first, second, outputs, rounding, budget, script)
-    return MotionProof(found, tuple(_findings(found, names, names_of_wires(made))), names)
+    told: list[Diagnostic] = []
+    if found.unknown is not None and first.robot is None and second.robot is None:
+        for arm, one, two in on_stand_ins(first, second):
+            again = compared(one, two, outputs, rounding, budget, script)
+            if again.unknown is None and again.failing < again.runs:
+                found = again
+                told = [STAND_IN(title=arm.title)]
+                break
+    told += _findings(found, names, names_of_wires(made))
+    return MotionProof(found, tuple(told), names)
 
 
 def _not_run(reason: str) -> MotionProof:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.compiler.arms import Arms, known_robot, taught_on
@@ -46,12 +46,13 @@ def sides(
     made: Made, trees: Sequence[Any], written: Sequence[Any], arms: Arms, entry: str | None
 ) -> tuple[Side, Side]:
     """The source and what was written, parsed, before the same motion and with the same signals."""
-    from assistant.virtual.proving.sides import PLAIN_START, PSEUDO, Side
+    from assistant.virtual.proving.sides import PLAIN_JOINTS, PLAIN_START, PSEUDO, Side
     from assistant.virtual.running import home
 
     source = made.source
     here, there = taught_on(source, arms), arms.robot or known_robot(source.robot)
     start = home(here) or home(there) or PLAIN_START
+    joints = None if here or there else PLAIN_JOINTS
     signals = {name.lower(): signal for name, signal in made.signals.items()}
 
     def side(language: str | None, files: Sequence[Any], robot: Robot | None, begin: str) -> Side:
@@ -61,6 +62,7 @@ def sides(
             trees=tuple(files),
             robot=robot,
             start=start,
+            joints=joints,
             entry=begin,
             wiring=_wiring(signals, family),
             outputs=_other_names(signals, family),
@@ -69,6 +71,27 @@ def sides(
     spoken = None if source.origin is None else source.origin.language
     first = side(spoken, trees, here if spoken else here or there, entry or "main")
     return first, side(made.language, written, there, "main")
+
+
+def on_stand_ins(first: Side, second: Side) -> Iterator[tuple[Robot, Side, Side]]:
+    """Both programs on arms that nobody has named: where only an arm tells what they read of it.
+
+    A small, a middling and a large one of the catalogue, as a program may be for any of them.
+    """
+    from assistant import robots
+    from assistant.virtual.running import home
+
+    known = sorted(map(robots.get, robots.names()), key=lambda robot: robot.reach)
+    usual = [r for r in known if len(r.axes) == 6 and r.counts == "quadrants"]
+    for place in (len(usual) // 2, 0, len(usual) - 1):
+        arm = usual[place]
+        start = home(arm) or first.start
+        joints = tuple(map(float, arm.home))
+        yield (
+            arm,
+            replace(first, robot=arm, start=start, joints=joints),
+            replace(second, robot=arm, start=start, joints=joints),
+        )
 
 
 def in_the_cell(made: Made) -> tuple[list[Any], list[str]]:

@@ -79,15 +79,19 @@ def start_slot(
     slot: int = 1,
     robot: Robot | None = None,
     start: Pose | None = None,
+    joints: tuple[float, ...] | None = None,
     names: Sequence[str] = (),
     options: Options | None = None,
     commands: Commands | None = None,
     repeat: bool = False,
 ) -> Task:
-    """A slot of a controller that runs one cycle of a program; see `run`."""
+    """A slot of a controller that runs one cycle of a program; see `run`.
+
+    joints: degrees where it starts, None where they are not known.
+    """
 
     def body(task: Task) -> Ending:
-        world = World(task, Arm(robot, start))
+        world = World(task, Arm(robot, start, joints))
         world.options, world.commands = options or Options(), by_name(commands)
         standing = None if start is not None else kernel.motion.where()
         if standing is not None:

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 PLAIN_START: Final = Pose((400.0, 0.0, 500.0), (0.0, 0.0, 1.0, 0.0))
 """Where the flange is before the first motion of a program without a robot: the same in both."""
+PLAIN_JOINTS: Final = (0.0, 0.0, 90.0, 0.0, 90.0, 0.0)
+"""Degrees of its joints there, on an arm of which nothing else is known."""
 PSEUDO: Final = "pseudo"
 STATEMENT_TIME: Final = 0.002
 """Seconds that a statement takes, so that a loop which looks at a clock comes to its end."""
@@ -32,14 +34,15 @@ class Side:
     """A program that is run. family: of its language, PSEUDO of a pseudo-program. trees: of its
     files, the first one first, or the pseudo-program.
 
-    start: of the flange. entry: the routine that it begins with. wiring: what it calls the inputs.
-    outputs: what it calls outputs of a bit, by what the other program calls them.
+    start: of the flange. joints: degrees there, None where they are not known. entry: the routine
+    that it begins with. wiring: what it calls the inputs. outputs: what it calls outputs of a bit, by what the other program calls them.
     """
 
     family: str
     trees: Sequence[Any]
     robot: Robot | None = None
     start: Pose = PLAIN_START
+    joints: tuple[float, ...] | None = None
     entry: str = "main"
     wiring: Wiring = field(default_factory=Wiring)
     outputs: Mapping[str, str] = field(default_factory=dict)
@@ -115,6 +118,7 @@ def _begin_rapid(side: Side, kernel: Kernel) -> None:
         robot=side.robot,
         entry=side.entry,
         start=side.start,
+        joints=side.joints,
         controller=controller,
     )
 
@@ -140,7 +144,14 @@ def _begin_melfa(side: Side, kernel: Kernel) -> None:
     from assistant.virtual.melfa import start_slot
 
     names = [PurePath((tree.source and tree.source.path) or "").stem for tree in side.trees]
-    start_slot(kernel, list(side.trees), robot=side.robot, start=side.start, names=names)
+    start_slot(
+        kernel,
+        list(side.trees),
+        robot=side.robot,
+        start=side.start,
+        joints=side.joints,
+        names=names,
+    )
 
 
 def _begin_pseudo(side: Side, kernel: Kernel) -> None:

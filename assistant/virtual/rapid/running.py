@@ -78,6 +78,7 @@ def start_task(
     robot: Robot | None = None,
     entry: str = "main",
     start: Pose | None = None,
+    joints: tuple[float, ...] | None = None,
     controller: Controller | None = None,
     kind: Kind = "normal",
     moves: bool | None = True,
@@ -87,6 +88,7 @@ def start_task(
 ) -> Task:
     """A task of a controller that runs one cycle of a program; see `run`.
 
+    joints: degrees where it starts, None where they are not known.
     kind: of others than `normal` ones the program runs again and again, until those have ended.
     moves: whether the task has a robot. All tasks are to be there before the kernel runs.
     made: is given the machine at once, whose data has not got its first values yet. cycles: is
@@ -102,7 +104,7 @@ def start_task(
         _with(abilities or {}),
         Types(),
         OwnSignals(task, shared.outputs, shared.known),
-        Arm(start or _standing(kernel)),
+        Arm(start or _standing(kernel), joints),
         robot,
         predefined=predefined(robot),
         controller=shared,
