@@ -35,7 +35,8 @@ class Side:
     files, the first one first, or the pseudo-program.
 
     start: of the flange. joints: degrees there, None where they are not known. entry: the routine
-    that it begins with. wiring: what it calls the inputs. outputs: what it calls outputs of a bit, by what the other program calls them.
+    that it begins with. wiring: what it calls the inputs. outputs: what it calls outputs of a bit,
+    by what the other program calls them.
     """
 
     family: str
