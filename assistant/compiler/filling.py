@@ -104,12 +104,13 @@ def in_cell(loaded: Loaded, cell: Cell, path: FilePath, *, taught: bool = False)
         anew = with_signals(language.lift(trees, origin.robot), loaded.signals)
         program = _as_stated(anew, program, origin.lifted)
     program = _with_signals(program, wanted)
-    program = replace(program, signals=_told(program, language).signals | program.signals)
+    told = _told(program, language)
+    program = replace(program, signals=told.signals | program.signals)
     program, findings = equipped(program, cell.process, str(path), sharing=True)
     missing = [one for one in declared if cell.value(one) is None and neutral(one) is not None]
     program, unnumbered = _numbered(program, wanted)
     arm = Wanted(TAUGHT_ON, "arm")
-    joints = not taught and program.robot is None and has_joints(program)
+    joints = not taught and program.robot is None and (has_joints(program) or has_joints(told))
     stated = cell.value(arm) if joints else SAME_ARM
     return replace(
         loaded,

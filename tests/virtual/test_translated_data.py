@@ -18,7 +18,7 @@ from assistant.compiler.loading import load_text
 from assistant.program.text import SourceText
 from assistant.virtual.events import Moved, Run
 from tests.virtual import rapid_words
-from tests.virtual.data_cases import angles, clocks, texts, turns, vectors
+from tests.virtual.data_cases import angles, arrays, clocks, texts, turns, vectors
 from tests.virtual.test_translated_rapid import LANGUAGES, run_melfa, run_rapid
 
 HEAD = f"""MODULE Cell
@@ -26,6 +26,7 @@ CONST robtarget p10:=[[354,0,300],[0,0,1,0],[0,0,0,0],{rapid_words.UNUSED}];
 """
 CASES = {
     **angles.CASES,
+    **arrays.CASES,
     **clocks.CASES,
     **texts.CASES,
     **turns.CASES,

@@ -161,3 +161,8 @@ SETTLED: Final = warning(
     "`{name}` is given no other value, and holds it from the start: this is left out",
     "see that no move with it comes before this one is done",
 )
+WRONG_SIZE: Final = warning(
+    "RA371",
+    "`{array}` has another number of elements than it is given here: the program stops there",
+    "give it as many as it has, if this is ever done",
+)

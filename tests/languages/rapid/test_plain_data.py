@@ -408,3 +408,13 @@ def test_no_statement_of_a_generated_program_changes_silently(seed: int) -> None
     assert said <= told, [lines[at] for at in said - told]
     assert "CO110" not in {f.code for f in done.findings}
     assert done.ok, [f"{f.code} {f.message}" for f in done.findings]
+
+
+def test_values_for_an_array_of_another_size_stop_the_program_and_are_told() -> None:
+    done = crossed(
+        "VAR num list{2}:=[1,2];\nPROC main()\ngo list{1},list{2},0;\nIF list{1}>1 solve list;\n"
+        "go 2,list{2},0;\nENDPROC\nPROC solve(INOUT num values{*})\nvalues:=[1,2,3];\nENDPROC"
+    )
+    assert done.ok, [f"{f.code} {f.message}" for f in done.findings]
+    told = [row.text for row in done.rows if any(f.code == "RA371" for f in row.reasons)]
+    assert told == ["values:=[1,2,3]"]

@@ -83,7 +83,11 @@ def without_marks(program: Program) -> Program:
 def _unread(files: tuple[s.File, ...], found: Plain) -> Iterator[Diagnostic]:
     """What is left out, a finding for each declaration."""
     starts = starts_of(file.source for file in files)
-    for start, unread, outside in zip(starts, found.unread, found.outside, strict=True):
+    rows = zip(starts, found.unread, found.outside, found.remarks, strict=True)
+    for start, unread, outside, remarks in rows:
+        for remark in dict.fromkeys(remarks):
+            if remark.span is not None:
+                yield replace(remark, span=remark.span.moved(start))
         for span, axis in dict.fromkeys(outside):
             if span is not None:
                 yield rules.NO_AXIS(axis=axis, span=span.moved(start))

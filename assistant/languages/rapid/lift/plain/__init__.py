@@ -11,8 +11,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from assistant.languages.rapid.lift.local_names import with_own_names
-from assistant.languages.rapid.lift.plain.bodies import Bodies, declared
+from assistant.languages.rapid.lift.plain.arrays import with_shared_arrays
+from assistant.languages.rapid.lift.plain.bodies import Bodies
 from assistant.languages.rapid.lift.plain.copies import with_copies
+from assistant.languages.rapid.lift.plain.declaring import declared
 from assistant.languages.rapid.lift.plain.layouts import Layouts
 from assistant.languages.rapid.lift.plain.library import with_library, without_uncalled
 from assistant.languages.rapid.lift.plain.moving_frames import with_still_frames
@@ -23,7 +25,7 @@ from assistant.languages.rapid.lift.plain.spreads import Spread, Unsaid
 from assistant.languages.rapid.lift.plain.unread import Unread, without_unread
 from assistant.languages.rapid.lift.plain.values import Values
 from assistant.languages.rapid.tree import syntax as s
-from assistant.program.diagnostics import Span
+from assistant.program.diagnostics import Diagnostic, Span
 
 Outside = tuple[tuple[Span | None, str], ...]
 """Places, each with the component of an external axis that is left out there."""
@@ -33,13 +35,14 @@ Outside = tuple[tuple[Span | None, str], ...]
 class Plain:
     """files: with plain data. kept: statements in them that stay as they are written, by `id`,
     with why. unread: what is left out, of each file. outside: where external axes are left out that
-    there are none of, and which.
+    there are none of, and which. remarks: other findings of each, at places in it.
     """
 
     files: tuple[s.File, ...]
     kept: Mapping[int, str] = field(default_factory=dict)
     unread: tuple[tuple[Unread, ...], ...] = ()
     outside: tuple[Outside, ...] = ()
+    remarks: tuple[tuple[Diagnostic, ...], ...] = ()
 
 
 def plain(files: Sequence[s.File]) -> Plain | None:
@@ -48,33 +51,37 @@ def plain(files: Sequence[s.File]) -> Plain | None:
     read = with_still_frames(there)
     whole = with_library(read)
     layouts = Layouts(whole)
-    copied = with_copies(whole, layouts)
+    copied = with_copies(with_shared_arrays(whole, layouts), layouts)
     name = Fresh(copied)
     modules = with_required(copied, layouts, name)
     program = Program(modules, layouts, name)
     kept: dict[int, str] = {}
     made: list[s.Module] = []
     outside: list[Outside] = []
+    remarks: list[tuple[Diagnostic, ...]] = []
     for module in modules:
         made.append(_module(program, module, kept))
         outside.append(tuple(program.outside))
         program.outside.clear()
+        remarks.append(tuple(program.remarks))
+        program.remarks.clear()
     if whole is not read:
         made = without_uncalled(made, read)
     made = with_settled(made, layouts, kept)
     if all(one is before for one, before in zip(made, there, strict=True)):
         return None
     left, unread = without_unread(made, program)
-    listed, found, axes = iter(left), iter(unread), iter(outside)
-    written, told, without = [], [], []
+    listed, found, axes, others_of = iter(left), iter(unread), iter(outside), iter(remarks)
+    written, told, without, remarked = [], [], [], []
     for file in files:
         own = [next(listed) for _ in file.modules]
         told.append(tuple(one for _ in file.modules for one in next(found)))
         without.append(tuple(one for _ in file.modules for one in next(axes)))
+        remarked.append(tuple(one for _ in file.modules for one in next(others_of)))
         others = iter(own)
         parts = (next(others) if isinstance(one, s.Module) else one for one in file.parts)
         written.append(replace(file, parts=tuple(parts)))
-    return Plain(tuple(written), kept, tuple(told), tuple(without))
+    return Plain(tuple(written), kept, tuple(told), tuple(without), tuple(remarked))
 
 
 def _module(program: Program, module: s.Module, kept: dict[int, str]) -> s.Module:

@@ -2,18 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
 from assistant.languages.rapid.lift.plain.kinds import Kind
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.gather import literal_number
 from assistant.languages.rapid.tree.walk import nodes
 
 Cell = tuple[tuple[int, ...], s.Expression]
 """The indices and the value of an element."""
 MOST_ELEMENTS: Final = 120
 """Of an array that is given values in brackets; of more it stays one statement."""
+
+
+def has_other_size(value: s.AggregateNode, sizes: Sequence[s.Expression]) -> bool:
+    """Whether values in brackets are more or fewer than the elements of an array."""
+    if not sizes:
+        return False
+    first, *others = sizes
+    extent = literal_number(first)
+    if extent is not None and extent != len(value.items):
+        return True
+    inner = (one for one in value.items if isinstance(one, s.AggregateNode))
+    return any(has_other_size(one, others) for one in inner)
 
 
 def by_elements(

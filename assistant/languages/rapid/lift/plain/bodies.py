@@ -6,12 +6,15 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.plain.assigning import (
     by_elements,
+    has_other_size,
     indices_of,
     names_in,
     roots,
 )
+from assistant.languages.rapid.lift.plain.declaring import declared
 from assistant.languages.rapid.lift.plain.kinds import Kind
 from assistant.languages.rapid.lift.plain.layouts import SETTINGS, Path
 from assistant.languages.rapid.lift.plain.library import (
@@ -204,6 +207,9 @@ class Bodies:
             if not is_written_out(value):
                 yield from self._put_together(node, target, kind[0], value)
                 return
+        if self._never_fits(node):
+            yield s.Word("EXIT", span=node.span)
+            return
         value = worded(self.values, value)
         if kind is None or not self.values.is_record(kind) or self._is_setting(target, kind):
             type = None if kind is None else kind[0]
@@ -220,6 +226,17 @@ class Bodies:
         places = self.values.spread(target, kind)
         self.alone = value
         yield from self._copied(node, places, self.values.spread(value, kind), kind)
+
+    def _never_fits(self, node: s.Assignment) -> bool:
+        """Whether an array is given values in brackets that are too many or too few, with why."""
+        match node:
+            case s.Assignment(s.NameRef(name), s.AggregateNode() as value):
+                datum = self.values.find(name)
+                if datum is not None and has_other_size(value, datum.sizes):
+                    found = rules.WRONG_SIZE(array=name, span=node.span)
+                    self.program.remarks.append(found)
+                    return True
+        return False
 
     def _is_setting(self, target: Any, kind: Kind) -> bool:
         """Whether a tool, frame, speed or zone is assigned that is one variable."""
@@ -375,23 +392,6 @@ class Bodies:
 
 def _numbers(values: Sequence[float]) -> s.AggregateNode:
     return s.AggregateNode(tuple(s.NumberLiteral(f"{value:g}") for value in values))
-
-
-def declared(node: s.Data, datum: Datum, values: Values) -> Iterator[s.Data]:
-    """What is declared instead of some data; raises Unsaid for a value that cannot be said."""
-    program = values.program
-    if not datum.names:
-        value = None if node.value is None else values.given(node.value, datum.type)
-        yield replace(node, type=program.plain_type(node.type), value=value)
-        return
-    spread: Spread = {}
-    if node.value is not None:
-        spread = values.spread(node.value, (datum.type, datum.dimensions))
-    if program.stays(node):
-        yield node
-    for part in program.layouts.parts(datum.type) or ():
-        name, value = datum.names[part.path], spread.get(part.path)
-        yield replace(node, type=part.type, name=name, value=value)
 
 
 def _at(made: s.StatementNode, node: s.StatementNode) -> s.StatementNode:

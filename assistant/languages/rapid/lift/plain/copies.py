@@ -1,18 +1,22 @@
-r"""Routines that are given tools, frames, signals or devices, as copies that name them.
+r"""Routines that are given tools, frames, signals, devices or arrays, as copies that name them.
 
 `PROC pick(robtarget p, PERS tooldata t)` that is called with `tGrip` and with `tSuck` becomes
 `pick_tGrip(robtarget p)` and `pick_tSuck(robtarget p)`: what moves, waits and files name must be
 known where they stand. A call that leaves an optional parameter out gets a copy without it, in
 which `Present(x)` is FALSE. A routine that is always called in one way keeps its name. Calls whose
-arguments are worked out stay, and the routine with them.
+arguments are worked out stay, and the routine with them. An array that is handed over by its value
+is the array itself as long as the routine runs without a change of it, else it is copied into one
+of the module.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
+from assistant.languages.rapid.lift.plain.changing import Changes, assigned, calls_of, reaches
 from assistant.languages.rapid.lift.plain.layouts import SETTINGS, Layouts
 from assistant.languages.rapid.lift.plain.substituting import sound, substituted, told
 from assistant.languages.rapid.text.printer import expression as printed
@@ -41,6 +45,11 @@ class _Parameter:
     def key(self) -> str:
         return self.node.name.lower()
 
+    @property
+    def is_copied(self) -> bool:
+        """Whether it is an array by its value."""
+        return bool(self.node.dimensions) and not self.node.mode
+
 
 @dataclass(slots=True)
 class _Routine:
@@ -63,7 +72,7 @@ class _Routine:
     def of(node: s.Routine, parameters: tuple[_Parameter, ...]) -> _Routine:
         hidden = frozenset(name.lower() for name in inner_names((node,)))
         runs = any(isinstance(inner, s.MoveRunNode) for inner in nodes(node))
-        changed = frozenset(_changed(node))
+        changed = frozenset(assigned(node))
         return _Routine(node, parameters, hidden=hidden, changed=changed, runs=runs)
 
 
@@ -80,6 +89,7 @@ class _Copies:
         for item in items:
             if isinstance(item, s.Routine):
                 found.setdefault(item.name.lower(), []).append(item)
+        self.calls = calls_of(found)
         self.routines = {
             name: _Routine.of(own[0], parameters)
             for name, own in found.items()
@@ -94,43 +104,32 @@ class _Copies:
         )
         written = (root(one.target) for one in every if isinstance(one, s.Assignment))
         self.written = {one.name.lower() for one in written if one is not None}
-        self._assigned: dict[int, set[str]] = {}
+        self.changes = Changes(found)
+        declared = [item for item in items if isinstance(item, s.Data)]
+        names = Counter(item.name.lower() for item in declared)
+        self.arrays = {
+            item.name.lower(): item
+            for item in declared
+            if item.dimensions and names[item.name.lower()] == 1
+        }
+        self.added: dict[str, list[s.Data]] = {}
+        """By routine in lower case, the arrays that its copies copy others to."""
         for one in every:
             if isinstance(one, s.ProcedureCall | s.FunctionCall) and isinstance(one.name, str):
-                self.written |= self._changed_by(one, found)
-
-    def _changed_by(
-        self, call: s.ProcedureCall | s.FunctionCall, known: Mapping[str, Sequence[s.Routine]]
-    ) -> set[str]:
-        """Names in lower case that a call hands to a routine which assigns to them."""
-        changed: set[str] = set()
-        plain = [a.value for a in call.arguments if isinstance(a, s.Positional)]
-        options = {
-            a.name.lower(): a.value for a in call.arguments if isinstance(a, s.Option) and a.value
-        }
-        for routine in known.get(str(call.name).lower(), ()):
-            if id(routine) not in self._assigned:
-                self._assigned[id(routine)] = _changed(routine)
-            assigned, places = self._assigned[id(routine)], iter(plain)
-            for group in routine.parameters:
-                value = None if group.optional else next(places, None)
-                for one in group.alternatives:
-                    if isinstance(one, s.ParameterNode) and one.name.lower() in assigned:
-                        given = root(options.get(one.name.lower(), value))
-                        changed |= {given.name.lower()} if one.mode and given is not None else set()
-        return changed
+                self.written |= self.changes.by(one)
 
     def _parameters(self, routine: s.Routine) -> tuple[_Parameter, ...]:
         """Those that copies have not; none if one of the routine cannot be told."""
         if routine.kind == "TRAP":
             return ()
+        again = reaches(self.calls, routine.name.lower())
         found: list[_Parameter] = []
         place = 0
         for group in routine.parameters:
             for one in group.alternatives:
                 if isinstance(one, s.Placeholder):
                     return ()
-                if self._is_named(one):
+                if self._is_named(one) or (one.dimensions > 0 and not again):
                     found.append(_Parameter(one, -1 if group.optional else place))
             place += not group.optional
         return tuple(found)
@@ -163,6 +162,8 @@ class _Copies:
                 own = copies.get(item.name.lower(), ()) if isinstance(item, s.Routine) else ()
                 kept = made.get(id(item), None if own else item)
                 items += [] if kept is None else [kept]
+                if own and isinstance(item, s.Routine):
+                    items += self.added.get(item.name.lower(), ())
                 items += own
             items = [_renamed(item, renamed) for item in items] if renamed else items
             same = len(items) == len(module.items)
@@ -255,13 +256,20 @@ class _Copies:
     def _fits(self, value: s.Expression, q: _Parameter, one: _Routine, own: set[str]) -> bool:
         """Whether a copy may have a value in the place of a parameter."""
         found = root(value)
+        if found is None and q.node.dimensions:
+            return False
         if found is None:
             literal = isinstance(value, s.AggregateNode) and not q.node.mode
             fits = literal and _is_literal(value) and not one.runs
             return fits and q.key not in one.changed
         low = found.name.lower()
-        if low in own or low in one.hidden:
+        if low in own or low in one.hidden - {each.key for each in one.parameters}:
             return False
+        if q.node.dimensions:
+            array = self.arrays.get(low)
+            return (
+                value is found and array is not None and q.node.dimensions == len(array.dimensions)
+            )
         if value is not found and (one.runs or not _is_row(value)):
             return False
         return bool(q.node.mode) or (low not in self.written and q.key not in one.changed)
@@ -271,13 +279,57 @@ class _Copies:
     def _copy(self, one: _Routine, name: str, given: Given) -> s.Routine:
         """A routine with what it is given in the place of its parameters."""
         values = {q.key: v for q, v in zip(one.parameters, given, strict=True)}
+        first: list[s.StatementNode] = []
+        for q in one.parameters:
+            if (value := values[q.key]) is not None and q.is_copied:
+                if self._may_change(one, q, value, given):
+                    values[q.key] = held = self._held(one, q, value)
+                    first.append(s.Assignment(held, value, span=one.node.span))
         taken = {q.key for q in one.parameters}
         groups = tuple(g for g in one.node.parameters if not _one_of(g, taken))
         known: s.Routine = rewrite(one.node, lambda node: told(node, values), ())
         made: s.Routine = rewrite(known, lambda node: substituted(node, values), ())
         handlers = tuple(replace(h, body=sound(h.body)) for h in made.handlers)
-        body = sound(made.body)
+        body = _begun_with(first, sound(made.body))
         return replace(made, name=name, parameters=groups, body=body, handlers=handlers)
+
+    def _may_change(self, one: _Routine, q: _Parameter, value: Any, given: Given) -> bool:
+        """Whether an array may be changed while a routine runs that is given it by its value."""
+        low, changed = value.name.lower(), self.changes.of(one.node.name.lower())
+        if changed is None or q.key in changed or low in changed:
+            return True
+        others = zip(one.parameters, given, strict=True)
+        return any(
+            other.node.mode and other.key in changed and _names(gives, low)
+            for other, gives in others
+        )
+
+    def _held(self, one: _Routine, q: _Parameter, value: Any) -> s.NameRef:
+        """An array of the module that another is copied to."""
+        array = self.arrays[value.name.lower()]
+        name = identifier(f"{one.node.name}_{q.node.name}", self.taken)
+        self.taken.add(name)
+        data = s.Data("", "VAR", array.type, name, array.dimensions)
+        self.added.setdefault(one.node.name.lower(), []).append(data)
+        self.arrays[name.lower()] = data
+        return s.NameRef(name)
+
+
+def _names(value: s.Expression | None, low: str) -> bool:
+    found = root(value)
+    return found is not None and found.name.lower() == low
+
+
+def _begun_with(
+    first: Sequence[s.StatementNode], body: tuple[s.StatementNode, ...]
+) -> tuple[s.StatementNode, ...]:
+    """A body with statements behind its declarations."""
+    if not first:
+        return body
+    at = next(
+        (k for k, n in enumerate(body) if not isinstance(n, s.Data | s.CommentLine)), len(body)
+    )
+    return (*body[:at], *first, *body[at:])
 
 
 def _way(value: s.Expression) -> str:
@@ -295,12 +347,6 @@ def _is_literal(node: s.Expression) -> bool:
     if isinstance(node, s.AggregateNode):
         return all(map(_is_literal, node.items))
     return isinstance(node, s.BoolLiteral | s.StringLiteral) or literal_number(node) is not None
-
-
-def _changed(routine: s.Routine) -> set[str]:
-    """Names that a routine assigns to, in lower case."""
-    targets = (root(one.target) for one in nodes(routine) if isinstance(one, s.Assignment))
-    return {one.name.lower() for one in targets if one is not None}
 
 
 def _is_row(value: s.Expression) -> bool:

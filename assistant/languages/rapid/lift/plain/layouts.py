@@ -17,6 +17,8 @@ Path = tuple[str, ...]
 
 SETTINGS: Final = frozenset(("tooldata", "wobjdata", "speeddata", "zonedata"))
 """Records that moves name: they have a place of their own in the pseudo-program."""
+HELD: Final = SETTINGS | {"loaddata"}
+"""Types of data that instructions only read, though they want them to be PERS."""
 MOST_PARTS: Final = 400
 """Of one record; larger ones stay whole."""
 

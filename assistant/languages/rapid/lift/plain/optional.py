@@ -143,7 +143,7 @@ def _parameters(
             if asked.always(key, low):
                 yield low, _Parameter(one)
                 continue
-            absent = _absent(type, layouts)
+            absent = nothing_of(type, layouts)
             if absent is None or one.dimensions < 0:
                 continue
             if not asked.ever(key, low):
@@ -157,13 +157,13 @@ def _parameters(
             yield low, _Parameter(one, name(f"{one.name}_given"), absent)
 
 
-def _absent(type: str, layouts: Layouts) -> s.Expression | None:
+def nothing_of(type: str, layouts: Layouts) -> s.Expression | None:
     """A value of a type, None if there is none that can be written."""
     if type in ABSENT:
         return ABSENT[type]
     if type in SETTINGS or layouts.parts(type) is None:
         return None
-    inner = [_absent(layouts.base(of), layouts) for _, of in layouts.components(type)]
+    inner = [nothing_of(layouts.base(of), layouts) for _, of in layouts.components(type)]
     known = tuple(one for one in inner if one is not None)
     return s.AggregateNode(known) if len(known) == len(inner) else None
 

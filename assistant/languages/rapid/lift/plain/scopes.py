@@ -6,13 +6,13 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from assistant.languages.rapid.lift.plain.layouts import SETTINGS, Layouts, Path
+from assistant.languages.rapid.lift.plain.layouts import HELD, SETTINGS, Layouts, Path
 from assistant.languages.rapid.lift.plain.outside import only_works_out, unused_axes
 from assistant.languages.rapid.tables.predefined import data as predefined
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes, root
-from assistant.program.diagnostics import Span
+from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.program import TakenNames, identifier
 
 
@@ -57,7 +57,7 @@ class Program:
     """All modules together.
 
     unused: components of external axes that nothing states a place of. at: where the statement at
-    hand stands. outside: where such a component is left out.
+    hand stands. outside: where such a component is left out. remarks: other findings.
     data: of the modules. routines: those whose names are theirs alone, by lower-case name.
     """
 
@@ -67,6 +67,7 @@ class Program:
         self.unused = unused_axes(modules)
         self.at: Span | None = None
         self.outside: list[tuple[Span | None, str]] = []
+        self.remarks: list[Diagnostic] = []
         items = [item for module in modules for item in module.items]
         routines: dict[str, list[s.Routine]] = {}
         for item in items:
@@ -187,7 +188,7 @@ class Uses:
         own = self._own.get(name.lower()) if isinstance(name, str) else None
         known = signature(name) if isinstance(name, str) and own is None else None
         changing = known is None or any(
-            one.mode and not (one.mode == "PERS" and one.type in _HELD)
+            one.mode and not (one.mode == "PERS" and one.type in HELD)
             for slot in known.slots
             for one in slot.alternatives
         )
@@ -212,8 +213,6 @@ def predefined_type(name: str) -> str:
     return "" if found is None else found.type
 
 
-_HELD: Final = (*SETTINGS, "loaddata")
-"""Types of data that instructions only read, though they want them to be PERS."""
 _NAMING: Final = (s.NameRef, s.Data, s.ParameterNode, s.Routine, s.Record, s.Alias)
 
 
