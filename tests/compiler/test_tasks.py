@@ -144,6 +144,21 @@ def test_routines_of_another_folder_are_read_where_one_file_has_them(tmp_path: P
     }
 
 
+def test_persistent_data_of_other_tasks_is_read_where_one_module_has_nothing_else(
+    tmp_path: Path,
+) -> None:
+    data = "MODULE {0}\n    ! of all tasks\n    {1} num n{0}:=1;\nENDMODULE\n"
+    texts = {
+        "left/m.mod": main("m", "        nshared:=nown+nvar+nmixed;\n"),
+        "right/r.mod": main("r", "        nshared:=2;\n"),
+        "right/shared.mod": data.format("shared", "PERS"),
+        "right/own.mod": data.format("own", "TASK PERS"),
+        "right/var.mod": data.format("var", "VAR"),
+        "right/mixed.mod": library("mixed"),
+    }
+    assert grouped(tmp_path, texts)["left/m.mod"] == ["m.mod", "shared.mod"]
+
+
 @pytest.mark.parametrize("twice", [False, True])
 def test_files_that_are_named_twice_or_with_what_loads_them(tmp_path: Path, twice: bool) -> None:
     body = '        Load "HOME:/a.mod";\n        do_a;\n'

@@ -35,18 +35,30 @@ ROUTINES: Final = {"PROC": "procedure", "FUNC": "function", "TRAP": "trap routin
 
 
 def shared_names(file: s.File) -> Iterator[tuple[str, str]]:
-    """What the modules of a file declare for their whole task, with what it is."""
+    """What the modules of a file declare for their whole task, with what it is.
+
+    Persistent data of a module that has no other is shared data: every task may declare it.
+    """
     for module in file.modules:
+        kind = "shared data" if _is_shared(module) else "data"
         for item in module.items:
             match item:
-                case s.Routine(kind=kind, local=False, name=name):
-                    yield name, ROUTINES[kind]
+                case s.Routine(kind=word, local=False, name=name):
+                    yield name, ROUTINES[word]
                 case s.Record(local=False, name=name) | s.Alias(local=False, name=name):
                     yield name, "type"
                 case s.Data(scope=scope, name=name) if scope != "LOCAL":
-                    yield name, "data"
+                    yield name, kind
                 case s.TargetRunNode(scope=scope, run=run) if scope != "LOCAL":
                     yield from ((run.names.name(row), "data") for row in range(len(run)))
+
+
+def _is_shared(module: s.Module) -> bool:
+    """Whether a module has nothing but what all tasks of a controller share."""
+    data = [item for item in module.items if not isinstance(item, s.CommentLine)]
+    return bool(data) and all(
+        isinstance(item, s.Data) and item.storage == "PERS" and not item.scope for item in data
+    )
 
 
 def own_names(file: s.File) -> Iterator[str]:
