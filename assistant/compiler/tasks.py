@@ -103,7 +103,8 @@ class _Unit:
     """A file that is a part of programs. room: the folder that its task has.
 
     listed: the files that a list names, None for what is none. declares: for the whole task.
-    routines: those of its names that are no data of a task alone. mentions: names of others, in lower case.
+    routines: those of its names that are no data of a task alone. mentions: names of others, in
+    lower case.
     broken: it cannot be read whole; only a list or its own `main` makes it a part of a program.
     """
 
