@@ -50,6 +50,8 @@ FUNCTIONS: Final[dict[str, str]] = {
     "inverse": "inverse of a pose",
     "here": "present target: of the tool in the frame, both by name",
     "joints_here": "present joint target",
+    "date_today": "the date as text: 2026/01/31",
+    "time_of_day": "what the clock shows as text: 13:01:30",
     "connected": "1 where somebody is at the other end of a channel, by its name, else 0",
     "received": "the next text of a channel, by its name, up to a comma or the end of a line",
     "received_number": "the same as a number",

@@ -76,6 +76,12 @@ SetDO do1,0;""",
 SetDO alOut,1;
 IF alOut=1 SetDO doDone,1;
 Reset alOut;""".replace("\\\\", "\\"),
+    "the date and the time of day": r"""VAR string day;
+day:=CDate()+" "+CTime();
+IF StrPart(day,1,8)="2026-01-" AND StrLen(day)=19 SetDO do1,1;
+WaitTime 1.5;
+IF GetTime(\Hour)=0 AND GetTime(\Sec)=1 SetDO doDone,1;
+Save "Cell"\FilePath:="HOME:/cell.mod";""".replace("\\\\", "\\"),
     "a wait that people are told of": r"""WaitDI di1,0\Visualize\Header:="Part"\Message:="wait";
 WaitUntil\InPos,TRUE;""",
 }

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from datetime import datetime
 from typing import Literal
+
+from assistant.virtual.kernel.dates import BEGAN
 
 Frame = tuple[float, float, float, float, float, float]
 """X, Y, Z in mm and A, B, C in degrees, as parameters have them."""
@@ -58,6 +61,9 @@ class Options:
     joint_turns: whether JRC is enabled (parameter JRCEXE).
     waits_end_corners: whether Dly, Hlt, Wait and Servo have the move before them end at its target.
     pulses: whether the end of a pulse is told with its beginning, or when its time is over.
+
+    The clock.
+    began: when the simulated clock is at 0, as C_Date and C_Time tell it.
     """
 
     truth: Literal[1, -1] = 1
@@ -91,3 +97,4 @@ class Options:
     joint_turns: bool = False
     waits_end_corners: bool = False
     pulses: Literal["at once", "timed"] = "at once"
+    began: datetime = BEGAN

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Final
 
+from assistant.virtual.kernel import dates
 from assistant.virtual.kernel.motion import Progress
 from assistant.virtual.melfa import pausing, slot_status
 from assistant.virtual.melfa.arm import FULL, OPTIMUM, Arm
@@ -48,6 +49,9 @@ SLOT: Final[Mapping[str, Callable[[World], Value]]] = {
     "M_ERRNO": lambda world: world.error,
 }
 """Of a slot, its own one where no index stands."""
+
+CLOCK: Final[Mapping[str, str]] = {"C_DATE": "%Y/%m/%d", "C_TIME": "%H:%M:%S"}
+"""How the date and the time of day are written: 2007/04/01, 13:01:30 (their manuals)."""
 
 ON_WAY: Final[Mapping[str, Callable[[Progress], float]]] = {
     "M_RDST": lambda progress: progress.left,
@@ -122,6 +126,8 @@ def read(world: World, name: str, arguments: tuple[Value, ...]) -> Value:
         return SLOT[name](world.of_slot(*index))
     if name in ARM and index in ((), OWN):
         return ARM[name](pausing.arm_now(world))
+    if name in CLOCK and not index:
+        return format(dates.at(world.task.kernel.now, world.options.began), CLOCK[name])
     if name in CONSTANT and index in ((), OWN):
         return CONSTANT[name]
     raise Unknown(f"the status variable {name}")

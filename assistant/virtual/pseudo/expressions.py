@@ -11,11 +11,13 @@ from typing import Final
 from assistant.program import expressions as e
 from assistant.program.geometry import JointTarget, Pose, Target
 from assistant.robots.target_lookup import SHIFTS
+from assistant.virtual.kernel import dates
 from assistant.virtual.pseudo import data
 from assistant.virtual.pseudo.data import Place, Value, kind_of, number_of, truth_of, whole_of
 from assistant.virtual.pseudo.ends import Fault, NotRun
 from assistant.virtual.pseudo.machine import Machine
 
+CLOCK: Final[Mapping[str, str]] = {"date_today": "%Y/%m/%d", "time_of_day": "%H:%M:%S"}
 Called = Callable[[Machine, str, tuple[e.Expression, ...]], Value | None]
 
 
@@ -223,6 +225,8 @@ def _apply(m: Machine, name: str, arguments: tuple[e.Expression, ...]) -> Value:
         return evaluate(m, e.Elapsed(_name(arguments[0])))
     if key == "joints_here":
         return joints_here(m)
+    if key in CLOCK and not arguments:
+        return format(dates.at(m.task.kernel.now), CLOCK[key])
     values = [evaluate(m, one) for one in arguments]
     if key in SHIFTS and values:
         return _shifted(key, values[0], [number_of(one) for one in values[1:]])

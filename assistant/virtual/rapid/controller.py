@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from typing import Final, Literal
 
+from assistant.virtual.kernel.dates import BEGAN
 from assistant.virtual.kernel.task import Task
 from assistant.virtual.rapid.disk import Disk
 from assistant.virtual.rapid.loading import Loaded
@@ -15,8 +16,6 @@ from assistant.virtual.rapid.types import Types
 
 Kind = Literal["normal", "static", "semistatic"]
 """Of a task: who starts it, and what becomes of it at power on (RAPID overview, Multitasking)."""
-BEGAN: Final = datetime(2026, 1, 1)
-"""A time of no place, so that a run always tells the same."""
 RETRIES: Final = 4
 """The system parameter No Of Retry, as controllers are delivered (reference, 2.1)."""
 

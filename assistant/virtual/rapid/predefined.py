@@ -65,10 +65,21 @@ COUNTED: Final = (
     (1, "LT LTEQ EQ NOTEQ GTEQ GT"),
     (1, "OpAdd OpSub OpMult OpDiv OpMod"),
     (0, "OP_UNDEF OP_AUTO OP_MAN_PROG OP_MAN_TEST"),
+    (0, "TYPE_ALL TYPE_STATE TYPE_WARN TYPE_ERR"),
+    (0, "BUSSTATE_HALTED BUSSTATE_RUN BUSSTATE_ERROR BUSSTATE_STARTUP BUSSTATE_INIT"),
+    (1, "IOUNIT_RUNNING IOUNIT_RUNERROR IOUNIT_DISABLE IOUNIT_OTHERERR"),
+    (10, "IOUNIT_LOG_STATE_DISABLED IOUNIT_LOG_STATE_ENABLED"),
+    (
+        20,
+        "IOUNIT_PHYS_STATE_DEACTIVATED IOUNIT_PHYS_STATE_RUNNING IOUNIT_PHYS_STATE_ERROR "
+        "IOUNIT_PHYS_STATE_UNCONNECTED IOUNIT_PHYS_STATE_UNCONFIGURED IOUNIT_PHYS_STATE_STARTUP "
+        "IOUNIT_PHYS_STATE_INIT",
+    ),
     (0, "RUN_UNDEF RUN_CONT_CYCLE RUN_INSTR_FWD RUN_INSTR_BWD RUN_SIM RUN_STEP_MOVE"),
 )
 """Names whose numbers follow each other, with the first (manual, data types aiotrigg, socketstatus,
-icondata, buttondata and btnres; of opnum, opcalc and the modes the names alone are stated).
+icondata, buttondata, btnres, errtype, busstate and iounit_state; of opnum, opcalc and the modes the
+names alone are stated).
 """
 CAPITALS: Final = "".join(map(chr, (*range(65, 91), *range(0xC0, 0xD7), *range(0xD8, 0xDF))))
 TEXTS: Final = {

@@ -282,11 +282,11 @@ def test_what_nothing_reads_is_left_out_and_told() -> None:
 
 def test_only_the_statement_that_needs_the_whole_record_is_refused() -> None:
     done = crossed(
-        "VAR size one:=[7,8];\nPROC main()\nTPWrite ArgName(one);\nSave one;\n"
+        "VAR size one:=[7,8];\nPROC main()\nTPWrite ArgName(one);\nReadBlock one;\n"
         "go one.length,0,0;\nENDPROC"
     )
     refused = [row.text for row in done.rows if row.level == "not"]
-    assert refused == ["TPWrite ArgName(one)", "Save one"]
+    assert refused == ["TPWrite ArgName(one)", "ReadBlock one"]
 
 
 def test_what_has_no_value_and_what_nobody_names_is_left_out_and_told() -> None:

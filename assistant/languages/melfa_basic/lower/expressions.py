@@ -16,18 +16,9 @@ from assistant.languages.melfa_basic.lower.unsayable import NoNumber as NoNumber
 from assistant.languages.melfa_basic.lower.unsayable import Undeclared as Undeclared
 from assistant.languages.melfa_basic.lower.unsayable import Unsayable as Unsayable
 from assistant.languages.melfa_basic.reading.line import expression
-from assistant.languages.melfa_basic.tables import operators, poses, vocabulary
+from assistant.languages.melfa_basic.tables import functions, operators, poses, vocabulary
 from assistant.languages.melfa_basic.tables.channels import CONNECTED
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, Dialect
-from assistant.languages.melfa_basic.tables.functions import (
-    ANALOG,
-    BITS,
-    FIRST_REGISTER,
-    OF_ANGLE,
-    PLAIN,
-    TEXTS,
-    TO_ANGLE,
-)
 from assistant.languages.melfa_basic.tables.vocabulary.timers import MILLISECONDS, MOST_TIMERS, WORD
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.timers import timer
@@ -77,7 +68,7 @@ class Expressions:
         return text.upper() if self.dialect.upper else text
 
     def call(self, function: str, *arguments: s.Expression) -> s.Variable:
-        suffix = "$" if function in TEXTS else ""
+        suffix = "$" if function in functions.TEXTS else ""
         return s.Variable(self.word(function), suffix, arguments)
 
     def argument(self, value: e.Expression) -> s.Expression:
@@ -172,23 +163,23 @@ class Expressions:
     def apply(self, function: str, arguments: tuple[e.Expression, ...]) -> s.Expression:
         if function in ("offset", "relative"):
             return self.moved(function, arguments)
-        if function == "joints_here" and not arguments:
-            return s.Variable(self.word("J_Curr"))
+        if function in functions.OF_CONTROLLER and not arguments:
+            return s.Variable(self.word(functions.OF_CONTROLLER[function]))
         if (number := channel_numbers.asked(self.names, function, arguments)) is not None:
             return s.Variable(self.word(CONNECTED), "", (s.Number(number),))
         callee = self.program.procedure(function)
         if callee is not None and function not in e.FUNCTIONS:
             return self.own(callee, arguments)
         values = tuple(self.of(a) for a in arguments)
-        if function in BITS and len(values) == 2:
+        if function in functions.BITS and len(values) == 2:
             if all(is_truth(argument, self.signals) for argument in arguments):
                 raise Unsayable(f"`{function}` of truths alone", "join them with and, or, xor")
-            return s.Binary(BITS[function], *values)
-        if function in PLAIN:
-            return self.call(PLAIN[function], *values)
-        if function in OF_ANGLE and len(values) == 1:
-            return self.call(OF_ANGLE[function], self.call("Rad", *values))
-        if (word := vocabulary.function(TO_ANGLE.get(function, ""))) is not None:
+            return s.Binary(functions.BITS[function], *values)
+        if function in functions.PLAIN:
+            return self.call(functions.PLAIN[function], *values)
+        if function in functions.OF_ANGLE and len(values) == 1:
+            return self.call(functions.OF_ANGLE[function], self.call("Rad", *values))
+        if (word := vocabulary.function(functions.TO_ANGLE.get(function, ""))) is not None:
             if self.dialect.level in word.dialects:
                 return self.call("Deg", self.call(word.name, *values))
         raise Unsayable(f"the function `{function}` here", "compute the value another way")
@@ -253,12 +244,12 @@ class Expressions:
         if signal.kind == "digital":
             word = "M_Out" if out else "M_In"
         elif signal.kind == "analog":
-            if signal.number < FIRST_REGISTER:
+            if signal.number < functions.FIRST_REGISTER:
                 raise Unsayable(
                     f"the analog signal `{name}` with the number {signal.number}",
-                    f"give the number of its register, {FIRST_REGISTER} or more",
+                    f"give the number of its register, {functions.FIRST_REGISTER} or more",
                 )
-            word = ANALOG[out]
+            word = functions.ANALOG[out]
         else:
             width = next((w for w in self.dialect.groups if w >= signal.bits), None)
             if width is None:

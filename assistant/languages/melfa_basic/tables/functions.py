@@ -10,6 +10,10 @@ PLAIN: Final = {
     "inverse": "Inv", "text": "Str", "part": "Mid",
 }  # fmt: skip
 """Functions that take and give the same units."""
+OF_CONTROLLER: Final = {
+    "joints_here": "J_Curr", "date_today": "C_Date", "time_of_day": "C_Time",
+}  # fmt: skip
+"""Functions without arguments, which are status variables."""
 TEXTS: Final = frozenset({"Str", "Mid", "Chr"})
 """Those that give a text: their names end in `$`."""
 BITS: Final = {"bitand": "AND", "bitor": "OR", "bitxor": "XOR"}

@@ -18,6 +18,12 @@ from assistant.languages.rapid.tables import predefined
 from assistant.languages.rapid.tables.hands import hand_of
 from assistant.languages.rapid.tables.motions import BLENDS, SPEEDS
 from assistant.languages.rapid.tables.signatures import signature
+from assistant.languages.rapid.tables.states import (
+    OF_A_CELL,
+    OPTIONS_OF_A_CELL,
+    STATES,
+    State,
+)
 from assistant.languages.rapid.tables.words import ZONES
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
@@ -37,8 +43,6 @@ _PARTS: Final[Mapping[str, tuple[str, ...]]] = {
     "orient": ("q1", "q2", "q3", "q4"),
     "confdata": ("cf1", "cf4", "cf6", "cfx"),
 }
-OF_A_TOOL: Final = frozenset({"SmartGripper"})
-"""Options of RobotWare whose routines drive one make of hand, which only a cell can stand for."""
 _OF_PART: Final = {part: type for type, parts in _PARTS.items() for part in parts}
 """Components that one predefined record alone has → that record."""
 
@@ -174,8 +178,10 @@ class _Module:
         found = scope.find(name)
         routine: Signature | None = None
         if found is None:
-            routine = signature(name)
-            if routine is None or routine.option in OF_A_TOOL:
+            routine, low = signature(name), name.lower()
+            if low in STATES:
+                self._state(STATES[low])
+            elif routine is None or routine.option in OPTIONS_OF_A_CELL or low in OF_A_CELL:
                 self._unread(node, name, scope, kind, result)
                 return
         elif isinstance(found.node, s.Routine):
@@ -203,6 +209,10 @@ class _Module:
                 assigned=changed,
                 weak=type == "num" and not changed,
             )
+
+    def _state(self, state: State) -> None:
+        """What the controller tells of itself, as data of the cell."""
+        self._note(state.name, state.type).usual = state.usual
 
     def _base(self, type: str) -> str:
         """A type that stands for itself: of an alias of numbers the number."""

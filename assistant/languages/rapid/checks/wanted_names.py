@@ -30,7 +30,9 @@ of a signal."""
 
 @dataclass(slots=True)
 class Met:
-    """What is known of one name. types: how often its uses want it to be of each."""
+    """What is known of one name. types: how often its uses want it to be of each. usual: of what
+    the controller tells of itself, what it mostly is.
+    """
 
     name: str
     types: Counter[str] = field(default_factory=Counter)
@@ -40,10 +42,14 @@ class Met:
     routine: str = ""
     calls: list[tuple[Argument, ...]] = field(default_factory=list)
     uses: dict[str, None] = field(default_factory=dict)
+    usual: Plain | None = None
 
 
 def made(met: Met, types: Types) -> Wanted | None:
     uses = tuple(met.uses)
+    if met.usual is not None:
+        (type,) = met.types
+        return Wanted(met.name, "data", type, uses=uses, nothing=met.usual)
     if met.routine:
         calls = met.calls
         longest = max(calls, key=len, default=())

@@ -25,6 +25,7 @@ PASSES: Final = (
     "operator",  # messages and questions to a person
     "told",  # instructions of RAPID alone, for other languages
     "channels",  # files, serial lines and sockets
+    "dates",  # the date as text, as others write it
     "exported",  # what other languages are told
 )
 """In the order in which a program goes through them; none asks a later one."""

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Final
 from assistant.languages.language import Adapted
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.channels import with_channels
+from assistant.languages.rapid.lift.dates import with_others_dates
 from assistant.languages.rapid.lift.extents import with_extents
 from assistant.languages.rapid.lift.instructions import Meaning
 from assistant.languages.rapid.lift.operator import with_operator
@@ -35,6 +36,7 @@ from assistant.languages.rapid.lift.told.outputs import switched
 from assistant.languages.rapid.lift.told.statements import Telling, told
 from assistant.languages.rapid.lift.ways import options, steps
 from assistant.languages.rapid.tables.predefined import data as predefined
+from assistant.languages.rapid.tables.states import BY_NAME as STATE_OF
 from assistant.languages.rapid.tables.welding import DATA
 from assistant.languages.rapid.tables.words import ELSEWHERE, VALUE_OF_TYPE
 from assistant.languages.rapid.text import verbatim
@@ -108,9 +110,10 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
         for key, known in predefined().items()
         if known.storage == "VAR" and known.type in VALUE_OF_TYPE
     }
-    program = with_constants(program, ELSEWHERE)
+    program = with_constants(with_others_dates(program), ELSEWHERE)
     program = with_read_angles(with_predefined(program, types))
     findings += _signs(program)
+    findings += _states(program)
     return Adapted(program, tuple(findings))
 
 
@@ -120,6 +123,17 @@ def _signs(program: Program) -> Iterator[Diagnostic]:
         asked = (r.function for r in records(head(statement)) if isinstance(r, e.Apply))
         if statement.span is not None and PART in asked:
             yield rules.SIGNS(span=statement.span)
+
+
+def _states(program: Program) -> Iterator[Diagnostic]:
+    """Where the cell says what the controller would tell of itself."""
+    if not any(name.lower() in STATE_OF for name in program.variables):
+        return
+    for statement in program.statements():
+        read = (r.name.lower() for r in records(head(statement)) if isinstance(r, e.Name))
+        for name in dict.fromkeys(one for one in read if one in STATE_OF):
+            if statement.span is not None:
+                yield rules.STATED(name=name, span=statement.span)
 
 
 def _key(call: s.ProcedureCall) -> str:

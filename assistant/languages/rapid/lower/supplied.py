@@ -11,6 +11,7 @@ from assistant.languages.rapid.lower.data import NO_LOAD
 from assistant.languages.rapid.lower.expressions import RECORDS, bracketed, number, text
 from assistant.languages.rapid.tables.motions import speed_values, zone_values
 from assistant.languages.rapid.tables.predefined import is_handle
+from assistant.languages.rapid.tables.words import CELL_MODULE
 from assistant.languages.rapid.text.printer import print_file
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program.geometry import Frame, JointTarget, Target, Tool
@@ -18,7 +19,6 @@ from assistant.program.motion import Blend, Speed
 from assistant.program.program import identifier
 from assistant.program.wanted import Argument, Plain, Supplied, Value, Wanted
 
-MODULE: Final = "CellValues"
 _PERSISTENT: Final = ("tooldata", "wobjdata")
 _FIXED: Final = ("speeddata", "zonedata", "robtarget", "jointtarget")
 _OF_KIND: Final[Mapping[str, str]] = {
@@ -33,7 +33,7 @@ def supplied(given: Supplied, taken: Sequence[str]) -> str:
     Raises Refused for numbers that RAPID cannot write.
     """
     items = [_item(wanted, value) for wanted, value in given]
-    module = s.Module(identifier(MODULE, set(taken)), (), tuple(items))
+    module = s.Module(identifier(CELL_MODULE, set(taken)), (), tuple(items))
     return print_file(s.File((module,)), "\n")
 
 

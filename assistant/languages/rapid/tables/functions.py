@@ -32,6 +32,7 @@ ROWS: Final = Rows(
     FunctionRow("relative", r"RelTool({point}, {x}, {y}, {z} \Rx:={rx=0} \Ry:={ry=0} \Rz:={rz=0})"),
     FunctionRow("distance", "Distance({a:position}, {b:position})"),
     FunctionRow("joints_here", "CJointT()"),
+    FunctionRow("time_of_day", "CTime()"),
     # of whole numbers up to 52 bits; those of a byte have other names
     FunctionRow("bitand", "DnumToNum(BitAndDnum(NumToDnum({a}), NumToDnum({b})))"),
     FunctionRow("bitor", "DnumToNum(BitOrDnum(NumToDnum({a}), NumToDnum({b})))"),

@@ -52,6 +52,8 @@ RESERVED: Final = frozenset(
     """.split()  # noqa: SIM905
 )
 
+CELL_MODULE: Final = "CellValues"
+"""The module with what a cell file says of names that nobody else declares."""
 PREDEFINED_VALUES: Final = {"low": 0, "high": 1}
 """Constants of type dionum, by lower-case name (RAPID reference manual, data types)."""
 
@@ -60,8 +62,23 @@ ANSWERS: Final = {
     "resyes": 6, "resno": 7,
 }  # fmt: skip
 """Constants of type btnres, by lower-case name (RAPID reference manual, data types)."""
+MODES: Final = {
+    "op_undef": 0, "op_auto": 1, "op_man_prog": 2, "op_man_test": 3,
+    "run_undef": 0, "run_cont_cycle": 1, "run_instr_fwd": 2, "run_instr_bwd": 3, "run_sim": 4,
+    "run_step_move": 5,
+    "iounit_running": 1, "iounit_runerror": 2, "iounit_disable": 3, "iounit_othererr": 4,
+    "iounit_log_state_disabled": 10, "iounit_log_state_enabled": 11,
+    "iounit_phys_state_deactivated": 20, "iounit_phys_state_running": 21,
+    "iounit_phys_state_error": 22, "iounit_phys_state_unconnected": 23,
+    "iounit_phys_state_unconfigured": 24, "iounit_phys_state_startup": 25,
+    "iounit_phys_state_init": 26,
+    "busstate_halted": 0, "busstate_run": 1, "busstate_error": 2, "busstate_startup": 3,
+    "busstate_init": 4,
+    "type_all": 0, "type_state": 1, "type_warn": 2, "type_err": 3,
+}  # fmt: skip
+"""Constants of types symnum, iounit_state, busstate and errtype, by lower-case name (the same)."""
 ELSEWHERE: Final[Mapping[str, float | str]] = {
-    **ANSWERS, "pi": math.pi, "str_digit": "0123456789",
+    **ANSWERS, **MODES, "pi": math.pi, "str_digit": "0123456789",
     "stempty": "", "eof": "EOF", "eof_num": 9.998e36,
 }  # fmt: skip
 """Constants that are values for other languages, by lower-case name (the same)."""

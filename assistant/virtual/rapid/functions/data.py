@@ -53,10 +53,19 @@ def _retries(given: Given) -> float:
     return float(frame.retries)
 
 
+def _fastest(given: Given) -> float:
+    robot = given.machine.robot
+    return FASTEST if robot is None or robot.tcp_speed is None else float(robot.tcp_speed)
+
+
 AUTOMATIC: Final = 1.0
 """OP_AUTO."""
 CONTINUOUS: Final = 1.0
 """RUN_CONT_CYCLE."""
+RUNNING: Final = 21.0
+"""IOUNIT_PHYS_STATE_RUNNING: nothing is broken here."""
+FASTEST: Final = 5000.0
+"""mm/s, of an arm that nobody named."""
 READS: Final = (
     *("DInput", "DOutput", "GInput", "GOutput", "AInput", "AOutput"),
     *("GInputDnum", "GOutputDnum"),
@@ -73,6 +82,11 @@ TABLE: Final[Mapping[str, Function]] = dict(
         takes("RobOS", 0, lambda _: False),
         takes("OpMode", 0, lambda _: AUTOMATIC),
         takes("RunMode", 0, lambda _: CONTINUOUS, "main"),
+        takes("IOUnitState", 1, lambda _: RUNNING, "phys logic"),
+        takes("UIClientExist", 0, lambda _: True),
+        takes("CSpeedOverride", 0, lambda _: 100.0, "ctask"),
+        takes("MaxRobSpeed", 0, _fastest),
+        takes("PMgrTaskName", 0, lambda given: given.machine.task.name),
         takes("RemainingRetries", 0, _retries),
         takes("ClkRead", 1, _clock, "highres"),
     )

@@ -6,9 +6,10 @@ Functions manual, CDate, CTime, GetTime.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from datetime import datetime, timedelta
+from datetime import datetime
 from typing import Final
 
+from assistant.virtual.kernel import dates
 from assistant.virtual.rapid.ends import NotSimulated
 from assistant.virtual.rapid.given import Given, takes
 from assistant.virtual.rapid.machine import Function
@@ -25,7 +26,7 @@ PARTS: Final[Mapping[str, Callable[[datetime], int]]] = {
 def _now(given: Given) -> datetime:
     machine = given.machine
     machine.hangs_on.add("time")
-    return machine.controller.options.began + timedelta(seconds=machine.task.kernel.now)
+    return dates.at(machine.task.kernel.now, machine.controller.options.began)
 
 
 def _part(given: Given) -> float:

@@ -14,6 +14,9 @@ from assistant.virtual.rapid.operators import whole
 from assistant.virtual.rapid.precision import as_kind, paired
 from assistant.virtual.rapid.values import Clock, text_of
 
+BUS_RUNS: Final = 1.0
+"""BUSSTATE_RUN: nothing is broken here."""
+
 
 def _add(change: Callable[[Given], float]) -> Callable[[Given], None]:
     def does(given: Given) -> None:
@@ -100,6 +103,7 @@ TABLE: Final[Mapping[str, Function]] = dict(
         takes("ClkStart", 1, _start),
         takes("ClkStop", 1, _stop),
         takes("TPWrite", 1, _say, "num bool pos orient dnum"),
+        takes("IOBusState", 2, lambda given: given.place(1).set(BUS_RUNS), "phys logic"),
         takes("TPErase", 0, _nothing),
         takes("TPShow", 1, _nothing),
         takes("Stop", 0, _halt, "noregain allmovetasks"),

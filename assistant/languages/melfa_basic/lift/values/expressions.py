@@ -25,7 +25,12 @@ from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS, Unlifta
 from assistant.languages.melfa_basic.lift.values.timers import elapsed
 from assistant.languages.melfa_basic.lift.values.types import Types
 from assistant.languages.melfa_basic.tables.channels import CONNECTED, NUMBERS
-from assistant.languages.melfa_basic.tables.functions import OF_ANGLE, PLAIN, TO_ANGLE
+from assistant.languages.melfa_basic.tables.functions import (
+    OF_ANGLE,
+    OF_CONTROLLER,
+    PLAIN,
+    TO_ANGLE,
+)
 from assistant.languages.melfa_basic.tables.poses import ANGLES, JOINTS, is_angle, is_length
 from assistant.languages.melfa_basic.tables.vocabulary.timers import MILLISECONDS
 from assistant.languages.melfa_basic.text import effects, printer
@@ -41,6 +46,9 @@ from assistant.program.timers import in_seconds
 _PLAIN: Final = {melfa.upper(): name for name, melfa in PLAIN.items()}
 _OF_ANGLE: Final = {melfa.upper(): name for name, melfa in OF_ANGLE.items()}
 _TO_ANGLE: Final = {melfa.upper(): name for name, melfa in TO_ANGLE.items()}
+_CLOCK: Final = {
+    melfa.upper(): name for name, melfa in OF_CONTROLLER.items() if melfa.startswith("C_")
+}
 _PLACES: Final = frozenset(("position", "pose"))
 """Types of what stands somewhere, of which a product is one that stands in another."""
 _ANGLES: Final = {melfa: name for name, melfa in ANGLES.items()}
@@ -203,6 +211,8 @@ class Expressions(Types):
             return self.called(node, key)
         if key in _HERE:
             return self.here(key)
+        if key in _CLOCK and node.arguments is None:
+            return e.Apply(_CLOCK[key])
         return _NUMBERS.get(key) or self.m.name(node)
 
     def here(self, key: str) -> e.Expression:

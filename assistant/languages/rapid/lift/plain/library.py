@@ -35,6 +35,8 @@ ANGLES: Final = {"x": "angle_about_x", "y": "angle_about_y", "z": "angle_about_z
 """By option of EulerZYX."""
 BY_TYPE: Final = {"num": "number_of_text", "bool": "truth_of_text"}
 """What reads a text as data of a type: StrToVal."""
+DIGITS: Final = {"hour": 1, "min": 4, "sec": 7}
+"""By option of GetTime, where its two digits begin in the time of day."""
 PART: Final = "part_of_turn"
 PRODUCT: Final = "turn_by"
 IN_FRAME: Final = "target_in"
@@ -46,7 +48,18 @@ QUATERNION: Final = ("q1", "q2", "q3", "q4")
 WHOLE: Final = frozenset(("robtarget", "pose"))
 """Types of data that other languages keep whole, with angles instead of quaternions."""
 _ASKING: Final = frozenset(
-    (*SAME, *TO_PLACES, *BITS, "bitneg", "eulerzyx", "strtoval", "strfind", "distance", "numtostr")
+    (
+        *SAME,
+        *TO_PLACES,
+        *BITS,
+        "bitneg",
+        "eulerzyx",
+        "strtoval",
+        "strfind",
+        "distance",
+        "numtostr",
+        "gettime",
+    )
 )
 
 
@@ -182,6 +195,8 @@ def _with_options(
         case "eulerzyx", (turn,), one if len(one) == 1 and typed.whole_turn(turn) is None:
             (axis,) = one
             return call_of(ANGLES[axis], turn) if axis in ANGLES else None
+        case "gettime", (), one if len(one) == 1 and (first := DIGITS.get(*one)) is not None:
+            return call_of("two_digits", s.FunctionCall("CTime", ()), s.NumberLiteral(str(first)))
         case "strfind", (text, first, characters), {"notinset": None, **rest} if not rest:
             return call_of("one_found", text, first, characters, s.BoolLiteral(True))
     return None

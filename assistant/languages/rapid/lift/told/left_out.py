@@ -72,6 +72,10 @@ INSTRUCTIONS: Final[Mapping[str, Loss]] = {
     **dict.fromkeys(("wzlimjointdef", "wzhomejointdef"), _SHAPE),
     **dict.fromkeys(("wzlimsup", "wzenable", "wzdisable", "wzfree"), _ZONE),
     "bookerrno": ("the number of an error of the program's own is not reserved", _NONE),
+    "save": (
+        "no module is written to a file: the values of its data stay in the controller alone",
+        "back the controller up",
+    ),
     "resetretrycount": ("retries are not counted", _NONE),
 }
 """Instructions by their name, or by name, options and plain arguments, in lower case.

@@ -9,6 +9,7 @@ from assistant.languages.language import Adapted
 from assistant.languages.positions import Written
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.data import fixed_target
+from assistant.languages.rapid.lift.dates import with_own_dates
 from assistant.languages.rapid.lift.places import with_places
 from assistant.languages.rapid.lower.adapt.channels import with_channels
 from assistant.languages.rapid.lower.adapt.data import POSITIONS
@@ -118,6 +119,7 @@ PASSES: Final[tuple[Pass, ...]] = (
     pure(with_one_kind_of_numbers),
     sayable,
     with_channels,
+    pure(with_own_dates),
     pure(with_places),
     pure(with_directions),
     counted_loops,

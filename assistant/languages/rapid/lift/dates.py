@@ -1,0 +1,52 @@
+"""The date as text, which RAPID writes as 2026-01-31 and other languages with slashes.
+
+Functions manual: CDate. Translated to and from RAPID, the one is made of the parts of the other.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import reduce
+from typing import Any, Final
+
+from assistant.program import expressions as e
+from assistant.program.program import Program
+from assistant.program.rewriting import rewrite
+
+OWN: Final = "cdate"
+OTHERS: Final = "date_today"
+_PARTS: Final = ((1, 4), (6, 2), (9, 2))
+"""First character and length of year, month and day."""
+
+
+def with_others_dates(program: Program) -> Program:
+    """The program with dates as other languages have them."""
+    return _exchanged(program, OWN, OTHERS, "-")
+
+
+def with_own_dates(program: Program) -> Program:
+    """The program with dates of RAPID."""
+    return _exchanged(program, OTHERS, OWN, "/")
+
+
+def _exchanged(program: Program, old: str, new: str, between: str) -> Program:
+    if program.procedure(old) is not None:
+        return program
+    pieces = [e.Apply("part", (e.Apply(new), e.Number(a), e.Number(n))) for a, n in _PARTS]
+    first, *others = pieces
+    made = reduce(_joined(between), others, first)
+
+    def visit(part: Any) -> Any:
+        match part:
+            case e.Apply(name, ()) if name.lower() == old:
+                return made
+        return part
+
+    return replace(program, procedures=rewrite(program.procedures, visit))
+
+
+def _joined(between: str) -> Any:
+    def join(left: e.Expression, right: e.Expression) -> e.Expression:
+        return e.Binary("+", e.Binary("+", left, e.Text(between)), right)
+
+    return join

@@ -1,0 +1,57 @@
+"""What the controller tells of itself, as what the cell file says of it.
+
+`GetTaskName()` becomes `controller_task` where the cell's declarations have that: another
+controller has no tasks of such names, no RobotWare and no operating mode of its kind.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from assistant.languages.rapid.tables.states import BY_NAME, STATES
+from assistant.languages.rapid.tables.words import CELL_MODULE
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.calls import called
+from assistant.program.rewriting import rewrite
+
+
+def with_told_states(modules: Sequence[s.Module]) -> Sequence[s.Module]:
+    """The modules that ask the cell's data; themselves where the cell says nothing of it."""
+    known = {
+        item.name.lower()
+        for module in modules
+        if module.name.lower().startswith(CELL_MODULE.lower())
+        for item in module.items
+        if isinstance(item, s.Data) and item.name.lower() in BY_NAME
+    }
+    if not known:
+        return modules
+    own = {item.name.lower() for m in modules for item in m.items if isinstance(item, s.Routine)}
+
+    def visit(node: Any) -> Any:
+        match node:
+            case s.FunctionCall(str(name)) | s.ProcedureCall(str(name)):
+                state = STATES.get(name.lower())
+                if state is None or state.name not in known or name.lower() in own:
+                    return node
+                return _asked(node) or node
+        return node
+
+    return tuple(rewrite(module, visit, ()) for module in modules)
+
+
+def _asked(node: s.FunctionCall | s.ProcedureCall) -> s.Expression | s.StatementNode | None:
+    """What a call gives, None for one that does more."""
+    call, state = called(node), STATES[str(node.name).lower()]
+    if call is None or len(call.given) != state.arguments or None in call.given:
+        return None
+    if not state.options.issuperset(call.options):
+        return None
+    value = s.NameRef(state.name)
+    if isinstance(node, s.FunctionCall):
+        return value
+    *_, target = call.given
+    if not isinstance(target, s.NameRef | s.Component | s.Element):
+        return None
+    return s.Assignment(target, value, span=node.span)

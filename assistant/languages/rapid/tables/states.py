@@ -1,0 +1,58 @@
+"""Functions of RAPID that tell about the controller itself, which another one cannot know.
+
+What they give is the cell's to say: data of the cell file, which a program asks instead.
+Reference manual of functions: GetTaskName, RobOS, OpMode, RunMode, MaxRobSpeed, CSpeedOverride,
+IOUnitState, UIClientExist; of instructions: IOBusState; application manual of the Production
+Manager: PMgrTaskName.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from assistant.program.wanted import Plain
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """name, type: of the data of the cell. usual: what stands for it until the cell says it, as a
+    virtual controller has it. options: those of the function that change nothing there.
+    """
+
+    name: str
+    type: str
+    usual: Plain
+    arguments: int = 0
+    options: frozenset[str] = frozenset()
+
+
+_PHYSICAL: Final = frozenset({"phys", "logic"})
+_TASK: Final = State("controller_task", "string", "T_ROB1")
+STATES: Final[Mapping[str, State]] = {
+    "gettaskname": _TASK,
+    "pmgrtaskname": _TASK,
+    "robos": State("controller_is_real", "bool", False),
+    "opmode": State("controller_mode", "num", 1.0),
+    "runmode": State("controller_run_mode", "num", 1.0, 0, frozenset({"main"})),
+    "maxrobspeed": State("controller_fastest", "num", 5000.0),
+    "cspeedoverride": State("controller_override", "num", 100.0, 0, frozenset({"ctask"})),
+    "iounitstate": State("controller_unit_state", "num", 21.0, 1, _PHYSICAL),
+    "uiclientexist": State("controller_has_pendant", "bool", True),
+    "iobusstate": State("controller_bus_state", "num", 1.0, 2, _PHYSICAL),
+}
+"""By lower-case name of the function, or of the instruction whose last argument takes the value.
+
+Numbers are those of `OP_AUTO`, `RUN_CONT_CYCLE`, `IOUNIT_PHYS_STATE_RUNNING` and `BUSSTATE_RUN`,
+see `words.ELSEWHERE`.
+"""
+BY_NAME: Final[Mapping[str, State]] = {one.name: one for one in STATES.values()}
+
+OPTIONS_OF_A_CELL: Final = frozenset({"Production Manager", "SmarTac", "SmartGripper"})
+"""Options of RobotWare whose routines drive equipment of one make, or answer another program."""
+OF_A_CELL: Final = frozenset(
+    {"fitcircle", "mtoolrotcalib", "mtooltcpcalib", "textget", "texttabget"}
+)
+"""Other routines, in lower case, that work by what only the first controller has: its texts, its
+way to measure tools."""
