@@ -38,7 +38,7 @@ def test_the_cell_is_asked_for_it_and_both_do_the_same(tmp_path: Path) -> None:
     cell.write_text(text, encoding="utf-8")
     done = translate(with_cell(loaded, cell), to="melfa-basic-6", proving=Proving(seconds=5))
     assert done.totals["not"] == 0
-    assert [f.code for f in done.findings].count("RA371") == 4
+    assert [f.code for f in done.findings].count("RA391") == 4
     assert done.motion is not None
     assert done.motion.holds
 

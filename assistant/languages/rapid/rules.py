@@ -165,8 +165,9 @@ WRONG_SIZE: Final = warning(
     "RA371",
     "`{array}` has another number of elements than it is given here: the program stops there",
     "give it as many as it has, if this is ever done",
+)
 STATED: Final = warning(
-    "RA371",
+    "RA391",
     "what the controller tells of itself is taken from the cell file here: `{name}`, which stays "
     "as it is while the program runs",
     "write its value in the cell file, and see that nothing depends on its changing",
