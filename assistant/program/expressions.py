@@ -201,13 +201,15 @@ class Verbatim:
     """An expression that only one vendor language can say, as its text.
 
     reason: why it is not said otherwise, None if that is not known. effect: what it does, None
-    if nobody has read it. Neither is part of what it says.
+    if nobody has read it. told: what its language makes of it for others. None is part of what
+    it says.
     """
 
     language: str
     text: str
     reason: Reason | None = field(default=None, compare=False, repr=False, kw_only=True)
     effect: Effect | None = field(default=None, compare=False, repr=False, kw_only=True)
+    told: Expression | None = field(default=None, compare=False, repr=False, kw_only=True)
 
 
 Expression = (

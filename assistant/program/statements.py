@@ -317,13 +317,15 @@ class Opaque(Spanned):
     """A statement that only one vendor language can say, as its text.
 
     reason: why it is not said otherwise, None if that is not known. effect: what it does, None
-    if nobody has read it. Neither is part of what it says.
+    if nobody has read it. told: what its language makes of it for others. None is part of what
+    it says.
     """
 
     language: str
     text: str
     reason: Reason | None = field(default=None, compare=False, repr=False, kw_only=True)
     effect: Effect | None = field(default=None, compare=False, repr=False, kw_only=True)
+    told: tuple[Statement, ...] = field(default=(), compare=False, repr=False, kw_only=True)
 
 
 MoveStatement = Move | MoveCircular | MoveJoints

@@ -293,6 +293,18 @@ MEASURED = warning(
     "P_Fbc, the position that is measured, is said as the present one, as P_Curr is",
     "see whether the other controller measures it too, if the arm is pushed or gives way",
 )
+NUMBERED = warning(
+    "MB270",
+    "which {what} it is is worked out while the program runs: `{name}` chooses among the numbers "
+    "{which}, {numbers}, and ends the program at any other",
+    "see that no other number is met, and that the cell has these signals",
+)
+UNCALLED = info(
+    "MB271",
+    "nothing calls `{name}`: where it sets no speed or corner itself, it moves as a program does "
+    "that has just begun",
+    "leave it out, or set `Spd`, `JOvrd` and `Cnt` above its moves",
+)
 LEFT_OUT = warning("MB254", "`{what}` is left out: {loss}", "{cure}")
 NO_ENTRY = error(
     "MB245", "`{name}` has no main procedure: the program would end at once",

@@ -84,10 +84,17 @@ class CalledForms:
     """The forms of all procedures of a program.
 
     forms: by procedure, in the order in which calls are met from the first procedure on.
-    single: procedures that have one form for all ways of calling them.
+    single: procedures that have one form for all ways of calling them. alone: procedures that
+    only the program itself can call: if it does not, they are read as where a program starts.
     """
 
-    def __init__(self, flow: Flow, initial: State, single: frozenset[int] = frozenset()) -> None:
+    def __init__(
+        self,
+        flow: Flow,
+        initial: State,
+        single: frozenset[int] = frozenset(),
+        alone: frozenset[int] = frozenset(),
+    ) -> None:
         self.flow, self.single = flow, single
         self._part_at = {
             places[0]: part
@@ -107,7 +114,7 @@ class CalledForms:
             if not self._pending:  # what nothing calls may be called from elsewhere
                 left = next((k for k, found in enumerate(self.forms) if not found), None)
                 if left is not None:
-                    self._form(left, flow.lost)
+                    self._form(left, initial if left in alone else flow.lost)
 
     @property
     def too_long(self) -> bool:

@@ -154,7 +154,7 @@ def test_a_signal_whose_number_the_list_of_values_holds(tmp_path: Path) -> None:
     found = translate(source, to="rapid", language="melfa-basic-5", proving=Proving())
     assert found.ok, found.findings
     assert {signal.number for signal in found.compiled.program.signals.values()} == {5}
-    source.write_text(text.replace("Mvs P1", "MPart=6") + PLACES)
+    source.write_text(text.replace("Mvs P1", "MPart=M_Inb(8)") + PLACES)
     assert not translate(source, to="rapid", language="melfa-basic-5").ok
 
 

@@ -10,6 +10,7 @@ PASSES: Final = (
     "settings",  # speed, corner, tool and base at each line, along every way that leads there
     "statements",  # lines and runs of lines as statements
     "files",  # a file as procedures, the files of a program as one
+    "told",  # what takes the place of what no other language has
     "exported",  # what other languages are told
 )
 """In the order in which a program goes through them; none asks a later one."""

@@ -12,12 +12,14 @@ from typing import Any, Final
 
 from assistant.languages.language import Adapted
 from assistant.languages.melfa_basic import rules
+from assistant.languages.melfa_basic.lift.told.kept import with_told
 from assistant.languages.melfa_basic.reading.line import statement as read_statement
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Findings
-from assistant.program.program import Declaration, Program
+from assistant.program.diagnostics import Diagnostic, Findings
+from assistant.program.kept import effect_of
+from assistant.program.program import Declaration, Program, walk
 from assistant.program.rewriting import exchanged, records
 
 _NO_NEED: Final = "none is needed, but see that the other controller watches the arm as you want"
@@ -63,10 +65,12 @@ STIFF: Final[Mapping[str, re.Pattern[str]]] = {
 
 def exported(program: Program) -> Adapted:
     """The program for another language; idempotent."""
+    findings = Findings()
+    findings += _uncalled(program)
+    program = with_told(program, findings)
     texts = [record.text for record in records(program) if _is_text(record)]
     if not texts:
-        return Adapted(program)
-    findings = Findings()
+        return Adapted(program, tuple(findings))
     stiff = {key for key, soft in STIFF.items() if not any(map(soft.search, texts))}
     losses = {**LOSSES, **dict.fromkeys(stiff, _STIFF)}
 
@@ -80,6 +84,22 @@ def exported(program: Program) -> Adapted:
             findings.append(rules.LEFT_OUT(what=node.text.strip(), loss=what, cure=cure))
 
     return Adapted(exchanged(program, told), tuple(findings))
+
+
+def _uncalled(program: Program) -> Iterator[Diagnostic]:
+    """Procedures that move and that nothing calls, where something else runs."""
+    entry = (program.entry or "").lower()
+    called = {entry}
+    for record in records((program.procedures, program.declarations)):
+        match record:
+            case p.Call(name) | e.Apply(name):
+                called.add(name.lower())
+            case p.Opaque() | e.Verbatim() | Declaration():
+                called |= effect_of(record).names
+    for procedure in program.procedures if entry else ():
+        if procedure.name.lower() not in called and procedure.unit is None:
+            if any(isinstance(node, p.Moving) for node in walk(procedure.body)):
+                yield rules.UNCALLED(name=procedure.name, span=procedure.span)
 
 
 def _is_text(record: Any) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -90,7 +90,7 @@ class Unit:
         )
         flow = Flow(lines_of(code, structure, parts, settings, touched, elsewhere))
         self.ways = Ways(
-            constants, structure, parts, settings, CalledForms(flow, self._initial()),
+            constants, structure, parts, settings, self._forms(flow, parts),
             {} if self.own else used_once(code), timers(code, file.header, self.own),
             "M_BRKCQ" in set(all_keys(code)),
         )  # fmt: skip
@@ -110,7 +110,7 @@ class Unit:
         kept, reading = self._settled(divide)
         while several := self._called_in_texts(reading):
             single = several | self.ways.called.single
-            called = CalledForms(whole.called.flow, self._initial(), single)
+            called = self._forms(whole.called.flow, whole.regions, single)
             self.ways = replace(whole, called=called)
             kept, reading = self._settled(divide)
         if reading.symbols.pallets and still_mentioned(tuple(reading.procedures)):
@@ -163,7 +163,7 @@ class Unit:
         while True:
             flow = divided(ways.called.flow, undivided)
             single = ways.called.single
-            called = CalledForms(flow, self._initial(), single) if flow.cuts else ways.called
+            called = self._forms(flow, ways.regions, single) if flow.cuts else ways.called
             if not flow.cuts or called.too_long:
                 return whole
             if not called.unread:
@@ -253,6 +253,15 @@ class Unit:
         )  # fmt: skip
         symbols.timers = self.ways.timers
         return symbols
+
+    def _forms(
+        self, flow: Flow, parts: Sequence[Region], single: frozenset[int] = frozenset()
+    ) -> CalledForms:
+        """The forms of the procedures. A file of functions alone is there for others to call."""
+        alone = set[int]()
+        if not self.own and any(self.code[at].statement for at in parts[0].places()):
+            alone = {number for number, part in enumerate(parts) if part.function is not None}
+        return CalledForms(flow, self._initial(), single, frozenset(alone))
 
     def _initial(self) -> State:
         """What holds at the start; a program that is called may find what its caller has set."""

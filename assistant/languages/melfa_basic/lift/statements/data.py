@@ -88,13 +88,18 @@ def _component(node: s.Assign, lift: Expressions) -> p.Assign:
     raise Unliftable
 
 
-def _signal(node: s.Assign, lift: Expressions) -> p.SetSignal:
+def _signal(node: s.Assign, lift: Expressions) -> p.SetSignal | p.Call:
     target = node.target
     masked = _masked(node, lift)
     if masked is not None:
         return masked
     if target.key in SIGNALS:
         said = lift.plain(target)
+        if isinstance(said, e.Apply):
+            kind, direction, bits = SIGNALS[target.key]
+            held = _held(node.value, Signal(kind, direction, 0, bits), lift)  # type: ignore[arg-type]
+            delay = () if node.delay is None else (lift.of(node.delay),)
+            return p.Call(said.function, (*said.arguments, held, *delay))
         if not isinstance(said, e.Name):
             raise Unliftable
         name = said.name

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -140,9 +140,12 @@ class Statements:
         try:
             return read()
         except Unliftable as found:
-            return [self.opaque(node, found.reason or refused)]
+            told = self.expressions.told(read) if isinstance(node, s.Assign) else None
+            return [self.opaque(node, found.reason or refused, told or [])]
 
-    def opaque(self, statement: s.Statement, found: p.Reason | None) -> p.Opaque:
+    def opaque(
+        self, statement: s.Statement, found: p.Reason | None, told: Sequence[p.Statement] = ()
+    ) -> p.Opaque:
         self.runs.forget()
         self.runs.arc_pending = False
         self.note_dependence(statement)
@@ -155,7 +158,8 @@ class Statements:
             self.torn |= any(isinstance(part, s.Target) for part in nodes(statement))
         reason = reasons.reason_for(statement, found)
         text = reasons.text_of(statement, dialect)
-        return p.Opaque(dialect, text, reason=reason, effect=effects.of_node(statement, text))
+        effect = effects.of_node(statement, text)
+        return p.Opaque(dialect, text, reason=reason, effect=effect, told=tuple(told))
 
     def where(self, at: int) -> str:
         """What a line is called in a finding."""

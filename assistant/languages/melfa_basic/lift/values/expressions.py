@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 from assistant.languages.kept_reasons import WAYS
 from assistant.languages.melfa_basic.lift.values.constants import INITIAL
@@ -21,7 +21,8 @@ from assistant.languages.melfa_basic.lift.values.operators import (
     operator_name,
 )
 from assistant.languages.melfa_basic.lift.values.pallets import declared
-from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS, Unliftable
+from assistant.languages.melfa_basic.lift.values.reasons import NUMBERED
+from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS, STATES, TOLD, Unliftable
 from assistant.languages.melfa_basic.lift.values.timers import elapsed
 from assistant.languages.melfa_basic.lift.values.types import Types
 from assistant.languages.melfa_basic.tables.channels import CONNECTED, NUMBERS
@@ -40,7 +41,10 @@ from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program import expressions as e
 from assistant.program.channels import name_of
 from assistant.program.geometry import Target
+from assistant.program.rewriting import records
 from assistant.program.timers import in_seconds
+
+T = TypeVar("T")
 
 # PLAIN, OF_ANGLE and TO_ANGLE are read backwards here: one row adds a function both ways.
 _PLAIN: Final = {melfa.upper(): name for name, melfa in PLAIN.items()}
@@ -83,13 +87,36 @@ class Expressions(Types):
         try:
             return read(node)
         except Unliftable as found:
-            return self.verbatim(node, found.reason)
+            if self.m.telling:
+                raise
+            return self.verbatim(node, found.reason, read)
 
-    def verbatim(self, node: s.Expression, reason: e.Reason | None = None) -> e.Verbatim:
+    def verbatim(
+        self,
+        node: s.Expression,
+        reason: e.Reason | None = None,
+        read: Callable[[s.Expression], e.Expression] | None = None,
+    ) -> e.Verbatim:
+        """The text of an expression. read: what was tried, and is tried for other languages."""
         upper = self.m.dialect.endswith("-4")
         text = printer.expression(node, upper)
         self.m.in_texts |= {part.key for part in nodes(node) if isinstance(part, s.Variable)}
-        return e.Verbatim(self.m.dialect, text, reason=reason, effect=effects.of_node(node, text))
+        effect = effects.of_node(node, text)
+        told = None if read is None else self.told(lambda: read(node))
+        return e.Verbatim(self.m.dialect, text, reason=reason, effect=effect, told=told)
+
+    def told(self, read: Callable[[], T]) -> T | None:
+        """What other languages are told of what stays as its text; None if that is nothing."""
+        if self.m.own or self.m.telling:
+            return None
+        self.m.telling = True
+        try:
+            made = read()
+        except Unliftable:
+            return None
+        finally:
+            self.m.telling = False
+        return made if all(map(_is_plain, records(made))) else None
 
     def plain(self, node: s.Expression) -> e.Expression:
         match node:
@@ -272,9 +299,13 @@ class Expressions(Types):
             return e.Index(whole, indices)
         if key in SIGNALS and len(values) == 1:
             number = self.m.value(values[0])
-            if not isinstance(number, float):
-                raise Unliftable
-            return e.Name(self.m.signal(key, round(number)))
+            if isinstance(number, float):
+                return e.Name(self.m.signal(key, round(number)))
+            if self.m.telling:
+                return e.Apply(TOLD.format(key), (self.rounded(values[0]),))
+            raise Unliftable(NUMBERED)
+        if key in STATES and len(values) == 1:
+            return self.m.state(key)
         if key == CONNECTED.upper() and len(values) == 1:
             number = self.m.value(values[0])
             if not isinstance(number, float) or round(number) not in NUMBERS:
@@ -360,3 +391,11 @@ class Expressions(Types):
         if operator == "*" and positions and self.m.own:
             return e.Binary("@", self.plain(left), self.plain(right))
         raise Unliftable
+
+
+def _is_plain(record: Any) -> bool:
+    """Whether a record keeps no text, and calls nothing of the user's: its name may yet change."""
+    match record:
+        case e.Apply(function):
+            return function in e.FUNCTIONS or function.startswith(TOLD.format(""))
+    return not isinstance(record, e.Verbatim)

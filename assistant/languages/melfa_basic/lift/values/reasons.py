@@ -28,6 +28,9 @@ NO_SUBROUTINE: Final = Reason(
     "it returns from lines that are no subroutine",
     "begin the subroutine with a label that GoSub calls, behind End, Return or GoTo",
 )
+NUMBERED: Final = Reason(
+    "which input or output it is is worked out while the program runs", "write its number"
+)
 DELAYED: Final = Reason("the assignment comes late, by `Dly`", "put Dly above a plain assignment")
 _HANDS: Final = Reason(
     "it drives a hand of the maker's with its own motor",

@@ -40,6 +40,12 @@ IO_BITS: Final = {"BIT": 1, "BYTE": 8, "WORD": 16, "INTEGER": 16, "DWORD": 32}
 """Bits of a name that `Def Io` gives to inputs and outputs."""
 
 
+TOLD: Final = "told {}"
+"""Name of a function that stands for a status variable until other languages are told of it."""
+STATES: Final = ("M_SVO",)
+"""States of the controller that other languages are told."""
+
+
 class Unliftable(Exception):
     """The pseudo-program has no words for it. reason: why, None if the statement itself tells."""
 
@@ -98,6 +104,8 @@ class Symbols:
         """Names of the forms of functions that are called from the line that is read."""
         self.in_texts: set[str] = set()
         """What texts that stay may call by its name: functions, labels, in upper case."""
+        self.telling = False
+        """Whether it is read what other languages are told, see `exported`."""
 
     # ------------------------------------------------------------------------------- names
 
@@ -132,11 +140,17 @@ class Symbols:
         if key in self.header.variables:
             return e.Name(self.header.variables[key].name)
         if status(key) is not None:
-            raise Unliftable(STATUS)
+            return self.state(key)
         if key not in self.constants.assigned and self.positions.constant(key) is not None:
             self.targets.add(key)
             return e.Name(self.target_name(node.name))
         return e.Name(self.declared(node))
+
+    def state(self, key: str) -> e.Expression:
+        """A state of the controller; what others are told of it is worked out later."""
+        if not self.telling or key not in STATES:
+            raise Unliftable(STATUS)
+        return e.Apply(TOLD.format(key))
 
     def target_name(self, written: str) -> str:
         """The name of a position constant, another one if a program before has it already."""

@@ -1,0 +1,89 @@
+"""Texts that stay in MELFA-BASIC, and what their statements are to other languages."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Final
+
+from assistant.languages.melfa_basic import rules
+from assistant.languages.melfa_basic.lift.told.signals import AnyNumber, Numbered
+from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS, TOLD
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.diagnostics import Findings
+from assistant.program.program import Procedure, Program
+from assistant.program.rewriting import Body, map_bodies, map_expressions, map_head, records
+
+STATES: Final[Mapping[str, tuple[str, e.Expression, str, str]]] = {
+    "M_SVO": (
+        "M_Svo", e.Number(1),
+        "the motors are taken to be on, as a program of the other controller only runs then",
+        "none is needed",
+    ),
+}  # fmt: skip
+"""States of the controller: as they are written, what they are elsewhere, what is lost, a cure."""
+_MARK: Final = TOLD.format("")
+
+
+def with_told(program: Program, findings: Findings) -> Program:
+    """The program with other words for texts, where there are some; tells what they leave out."""
+    if not any(
+        isinstance(one, e.Verbatim | p.Opaque) and one.told for one in records(program.procedures)
+    ):
+        return program
+    telling = _Telling(Numbered(program, findings), findings)
+    procedures = tuple(map(telling.procedure, program.procedures))
+    return telling.numbered.added(replace(program, procedures=procedures))
+
+
+class _Telling:
+    """The procedures of a program."""
+
+    def __init__(self, numbered: Numbered, findings: Findings) -> None:
+        self.numbered, self.findings = numbered, findings
+
+    def procedure(self, procedure: Procedure) -> Procedure:
+        def told(x: e.Expression) -> e.Expression:
+            match x:
+                case e.Verbatim(told=meant) if meant is not None:
+                    try:
+                        return map_expressions(meant, told)
+                    except AnyNumber:
+                        return x
+                case e.Apply(function, given) if function.startswith(_MARK):
+                    return self._state(function.removeprefix(_MARK), given, procedure)
+            return x
+
+        def body(statements: Body) -> Body:
+            return tuple(one for node in statements for one in said(node))
+
+        def said(node: p.Statement) -> Body:
+            with self.findings.at(node.span):
+                made = node.told if isinstance(node, p.Opaque) and node.told else (node,)
+                try:
+                    made = tuple(whole(one, node, told) for one in made)
+                except AnyNumber:
+                    made = (node,)
+                return tuple(map_bodies(one, body) for one in made)
+
+        def whole(
+            node: p.Statement, origin: p.Statement, change: Callable[[e.Expression], e.Expression]
+        ) -> p.Statement:
+            node = map_head(replace(node, span=origin.span), change)
+            match node:
+                case p.Call(name, given) if name.startswith(_MARK):
+                    made = self.numbered.switched(name.removeprefix(_MARK), given, procedure)
+                    return replace(made, span=origin.span)
+            return node
+
+        return replace(procedure, body=body(procedure.body))
+
+    def _state(
+        self, key: str, given: tuple[e.Expression, ...], procedure: Procedure
+    ) -> e.Expression:
+        if key in SIGNALS:
+            return self.numbered.read(key, given[0], procedure)
+        what, value, loss, cure = STATES[key]
+        self.findings.append(rules.LEFT_OUT(what=what, loss=loss, cure=cure))
+        return value

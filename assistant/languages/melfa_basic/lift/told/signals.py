@@ -1,0 +1,167 @@
+"""Inputs and outputs whose number is worked out while the program runs.
+
+`M_In(M1)` and `M_Out(M1)=1` go to any signal of the controller by its number. Other languages know
+signals by their names: a procedure chooses among those that the number may come to.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Final
+
+from assistant.languages.melfa_basic import rules
+from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.analysis.possible import Possible
+from assistant.program.analysis.signals import Addressed
+from assistant.program.analysis.uses import declared
+from assistant.program.diagnostics import Findings
+from assistant.program.program import (
+    Parameter,
+    Procedure,
+    Program,
+    Signal,
+    TakenNames,
+    identifier,
+)
+from assistant.program.rewriting import Body
+
+NUMBER: Final = "number"
+VALUE: Final = "value"
+"""Parameters of the procedures."""
+MOST_TOLD: Final = 6
+"""Numbers that a finding lists; of more it says how many there are."""
+
+
+class AnyNumber(Exception):
+    """It is not known which numbers it may be."""
+
+
+@dataclass(slots=True)
+class _Chooser:
+    """A procedure that reads or sets the signal of a number. numbers: those that it knows."""
+
+    name: str
+    signal: Signal
+    write: tuple[e.Expression, ...] | None
+    numbers: set[int] = field(default_factory=set)
+
+
+class Numbered:
+    """Signals by worked-out numbers in a program, and the procedures that choose among them."""
+
+    def __init__(self, program: Program, findings: Findings) -> None:
+        self.program, self.findings = program, findings
+        self.possible = Possible(program)
+        self.signals = dict(program.signals)
+        self.taken = TakenNames(declared(program))
+        self.addressed = Addressed(self.signals, self._free)
+        self.choosers: dict[Any, _Chooser] = {}
+
+    def read(self, key: str, number: e.Expression, procedure: Procedure) -> e.Expression:
+        """The value of a signal. key: of SIGNALS. Raises AnyNumber."""
+        signal, numbers = _of(key), self._numbers(number, procedure)
+        if len(numbers) == 1:
+            return e.Name(self._name(signal, *numbers))
+        name = self._chooser(f"{signal.direction}_value", signal, None, numbers)
+        return e.Apply(name, (number,))
+
+    def switched(
+        self, key: str, given: Sequence[e.Expression], procedure: Procedure
+    ) -> p.Statement:
+        """An output that is set, or pulsed. given: its number and value, the seconds of a pulse.
+
+        Raises AnyNumber.
+        """
+        signal, numbers = _of(key), self._numbers(given[0], procedure)
+        rest = [self._plain(one, procedure) for one in given[1:]]
+        if len(numbers) == 1:
+            return p.SetSignal(self._name(signal, *numbers), *rest)
+        if len(rest) == 1:
+            name = self._chooser("set_output", signal, (e.Name(VALUE),), numbers)
+            return p.Call(name, (given[0], rest[0]))
+        return p.Call(self._chooser("pulse_output", signal, tuple(rest), numbers), (given[0],))
+
+    def added(self, program: Program) -> Program:
+        """The program with the procedures that were asked for, and the signals that they name."""
+        made = tuple(self._procedure(one) for one in self.choosers.values())
+        return replace(program, signals=self.signals, procedures=(*program.procedures, *made))
+
+    # -------------------------------------------------------------------------- choosing
+
+    def _free(self, wanted: str) -> str:
+        name = identifier(wanted, self.taken)
+        self.taken.add(name.lower())
+        return name
+
+    def _name(self, signal: Signal, number: int) -> str:
+        return self.addressed.name(replace(signal, number=number))
+
+    def _numbers(self, number: e.Expression, procedure: Procedure) -> set[int]:
+        found = self.possible.of(number, procedure)
+        if found is None:
+            raise AnyNumber
+        return {round(one) for one in found}
+
+    def _plain(self, value: e.Expression, procedure: Procedure) -> e.Expression:
+        """A value that is always the same as that one."""
+        found = self.possible.of(value, procedure)
+        return value if found is None or len(found) != 1 else e.number_of(*found)
+
+    def _chooser(
+        self,
+        stem: str,
+        signal: Signal,
+        write: tuple[e.Expression, ...] | None,
+        numbers: set[int],
+    ) -> str:
+        """The name of the procedure that reads or sets a signal, which is told."""
+        key = signal, write
+        if key not in self.choosers:
+            width = f"_{signal.bits}" if signal.kind == "group" else ""
+            self.choosers[key] = _Chooser(self._free(stem + width), signal, write)
+        chooser = self.choosers[key]
+        known = {
+            one.number
+            for one in self.program.signals.values()
+            if one.number is not None and replace(one, number=signal.number) == signal
+        }
+        chooser.numbers |= numbers or known
+        among = sorted(numbers or known)
+        listed = ", ".join(map(str, among[:MOST_TOLD])) or "none"
+        more = f" and {len(among) - MOST_TOLD} more" if len(among) > MOST_TOLD else ""
+        found = rules.NUMBERED(
+            what=signal.direction, name=chooser.name, numbers=listed + more,
+            which="that it may come to" if numbers else "that the program names elsewhere",
+        )  # fmt: skip
+        self.findings.append(found)
+        return chooser.name
+
+    def _procedure(self, chooser: _Chooser) -> Procedure:
+        number, numbers = e.Name(NUMBER), sorted(chooser.numbers)
+        end: Body = (p.Stop(end=True),)
+        cases = tuple(p.Case((e.Number(one),), (self._act(chooser, one),)) for one in numbers)
+        body: Body = (p.Switch(number, cases, end),) if cases else end
+        if chooser.write is None:
+            return Procedure(
+                chooser.name, (*body, p.Return(e.Number(0))), (Parameter(NUMBER, "integer"),),
+                result="number" if chooser.signal.kind == "analog" else "integer",
+            )  # fmt: skip
+        parameters = [Parameter(NUMBER, "integer")]
+        if e.Name(VALUE) in chooser.write:
+            kind: Any = "number" if chooser.signal.kind == "analog" else "integer"
+            parameters.append(Parameter(VALUE, kind))
+        return Procedure(chooser.name, body, tuple(parameters))
+
+    def _act(self, chooser: _Chooser, number: int) -> p.Statement:
+        name = self._name(chooser.signal, number)
+        if chooser.write is None:
+            return p.Return(e.Name(name))
+        return p.SetSignal(name, *chooser.write)
+
+
+def _of(key: str) -> Signal:
+    kind, direction, bits = SIGNALS[key]
+    return Signal(kind, direction, 0, bits)  # type: ignore[arg-type]

@@ -1,0 +1,184 @@
+"""Which numbers an expression may come to, whatever way the program takes.
+
+The values of a variable are those of all that is assigned to it anywhere, of a parameter those of
+all calls. What changes in ways that nobody knows, or may be more than a few, is not known.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator, Mapping
+from typing import Final
+
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.analysis.uses import base
+from assistant.program.kept import effect_of
+from assistant.program.program import Procedure, Program
+from assistant.program.rewriting import records
+
+MOST: Final = 256
+"""Values of one variable; more count as any."""
+Numbers = frozenset[float] | None
+"""None where it may be any number."""
+_Place = tuple[str, str]
+"""The procedure that owns a variable, empty for the program's, and its name: lower case."""
+_NONE: Final[frozenset[float]] = frozenset()
+_WORKED_OUT: Final[Mapping[str, Callable[[float, float], float]]] = {
+    "+": lambda a, b: a + b,
+    "-": lambda a, b: a - b,
+    "*": lambda a, b: a * b,
+}
+
+
+class Possible:
+    """The numbers that the variables of a program may hold."""
+
+    def __init__(self, program: Program) -> None:
+        self.program = program
+        self._own = {
+            q.name.lower(): {one.name.lower() for one in q.parameters}
+            | {name.lower() for name in q.variables}
+            for q in program.procedures
+        }
+        self._given: dict[_Place, list[tuple[str, e.Expression]]] = {}
+        self._any: set[_Place] = set()
+        for declaration in program.declarations:
+            self._any |= {("", name) for name in effect_of(declaration).writes}
+        for name, variable in program.variables.items():
+            self._begins(("", name.lower()), variable.initial, variable.storage)
+        for procedure in program.procedures:
+            for name, variable in procedure.variables.items():
+                place = procedure.name.lower(), name.lower()
+                self._begins(place, variable.initial, variable.storage)
+            self._procedure(procedure)
+        self._found: dict[_Place, Numbers] = {}
+
+    def of(self, value: e.Expression, procedure: Procedure) -> Numbers:
+        """What an expression in a procedure may come to."""
+        owner = procedure.name.lower()
+        self._settle(set(self._asked(value, owner)))
+        return self._of(value, owner)
+
+    def _settle(self, asked: set[_Place]) -> None:
+        """Works out what some variables may hold, and those that it depends on."""
+        pending, mine = list(asked), set[_Place]()
+        while pending:
+            place = pending.pop()
+            if place not in mine and place not in self._found and place in self._given:
+                mine.add(place)
+                pending += [
+                    other
+                    for owner, value in self._given[place]
+                    for other in self._asked(value, owner)
+                ]
+        self._found |= dict.fromkeys(mine, _NONE)
+        while True:
+            known = {place: self._found[place] for place in mine}
+            for place in mine:
+                self._found[place] = self._all(self._given[place], known[place])
+            if all(known[place] == self._found[place] for place in mine):
+                return
+
+    def _asked(self, value: e.Expression, owner: str) -> Iterator[_Place]:
+        """The variables that an expression reads."""
+        for record in records(value):
+            if isinstance(record, e.Name):
+                yield self._place(record.name.lower(), owner)
+
+    def _of(self, value: e.Expression, owner: str) -> Numbers:
+        match value:
+            case e.Number(number):
+                return frozenset((float(number),))
+            case e.Name() | e.Index():
+                place = self._place(base(value), owner)
+                return None if place in self._any else self._found.get(place)
+            case e.Apply("round", (inner,)):
+                found = self._of(inner, owner)
+                whole = found is not None and all(one.is_integer() for one in found)
+                return found if whole else None
+            case e.Unary("-", inner):
+                found = self._of(inner, owner)
+                return None if found is None else frozenset(-one for one in found)
+            case e.Binary(operator, left, right) if operator in _WORKED_OUT:
+                return _pairs(_WORKED_OUT[operator], self._of(left, owner), self._of(right, owner))
+        return None
+
+    # -------------------------------------------------------------------------- gathering
+
+    def _place(self, name: str, owner: str) -> _Place:
+        return (owner if name in self._own.get(owner, ()) else "", name)
+
+    def _begins(self, place: _Place, initial: e.Expression | None, storage: str) -> None:
+        """A value that stands in the file is one of those that the variable may have."""
+        self._given.setdefault(place, [])
+        if initial is None and storage == "persistent":
+            self._any.add(place)
+        for value in _elements(initial):
+            self._given[place].append((place[0], value))
+
+    def _procedure(self, procedure: Procedure) -> None:
+        owner = procedure.name.lower()
+        for parameter in procedure.parameters:
+            self._given.setdefault((owner, parameter.name.lower()), [])
+        for record in records(procedure.body):
+            match record:
+                case p.Assign(e.Member() as target):
+                    self._any.add(self._place(base(target), owner))
+                case p.Assign(target, value):
+                    self._give(self._place(base(target), owner), owner, value)
+                case p.For(name, e.Number(first), e.Number(last), _, e.Number(step)) if step:
+                    place = self._place(name.lower(), owner)
+                    count = int((last - first) / step) + 2  # the one behind the last, too
+                    if count > MOST:
+                        self._any.add(place)
+                    for turn in range(max(count, 1)):
+                        self._give(place, owner, e.Number(first + turn * step))
+                case p.For(name):
+                    self._any.add(self._place(name.lower(), owner))
+                case p.Opaque() | e.Verbatim():
+                    writes = effect_of(record).writes
+                    self._any |= {self._place(name, owner) for name in writes}
+                case p.Call(name, arguments) | e.Apply(name, arguments):
+                    self._call(name, arguments, owner)
+
+    def _call(self, name: str, arguments: tuple[e.Expression, ...], owner: str) -> None:
+        callee = self.program.procedure(name)
+        if callee is None:
+            return
+        for parameter, value in itertools.zip_longest(callee.parameters, arguments):
+            if parameter is None or value is None:
+                continue
+            place = callee.name.lower(), parameter.name.lower()
+            self._give(place, owner, value)
+            if parameter.mode == "inout" and (name := base(value)):
+                self._give(self._place(name, owner), place[0], e.Name(parameter.name))
+
+    def _give(self, place: _Place, owner: str, value: e.Expression) -> None:
+        given = self._given.setdefault(place, [])
+        given += ((owner, one) for one in _elements(value))
+
+    def _all(self, given: list[tuple[str, e.Expression]], known: Numbers) -> Numbers:
+        """The numbers of several expressions, each in its procedure."""
+        found = known
+        for owner, value in given:
+            more = self._of(value, owner)
+            if found is None or more is None:
+                return None
+            found |= more
+        return found if found is None or len(found) <= MOST else None
+
+
+def _elements(value: e.Expression | None) -> Iterator[e.Expression]:
+    """The values of an array; any other is one."""
+    if isinstance(value, e.Aggregate):
+        for item in value.items:
+            yield from _elements(item)
+    elif value is not None:
+        yield value
+
+
+def _pairs(made: Callable[[float, float], float], left: Numbers, right: Numbers) -> Numbers:
+    if left is None or right is None or len(left) * len(right) > MOST:
+        return None
+    return frozenset(made(a, b) for a in left for b in right)
