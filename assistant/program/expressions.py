@@ -230,3 +230,11 @@ Expression = (
     | Here
     | Verbatim
 )
+
+
+def inverse(pose: Expression) -> Expression:
+    """The inverse of a pose; what an inverse is one of."""
+    match pose:
+        case Apply("inverse", (inner,)):
+            return inner
+    return Apply("inverse", (pose,))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final, TypeVar
 
 from assistant.program.expressions import Name
@@ -92,13 +92,20 @@ class Machine:
         return (board.outputs if out else board.inputs).read(key)
 
     def tool(self, name: str) -> Tool:
-        return _named(self.tables.tools, name, "tool")
+        found = _named(self.tables.tools, name, "tool")
+        return replace(found, tip=self._mounted(name, found.tip))
 
     def frame(self, name: str) -> Frame:
         found = _named(self.tables.frames, name, "frame")
         if found.mechanism:
             raise NotRun(f"the frame `{name}`, which a mechanical unit moves")
-        return found
+        pose = self._mounted(name, found.pose)
+        return found if pose == found.pose else replace(found, user=pose, object=Pose())
+
+    def _mounted(self, name: str, declared: Pose) -> Pose:
+        """What the pose of a tool or frame is now, which a program may change."""
+        cell = self.shared.get(name.lower())
+        return cell.value if cell is not None and isinstance(cell.value, Pose) else declared
 
     def speed(self, speed: Speed | Name) -> Speed:
         return _named(self.tables.speeds, speed.name, "speed") if isinstance(speed, Name) else speed

@@ -66,3 +66,7 @@ def _declare(machine: Machine) -> None:
         first = None if variable.initial is None else evaluate(machine, variable.initial)
         constant = variable.storage == "constant"
         shared[name.lower()] = Cell(first_of(variable, first), constant)
+    for name, tool in program.tools.items():
+        shared.setdefault(name.lower(), Cell(tool.tip))
+    for name, frame in program.frames.items():
+        shared.setdefault(name.lower(), Cell(frame.pose))

@@ -192,22 +192,6 @@ CASES = {
       ENDFOR
       go sum,all{Dim(all,1)}.width,all{1}.length;
     ENDPROC""",
-    "work objects that are assigned to": """
-    PERS wobjdata wTaught:=[FALSE,TRUE,"",[[300,-100,50],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];
-    PERS wobjdata wBelt:=[FALSE,TRUE,"",[[0,0,0],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];
-    CONST robtarget pUp:=[[60,90,250],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
-    PROC main()
-      VAR pose shift;
-      wBelt:=wTaught;
-      wBelt.oframe.trans.x:=25;
-      MoveJ pUp,v500,fine,tGrip\\WObj:=wBelt;
-      shift.trans:=[10,-15,0];
-      shift.rot:=OrientZYX(8,0,0);
-      wBelt.uframe:=PoseMult(wTaught.uframe,shift);
-      IF wBelt.uframe.trans.x>0 MoveL Offs(pUp,0,0,5),v100,fine,tGrip\\WObj:=wBelt;
-      MoveL pUp,v100,fine,tGrip\\WObj:=wTaught;
-      MoveC Offs(pUp,30,30,50),Offs(pUp,60,0,50),v100,fine,tGrip\\WObj:=wBelt;
-    ENDPROC""",
     "external axes that there are none of": """VAR robtarget here;
     VAR extjoint ext;
     PROC main()
@@ -315,18 +299,6 @@ def test_a_target_of_many_axes_is_left_out_where_nothing_speaks_of_it() -> None:
 def test_what_a_statement_needs_that_nobody_can_say_stays() -> None:
     done = crossed("VAR welddata seam;\nPROC main()\nseam.x:=1;\ngo 1,2,3;\nENDPROC")
     assert [row.level for row in done.rows if "seam" in row.text] == ["not", "not"]
-
-
-@pytest.mark.parametrize(
-    "other", ["Save wBelt;", r"here:=CRobT(\Tool:=tGrip);", r"PDispOn p10,tGrip\WObj:=wBelt;"]
-)
-def test_a_work_object_that_more_than_moves_are_given_stays(other: str) -> None:
-    done = crossed(
-        'PERS wobjdata wBelt:=[FALSE,TRUE,"",[[0,0,0],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];\n'
-        "VAR robtarget here;\nPROC main()\nwBelt.oframe.trans.x:=5;\n"
-        f"MoveL p10,v100,fine,tGrip\\WObj:=wBelt;\n{other}\nENDPROC"
-    )
-    assert next(row.level for row in done.rows if "trans.x" in row.text) == "not"
 
 
 def test_a_part_that_cannot_be_said_costs_no_other_part() -> None:

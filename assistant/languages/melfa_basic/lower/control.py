@@ -55,12 +55,17 @@ def assign(w: Writer, node: p.Assign) -> None:
         case e.Apply(function, (e.Text(channel),)) if function in e.TAKING:
             channels.receive(w, node.target, channel)
             return
+    if (base := w.changed_frame(node.target)) is not None:
+        w.add(s.Assign(base, w.expressions.of(e.inverse(node.value))))
+        w.previous = None
+        return
     target = w.expressions.place(node.target)
     if poses.is_angle(target.component, w.expressions.robot):
         value = w.expressions.angle(node.value)
     else:
         value = w.expressions.of(node.value)
     w.add(s.Assign(target, value))
+    w.changed_tool(node.target)
     w.previous = None
 
 

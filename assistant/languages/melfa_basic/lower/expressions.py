@@ -7,9 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
-import numpy as np
-
 from assistant.languages.melfa_basic.lower import channel_numbers
+from assistant.languages.melfa_basic.lower.constants import joint_constant, position_constant
 from assistant.languages.melfa_basic.lower.logic import is_truth
 from assistant.languages.melfa_basic.lower.names import Names, mark
 from assistant.languages.melfa_basic.lower.unsayable import NoNumber as NoNumber
@@ -25,7 +24,6 @@ from assistant.languages.melfa_basic.tree.timers import timer
 from assistant.program import expressions as e
 from assistant.program.analysis.kinds import COMPONENTS
 from assistant.program.geometry import JointTarget, Target
-from assistant.program.path import configuration_row
 from assistant.program.program import Procedure, Program, Signal
 
 if TYPE_CHECKING:
@@ -204,6 +202,10 @@ class Expressions:
                 return s.Variable(table[key])
         if key in self.signals:
             return self.signal(name, self.signals[key])
+        if key in self.names.tools:
+            return s.Variable(self.names.tools[key])
+        if key in self.names.frames and not self.names.products:  # `Base` is given the inverse
+            return self.call("Inv", s.Variable(self.names.frames[key]))
         raise Undeclared(name)
 
     def element(self, inner: e.Expression, indices: tuple[e.Expression, ...]) -> s.Variable:
@@ -352,33 +354,6 @@ def _milliseconds(seconds: float) -> float | int | None:
     if not 0 <= value < 1e12 or value / MILLISECONDS != seconds:
         return None
     return int(value) if float(value).is_integer() else value
-
-
-def position_constant(target: Target, robot: Robot | None) -> s.Constant:
-    """A target as `(x,y,z,a,b,c)(fl1,fl2)`."""
-    row = np.array([configuration_row(target.configuration)], dtype=np.int8)
-    flags = poses.flags_of(row, robot)[0]
-    values = poses.to_values(
-        np.array([target.pose.position]),
-        np.array([target.pose.quaternion]),
-        np.array([target.external]),
-        robot,
-    )[0]
-    return s.Constant(tuple(float(v) for v in values), (int(flags[0]), int(flags[1])))
-
-
-def joint_constant(target: JointTarget, robot: Robot | None) -> s.Constant:
-    """A joint target as `(j1, …, j6)`; an arm of five axes keeps the place of J4, as 0, and one of
-    four those of J5 and J6 if an external axis follows.
-    """
-    joints, more = list(target.joints), [v for v in target.external[:2] if v == v]
-    if robot is not None and len(joints) == len(robot.axes) < 6:
-        row = [0.0] * (6 if more else 1 + max(robot.places))
-        for place, value in zip(robot.places, joints, strict=True):
-            row[place] = value
-        joints = row
-    joints += more
-    return s.Constant(tuple(round(0.0 if v != v else v, poses.PLACES) + 0.0 for v in joints))
 
 
 def _whole_in_register(name: str, value: s.Expression) -> None:

@@ -12,8 +12,8 @@ import numpy as np
 
 from assistant.languages.line_steps import numbered
 from assistant.languages.melfa_basic.lift.files.program import settings_that_hold
+from assistant.languages.melfa_basic.lower.constants import joint_constant, position_constant
 from assistant.languages.melfa_basic.lower.depended import depended_on
-from assistant.languages.melfa_basic.lower.expressions import joint_constant, position_constant
 from assistant.languages.melfa_basic.lower.heading import heading, named
 from assistant.languages.melfa_basic.lower.names import mark, naming
 from assistant.languages.melfa_basic.lower.statements import STATEMENTS

@@ -22,7 +22,7 @@ from assistant.languages.melfa_basic.text.printer import line
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.uses import texts_in
+from assistant.program.analysis.uses import base, texts_in
 from assistant.program.diagnostics import Diagnostic, Findings, Span
 from assistant.program.geometry import BASE
 from assistant.program.kept import effect_of
@@ -273,6 +273,31 @@ class Writer:
         ):
             known = table.get(name.lower(), self.expressions.word(status))
             self._set(word, name, s.Variable(known))
+
+    def changed_tool(self, place: e.Expression) -> None:
+        """After an assignment: a tool that was changed is set again before it is used."""
+        if (name := base(place)) in self.names.tools and self._mounts(name):
+            self.state.pop("Tool", None)
+
+    def changed_frame(self, place: e.Expression) -> s.Variable | None:
+        """What is assigned, the inverse, where the pose of a frame is; `Base` is set again."""
+        if not isinstance(place, e.Name) or not self._mounts(place.name):
+            return None
+        known = None if self.names.products else self.names.frames.get(place.name.lower())
+        if known is not None:
+            self.state.pop("Base", None)
+        return None if known is None else s.Variable(known)
+
+    def _mounts(self, name: str) -> bool:
+        """Whether a name that is assigned to is that of a tool or frame."""
+        if name.lower() not in self.mounts or self.expressions.variable(name) is not None:
+            return False
+        if any(q.unit is not None for q in self.program.procedures):
+            raise Unsayable(
+                f"a change of `{name}`, which each program of several has for itself",
+                "make one program of them",
+            )
+        return True
 
     def move_by(self, speed: Speed, blend: Blend) -> None:
         """Sets the speed and the corner of the moves that follow."""

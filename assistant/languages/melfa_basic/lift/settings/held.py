@@ -129,6 +129,9 @@ class Settings:
                 if key == initial:
                     return default
                 constant = self.positions.constant(key)
+                changed = kind == "tool" or not self.products
+                if constant is not None and key in self.names[kind] and self.own and changed:
+                    return self.names[kind][key]  # whatever the program gives it
                 if key in self.constants.assigned or constant is None:
                     return UNKNOWN
                 if key in self.names[kind]:

@@ -38,9 +38,12 @@ def assign(node: s.Assign, lift: Expressions, runs: Runs) -> list[p.Statement]:
     if target.component:
         return [_component(node, lift)]
     place = lift.plain(target)
-    if not isinstance(place, e.Name | e.Index):
-        raise Unliftable
-    return [p.Assign(place, value_of(node, lift))]
+    match place:
+        case e.Apply("inverse", (e.Name() as frame,)):  # what `Base` is given
+            return [p.Assign(frame, e.inverse(value_of(node, lift)))]
+        case e.Name() | e.Index():
+            return [p.Assign(place, value_of(node, lift))]
+    raise Unliftable
 
 
 def _is_chosen(node: s.Assign, lift: Expressions) -> bool:

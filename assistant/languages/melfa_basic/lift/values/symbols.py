@@ -139,6 +139,8 @@ class Symbols:
                 return e.Name(names[kind][key])
         if key in self.header.variables:
             return e.Name(self.header.variables[key].name)
+        if (mounted := self.mounted(key)) is not None:
+            return mounted
         if status(key) is not None:
             return self.state(key)
         if key not in self.constants.assigned and self.positions.constant(key) is not None:
@@ -151,6 +153,18 @@ class Symbols:
         if not self.telling or key not in STATES:
             raise Unliftable(STATUS)
         return e.Apply(TOLD.format(key))
+
+    def mounted(self, key: str) -> e.Expression | None:
+        """The pose of a tool or frame of a heading that a variable is, None for any other.
+
+        What `Base` is given is the inverse of a frame.
+        """
+        names = self.header.names
+        if self.own and key in names["tool"]:
+            return e.Name(names["tool"][key])
+        if self.own and key in names["frame"] and not self.header.products:
+            return e.Apply("inverse", (e.Name(names["frame"][key]),))
+        return None
 
     def target_name(self, written: str) -> str:
         """The name of a position constant, another one if a program before has it already."""
@@ -198,6 +212,8 @@ class Symbols:
         routine = self.routines.get(key)
         if routine is not None and routine.result is not None:
             return routine.result
+        if self.mounted(key) is not None:
+            return "pose"
         return self.scope.types.get(key, letter_type(key))
 
     def size_of(self, key: str) -> tuple[int, ...]:

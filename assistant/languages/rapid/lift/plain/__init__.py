@@ -17,7 +17,7 @@ from assistant.languages.rapid.lift.plain.copies import with_copies
 from assistant.languages.rapid.lift.plain.declaring import declared
 from assistant.languages.rapid.lift.plain.layouts import Layouts
 from assistant.languages.rapid.lift.plain.library import with_library, without_uncalled
-from assistant.languages.rapid.lift.plain.moving_frames import with_still_frames
+from assistant.languages.rapid.lift.plain.mounted import with_wholes
 from assistant.languages.rapid.lift.plain.optional import with_required
 from assistant.languages.rapid.lift.plain.scopes import Fresh, Program
 from assistant.languages.rapid.lift.plain.settled import with_settled
@@ -49,7 +49,7 @@ class Plain:
 def plain(files: Sequence[s.File]) -> Plain | None:
     """The files of a program with plain data, None if they have no other."""
     there = with_own_names([module for file in files for module in file.modules])
-    read = with_still_frames(with_told_states(there))
+    read = with_told_states(there)
     whole = with_library(read)
     layouts = Layouts(whole)
     copied = with_copies(with_shared_arrays(whole, layouts), layouts)
@@ -66,6 +66,7 @@ def plain(files: Sequence[s.File]) -> Plain | None:
         program.outside.clear()
         remarks.append(tuple(program.remarks))
         program.remarks.clear()
+    made = with_wholes(made, program.moving.values())
     if whole is not read:
         made = without_uncalled(made, read)
     made = with_settled(made, layouts, kept)

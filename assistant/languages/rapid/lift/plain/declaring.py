@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
+from assistant.languages.rapid.lift.plain.mounted import TOOL
 from assistant.languages.rapid.lift.plain.scopes import Datum
 from assistant.languages.rapid.lift.plain.spreads import Spread
+from assistant.languages.rapid.lift.plain.standard import standard
 from assistant.languages.rapid.lift.plain.values import Values
 from assistant.languages.rapid.tree import syntax as s
 
@@ -19,6 +21,8 @@ def declared(node: s.Data, datum: Datum, values: Values) -> Iterator[s.Data]:
         yield replace(node, type=program.plain_type(node.type), value=value)
         return
     spread: Spread = {}
+    if node.value is None and node.name.lower() in program.moving:  # set before anything uses it
+        node = replace(node, value=standard("tool0" if datum.type == TOOL else "wobj0"))
     if node.value is not None:
         spread = values.spread(node.value, (datum.type, datum.dimensions))
     if program.stays(node):

@@ -39,8 +39,6 @@ DIGITS: Final = {"hour": 1, "min": 4, "sec": 7}
 """By option of GetTime, where its two digits begin in the time of day."""
 PART: Final = "part_of_turn"
 PRODUCT: Final = "turn_by"
-IN_FRAME: Final = "target_in"
-"""A target as it is seen from the base frame."""
 TURN: Final = "rot"
 PLACES: Final = 9
 """Decimals of angles that are worked out: finer than a quaternion of single precision."""
@@ -145,7 +143,7 @@ def _called(value: Any) -> Iterable[str]:
 def _asks(node: Any) -> bool:
     match node:
         case s.FunctionCall(str(name)) | s.ProcedureCall(str(name)):
-            return name.lower() in _ASKING or name == IN_FRAME
+            return name.lower() in _ASKING
         case s.Component(name=name):
             return name.lower() == TURN or name.lower() in QUATERNION
         case s.Data(type=type) | s.ParameterNode(type=type):

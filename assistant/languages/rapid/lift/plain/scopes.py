@@ -7,11 +7,13 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 from assistant.languages.rapid.lift.plain.layouts import HELD, SETTINGS, Layouts, Path
+from assistant.languages.rapid.lift.plain.mounted import Mounted, mounted, steady_types
 from assistant.languages.rapid.lift.plain.outside import only_works_out, unused_axes
 from assistant.languages.rapid.tables.predefined import data as predefined
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes, root
+from assistant.languages.signatures import Parameter, Slot
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.program import TakenNames, identifier
 
@@ -59,11 +61,14 @@ class Program:
     unused: components of external axes that nothing states a place of. at: where the statement at
     hand stands. outside: where such a component is left out. remarks: other findings.
     data: of the modules. routines: those whose names are theirs alone, by lower-case name.
+    steady: see `steady_types`. moving: tools and work objects of the modules that change.
     """
 
     def __init__(self, modules: Sequence[s.Module], layouts: Layouts, name: Fresh) -> None:
         self.layouts, self.name = layouts, name
         self.uses = Uses(modules)
+        self.steady = steady_types(modules, layouts)
+        self.moving: dict[str, Mounted] = {}
         self.unused = unused_axes(modules)
         self.at: Span | None = None
         self.outside: list[tuple[Span | None, str]] = []
@@ -80,7 +85,7 @@ class Program:
             if isinstance(item, s.Data):
                 declared.setdefault(item.name.lower(), []).append(item)
         self.data: dict[str, Datum] = {
-            name: self.datum(own[0]) for name, own in declared.items() if len(own) == 1
+            name: self.datum(own[0], shared=True) for name, own in declared.items() if len(own) == 1
         }
 
         self._declared = frozenset(declared)
@@ -93,9 +98,12 @@ class Program:
         own = set() if routine is None else {one.name.lower() for one in parameters(routine)}
         return only_works_out(routine, {PI} - self._declared - own)
 
-    def datum(self, node: s.Data | s.ParameterNode) -> Datum:
-        """What a declaration declares, with names for its parts if it is taken apart."""
-        type = self.layouts.base(node.type)
+    def datum(self, node: s.Data | s.ParameterNode, shared: bool = False) -> Datum:
+        """What a declaration declares, with names for its parts if it is taken apart.
+
+        shared: it stands in a module.
+        """
+        type, moves = self.layouts.base(node.type), False
         if isinstance(node, s.ParameterNode):
             apart, value, dimensions = type not in SETTINGS, None, node.dimensions
             sizes: tuple[s.Expression, ...] = ()
@@ -105,8 +113,12 @@ class Program:
             steady = node.storage == "CONST" or key not in self.uses.written
             value = node.value if steady else None
             apart = type not in SETTINGS or self._is_data(key, steady)
+            moves = shared and not (apart or steady or dimensions) and type in self.steady
+            apart = apart or moves
         parts = (self.layouts.parts(type) or ()) if apart else ()
         names = {one.path: self.name(f"{node.name}_{one.name}") for one in parts}
+        if names and moves:
+            self.moving[node.name.lower()] = mounted(node.name, type, names)
         return Datum(node.name, type, dimensions, names, value, sizes)
 
     def _is_data(self, key: str, steady: bool) -> bool:
@@ -187,19 +199,51 @@ class Uses:
     def _given(self, name: Any, arguments: Sequence[s.Argument]) -> None:
         own = self._own.get(name.lower()) if isinstance(name, str) else None
         known = signature(name) if isinstance(name, str) and own is None else None
-        changing = known is None or any(
-            one.mode and not (one.mode == "PERS" and one.type in HELD)
-            for slot in known.slots
-            for one in slot.alternatives
-        )
+        slots = known.slots if known is not None and not known.open else None
         if own is not None:
-            changing = any(one.mode for routine in own for one in parameters(routine))
+            slots = _slots(own[0]) if len(own) == 1 else None
+        required = iter(() if slots is None else [one for one in slots if not one.optional])
         for argument in arguments:
             value = argument.variable if isinstance(argument, s.Conditional) else argument.value
             if not isinstance(value, s.Component):
                 self._add(self.named, value)
-            if changing:
+            if slots is None or _changes(argument, slots, required, own is None):
                 self._add(self.written, value)
+
+
+def _slots(routine: s.Routine) -> tuple[Slot, ...]:
+    """The places in the list of parameters of a routine."""
+    return tuple(
+        Slot(
+            tuple(
+                Parameter(one.name, one.type, one.mode)
+                for one in group.alternatives
+                if isinstance(one, s.ParameterNode)
+            ),
+            group.optional,
+        )
+        for group in routine.parameters
+    )
+
+
+def _changes(
+    argument: s.Argument, slots: Sequence[Slot], required: Iterator[Slot], standard: bool
+) -> bool:
+    """Whether a routine may change what it is given with an argument.
+
+    standard: every controller has it, so that it only reads tools, frames, speeds and zones.
+    """
+    if isinstance(argument, s.Positional):
+        slot = next(required, None)
+        meant = None if slot is None else slot.alternatives
+    else:
+        key = argument.name.lower()
+        named = (one for slot in slots if slot.optional for one in slot.alternatives)
+        meant = tuple(one for one in named if one.name.lower() == key)
+    if not meant:
+        return True
+    held = (one.mode == "PERS" and one.type in HELD and standard for one in meant)
+    return any(one.mode and not only_read for one, only_read in zip(meant, held, strict=True))
 
 
 def parameters(routine: s.Routine) -> Iterator[s.ParameterNode]:

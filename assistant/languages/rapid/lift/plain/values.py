@@ -41,10 +41,8 @@ PLACE: Final = "cpos"
 """The function that gives a position alone."""
 SHOWN: Final = "valtostr"
 
-
 Called = Callable[[s.FunctionCall], Spread]
 """The parts of what a function of the program gives back, which is called before."""
-
 
 Built = Callable[[str, s.AggregateNode], s.Expression]
 """A variable of a type with a target or pose that is put together before."""
@@ -161,6 +159,8 @@ class Values(Kinds):
         for argument in arguments:
             type = next(types, "") if isinstance(argument, s.Positional) else ""
             match argument:
+                case s.Positional(value) | s.Option(_, value) if self._mounted(value):
+                    made.append(argument)
                 case s.Positional(s.AggregateNode() as value) if type in WHOLE and (
                     not is_written_out(value)
                 ):
@@ -171,6 +171,13 @@ class Values(Kinds):
                 case _:
                     made.append(argument)
         return tuple(made)
+
+    def _mounted(self, value: Any) -> bool:
+        """Whether a value is the name of a tool or work object that the program changes."""
+        match value:
+            case s.NameRef(name) if name.lower() in self.program.moving:
+                return self.find(name) is self.program.data.get(name.lower())
+        return False
 
     def _handed(self, own: s.Routine, arguments: Sequence[s.Argument]) -> Sequence[s.Argument]:
         """Arguments for a routine of the program, a record part by part."""

@@ -1,0 +1,108 @@
+"""Tools and work objects that a program changes, in a language that sets them by positions."""
+
+from __future__ import annotations
+
+import pytest
+
+from assistant.compiler import Translation, translate
+from assistant.compiler.loading import load_text
+from assistant.compiler.motion import Proving
+from assistant.program.text import SourceText
+
+HEAD = """MODULE Cell
+  CONST robtarget p10:=[[400,0,300],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+  CONST robtarget pUp:=[[60,90,250],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+  PERS tooldata tGrip:=[TRUE,[[0,0,100],[1,0,0,0]],[1,[0,0,1],[1,0,0,0],0,0,0]];
+  PERS tooldata tNow:=[TRUE,[[0,0,50],[1,0,0,0]],[1,[0,0,1],[1,0,0,0],0,0,0]];
+  PERS wobjdata wTaught:=[FALSE,TRUE,"",[[300,-100,50],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];
+  PERS wobjdata wBelt:=[FALSE,TRUE,"",[[0,0,0],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];
+  VAR robtarget here;
+"""
+CASES = {
+    "parts and wholes of a work object": """PROC main()
+      VAR pose shift;
+      wBelt:=wTaught;
+      wBelt.oframe.trans.x:=25;
+      MoveJ pUp,v500,fine,tGrip\\WObj:=wBelt;
+      shift.trans:=[10,-15,0];
+      shift.rot:=OrientZYX(8,0,0);
+      wBelt.uframe:=PoseMult(wTaught.uframe,shift);
+      IF wBelt.uframe.trans.x>0 wBelt.oframe.trans:=[5,wBelt.oframe.trans.x,0];
+      MoveL Offs(pUp,0,0,5),v100,fine,tGrip\\WObj:=wBelt;
+      MoveL pUp,v100,fine,tGrip\\WObj:=wTaught;
+      MoveC Offs(pUp,30,30,50),Offs(pUp,60,0,50),v100,fine,tGrip\\WObj:=wBelt;
+    ENDPROC""",
+    "parts and wholes of a tool": """PROC main()
+      MoveL p10,v100,fine,tNow;
+      tNow.tframe.trans.z:=tGrip.tframe.trans.z+20;
+      MoveL p10,v100,fine,tNow;
+      tNow:=tGrip;
+      MoveL p10,v100,fine,tNow;
+      tNow:=[TRUE,[[0,10,70],[0,0,1,0]],[1,[0,0,1],[1,0,0,0],0,0,0]];
+      MoveL p10,v100,fine,tNow;
+    ENDPROC""",
+    "a routine that is given both": """PROC main()
+      go tNow,wBelt;
+      go tGrip,wTaught;
+    ENDPROC
+    PROC go(PERS tooldata t,PERS wobjdata w)
+      FOR i FROM 1 TO 2 DO
+        w.uframe.trans.y:=w.uframe.trans.y+10*i;
+        t.tframe.trans.x:=t.tframe.trans.x-1;
+        MoveL pUp,v100,fine,t\\WObj:=w;
+      ENDFOR
+    ENDPROC""",
+    "a part that a routine changes": """PROC main()
+      turned wBelt.oframe,20;
+      MoveL pUp,v100,fine,tGrip\\WObj:=wBelt;
+    ENDPROC
+    PROC turned(INOUT pose at,num by)
+      at.rot:=OrientZYX(by,0,0);
+    ENDPROC""",
+    "where the robot stands in one": """PROC main()
+      wBelt.uframe.trans.x:=40;
+      tNow.tframe.trans.y:=7;
+      MoveL pUp,v100,fine,tNow\\WObj:=wBelt;
+      here:=CRobT(\\Tool:=tNow\\WObj:=wBelt);
+      here.trans.z:=here.trans.z+12;
+      MoveL here,v100,fine,tNow\\WObj:=wBelt;
+      here:=CRobT(\\Tool:=tGrip\\WObj:=wobj0);
+      here.trans.z:=here.trans.z+12;
+      MoveL here,v100,fine,tGrip;
+    ENDPROC""",
+}
+
+
+def crossed(body: str) -> Translation:
+    loaded = load_text(SourceText(f"{HEAD}{body}\nENDMODULE\n"), language="rapid")
+    return translate(loaded, to="melfa-basic-6", proving=Proving(runs=1, seconds=2.0))
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_they_move_the_robot_as_they_did(name: str) -> None:
+    done = crossed(CASES[name])
+    assert done.ok, [f"{f.code} {f.message}" for f in done.findings]
+    assert done.motion is not None and done.motion.found is not None and done.motion.found.visits
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        "wBelt.robhold:=TRUE;",
+        'wBelt.ufmec:="STN1";',
+        'wBelt:=[FALSE,FALSE,"STN1",[[0,0,0],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];',
+    ],
+)
+def test_what_carries_a_work_object_does_not_change_in_silence(change: str) -> None:
+    done = crossed(f"PROC main()\n{change}\nMoveL p10,v100,fine,tGrip\\WObj:=wBelt;\nENDPROC")
+    assert next(row.level for row in done.rows if row.text == change[:-1]) == "not"
+
+
+@pytest.mark.parametrize("other", ["Save wBelt;", r"PDispOn p10,tGrip\WObj:=wBelt;"])
+def test_what_else_is_given_a_work_object_stays(other: str) -> None:
+    done = crossed(
+        "PROC main()\nwBelt.oframe.trans.x:=5;\n"
+        f"MoveL p10,v100,fine,tGrip\\WObj:=wBelt;\n{other}\nENDPROC"
+    )
+    assert next(row.level for row in done.rows if "trans.x" in row.text) == "supported"
+    assert next(row.level for row in done.rows if row.text == other[:-1]) == "not"
