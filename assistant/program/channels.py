@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
@@ -37,16 +37,29 @@ def named(part: Any) -> str:
     return ""
 
 
-def numbered(program: Program, numbers: Sequence[int]) -> dict[str, int]:
-    """A number for each channel by lower-case name; those beyond the numbers have none.
+def numbered(
+    program: Program,
+    numbers: Sequence[int],
+    together: Callable[[Program], Collection[Collection[str]]],
+) -> dict[str, int]:
+    """A number for each channel by lower-case name; those for which there is none have none.
 
-    A channel whose name says its number keeps it.
+    A channel whose name says its number keeps it. One beyond the numbers shares that of others, if
+    no two of them are `together`.
     """
     wanted = [name.lower() for name in channels(program)]
     said = ((name, _NUMBERED.fullmatch(name)) for name in wanted)
     given = {name: int(match[1]) for name, match in said if match and int(match[1]) in numbers}
     free = [n for n in numbers if n not in given.values()]
-    given.update(zip((name for name in wanted if name not in given), free, strict=False))
+    others = [name for name in wanted if name not in given]
+    given.update(zip(others, free, strict=False))
+    left = others[len(free) :]
+    apart = together(program) if left else ()
+    for name in left:
+        beside = {other for pair in apart if name in pair for other in pair}
+        shared = (n for n in numbers if not any(given.get(one) == n for one in beside))
+        if (number := next(shared, None)) is not None:
+            given[name] = number
     return given
 
 

@@ -100,6 +100,55 @@ def test_a_file_is_appended_and_read(tmp_path: Path) -> None:
     assert done.motion.found.visits == 2
 
 
+def test_files_one_after_the_other_share_numbers(tmp_path: Path) -> None:
+    """Twelve of them, of which six stay open beside the others."""
+    more = "".join(f"VAR iodev f{n};\n" for n in range(1, 13))
+    long = range(1, 7)
+    body = "".join(rf'Open "HOME:"\File:="f{n}.txt",f{n}\Write;' for n in long)
+    body += "FOR i FROM 1 TO 2 DO write_late i;\nENDFOR\n"
+    body += "".join(f'Write f{n},"{n}";Close f{n};' for n in long)
+    late = "".join(
+        rf'IF i=1 THEN Open "HOME:"\File:="f{n}.txt",f{n}\Append;Write f{n},"{n}";Close f{n};ENDIF '
+        for n in range(7, 12)
+    )
+    late += r'Open "HOME:"\File:="f12.txt",f12\Append;Write f12,"12";Close f12;'
+    text = PROGRAM.format(body).replace("ENDMODULE", f"PROC write_late(num i)\n{late}\nENDPROC\n")
+    text = text.replace("VAR num x", more + "VAR num x") + "ENDMODULE\n"
+    (tmp_path / "m.mod").write_text(text, "latin-1")
+    done = translate(tmp_path / "m.mod", to="melfa-basic-6")
+    assert done.ok and done.totals["not"] == 0, done.findings
+    home = tmp_path / "home"
+    home.mkdir()
+    rapid(tmp_path, home)
+    stored = melfa(done).stored
+    assert len(stored) == 12
+    for file in home.iterdir():
+        told = file.read_bytes()
+        assert told and stored[file.name.upper()] == told.replace(b"\n", b"\r")
+
+
+def test_more_files_than_numbers_at_once_are_refused(tmp_path: Path) -> None:
+    more = "".join(f"VAR iodev f{n};\n" for n in range(1, 10))
+    body = "".join(rf'Open "HOME:"\File:="f{n}.txt",f{n}\Write;' for n in range(1, 10))
+    body += "".join(f'Write f{n},"{n}";Close f{n};' for n in range(1, 10))
+    text = PROGRAM.format(body).replace("VAR num x", more + "VAR num x")
+    (tmp_path / "m.mod").write_text(text, "latin-1")
+    done = translate(tmp_path / "m.mod", to="melfa-basic-6")
+    refused = [row.text for row in done.rows if row.level == "not"]
+    assert len(refused) == 3
+
+
+def test_a_file_that_is_opened_for_nothing_is_what_the_program_does_with_it(tmp_path: Path) -> None:
+    body = r'Open "HOME:"\File:="log.txt",log;Write log,"a";Close log;'
+    (tmp_path / "m.mod").write_text(PROGRAM.format(body), "latin-1")
+    done = translate(tmp_path / "m.mod", to="melfa-basic-6")
+    assert done.totals["not"] == 0
+    assert "RA392" in {f.code for f in done.findings}
+    (tmp_path / "m.mod").write_text(PROGRAM.format(body + "Rewind log;s:=ReadStr(log);"), "latin-1")
+    done = translate(tmp_path / "m.mod", to="melfa-basic-6")
+    assert "reading and writing" in " ".join(f.message for f in done.findings)
+
+
 def conversation(connect: Callable[[], socket.socket], heard: list[bytes], end: bytes) -> None:
     """Reads a greeting, says a name, reads the answer."""
     with connect() as peer:
@@ -199,7 +248,6 @@ def test_a_serial_port_is_the_line_of_its_number(tmp_path: Path) -> None:
 
 NOT_SAID = {
     "bytes": r"SocketSend peer\RawData:=s;",
-    "both ways": r'Open "HOME:"\File:="a.txt",log;',
     "no port": r"SocketAccept server,peer;",
     "a long name": r'Open "HOME:"\File:="a_file_of_a_long_name.txt",log\Write;',
 }

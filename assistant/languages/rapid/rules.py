@@ -172,3 +172,9 @@ STATED: Final = warning(
     "as it is while the program runs",
     "write its value in the cell file, and see that nothing depends on its changing",
 )
+OPENED_ANEW: Final = warning(
+    "RA392",
+    "`{name}` is opened for writing alone, so that the file is empty: RAPID leaves what is in it "
+    "behind what is written",
+    "none is needed where nothing reads behind the text that is written",
+)

@@ -18,6 +18,7 @@ from assistant.languages.melfa_basic.tables.dialects import PROGRAM_NAME, Dialec
 from assistant.languages.melfa_basic.tables.variables import LETTERS, is_external
 from assistant.languages.melfa_basic.tables.vocabulary.timers import MOST_TIMERS
 from assistant.languages.melfa_basic.tables.words import ARC_START, RESERVED, free
+from assistant.program.analysis.open_channels import together
 from assistant.program.channels import numbered as numbered_channels
 from assistant.program.passes.names import free_counters
 from assistant.program.program import Parameter, Procedure, Program, TakenNames, Variable, walk
@@ -121,7 +122,7 @@ def naming(program: Program, dialect: Dialect, products: bool = False) -> Names:
         if entry.unit is not None and entry.unit not in names.units:
             names.units[entry.unit] = program_name(entry.unit, files)
     names.timers, names.wait_timer = numbered(program, range(1, MOST_TIMERS + 1), _TIMER)
-    names.channels = numbered_channels(program, NUMBERS)
+    names.channels = numbered_channels(program, NUMBERS, together)
     numbers = (re.fullmatch(r"[PJ]([0-9]{1,8})", name) for name in taken)
     names.position = 1 + max((int(n.group(1)) for n in numbers if n), default=0)
     return names

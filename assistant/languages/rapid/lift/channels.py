@@ -16,6 +16,7 @@ from typing import Any, Final
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.instructions import Meaning
 from assistant.languages.rapid.lift.kept_calls import KeptCall, Said, Unsaid, with_calls
+from assistant.languages.rapid.lift.told.one_way import one_way
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import name_of
@@ -50,7 +51,7 @@ NO_PORT: Final = e.Reason(
 
 def with_channels(program: Program, findings: Findings) -> Program:
     """The program with channels for what it opens, writes, reads and closes."""
-    ports = _ports(program)
+    ports, modes = _ports(program), one_way(program)
 
     def said(call: KeptCall, node: p.Statement) -> Said:
         word = call.word
@@ -61,7 +62,16 @@ def with_channels(program: Program, findings: Findings) -> Program:
                 findings.append(rules.LEFT_OUT(what=call.call.word, loss=loss, cure=cure))
             return
         accepts = word == "socketaccept"
-        made = tuple(_accept(call, ports) if accepts else _SAID[word](call))
+        if accepts:
+            made = tuple(_accept(call, ports))
+        elif word == "open":
+            made = tuple(_open(call, modes))
+            mode = made[0].mode if made and isinstance(made[0], p.Attach) else "both"
+            if mode == "write" and "write" not in call.call.options:
+                with findings.at(node.span):
+                    findings.append(rules.OPENED_ANEW(name=call.name(1)))
+        else:
+            made = tuple(_SAID[word](call))
         with findings.at(node.span):
             if word in READING:
                 findings.append(rules.RECEIVED(what=call.call.word))
@@ -72,7 +82,7 @@ def with_channels(program: Program, findings: Findings) -> Program:
                 ))  # fmt: skip
         yield from made
 
-    instructions = {*_SAID, *PREPARING, "socketaccept"}
+    instructions = {*_SAID, *PREPARING, "socketaccept", "open"}
     made = with_calls(program, instructions, READING, said)
     if made is program or not channels.channels(made):
         return program
@@ -142,7 +152,8 @@ def _asked(part: Any, known: set[str]) -> Any:
 # ------------------------------------------------------------------------- opening, closing
 
 
-def _open(q: KeptCall) -> Said:
+def _open(q: KeptCall, one_way: Mapping[str, p.Mode]) -> Said:
+    """one_way: what is done with files that are opened for nothing."""
     channel = q.name(1)
     of, file = q.given(0), q.option("file")
     if not q.only("file", "read", "write", "append", "bin") or of is None:
@@ -152,6 +163,8 @@ def _open(q: KeptCall) -> Said:
         yield p.Attach(channel, "serial", (e.Number(int(serial[1])),))
         return
     modes = [mode for word, mode in MODES.items() if word in q.call.options]
+    if not modes and channel.lower() in one_way:
+        modes = [one_way[channel.lower()]]
     if len(modes) != 1:
         raise Unsaid(BOTH)
     if isinstance(of, e.Text) and isinstance(file, e.Text):
@@ -316,7 +329,6 @@ LEFT: Final = (
 """What is lost of them, and what to do about it."""
 READING: Final = frozenset(("readstr", "readnum", "socketreceive"))
 _SAID: Final[Mapping[str, Callable[[KeptCall], Said]]] = {
-    "open": _open,
     "close": _close,
     "write": _write,
     "writestrbin": _write_text,

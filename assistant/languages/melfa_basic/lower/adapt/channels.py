@@ -17,6 +17,7 @@ from assistant.languages.melfa_basic.tables.channels import (
 from assistant.program import channels
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.open_channels import together
 from assistant.program.diagnostics import Diagnostic
 from assistant.program.passes.legalising import Legalising
 from assistant.program.passes.rewording import Changes, Rewording
@@ -32,7 +33,7 @@ def with_channels(job: Legalising) -> Program:
     reworded = _Channels(job)
     procedures = tuple(map(reworded.procedure, program.procedures))
     made = replace(program, procedures=procedures)
-    numbers = channels.numbered(made, NUMBERS)
+    numbers = channels.numbered(made, NUMBERS, together)
     return channels.renamed(made, {n: channels.name_of(k) for n, k in numbers.items()})
 
 
@@ -41,7 +42,7 @@ class _Channels(Rewording):
 
     def __init__(self, job: Legalising) -> None:
         super().__init__(job)
-        self.numbers = channels.numbered(job.program, NUMBERS)
+        self.numbers = channels.numbered(job.program, NUMBERS, together)
         self.lines: dict[str, int] = {}
         self.told: set[str] = set()
         places = ((x.kind, x.place) for x in job.program.statements() if isinstance(x, p.Attach))
@@ -53,7 +54,7 @@ class _Channels(Rewording):
 
     def attach(self, node: p.Attach) -> Iterator[p.Statement]:
         if node.channel.lower() not in self.numbers:
-            self.job.cannot(f"more than {len(NUMBERS)} channels", "open fewer of them")
+            self.job.cannot(f"more than {len(NUMBERS)} channels at once", "open fewer of them")
         match node.kind, node.place:
             case "file", (place,):
                 yield p.Attach(node.channel, "file", (self.file(place),), node.mode)
