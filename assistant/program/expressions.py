@@ -43,6 +43,8 @@ FUNCTIONS: Final[dict[str, str]] = {
     "fixed": "a number as text with so many decimals",
     "length": "characters in a text",
     "part": "of a text, from a place counted from 1, so many characters",
+    "code": "number of the first character of a text, which has one",
+    "character": "text of one character by its number from 0 to 255",
     "offset": "target moved by x, y, z mm in its frame",
     "relative": "target moved by x, y, z mm and turned by rx, ry, rz degrees in its tool frame",
     "oriented": "target with other angles about x, y and z: see `Member`",

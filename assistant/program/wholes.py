@@ -17,8 +17,8 @@ from assistant.program.program import Procedure, Program, Signal, Variable, walk
 from assistant.program.rewriting import head, map_expressions, records
 
 _BITS: Final = frozenset(("bitand", "bitor", "bitxor"))
-_WHOLE: Final = frozenset(("round", "trunc", "floor", "length")) | _BITS
-_NOT_BELOW: Final = frozenset(("abs", "sqrt", "exp", "length", "distance")) | _BITS
+_WHOLE: Final = frozenset(("round", "trunc", "floor", "length", "code")) | _BITS
+_NOT_BELOW: Final = frozenset(("abs", "sqrt", "exp", "length", "code", "distance")) | _BITS
 _WORD: Final = re.compile(r"\w+")
 
 

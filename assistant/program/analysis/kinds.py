@@ -15,7 +15,9 @@ Kinds = Mapping[str, str]
 COMPONENTS: Final = frozenset(("x", "y", "z", *e.ANGLES, *(f"j{axis}" for axis in range(1, 7))))
 """Of positions and joints, which are numbers; other members are a record's own."""
 
-_TEXTS: Final = ("text", "fixed", "part", "received", "date_today", "time_of_day")
+_TEXTS: Final = (
+    "text", "fixed", "part", "character", "received", "date_today", "time_of_day",
+)  # fmt: skip
 """The type, and functions that give one."""
 _LITERALS: Final = (e.Number, e.Truth, e.TargetValue, e.JointValue, e.PoseValue)
 _ARITHMETIC: Final = ("+", "-", "*", "/", "div", "mod", "^")

@@ -329,6 +329,11 @@ def _part_of(text: Value, start: Value, count: Value) -> Value:
     return _words(text)[at - 1 : at - 1 + whole_of(count)]
 
 
+def _code(text: Value) -> Value:
+    (byte,) = _words(text)[:1].encode("latin-1")
+    return float(byte)
+
+
 FUNCTIONS: Final[Mapping[str, Callable[..., Value]]] = {
     "abs": _one(abs),
     "sqrt": _one(math.sqrt),
@@ -353,6 +358,8 @@ FUNCTIONS: Final[Mapping[str, Callable[..., Value]]] = {
     "fixed": _fixed,
     "length": lambda value: float(len(_words(value))),
     "part": _part_of,
+    "code": _code,
+    "character": lambda value: bytes((whole_of(value),)).decode("latin-1"),
     "distance": _distance,
     "oriented": _oriented,
     "inverse": _inverse,

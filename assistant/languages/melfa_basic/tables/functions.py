@@ -7,7 +7,7 @@ from typing import Final
 PLAIN: Final = {
     "abs": "Abs", "sqrt": "Sqr", "exp": "Exp", "ln": "Ln", "round": "CInt", "trunc": "Fix",
     "floor": "Int", "min": "Min", "max": "Max", "length": "Len", "distance": "Dist",
-    "inverse": "Inv", "text": "Str", "part": "Mid",
+    "inverse": "Inv", "text": "Str", "part": "Mid", "code": "Asc", "character": "Chr",
 }  # fmt: skip
 """Functions that take and give the same units."""
 OF_CONTROLLER: Final = {

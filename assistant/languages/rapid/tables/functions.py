@@ -26,6 +26,8 @@ ROWS: Final = Rows(
     FunctionRow("fixed", "NumToStr({x}, {decimals})"),
     FunctionRow("part", "StrPart({text}, {first}, {count})"),
     FunctionRow("length", "StrLen({text})"),
+    FunctionRow("code", r"StrToByte(StrPart({text}, 1, 1) \Char)"),
+    FunctionRow("character", r"ByteToStr({number} \Char)"),
     FunctionRow("offset", "Offs({point}, {x}, {y}, {z})"),
     FunctionRow("inverse", "PoseInv({pose})"),
     FunctionRow("relative", "RelTool({point}, {x}, {y}, {z})"),

@@ -19,6 +19,7 @@ from assistant.languages.rapid.lift.plain.layouts import Layouts
 from assistant.languages.rapid.lift.plain.library import with_library, without_uncalled
 from assistant.languages.rapid.lift.plain.mounted import with_wholes
 from assistant.languages.rapid.lift.plain.optional import with_required
+from assistant.languages.rapid.lift.plain.raw_bytes import with_bytes
 from assistant.languages.rapid.lift.plain.scopes import Fresh, Program
 from assistant.languages.rapid.lift.plain.settled import with_settled
 from assistant.languages.rapid.lift.plain.spreads import Spread, Unsaid
@@ -50,7 +51,7 @@ def plain(files: Sequence[s.File]) -> Plain | None:
     """The files of a program with plain data, None if they have no other."""
     there = with_own_names([module for file in files for module in file.modules])
     read = with_told_states(there)
-    whole = with_library(read)
+    whole = with_library(with_bytes(read))
     layouts = Layouts(whole)
     copied = with_copies(with_shared_arrays(whole, layouts), layouts)
     name = Fresh(copied)

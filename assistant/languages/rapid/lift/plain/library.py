@@ -47,18 +47,10 @@ WHOLE: Final = frozenset(("robtarget", "pose"))
 """Types of data that other languages keep whole, with angles instead of quaternions."""
 _ASKING: Final = frozenset(
     (
-        *SAME,
-        *TO_PLACES,
-        *BITS,
-        "bitneg",
-        "eulerzyx",
-        "strtoval",
-        "strfind",
-        "distance",
-        "numtostr",
-        "gettime",
+        *SAME, *TO_PLACES, *BITS, "bitneg", "eulerzyx", "strtoval", "strfind", "distance",
+        "numtostr", "strtobyte", "bytetostr", "gettime",
     )
-)
+)  # fmt: skip
 
 
 class Typed(Protocol):
@@ -77,13 +69,15 @@ class Typed(Protocol):
 @cache
 def library() -> tuple[s.Routine, ...]:
     """All of them, without places in a text."""
-    text = files("assistant.languages.rapid.tables").joinpath("library.txt").read_text("utf-8")
-    (module,) = parse(text, runs=False).modules
+    tables = files("assistant.languages.rapid.tables")
+    texts = [tables.joinpath(name).read_text("utf-8") for name in ("library.txt", "bytes.txt")]
+    modules = [module for text in texts for module in parse(text, runs=False).modules]
 
     def unplaced(node: Any) -> Any:
         return replace(node, span=None) if isinstance(node, s.Node) and node.span else node
 
-    routines = tuple(item for item in module.items if isinstance(item, s.Routine))
+    items = (item for module in modules for item in module.items)
+    routines = tuple(item for item in items if isinstance(item, s.Routine))
     return rewrite(routines, unplaced, ())
 
 
@@ -195,9 +189,26 @@ def _with_options(
             return call_of(ANGLES[axis], turn) if axis in ANGLES else None
         case "gettime", (), one if len(one) == 1 and (first := DIGITS.get(*one)) is not None:
             return call_of("two_digits", s.FunctionCall("CTime", ()), s.NumberLiteral(str(first)))
+        case "strtobyte", (text,), {"char": None, **rest} if not rest:
+            return None if _is_first(text) else _code(text)
         case "strfind", (text, first, characters), {"notinset": None, **rest} if not rest:
             return call_of("one_found", text, first, characters, s.BoolLiteral(True))
     return None
+
+
+def _is_first(text: s.Expression) -> bool:
+    """Whether a text is the first character of another one."""
+    match text:
+        case s.FunctionCall(name, (_, s.Positional(s.NumberLiteral("1")), last)):
+            return name.lower() == "strpart" and last == s.Positional(s.NumberLiteral("1"))
+    return False
+
+
+def _code(text: s.Expression) -> s.Expression:
+    """The code of a character as the one of the first of its text."""
+    one = s.NumberLiteral("1")
+    first = s.Positional(call_of("StrPart", text, one, one))
+    return s.FunctionCall("StrToByte", (first, s.Option("Char")))
 
 
 def _read(typed: Typed, given: Given) -> s.Expression | None:

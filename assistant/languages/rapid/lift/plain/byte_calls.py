@@ -1,0 +1,208 @@
+"""What RAPID does with bytes, as calls of the routines of `tables/bytes.txt`.
+
+Reference manual of instructions: PackRawBytes, UnpackRawBytes and their kin, SocketSend and
+SocketReceive.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, Final
+
+from assistant.languages.patterns import Called
+from assistant.languages.rapid.lift.plain.library import call_of
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.calls import called
+
+LENGTHS: Final = "raw_length"
+ROWS: Final = 8
+IN_ROW: Final = 128
+"""Bytes stand in rows, for controllers whose arrays end at 999: 1024 of each."""
+KINDS: Final = {
+    "usint": 1, "uint": 2, "udint": 4, "ulint": 8, "sint": -1, "int": -2, "dint": -4, "lint": -8,
+}  # fmt: skip
+"""Bytes of the whole numbers that inttypes names, negative of those with a sign."""
+MOST_BYTES: Final = ROWS * IN_ROW
+USUAL_TIME: Final = "60"
+r"""Seconds that a socket waits without `\Time` (reference manual: SocketReceive)."""
+_AT: Final = "raw_at"
+"""The variable of the loops that go through lists of numbers."""
+_NUMBERS: Final = frozenset(("num", "dnum", "byte"))
+
+
+class Calls:
+    """types: of data and parameters by name, all in lower case. own: the number of the bytes that
+    lists of numbers go through.
+    """
+
+    def __init__(self, types: Mapping[str, str], own: int) -> None:
+        self.types, self.own = types, own
+
+    def said(self, node: s.StatementNode) -> Iterator[s.StatementNode]:
+        call = called(node) if isinstance(node, s.ProcedureCall) else None
+        word = "" if call is None else call.word.lower()
+        made = None if call is None or word not in _SAID else _SAID[word](self, node, call)
+        if made is None:
+            yield node
+        else:
+            yield from made
+
+    def pack(self, node: Any, call: Called[s.Expression]) -> Sequence[s.StatementNode] | None:
+        if len(call.given) != 3 or None in call.given:
+            return None
+        value, raw, at = call.given
+        order = s.BoolLiteral("network" in call.options)
+        match _format(call):
+            case "hex1", None:
+                return (call_at("put_byte", node, raw, at, value),)
+            case "intx", s.Node() as kind:
+                return (call_at("pack_whole", node, value, raw, at, _kind(kind), order),)
+            case "float4", None:
+                return (call_at("pack_float", node, value, raw, at, order),)
+            case "ascii", None if self._is_number(value):
+                return (call_at("put_byte", node, raw, at, value),)
+            case "ascii", None:
+                return (call_at("pack_text", node, value, raw, at),)
+        return None
+
+    def unpack(self, node: Any, call: Called[s.Expression]) -> Sequence[s.StatementNode] | None:
+        if len(call.given) != 3 or None in call.given:
+            return None
+        raw, at, target = call.given
+        order = s.BoolLiteral("network" in call.options)
+        match _format(call):
+            case "hex1", None:
+                value = call_of("byte_at", *_all(raw, at))
+            case "intx", s.Node() as kind:
+                value = call_of("unpack_whole", *_all(raw, at, _kind(kind), order))
+            case "float4", None:
+                value = call_of("unpack_float", *_all(raw, at, order))
+            case "ascii", s.Node() if self._is_number(target):
+                value = call_of("byte_at", *_all(raw, at))
+            case "ascii", s.Node() as count:
+                value = call_of("unpack_text", *_all(raw, at, count))
+            case _:
+                return None
+        if not isinstance(target, s.NameRef | s.Component | s.Element):
+            return None
+        return (s.Assignment(target, value, span=node.span),)
+
+    def clear(self, node: Any, call: Called[s.Expression]) -> Sequence[s.StatementNode] | None:
+        if len(call.given) != 1 or not set(call.options) <= {"fromindex"}:
+            return None
+        first = call.options.get("fromindex") or s.NumberLiteral("1")
+        return (call_at("clear_bytes", node, call.given[0], first),)
+
+    def copy(self, node: Any, call: Called[s.Expression]) -> Sequence[s.StatementNode] | None:
+        if len(call.given) != 4 or not set(call.options) <= {"noofbytes"}:
+            return None
+        raw, first, into, at = call.given
+        count = call.options.get("noofbytes")
+        if count is None:
+            left = s.Infix("-", length_of(raw), s.Group(_all(first)[0]))
+            count = s.Infix("+", left, s.NumberLiteral("1"))
+        return (call_at("copy_bytes", node, raw, first, into, at, count),)
+
+    def send(self, node: Any, call: Called[s.Expression]) -> Sequence[s.StatementNode] | None:
+        given, count = call.options, call.options.get("noofbytes")
+        if len(call.given) != 1 or not set(given) <= {"rawdata", "data", "noofbytes"}:
+            return None
+        raw, array = given.get("rawdata"), _array(given.get("data"))
+        if raw is not None:
+            return (call_at("send_bytes", node, call.given[0], raw, count or length_of(raw)),)
+        if array is None:
+            return None
+        own, at, first = self._own(), s.NameRef(_AT), s.NumberLiteral("1")
+        size = count or call_of("Dim", array, first)
+        put = call_at("put_byte", node, own, at, s.Element(array, (at,)))
+        return (
+            call_at("clear_bytes", node, own, first),
+            s.ForLoop(_AT, first, size, first, (put,), span=node.span),
+            call_at("send_bytes", node, call.given[0], own, length_of(own)),
+        )
+
+    def receive(self, node: Any, call: Called[s.Expression]) -> Sequence[s.StatementNode] | None:
+        given, asked = call.options, call.options.get("readnoofbytes")
+        known = {"rawdata", "data", "readnoofbytes", "norecbytes", "time"}
+        if len(call.given) != 1 or not set(given) <= known:
+            return None
+        raw, array = given.get("rawdata"), _array(given.get("data"))
+        if raw is None and array is None:
+            return None
+        into = self._own() if raw is None else raw
+        least, most = (asked or s.NumberLiteral("1")), (asked or s.NumberLiteral(str(MOST_BYTES)))
+        seconds = given.get("time") or s.NumberLiteral(USUAL_TIME)
+        made: list[s.StatementNode] = [
+            call_at("receive_bytes", node, call.given[0], into, least, most, seconds)
+        ]
+        if array is not None and raw is None:
+            at, first = s.NameRef(_AT), s.NumberLiteral("1")
+            value = call_of("byte_at", into, at)
+            put = s.Assignment(s.Element(array, (at,)), value, span=node.span)
+            made.append(s.ForLoop(_AT, first, length_of(into), first, (put,), span=node.span))
+        count = given.get("norecbytes")
+        if isinstance(count, s.NameRef | s.Component | s.Element):
+            made.append(s.Assignment(count, length_of(into), span=node.span))
+        return made
+
+    def _own(self) -> s.Expression:
+        """The bytes that lists of numbers go through."""
+        return s.NumberLiteral(str(self.own))
+
+    def _is_number(self, value: Any) -> bool:
+        match value:
+            case s.NumberLiteral():
+                return True
+            case s.NameRef(name):
+                return self.types.get(name.lower(), "") in _NUMBERS
+        return False
+
+
+def length_of(raw: Any) -> s.Element:
+    return s.Element(s.NameRef(LENGTHS), (raw,))
+
+
+def _array(node: s.Expression | None) -> Any:
+    """The list that is given, None if it is none by its name."""
+    match node:
+        case s.NameRef():
+            return node
+        case s.Element(s.NameRef() as name, (s.Whole(),)):
+            return name
+    return None
+
+
+def _all(*values: s.Expression | None) -> tuple[s.Expression, ...]:
+    return tuple(value for value in values if value is not None)
+
+
+def call_at(name: str, node: Any, *given: s.Expression | None) -> s.ProcedureCall:
+    """A call that stands for a statement, at its place."""
+    return s.ProcedureCall(name, tuple(map(s.Positional, _all(*given))), span=node.span)
+
+
+def _format(call: Called[s.Expression]) -> tuple[str, s.Expression | None]:
+    """The option that says what bytes mean, with its value."""
+    found = [(name, value) for name, value in call.options.items() if name != "network"]
+    return found[0] if len(found) == 1 else ("", None)
+
+
+def _kind(node: s.Expression) -> s.Expression:
+    """The number of a type of whole numbers that is named."""
+    known = KINDS.get(node.name.lower()) if isinstance(node, s.NameRef) else None
+    if known is None:
+        return node
+    size = s.NumberLiteral(str(abs(known)))
+    return s.Prefix("-", size) if known < 0 else size
+
+
+_Saying = Callable[[Calls, Any, Called[s.Expression]], Sequence[s.StatementNode] | None]
+_SAID: Final[Mapping[str, _Saying]] = {
+    "packrawbytes": Calls.pack,
+    "unpackrawbytes": Calls.unpack,
+    "clearrawbytes": Calls.clear,
+    "copyrawbytes": Calls.copy,
+    "socketsend": Calls.send,
+    "socketreceive": Calls.receive,
+}
+"""By lower-case names of instructions."""
