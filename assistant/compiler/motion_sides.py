@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 from assistant.compiler.arms import Arms, known_robot, taught_on
 from assistant.compiler.loading import language_of
 from assistant.program.program import Program, Signal
+from assistant.program.wanted import STANDS
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
@@ -110,6 +111,7 @@ def in_the_cell(made: Made) -> tuple[list[Any], list[str]]:
     cell = Cell(
         {name.lower(): tip for name, tip in tools.items()},
         {name.lower(): frame for name, frame in frames.items()},
+        {n.lower(): f.pose for n, f in program.frames.items() if n.endswith(STANDS)},
     )
     if not cell:
         return list(origin.trees), []

@@ -23,6 +23,8 @@ ROUTINES: Final = ("stop", "empty")
 """What may stand for a routine that was not read: it stops there, or does nothing."""
 SAME_ARM: Final = "same"
 """What may be said of the arm that joint angles were taught on: the one that runs the program."""
+STANDS: Final = "_stands"
+"""Follows the name of a mechanical unit in that of the frame where it stands."""
 TAUGHT_ON: Final = "taught_on"
 
 

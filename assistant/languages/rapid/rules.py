@@ -155,6 +155,12 @@ SIGNS: Final = warning(
     "the quaternion of a target is worked out of its angles: all parts may have the other sign",
     "none is needed where they turn something again, as both say the same orientation",
 )
+STANDS: Final = warning(
+    "RA361",
+    "the mechanical unit `{unit}` is taken to stand still where the cell file has the frame "
+    "`{frame}`: what it carries does not turn with it",
+    "state its place in the cell file, and let the unit stand there",
+)
 IDLE: Final = info("RA344", "this is left out: nothing reads what it assigns", "none is needed")
 SETTLED: Final = warning(
     "RA345",

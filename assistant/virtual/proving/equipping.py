@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import Final
 
 from assistant.languages.rapid.tree import syntax as rapid
+from assistant.languages.rapid.tree.mechanical_units import place_of, unit_of
 from assistant.languages.rapid.tree.walk import nodes
 from assistant.program.diagnostics import Span
 from assistant.program.geometry import Frame, Pose
@@ -16,13 +17,16 @@ from assistant.program.text import SourceText
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """tools: their tips, by name in lower case. frames: of work pieces."""
+    """tools: their tips, by name in lower case. frames: of work pieces. standing: of what
+    mechanical units carry, which stand still.
+    """
 
     tools: Mapping[str, Pose] = field(default_factory=dict)
     frames: Mapping[str, Frame] = field(default_factory=dict)
+    standing: Mapping[str, Pose] = field(default_factory=dict)
 
     def __bool__(self) -> bool:
-        return bool(self.tools or self.frames)
+        return bool(self.tools or self.frames or self.standing)
 
 
 def equipped(family: str, tree: object, cell: Cell) -> tuple[SourceText, set[str]]:
@@ -44,6 +48,10 @@ def _rapid(tree: object, text: str, cell: Cell) -> tuple[list[Change], set[str]]
     changes: list[Change] = []
     found: set[str] = set()
     for node in nodes(tree.parts if isinstance(tree, rapid.File) else ()):
+        stands = cell.standing.get(place_of(unit_of(node)).lower())
+        if stands is not None and isinstance(node, rapid.AggregateNode):
+            values = zip(node.items[1:4], ("TRUE", '""', _listed(stands)), strict=True)
+            changes += ((item.span, value) for item, value in values if item.span is not None)
         if not isinstance(node, rapid.Data) or not isinstance(node.value, rapid.AggregateNode):
             continue
         name, items = node.name.lower(), node.value.items

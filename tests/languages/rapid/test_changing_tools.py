@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from assistant.compiler import Translation, translate
@@ -106,3 +108,33 @@ def test_what_else_is_given_a_work_object_stays(other: str) -> None:
     )
     assert next(row.level for row in done.rows if "trans.x" in row.text) == "supported"
     assert next(row.level for row in done.rows if row.text == other[:-1]) == "not"
+
+
+CARRIED = """PERS wobjdata wTurn:=[FALSE,FALSE,"STN1",[[0,0,0],[1,0,0,0]],[[0,0,10],[1,0,0,0]]];
+PROC main()
+  MoveL pUp,v100,fine,tGrip\\WObj:=wTurn;
+  wTurn.oframe.trans.z:=30;
+  MoveL pUp,v100,fine,tGrip\\WObj:=wTurn;
+  wTurn:=wTaught;
+  MoveL pUp,v100,fine,tGrip\\WObj:=wTurn;
+  wTurn:=[FALSE,FALSE,"STN1",[[0,0,0],[1,0,0,0]],[[0,5,0],[1,0,0,0]]];
+  MoveL pUp,v100,fine,tGrip\\WObj:=wTurn;
+ENDPROC"""
+
+
+def test_what_a_mechanical_unit_carries_stands_where_the_cell_says(tmp_path: Path) -> None:
+    (tmp_path / "cell.mod").write_text(f"{HEAD}{CARRIED}\nENDMODULE\n", encoding="utf-8")
+    cell = tmp_path / "cell.toml"
+    cell.write_text("[frames.STN1_stands]\nposition = [50, 20, 5]\n", encoding="utf-8")
+    proving = Proving(runs=1, seconds=2.0)
+    done = translate(tmp_path / "cell.mod", to="melfa-basic-6", cell=cell, proving=proving)
+    assert done.ok, [f"{f.code} {f.message}" for f in done.findings]
+    assert done.motion is not None and done.motion.found is not None
+    assert done.motion.found.visits == 4
+    assert [row.level for row in done.rows if '"STN1"' in row.text] == ["partial", "partial"]
+    assert any(f.code == "RA361" for f in done.findings)
+
+
+def test_a_conveyor_does_not_stand_still() -> None:
+    body = CARRIED.replace("PROC main()", "PROC main()\nWaitWobj wTurn;").replace("STN1", "CNV1")
+    assert next(row.level for row in crossed(body).rows if row.text.startswith("MoveL")) == "not"

@@ -27,6 +27,7 @@ from assistant.languages.rapid.tables.states import (
 from assistant.languages.rapid.tables.words import ZONES
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
+from assistant.languages.rapid.tree.mechanical_units import can_stand, place_of, unit_of
 from assistant.languages.signatures import Signature
 from assistant.program import expressions as e
 from assistant.program.wanted import Argument, Wanted
@@ -50,10 +51,11 @@ _OF_PART: Final = {part: type for type, parts in _PARTS.items() for part in part
 def wanted(files: Sequence[s.File]) -> tuple[Wanted, ...]:
     """What the modules of one task use and nobody declares, in the order of the first uses."""
     task, met = Task(files), dict[str, Met]()
+    stands = can_stand([module for file in files for module in file.modules])
     for file in files:
         for module in file.modules:
             look = Look(file, module, task)
-            _Module(look, met).walk()
+            _Module(look, met, stands).walk()
     first = next((file for file in files if file.modules), None)
     if first is None:
         return ()
@@ -62,10 +64,10 @@ def wanted(files: Sequence[s.File]) -> tuple[Wanted, ...]:
 
 
 class _Module:
-    """Looks through one module."""
+    """Looks through one module. stands: mechanical units may be said to stand still."""
 
-    def __init__(self, look: Look, met: dict[str, Met]) -> None:
-        self.look, self.met = look, met
+    def __init__(self, look: Look, met: dict[str, Met], stands: bool) -> None:
+        self.look, self.met, self.stands = look, met, stands
         self.types = Types(look)
         self.place = ""
 
@@ -279,6 +281,10 @@ class _Module:
             case s.FunctionCall(name):
                 self._call(node, name, scope, "FUNC", type)
             case s.AggregateNode(items):
+                if self.stands and (unit := unit_of(node)):
+                    place = place_of(unit)
+                    if scope.find(place) is None:
+                        self._note(place, "wobjdata")
                 base = self.types.base(type) if type else None
                 parts = list((self.types.components(base) or {}).values()) if base else []
                 for at, item in enumerate(items):

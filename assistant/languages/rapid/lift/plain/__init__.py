@@ -23,6 +23,7 @@ from assistant.languages.rapid.lift.plain.raw_bytes import with_bytes
 from assistant.languages.rapid.lift.plain.scopes import Fresh, Program
 from assistant.languages.rapid.lift.plain.settled import with_settled
 from assistant.languages.rapid.lift.plain.spreads import Spread, Unsaid
+from assistant.languages.rapid.lift.plain.standing_units import with_standing_units
 from assistant.languages.rapid.lift.plain.states import with_told_states
 from assistant.languages.rapid.lift.plain.unread import Unread, without_unread
 from assistant.languages.rapid.lift.plain.values import Values
@@ -50,7 +51,8 @@ class Plain:
 def plain(files: Sequence[s.File]) -> Plain | None:
     """The files of a program with plain data, None if they have no other."""
     there = with_own_names([module for file in files for module in file.modules])
-    read = with_told_states(there)
+    standing, of_units = with_standing_units(there)
+    read = with_told_states(standing)
     whole = with_library(with_bytes(read))
     layouts = Layouts(whole)
     copied = with_copies(with_shared_arrays(whole, layouts), layouts)
@@ -61,11 +63,11 @@ def plain(files: Sequence[s.File]) -> Plain | None:
     made: list[s.Module] = []
     outside: list[Outside] = []
     remarks: list[tuple[Diagnostic, ...]] = []
-    for module in modules:
+    for module, units in zip(modules, of_units, strict=True):
         made.append(_module(program, module, kept))
         outside.append(tuple(program.outside))
         program.outside.clear()
-        remarks.append(tuple(program.remarks))
+        remarks.append((*program.remarks, *units))
         program.remarks.clear()
     made = with_wholes(made, program.moving.values())
     if whole is not read:
