@@ -52,7 +52,8 @@ class Places:
         language = language_of(origin.language)
         for start, tree in zip(self._starts, origin.trees, strict=True):
             for part in language.parts(tree):
-                yield replace(part, span=part.span.moved(start))
+                within = None if part.within is None else part.within.moved(start)
+                yield replace(part, span=part.span.moved(start), within=within)
 
     def of(self, span: Span) -> Place | None:
         """The place of a span, None if it is in no text."""

@@ -181,7 +181,7 @@ class _Part:
     """What a row is made of: a part of the source, and what is found about it.
 
     names: that findings know it by. head: whether its first line stands for it. silent: left
-    out of the report unless something is found about it.
+    out of the report unless something is found about it. within: the part that it is said with.
     """
 
     span: Span
@@ -189,6 +189,7 @@ class _Part:
     names: tuple[_Name, ...] = ()
     head: bool = False
     silent: bool = False
+    within: Span | None = None
     found: list[Diagnostic] = field(default_factory=list)
 
 
@@ -227,6 +228,7 @@ def _report(
         about = parts.get(finding.span) if finding.span else None
         if about is not None and finding.message not in [f.message for f in about.found]:
             about.found.append(finding)
+    _hand_on(parts)
     shown = [part for part in parts.values() if part.found or not part.silent]
     shown.sort(key=lambda part: (part.span.start, -part.span.end))
     trace = Trace(written.program, written.proof.lifted)
@@ -235,13 +237,22 @@ def _report(
     return tuple(rows), fold(whole)
 
 
+def _hand_on(parts: Mapping[Span, _Part]) -> None:
+    """What is found about a part is found about those that are said with it."""
+    for part in parts.values():
+        holder = None if part.within is None else parts.get(part.within)
+        if holder is not None:
+            known = {finding.message for finding in part.found}
+            part.found += (f for f in holder.found if f.message not in known)
+
+
 def _parts(program: Program, places: Places) -> Iterator[_Part]:
     """Each part of the source once or twice: as it is lifted, then as it stands in the tree."""
     yield from _said(program)
     for part in places.parts():
         name, owner = (part.name or "").lower(), part.owner.lower()
         called = ((None, "", name), (None, owner, name)) if name else ()
-        yield _Part(part.span, part.count, called, head=True)
+        yield _Part(part.span, part.count, called, head=True, within=part.within)
 
 
 def _told_parts(program: Program) -> Iterator[_Part]:

@@ -55,13 +55,15 @@ class Part:
     """A declaration or statement as it stands in a text.
 
     name: of what is declared. count: rows of a table, 1 for anything else. owner: the procedure
-    whose own it is, empty for the program's.
+    whose own it is, empty for the program's. within: what it is said with, of a statement that has
+    no place of its own in a program: what becomes of that becomes of it.
     """
 
     span: Span
     name: str | None = None
     count: int = 1
     owner: str = ""
+    within: Span | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -29,6 +29,20 @@ def data(file: s.File) -> Iterator[Part]:
                         yield Part(span, count=len(node.run))
             for body in lists(item) if isinstance(item, s.Routine) else ():
                 yield from (Part(x.span) for x in body if x.span is not None and set_up(x))
+            for handler in item.handlers if isinstance(item, s.Routine) else ():
+                yield from _handled(handler)
+
+
+def _handled(handler: s.Handler) -> Iterator[Part]:
+    """The statements of a handler, which is one statement of a program."""
+    pending = [handler.body]
+    while pending:
+        for node in pending.pop():
+            pending.extend(blocks(node))
+            if node.span is None or isinstance(node, s.CommentLine | s.LabelMark | s.Placeholder):
+                continue
+            count = len(node.run) if isinstance(node, s.MoveRunNode | s.TargetRunNode) else 1
+            yield Part(node.span, count=count, within=handler.span)
 
 
 ROUTINES: Final = {"PROC": "procedure", "FUNC": "function", "TRAP": "trap routine"}

@@ -36,6 +36,7 @@ from assistant.program.passes.base_frames import in_base
 from assistant.program.passes.comments import lines
 from assistant.program.passes.first_values import with_first_values
 from assistant.program.passes.legalising import Legalising, Pass, legalised, pure
+from assistant.program.passes.moving_functions import with_functions_before_moves
 from assistant.program.passes.outputs import with_checked_outputs
 from assistant.program.passes.parameters import with_sayable_procedures
 from assistant.program.passes.places import with_measured_places
@@ -105,6 +106,7 @@ FIRST: Final[tuple[Pass, ...]] = (
     without_recursion,
     with_sayable_procedures,
     with_measured_places,
+    pure(with_functions_before_moves),
     pure(with_computed_targets),
     in_base,
     pure(with_declared_names),

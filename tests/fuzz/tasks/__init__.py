@@ -1,0 +1,1 @@
+"""Whole tasks that are drawn: several modules whose statements cross to another language."""
