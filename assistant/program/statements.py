@@ -6,20 +6,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
-from assistant.program.diagnostics import Span
 from assistant.program.effects import Effect
 from assistant.program.expressions import Expression, Name, Number
 from assistant.program.expressions import Reason as Reason
 from assistant.program.geometry import BASE, FLANGE
+from assistant.program.interrupts import Interrupt as Interrupt
+from assistant.program.interrupts import SwitchInterrupt as SwitchInterrupt
+from assistant.program.interrupts import SwitchInterrupts as SwitchInterrupts
 from assistant.program.motion import Blend, Speed
 from assistant.program.path import Path
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Spanned:
-    """Where in a source text a statement stood; not part of what it says."""
-
-    span: Span | None = field(default=None, compare=False, repr=False)
+from assistant.program.spanned import Spanned as Spanned
 
 
 @dataclass(frozen=True, slots=True)
@@ -361,6 +357,9 @@ Statement = (
     | Attach
     | Detach
     | Send
+    | Interrupt
+    | SwitchInterrupt
+    | SwitchInterrupts
     | Opaque
 )
 
@@ -377,6 +376,7 @@ TRAITS: Final[Mapping[type, Trait]] = {
     **dict.fromkeys((Wait, WaitSignal, WaitUntil), "waits"),
     **dict.fromkeys((StartTimer, SetSignal, Gripper, Assign), "sets"),
     **dict.fromkeys((SetAcceleration, SetOverride, Attach, Detach, Send), "sets"),
+    **dict.fromkeys((Interrupt, SwitchInterrupt, SwitchInterrupts), "sets"),
     Call: "calls",
     Goto: "jumps",
     Label: "marks",

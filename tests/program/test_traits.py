@@ -42,6 +42,9 @@ LINES: dict[type, str] = {
     p.Attach: 'attach log to file "LOG.TXT" for append',
     p.Detach: "detach log",
     p.Send: 'send log line "a text", n',
+    p.Interrupt: "interrupt door when ready calls pause",
+    p.SwitchInterrupt: "interrupt door on",
+    p.SwitchInterrupts: "interrupts off",
     p.Opaque: "opaque rapid | SearchL di1,p,q,v10,tool0;",
 }
 """A line of each statement, which goes on from the target `start`."""

@@ -122,6 +122,12 @@ MEETING: Final = warning(
     "the programs that meet at `{point}` count there in `{name}`, which is kept when they end",
     "start them together, with 0 in it, each in a slot of its own",
 )
+INTERRUPTED: Final = warning(
+    "RA318",
+    "while `{name}` is answered the arm stands, and goes on behind it; of what interrupts it "
+    "meanwhile again, the last change counts",
+    "let what answers it be short, and let signals stay until it is done",
+)
 PLACE_UNLIKE: Final = warning(
     "RA312",
     "`{name}` is set on the way of {what}, which controllers may count differently",

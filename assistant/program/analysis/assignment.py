@@ -123,6 +123,9 @@ class _Reading:
                 return self.reads(head(node), state) | {given}
             case p.Call(name):
                 return self.called(name, self.reads(node, state))
+            case p.Interrupt(condition=condition, call=call):  # it may come at once, or never
+                self.called(call.procedure, self.reads(condition, state))
+                return state
         return self.reads(node, state)
 
     def element(self, target: e.Expression, state: Known) -> set[str | Element]:

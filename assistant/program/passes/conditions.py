@@ -15,7 +15,7 @@ def with_conditions(statement: p.Statement, known: Kinds) -> p.Statement:
         case p.If(branches):
             made = tuple(replace(b, condition=condition(b.condition, known)) for b in branches)
             return replace(statement, branches=made)
-        case p.While() | p.WaitUntil():
+        case p.While() | p.WaitUntil() | p.Interrupt():
             return replace(statement, condition=condition(statement.condition, known))
     return statement
 

@@ -37,6 +37,7 @@ from assistant.program.statements import (
     Detach,
     Goto,
     Gripper,
+    Interrupt,
     Label,
     Measure,
     Message,
@@ -52,6 +53,8 @@ from assistant.program.statements import (
     StartTimer,
     Statement,
     Stop,
+    SwitchInterrupt,
+    SwitchInterrupts,
     Trigger,
     Wait,
     WaitSignal,
@@ -159,6 +162,7 @@ _SLOTS: Final[dict[str, _Slot]] = {
         lambda tree: None if tree is None else read_name(tree),
     ),
     "arguments": _Slot(_arguments, lambda tree: () if tree is None else read_arguments(tree)),
+    "procedure": _Slot(lambda call: name_text(call.procedure), lambda tree: Call(read_name(tree))),
     "parts": _Slot(lambda parts: f" {arguments_text(parts)}".rstrip(), read_arguments),
 }
 
@@ -213,6 +217,9 @@ _FORMS: Final = (
     _Form(Message, "message{parts:parts}"),
     _Form(Attach, "attach {channel:name} to {kind:word}{place:parts} for {mode:word}"),
     _Form(Detach, "detach {channel:name}"),
+    _Form(Interrupt, "interrupt {name:name} when {condition} calls {call:procedure}"),
+    _Form(SwitchInterrupt, "interrupt {name:name} {state:word}"),
+    _Form(SwitchInterrupts, "interrupts {state:word}"),
     _Form(Send, "send {channel:name} {kind:word}{parts:parts}"),
 )
 """A plain statement is one row here, a rule in the grammar, and a record."""

@@ -16,11 +16,12 @@ Node: TypeAlias = Tree[Token]
 
 KEYWORDS: Final = frozenset(
     {
-        *("acceleration", "call", "case", "close", "constant", "else", "elseif", "end", "exit"),
-        *("false", "fine", "follow", "for", "full", "goto", "if", "inf", "inout", "joints"),
-        *("label", "local", "maximum", "message", "move", "nan", "not", "opaque", "open"),
-        *("override", "persistent", "pose", "restart", "return", "set", "stop", "switch"),
-        *("target", "true", "until", "variable", "verbatim", "wait", "while"),
+        *("acceleration", "attach", "call", "case", "close", "constant", "detach", "else"),
+        *("elseif", "end", "exit", "false", "fine", "follow", "for", "full", "goto", "if", "inf"),
+        *("inout", "interrupt", "interrupts", "joints", "label", "local", "maximum", "message"),
+        *("move", "nan", "not", "opaque", "open", "override", "persistent", "pose", "restart"),
+        *("return", "send", "set", "stop", "switch", "target", "true", "until", "variable"),
+        *("verbatim", "wait", "while"),
     }
 )
 """Words that mean something where a name may stand too; a name like them is quoted."""

@@ -78,6 +78,8 @@ class Kernel:
         """Whether a task has begun to wait, or an interrupt has run, since the round began."""
         self.attached = 0
         """How much there is outside of the run that may act on it at any time."""
+        self.looking = False
+        """Whether what is read is for an interrupt, which asks whenever anything runs."""
         self.ended_in: tuple[str, Place | None] = "", None
         self.leaving: list[Callable[[], None]] = []
         """What is done when the run is over."""

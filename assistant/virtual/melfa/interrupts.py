@@ -88,13 +88,14 @@ class Interrupts:
         m, node = self._m, act.node
         if isinstance(node, s.DefAct) and node.stop == "L" and m.began and _moves(m):
             return False
-        self._looks = True
+        kernel = m.world.task.kernel
+        self._looks = kernel.looking = True
         m.frames.append(act.frame)
         try:
             return holds(expressions.value(m, act.condition))
         finally:
             m.frames.pop()
-            self._looks = False
+            self._looks = kernel.looking = False
 
     def conditions(self) -> list[s.Expression | None]:
         """Of the interrupts that may come."""

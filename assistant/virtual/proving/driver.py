@@ -147,7 +147,7 @@ class Driver(Mapping[str, float]):
         self._recent.append((name, Moment(self.beat, self.idles)))
         if self._asking:
             self._polling[name] = None
-        elif self.kernel.tasks:
+        elif self.kernel.tasks and not self.kernel.looking:
             self._poll(name)
         return self.wiring.value(name, self.state)
 

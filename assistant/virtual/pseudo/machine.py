@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Final, TypeVar
+from typing import TYPE_CHECKING, Final, TypeVar
 
 from assistant.program.expressions import Name
 from assistant.program.geometry import BASE, FLANGE, Frame, Pose, Tool
@@ -19,6 +19,9 @@ from assistant.virtual.kernel.looking import Level, Shown
 from assistant.virtual.pseudo.data import Call, Cell, Place, Value, kind_of, place_of, said
 from assistant.virtual.pseudo.ends import Fault, NotRun
 
+if TYPE_CHECKING:
+    from assistant.virtual.pseudo.interrupts import Interrupts
+
 MOST_CALLS: Final = 40
 """Procedures that are inside of one another."""
 T = TypeVar("T")
@@ -31,7 +34,7 @@ class Machine:
     text: that the program was read from, None if there is none. shared: its variables, targets and
     joint targets by name in lower case. set: signals that it sets. flange, joints: where the
     latest motion leads, None while that is not known. override, acceleration, deceleration:
-    factors.
+    factors. interrupts: set once it runs.
     """
 
     task: Task
@@ -47,6 +50,7 @@ class Machine:
     override: float = 1.0
     acceleration: float = 1.0
     deceleration: float = 1.0
+    interrupts: Interrupts | None = None
     tables: _Tables = field(init=False)
 
     def __post_init__(self) -> None:

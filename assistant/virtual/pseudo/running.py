@@ -12,8 +12,9 @@ from assistant.virtual.kernel import Ending, Kernel, Task
 from assistant.virtual.pseudo.data import Cell, first_of
 from assistant.virtual.pseudo.ends import Fault, NotRun, Over
 from assistant.virtual.pseudo.expressions import evaluate
+from assistant.virtual.pseudo.interrupts import Interrupts
 from assistant.virtual.pseudo.machine import Machine
-from assistant.virtual.pseudo.statements import call
+from assistant.virtual.pseudo.statements import call, called
 
 NAME: Final = "program"
 """Of its task."""
@@ -35,6 +36,7 @@ def start_program(
 
     def body(task: Task) -> Ending:
         machine = Machine(task, program, robot, text, flange=start)
+        machine.interrupts = Interrupts(machine, lambda node: called(machine, node))
         task.where, task.levels = machine.where, machine.levels
         try:
             _declare(machine)

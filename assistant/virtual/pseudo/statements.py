@@ -11,7 +11,7 @@ from assistant.program.lines import lines_of
 from assistant.program.program import Procedure
 from assistant.virtual.events import Said, Stopped
 from assistant.virtual.kernel.motion import Instant
-from assistant.virtual.pseudo import motion
+from assistant.virtual.pseudo import interrupts, motion
 from assistant.virtual.pseudo.data import Call, Cell, Value, copied, first_of, said
 from assistant.virtual.pseudo.ends import Fault, Jump, NotRun, Over, Returned
 from assistant.virtual.pseudo.expressions import condition, evaluate, numeric, place, truth_or
@@ -80,7 +80,7 @@ def call(m: Machine, procedure: Procedure, arguments: Sequence[Expression]) -> V
         m.calls.pop()
 
 
-def _call(m: Machine, node: p.Call) -> None:
+def called(m: Machine, node: p.Call) -> None:
     procedure = m.program.procedure(node.procedure)
     if procedure is None:
         raise Fault(f"there is no procedure `{node.procedure}`")
@@ -255,7 +255,7 @@ STATEMENTS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
     p.Gripper: _gripper,
     p.SetAcceleration: _acceleration,
     p.SetOverride: _override,
-    p.Call: _call,
+    p.Call: called,
     p.Assign: _assign,
     p.If: _if,
     p.While: _while,
@@ -266,6 +266,7 @@ STATEMENTS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
     p.Goto: _goto,
     p.Message: _message,
     **dict.fromkeys((p.Attach, p.Detach, p.Send), _channel),
+    **interrupts.STATEMENTS,
     p.Opaque: _kept,
 }
 """Comments and labels do nothing."""

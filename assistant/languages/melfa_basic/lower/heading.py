@@ -8,6 +8,7 @@ from typing import Final
 from assistant.languages.melfa_basic.lower.writer import Writer
 from assistant.languages.melfa_basic.text import header as headers
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.program.analysis.interrupts import spelled
 from assistant.program.program import Parameter, ValueType, Variable
 from assistant.program.timers import timers
 
@@ -37,6 +38,8 @@ def heading(w: Writer) -> list[s.Item]:
     head.names["timer"] = {
         str(names.timers[t.lower()]): t for t in timers(program) if t.lower() in names.timers
     }
+    if w.unit is None:
+        head.names["interrupt"] = spelled(program, names.interrupts)
     _name_labels(w, head)
     for kind, table, given in named(w):
         head.names[kind] = {table[n.lower()]: n for n in given}

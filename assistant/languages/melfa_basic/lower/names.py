@@ -16,8 +16,10 @@ from typing import Final
 from assistant.languages.melfa_basic.tables.channels import NUMBERS
 from assistant.languages.melfa_basic.tables.dialects import PROGRAM_NAME, Dialect
 from assistant.languages.melfa_basic.tables.variables import LETTERS, is_external
+from assistant.languages.melfa_basic.tables.vocabulary.interrupts import NUMBERS as INTERRUPTS
 from assistant.languages.melfa_basic.tables.vocabulary.timers import MOST_TIMERS
 from assistant.languages.melfa_basic.tables.words import ARC_START, RESERVED, free
+from assistant.program.analysis.interrupts import numbered as numbered_interrupts
 from assistant.program.analysis.open_channels import together
 from assistant.program.channels import numbered as numbered_channels
 from assistant.program.passes.names import free_counters
@@ -28,8 +30,8 @@ from assistant.program.timers import numbered
 MAIN: Final = "MAIN"
 """The `Function` that a program of MELFA-BASIC VI begins with."""
 
-_MADE_LABEL: Final = re.compile(r"[IW][0-9]+([TN][0-9]+|Z)?")
-"""Labels that a lowered `If` and `Wait` make."""
+_MADE_LABEL: Final = re.compile(r"[IW][0-9]+([TN][0-9]+|Z)?|AC[0-9]+")
+"""Labels that a lowered `If` and `Wait` make, and what interrupts call."""
 
 
 @dataclass(slots=True)
@@ -38,8 +40,8 @@ class Names:
 
     products: a target is multiplied by its frame; else `Base` is set to the frame.
 
-    timers, channels: their numbers by lower-case name. wait_timer: of those that time limits make.
-    position: the first number that `P<number>` and `J<number>` may have.
+    timers, channels, interrupts: their numbers by lower-case name. wait_timer: of those that time
+    limits make. position: the first number that `P<number>` and `J<number>` may have.
     """
 
     targets: dict[str, str] = field(default_factory=dict)
@@ -55,6 +57,7 @@ class Names:
     original_loops: dict[str, str] = field(default_factory=dict)
     timers: dict[str, int] = field(default_factory=dict)
     channels: dict[str, int] = field(default_factory=dict)
+    interrupts: dict[str, int] = field(default_factory=dict)
     wait_timer: int = 1
     position: int = 1
     products: bool = False
@@ -123,6 +126,7 @@ def naming(program: Program, dialect: Dialect, products: bool = False) -> Names:
             names.units[entry.unit] = program_name(entry.unit, files)
     names.timers, names.wait_timer = numbered(program, range(1, MOST_TIMERS + 1), _TIMER)
     names.channels = numbered_channels(program, NUMBERS, together)
+    names.interrupts = numbered_interrupts(program, INTERRUPTS)
     numbers = (re.fullmatch(r"[PJ]([0-9]{1,8})", name) for name in taken)
     names.position = 1 + max((int(n.group(1)) for n in numbers if n), default=0)
     return names

@@ -15,6 +15,7 @@ from assistant.languages.melfa_basic.lift.files.program import settings_that_hol
 from assistant.languages.melfa_basic.lower.constants import joint_constant, position_constant
 from assistant.languages.melfa_basic.lower.depended import depended_on
 from assistant.languages.melfa_basic.lower.heading import heading, named
+from assistant.languages.melfa_basic.lower.interrupts import answers
 from assistant.languages.melfa_basic.lower.names import mark, naming
 from assistant.languages.melfa_basic.lower.statements import STATEMENTS
 from assistant.languages.melfa_basic.lower.writer import Writer
@@ -115,6 +116,7 @@ class UnitLines(Writer):
             self.enter(first)
             self.body(first.body)
         self.add(s.Command("End"))
+        answers(self)
         for procedure in others:
             self.label(self.names.procedures[procedure.name.lower()])
             self.enter(procedure)
@@ -134,6 +136,9 @@ class UnitLines(Writer):
                 self.initial_values()
             self.enter(procedure)
             self.body(procedure.body[len(notes) :])
+            if self.answers:
+                self.add(s.Command("End"))
+                answers(self)
             self.add(s.Command("FEnd"))
 
     def head(self, procedure: Procedure, main: bool) -> s.Function:

@@ -6,7 +6,13 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from assistant.languages.melfa_basic.convert.words import reworded
-from assistant.languages.melfa_basic.lower import channels, control, motions, signals
+from assistant.languages.melfa_basic.lower import (
+    channels,
+    control,
+    interrupts,
+    motions,
+    signals,
+)
 from assistant.languages.melfa_basic.lower.expressions import Unsayable
 from assistant.languages.melfa_basic.lower.writer import Writer, marked
 from assistant.languages.melfa_basic.reading.parser import statement as read_statement
@@ -69,5 +75,6 @@ STATEMENTS: Final[dict[type, Callable[[Writer, Any], None]]] = {
     p.Attach: channels.attach,
     p.Detach: channels.detach,
     p.Send: channels.send,
+    **interrupts.STATEMENTS,
     p.Opaque: opaque,
 }

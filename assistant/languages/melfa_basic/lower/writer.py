@@ -81,6 +81,8 @@ class Writer:
         """Lines that set what a statement needs, by their identity."""
         self.previous: tuple[str, str, str] | None = None
         """Position variable, tool and frame of the move before, if that is known."""
+        self.answers: list[p.Interrupt] = []
+        """Interrupts whose lines stand behind the end of the program."""
         self.number = names.position
         self.made = 0
         self.spans: dict[int, Span] = {}

@@ -33,11 +33,11 @@ AS_IS: Final = ("robot",)
 
 NAME_KINDS: Final = (
     "target", "joints", "tool", "frame", "loop", "procedure", "label", "unit", "first", "timer",
-    "result",
+    "result", "interrupt",
 )  # fmt: skip
 """Kinds of `SHORT = original` entries. `first` is the procedure that a unit begins with,
-the SHORT of a `timer` its number; a `result` has a type, where the letter of a Function says
-another one."""
+the SHORT of a `timer` or an `interrupt` its number; a `result` has a type, where the letter of a
+Function says another one."""
 
 
 @dataclass(slots=True)

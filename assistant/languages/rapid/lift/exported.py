@@ -30,6 +30,7 @@ from assistant.languages.rapid.lift.told.calls import call_of, is_text, lifted
 from assistant.languages.rapid.lift.told.declarations import with_needed_declarations
 from assistant.languages.rapid.lift.told.errors import with_errors
 from assistant.languages.rapid.lift.told.held import with_held_moves
+from assistant.languages.rapid.lift.told.interrupts import with_interrupts, with_own_waits
 from assistant.languages.rapid.lift.told.left_out import INSTRUCTIONS
 from assistant.languages.rapid.lift.told.meeting import DUE, shared, task_lists
 from assistant.languages.rapid.lift.told.outputs import switched
@@ -78,7 +79,7 @@ _ENDED: Final = {
     "eoffsoff": re.compile(r"\bEOffs(?:On|Set)\b", re.IGNORECASE),
 }
 """What ends displacements of targets, and of external axes, with the words that begin them."""
-IDLE: Final = DATA | {"tasks", "syncident", "errnum", *SIGNALS}
+IDLE: Final = DATA | {"tasks", "syncident", "errnum", "intnum", *SIGNALS}
 """Types of data, in lower case, that are left out where nothing takes them any more."""
 NEAR: Final = frozenset(("inpos20", "inpos50", "inpos100"))
 """Predefined stop points: the robot stops at its target, with more or less patience."""
@@ -94,9 +95,11 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
         program = with_table_rows(program, tables, _with_named_rows)
     if any(is_text(record) for record in records(program.procedures)):
         program = with_held_moves(with_aliases(program), findings)
+        program = with_interrupts(program, findings)
         program = _with_other_words(program, findings)
         handled = with_errors(program, lift_of(program), findings)
         program = program if handled is program else _with_other_words(handled, findings)
+        program = with_own_waits(program)
         program = with_channels(with_operator(program, findings), findings)
         program = exchanged(program, lambda node: (_without_near(node, findings),))
         if arm is not None:

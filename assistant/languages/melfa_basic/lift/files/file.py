@@ -88,7 +88,8 @@ class Unit:
         settings = Settings(
             file.positions, constants, file.header, program.tools, program.frames, own=self.own
         )
-        flow = Flow(lines_of(code, structure, parts, settings, touched, elsewhere))
+        lines = lines_of(code, structure, parts, settings, touched, elsewhere, file.answers)
+        flow = Flow(lines)
         self.ways = Ways(
             constants, structure, parts, settings, self._forms(flow, parts),
             {} if self.own else used_once(code), timers(code, file.header, self.own),
@@ -216,6 +217,7 @@ class Unit:
         taken = self._name_forms(listed)
         source, calls = self.file.tree.source, (dict(names["unit"]), dict(names["first"]))
         reader = Reader(code, symbols, ways, listed, calls, self.is_main, kept, source)
+        reader.answers = self.file.answers
         reading = _Reading(symbols, reader, local)
         for item in code:
             if isinstance(node := item.statement, s.DefIo):

@@ -8,6 +8,7 @@ from typing import Any
 from assistant.languages.melfa_basic.lift.settings.held import ALL_SETTINGS, set_by
 from assistant.languages.melfa_basic.lift.settings.interrupts import calls_on_interrupt
 from assistant.languages.melfa_basic.lift.statements.waits import comment_text
+from assistant.languages.melfa_basic.lift.structure.answers import Answers, without_answers
 from assistant.languages.melfa_basic.lift.structure.order import in_order
 from assistant.languages.melfa_basic.text import header as headers
 from assistant.languages.melfa_basic.text.header import Header
@@ -19,13 +20,20 @@ from assistant.program.program import identifier
 
 
 class File:
-    """A tree, taken apart. own: it was written here, and its heading says what it means."""
+    """A tree, taken apart. own: it was written here, and its heading says what it means.
+
+    answers: what its interrupts call; the lines that do so are not among its code.
+    """
 
     def __init__(self, tree: s.File) -> None:
         self.tree = tree
         self.header, self.comments, code = _parts(tree)
         self.own = self.header.program is not None
-        self.code = code if self.own else in_order(labelled(code)[0])
+        self.answers: Answers = {}
+        if self.own:
+            self.code, self.answers = without_answers(code)
+        else:
+            self.code = in_order(labelled(code)[0])
         self.positions = Positions(tree)
 
     def touched(self) -> frozenset[int]:

@@ -16,6 +16,7 @@ from assistant.languages.melfa_basic.lift.settings.held import (
     Settings,
 )
 from assistant.languages.melfa_basic.lift.settings.interrupts import interrupts_of
+from assistant.languages.melfa_basic.lift.structure.answers import Answers
 from assistant.languages.melfa_basic.lift.structure.blocks import Code, Structure
 from assistant.languages.melfa_basic.lift.structure.regions import (
     Region,
@@ -63,9 +64,11 @@ def lines_of(
     settings: Settings,
     touched: Mapping[str, frozenset[int]],
     elsewhere: frozenset[int],
+    answers: Answers,
 ) -> Lines:
     """touched: the settings that each program sets, by its name in upper case. elsewhere: those
-    that interrupts of the programs that call this one may set while it runs.
+    that interrupts of the programs that call this one may set while it runs. answers: what those of
+    this one call.
     """
     blocks, labels = structure.blocks, labels_of(code)
     by_label = {region.label: k for k, region in enumerate(regions) if region.label}
@@ -111,6 +114,12 @@ def lines_of(
     }  # fmt: skip
     first = {label: places[number][0] for label, number in by_label.items() if places[number]}
     entries = labels | first
+    for label, call in answers.items():
+        number = by_name.get(call.function.key) if isinstance(call, s.Call) else None
+        if isinstance(call, s.Jump):
+            number = by_label.get(place_name(call.target))
+        if number is not None and places[number]:
+            entries[label] = places[number][0]
     lines = Lines(
         len(ALL_SETTINGS),
         places,

@@ -7,7 +7,7 @@ from abc import abstractmethod
 from collections.abc import Mapping
 from typing import Any, Final
 
-from assistant.languages.melfa_basic.lift.statements import channels, data, waits
+from assistant.languages.melfa_basic.lift.statements import channels, data, interrupts, waits
 from assistant.languages.melfa_basic.lift.statements.lines import Block, Lift, Statements
 from assistant.languages.melfa_basic.lift.structure.regions import next_word
 from assistant.languages.melfa_basic.lift.values import pallets
@@ -245,6 +245,7 @@ LIFTS: Final[Mapping[type, Lift]] = {
     s.Const: lambda reader, node: data.constant(node, reader.expressions),
     s.DefIo: lambda reader, node: data.known(node.variable.key in reader.symbols.io),
     s.DefOther: lambda reader, node: pallets.define(node, reader.symbols),
+    s.DefAct: interrupts.define,
     s.DefFunction: lambda reader, node: data.known(node.name.upper() in reader.symbols.routines),
 }
 COMMANDS: Final[Mapping[str, tuple[int, Lift]]] = {
@@ -253,4 +254,5 @@ COMMANDS: Final[Mapping[str, tuple[int, Lift]]] = {
     "Return": (0, Statements.returned),
     "Exit Function": (0, Statements.left),
     "Break": (0, Control.broken),
+    "Act": (1, interrupts.switch),
 }

@@ -13,6 +13,7 @@ from assistant.languages.melfa_basic.lift.settings.held import IN_WORDS
 from assistant.languages.melfa_basic.lift.statements import waits
 from assistant.languages.melfa_basic.lift.statements.moves import Moves
 from assistant.languages.melfa_basic.lift.statements.paths import Runs, Values
+from assistant.languages.melfa_basic.lift.structure.answers import Answers
 from assistant.languages.melfa_basic.lift.structure.blocks import Code
 from assistant.languages.melfa_basic.lift.structure.regions import Region, place_name
 from assistant.languages.melfa_basic.lift.values import reasons
@@ -95,6 +96,8 @@ class Statements:
         self.form: Form | None = None
         self.region = Region(0, 0)
         self.at = 0
+        self.answers: Answers = {}
+        """What interrupts call, see `answers`."""
         self.torn = False
         """Whether a text with a jump stands in a divided procedure, where it leads astray."""
         self.depending: list[tuple[Form, int, frozenset[int]]] = []

@@ -25,6 +25,7 @@ from assistant.languages.rapid.lift.plain.settled import with_settled
 from assistant.languages.rapid.lift.plain.spreads import Spread, Unsaid
 from assistant.languages.rapid.lift.plain.standing_units import with_standing_units
 from assistant.languages.rapid.lift.plain.states import with_told_states
+from assistant.languages.rapid.lift.plain.traps import with_traps
 from assistant.languages.rapid.lift.plain.unread import Unread, without_unread
 from assistant.languages.rapid.lift.plain.values import Values
 from assistant.languages.rapid.tree import syntax as s
@@ -52,7 +53,7 @@ def plain(files: Sequence[s.File]) -> Plain | None:
     """The files of a program with plain data, None if they have no other."""
     there = with_own_names([module for file in files for module in file.modules])
     standing, of_units = with_standing_units(there)
-    read = with_told_states(standing)
+    read = with_told_states(with_traps(standing))
     whole = with_library(with_bytes(read))
     layouts = Layouts(whole)
     copied = with_copies(with_shared_arrays(whole, layouts), layouts)

@@ -1,0 +1,109 @@
+"""Interrupts as `Def Act`, `Act`, and the lines that call what answers each.
+
+`Def Act 1,M_In(3)=1 GoSub *AC1` leads to lines behind the end of the program, which call a
+procedure and go on where the program was by `Return 0`. An interrupt of a lower number may come
+while one is answered; as none shall, several are shut meanwhile.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, Final
+
+from assistant.languages.melfa_basic.lower import control
+from assistant.languages.melfa_basic.lower.expressions import Unsayable
+from assistant.languages.melfa_basic.tables.vocabulary.interrupts import ALL, NUMBERS
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.analysis.interrupts import interrupts
+from assistant.program.analysis.uses import called
+from assistant.program.program import walk
+from assistant.program.rewriting import records
+
+if TYPE_CHECKING:
+    from assistant.languages.melfa_basic.lower.writer import Writer
+
+
+def label(number: int) -> str:
+    """What an interrupt leads to."""
+    return f"AC{number}"
+
+
+def answers(w: Writer) -> None:
+    """The lines that interrupts lead to."""
+    shut = len(w.answers) > 1
+    for node in w.answers:
+        w.label(label(w.names.interrupts[node.name.lower()]))
+        if shut:
+            w.add(_act(ALL, on=False))
+        with w.findings.at(node.span), w.saying():
+            control.call(w, node.call)
+        if shut:
+            w.add(_act(ALL, on=True))
+        w.add(s.Command("Return", (s.Number(0),)))
+    w.answers.clear()
+
+
+def _interrupt(w: Writer, node: p.Interrupt) -> None:
+    if any(isinstance(one, e.Here) for one in records(node.condition)):
+        raise Unsayable(
+            f"the interrupt `{node.name}`, which asks for the position of the robot",
+            "ask for it in the program",
+        )
+    _check(w, node)
+    number = _number(w, node.name)
+    condition = w.expressions.of(node.condition)
+    w.add(s.DefAct(s.Number(number), condition, "GoSub", s.Target(label(number))))
+    w.answers.append(node)
+
+
+def _check(w: Writer, node: p.Interrupt) -> None:
+    """Raises Unsayable for what would change how the moves of the program are made."""
+    procedures = {q.name.lower(): q for q in w.program.procedures}
+    pending, seen = [node.call.procedure.lower()], set[str]()
+    while pending:
+        procedure = procedures.get(pending.pop())
+        if procedure is None or procedure.name.lower() in seen:
+            continue
+        seen.add(procedure.name.lower())
+        pending += called(procedure)
+        for one in walk(procedure.body):
+            if isinstance(one, p.Moving | p.SetOverride | p.SetAcceleration):
+                raise Unsayable(
+                    f"the interrupt `{node.name}`, which moves the robot or sets how it moves",
+                    "set an output or a variable in it, and move where the program asks for that",
+                )
+            if isinstance(one, p.SwitchInterrupts):
+                raise Unsayable(
+                    f"the interrupt `{node.name}`, which switches all interrupts",
+                    "switch them one by one",
+                )
+
+
+def _switch(w: Writer, node: p.SwitchInterrupt) -> None:
+    w.add(_act(_number(w, node.name), on=node.state == "on"))
+
+
+def _switch_all(w: Writer, node: p.SwitchInterrupts) -> None:
+    w.add(_act(ALL, on=node.state == "on"))
+
+
+def _number(w: Writer, name: str) -> int:
+    number = w.names.interrupts.get(name.lower())
+    if number is None:
+        if name.lower() not in {node.name.lower() for node in interrupts(w.program)}:
+            raise Unsayable(f"the interrupt `{name}`, which nothing defines", "define it")
+        raise Unsayable(f"more than {len(NUMBERS)} interrupts", "use fewer of them")
+    return number
+
+
+def _act(number: int, *, on: bool) -> s.Command:
+    return s.Command("Act", (s.Binary("=", s.Number(number), s.Number(int(on))),))
+
+
+STATEMENTS: Final[Mapping[type, Callable[[Writer, Any], None]]] = {
+    p.Interrupt: _interrupt,
+    p.SwitchInterrupt: _switch,
+    p.SwitchInterrupts: _switch_all,
+}

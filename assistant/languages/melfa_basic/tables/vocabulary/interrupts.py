@@ -1,0 +1,9 @@
+"""Numbers of interrupts (COSIROP: DEF ACT, ACT)."""
+
+from __future__ import annotations
+
+from typing import Final
+
+NUMBERS: Final = range(1, 9)
+ALL: Final = 0
+"""By which `Act` lets all of them come, or none."""

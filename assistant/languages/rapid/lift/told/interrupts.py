@@ -1,0 +1,355 @@
+r"""Interrupts of RAPID, as conditions that are watched and procedures that answer them.
+
+`ISignalDI door,1,opened;` interrupts when the signal changes to 1. What is watched elsewhere is
+whether something holds: that the signal is not what it was when it was seen last. The procedure
+that is called first takes note of it, and calls the trap routine if the change is one to 1. A timer
+that was started is watched in the same way, and a persistent variable.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+from assistant.languages.patterns import Called
+from assistant.languages.rapid import rules
+from assistant.languages.rapid.lift.instructions import Meaning
+from assistant.languages.rapid.lift.told import waits
+from assistant.languages.rapid.lift.told.aliases import SIGNALS
+from assistant.languages.rapid.lift.told.calls import call_of
+from assistant.languages.rapid.text import verbatim
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.calls import called
+from assistant.languages.rapid.tree.gather import literal_number
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.analysis.interrupts import interrupts
+from assistant.program.analysis.signals import with_used
+from assistant.program.analysis.uses import called as calls_of
+from assistant.program.analysis.uses import declared, names_in
+from assistant.program.diagnostics import Findings
+from assistant.program.program import (
+    Procedure,
+    Program,
+    TakenNames,
+    ValueType,
+    Variable,
+    identifier,
+    walk,
+)
+from assistant.program.rewriting import Body, exchanged, rewrite
+
+Call = Called[s.Expression]
+LEVELS: Final = {"low": 0.0, "high": 1.0, "edge": 2.0}
+EDGE: Final = 2.0
+_SIDES: Final = {f"isignal{letters[-2:]}": signal for letters, signal in SIGNALS.items()}
+"""By the instruction in lower case, what its signal is."""
+_ONE: Final = frozenset(("idelete", "isleep", "iwatch"))
+_ALL: Final = {"idisable": "off", "ienable": "on"}
+_LEAVES: Final = re.compile(r"\b(?:RAISE|ExitCycle)\b", re.IGNORECASE)
+"""Words that do not lead back to where an interrupt came."""
+_ORDERS: Final = frozenset((*_SIDES, "itimer", "ipers"))
+
+
+@dataclass(frozen=True, slots=True)
+class _Watch:
+    """One order of one interrupt.
+
+    begin: what is done where it is ordered, or goes on after a sleep. holds: when its procedure is
+    called. noted: what that does first. counts: whether it then is an interrupt, None for always.
+    """
+
+    begin: Body
+    holds: e.Expression
+    noted: Body
+    counts: e.Expression | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class _Made:
+    """name: of the interrupt. trap: the routine that answers it."""
+
+    name: str
+    trap: str
+    watch: _Watch
+    single: bool
+
+
+def with_interrupts(program: Program, findings: Findings) -> Program:
+    """The program that watches for its interrupts. Those that cannot be said stay as their text."""
+    asked = [node for node in program.statements() if _asked(node) is not None]
+    if not asked:
+        return program
+    return _Telling(program, findings).said()
+
+
+def _asked(node: p.Statement) -> tuple[str, str, Call | s.Connect] | None:
+    """The word of an instruction in lower case, its interrupt, and itself."""
+    if not isinstance(node, p.Opaque):
+        return None
+    match verbatim.understood(verbatim.statements, node.text):
+        case (s.Connect(variable) as connect,):
+            name = _variable(variable)
+            return None if name is None else ("connect", name, connect)
+    call = call_of(node)
+    found = None if call is None else called(call)
+    if found is None:
+        return None
+    word = found.word.lower()
+    if word in _ALL and not found.given:
+        return word, "", found
+    if (word in _ONE or word in _ORDERS) and found.given:
+        last = found.given[-1]
+        name = None if last is None else _variable(last)
+        return None if name is None else (word, name, found)
+    return None
+
+
+def _variable(node: s.Expression) -> str | None:
+    """What an interrupt is called here: its variable, an element with its number."""
+    match node:
+        case s.NameRef(name):
+            return name
+        case s.Element(s.NameRef(name), (index,)):
+            number = None if isinstance(index, s.Whole) else literal_number(index)
+            return None if number is None else f"{name}_{number:g}"
+    return None
+
+
+class _Telling:
+    """traps: what each interrupt is connected to, orders: how it is ordered, by lower-case name."""
+
+    def __init__(self, program: Program, findings: Findings) -> None:
+        self.program, self.findings = program, findings
+        self.meaning = Meaning()
+        self.taken = TakenNames(declared(program))
+        self.variables: dict[str, Variable] = {}
+        self.procedures: list[Procedure] = []
+        self.traps: dict[str, dict[str, None]] = {}
+        self.orders: dict[str, dict[str, tuple[str, Call]]] = {}
+        self.known = {q.name.lower(): q for q in program.procedures}
+        given = {q.name.lower() for r in program.procedures for q in r.parameters}
+        self.kept = given | {n.lower() for r in program.procedures for n in r.variables}
+        """Interrupts that stay as their text, by lower-case name."""
+        self.names = TakenNames()
+        """Of interrupts, which are apart from all others."""
+        self.answers: dict[str, str] = {}
+        self._gather()
+        self.made: dict[str, list[_Made]] = {}
+        for key, orders in self.orders.items():
+            self._make(key, list(orders.values()))
+
+    def _gather(self) -> None:
+        for node in self.program.statements():
+            match _asked(node):
+                case "connect", name, s.Connect(trap=trap):
+                    self.traps.setdefault(name.lower(), {})[trap.lower()] = None
+                case word, name, Called() as call if word in _ORDERS:
+                    assert isinstance(node, p.Opaque)
+                    orders = self.orders.setdefault(name.lower(), {})
+                    orders.setdefault(node.text.lower(), (name, call))
+
+    def _make(self, key: str, orders: list[tuple[str, Call]]) -> None:
+        """The interrupts that one variable stands for, one for each way in which it is ordered."""
+        traps = list(self.traps.get(key, ()))
+        if len(traps) != 1 or not self._can_answer(traps[0]):
+            self.kept.add(key)
+            return
+        made = []
+        for name, call in orders:
+            own = identifier(name, self.names)
+            self.names.add(own)
+            watch = _WATCHES[call.word.lower()](self, call, own)
+            if watch is None:
+                self.kept.add(key)
+                return
+            single = bool(call.options.keys() & {"single", "singlesafe"})
+            made.append(_Made(own, self.known[traps[0]].name, watch, single))
+        self.made[key] = made
+
+    def _can_answer(self, trap: str) -> bool:
+        """Whether all that a trap routine does goes back to where the program was."""
+        pending, seen = [trap], set[str]()
+        while pending:
+            procedure = self.known.get(key := pending.pop())
+            if procedure is None:
+                if key == trap:
+                    return False
+                continue
+            if key in seen:
+                continue
+            seen.add(key)
+            pending += calls_of(procedure)
+            for node in walk(procedure.body):
+                if isinstance(node, p.Opaque) and _LEAVES.search(node.text):
+                    return False
+        return True
+
+    # ------------------------------------------------------------------------- what is watched
+
+    def place(self, given: s.Expression | None) -> e.Expression | None:
+        """What an expression names."""
+        value = None if given is None else self.meaning.expression(given)
+        return value if isinstance(value, e.Name | e.Member | e.Index) else None
+
+    def variable(self, name: str, type: ValueType = "number") -> e.Name:
+        """A variable that is made, by the name that is wanted."""
+        own = identifier(name, self.taken)
+        self.taken.add(own)
+        first = e.Number(0) if type == "number" else e.Truth(False)
+        self.variables[own] = Variable(type, first)
+        return e.Name(own)
+
+    def signal(self, call: Call, name: str) -> _Watch | None:
+        """A signal that changes to a value, or at all."""
+        match call.given:
+            case (s.NameRef(signal), value, _) if (level := _level(value)) is not None:
+                pass
+            case (s.NameRef(signal), _):
+                level = EDGE
+            case _:
+                return None
+        self.meaning.used.append((signal, _SIDES[call.word.lower()]))
+        watch = self.changing(e.Name(signal), f"{name}_seen")
+        if level == EDGE:
+            return watch
+        (note,) = watch.noted
+        assert isinstance(note, p.Assign)
+        return replace(watch, counts=e.Binary("=", note.target, e.Number(level)))
+
+    def persistent(self, call: Call, name: str) -> _Watch | None:
+        data = self.place(call.given[0]) if len(call.given) == 2 else None
+        match data:
+            case e.Name(own):
+                known = {n.lower(): v for n, v in self.program.variables.items()}.get(own.lower())
+                if known is None or known.size or known.type not in ("number", "truth"):
+                    return None
+                return self.changing(data, f"{name}_seen", known.type)
+        return None
+
+    def changing(self, value: e.Expression, name: str, type: ValueType = "number") -> _Watch:
+        seen = self.variable(name, type)
+        note: Body = (p.Assign(seen, value),)
+        return _Watch(note, e.Binary("<>", value, seen), note)
+
+    def timer(self, call: Call, name: str) -> _Watch | None:
+        """A time that is over, again and again."""
+        if len(call.given) != 2 or call.given[0] is None:
+            return None
+        seconds = self.meaning.expression(call.given[0])
+        clock = identifier(f"{name}_time", self.taken)
+        self.taken.add(clock)
+        start: Body = (p.StartTimer(clock),)
+        begin = start
+        if not isinstance(seconds, e.Number):
+            after = self.variable(f"{name}_seconds")
+            begin = (p.Assign(after, seconds), *start)
+            seconds = after
+        return _Watch(begin, e.Binary(">=", e.Elapsed(clock), seconds), start)
+
+    # ------------------------------------------------------------------------------ what is said
+
+    def said(self) -> Program:
+        program = exchanged(self.program, self.statement)
+        procedures = [*program.procedures, *self.procedures]
+        left = {name.lower() for name in names_in(tuple(procedures))}
+        told = {
+            name: one
+            for name, one in program.variables.items()
+            if name.lower() not in self.made or name.lower() in left
+        }
+        return replace(
+            program,
+            procedures=tuple(procedures),
+            variables={**told, **self.variables},
+            signals=with_used(program.signals, self.meaning.used),
+        )
+
+    def statement(self, node: p.Opaque) -> tuple[p.Statement, ...]:
+        asked = _asked(node)
+        if asked is None:
+            return (node,)
+        word, name, call = asked
+        key = name.lower()
+        if word in _ALL:
+            return (p.SwitchInterrupts("off" if word == "idisable" else "on", span=node.span),)
+        if key in self.kept:
+            return (node,)
+        made = self.made.get(key, [])
+        said: list[p.Statement] = []
+        if word == "connect":
+            for one in made:
+                answer = p.Call(self._answer(one, node))
+                said.append(p.Interrupt(one.name, one.watch.holds, answer))
+            with self.findings.at(node.span):
+                self.findings.append(rules.INTERRUPTED(name=name))
+        elif word in _ORDERS:
+            assert isinstance(call, Called)
+            at = list(self.orders[key]).index(node.text.lower())
+            said += self._on(made[at])
+        elif word == "iwatch":
+            if len(made) != 1:
+                return (node,)
+            said += self._on(made[0])
+        else:
+            said += (p.SwitchInterrupt(one.name, "off") for one in made)
+        return tuple(replace(one, span=node.span) for one in said)
+
+    def _on(self, made: _Made) -> Iterator[p.Statement]:
+        yield from made.watch.begin
+        yield p.SwitchInterrupt(made.name, "on")
+
+    def _answer(self, made: _Made, node: p.Opaque) -> str:
+        """The procedure that an interrupt calls, which calls the trap routine."""
+        name = self.answers.get(made.name)
+        if name is None:
+            name = self.answers[made.name] = identifier(f"{made.name}_came", self.taken)
+            self.taken.add(name)
+            inner: Body = (p.Call(made.trap),)
+            if made.single:
+                inner = (p.SwitchInterrupt(made.name, "off"), *inner)
+            counts = made.watch.counts
+            then = inner if counts is None else (p.If((p.Branch(counts, inner),)),)
+            self.procedures.append(Procedure(name, (*made.watch.noted, *then), span=node.span))
+        return name
+
+
+def with_own_waits(program: Program) -> Program:
+    """The program whose interrupts have a timer of their own for the longest time of waits."""
+    calls = {q.name.lower(): set(calls_of(q)) for q in program.procedures}
+    answers = {one.call.procedure.lower() for one in interrupts(program)}
+    if not answers:
+        return program
+    inside: set[str] = set()
+    while pending := (answers & calls.keys()) - inside:
+        inside |= pending
+        answers = set().union(*(calls[name] for name in pending))
+
+    def own(part: Any) -> Any:
+        match part:
+            case e.Elapsed(waits.TIMER) | p.StartTimer(waits.TIMER):
+                return replace(part, timer=f"{waits.TIMER}_of_interrupts")
+        return part
+
+    procedures = (rewrite(q, own) if q.name.lower() in inside else q for q in program.procedures)
+    return replace(program, procedures=tuple(procedures))
+
+
+def _level(node: s.Expression | None) -> float | None:
+    match node:
+        case s.NameRef(name):
+            return LEVELS.get(name.lower())
+        case None:
+            return None
+    number = literal_number(node)
+    return number if number in LEVELS.values() else None
+
+
+_WATCHES: Final[Mapping[str, Callable[[_Telling, Call, str], _Watch | None]]] = {
+    **dict.fromkeys(("isignaldi", "isignaldo", "isignalgi", "isignalgo"), _Telling.signal),
+    **dict.fromkeys(("isignalai", "isignalao"), lambda *_: None),
+    "itimer": _Telling.timer,
+    "ipers": _Telling.persistent,
+}

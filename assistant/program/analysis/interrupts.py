@@ -1,0 +1,25 @@
+"""The interrupts of a program."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from assistant.program import statements as p
+from assistant.program.program import Program
+
+
+def interrupts(program: Program) -> tuple[p.Interrupt, ...]:
+    """Wherever they are defined, in order of the text."""
+    return tuple(node for node in program.statements() if isinstance(node, p.Interrupt))
+
+
+def numbered(program: Program, numbers: Sequence[int]) -> dict[str, int]:
+    """The number of each by its lower-case name; those beyond the numbers have none."""
+    names = dict.fromkeys(node.name.lower() for node in interrupts(program))
+    return dict(zip(names, numbers, strict=False))
+
+
+def spelled(program: Program, numbers: Mapping[str, int]) -> dict[str, str]:
+    """The name that each number stands for."""
+    known = {node.name.lower(): node.name for node in interrupts(program)}
+    return {str(number): known[key] for key, number in numbers.items()}

@@ -1,0 +1,129 @@
+"""Interrupts of RAPID in MELFA-BASIC, run on both sides."""
+
+from __future__ import annotations
+
+import pytest
+
+from assistant.compiler import translate
+from assistant.compiler.filling import in_neutral_cell
+from assistant.compiler.loading import load_text
+from assistant.compiler.motion import Proving
+from assistant.compiler.translating import Translation
+from assistant.program.text import SourceText
+
+MODULE = r"""MODULE Cell
+VAR intnum opened;
+VAR intnum other;
+VAR num count:=0;
+VAR num ticks:=0;
+PERS num mode:=0;
+PERS bool busy:=FALSE;
+CONST robtarget a:=[[400,0,400],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+PROC main()
+{main}
+SetGO goCount,count;
+SetGO goTicks,ticks;
+ENDPROC
+TRAP answer
+{answer}
+ENDTRAP
+TRAP tick
+Incr ticks;
+ENDTRAP
+PROC twice(INOUT num n)
+n:=n*2;
+ENDPROC
+ENDMODULE
+"""
+WAIT = "WaitTime 2;\n"
+CONNECTED = "CONNECT opened WITH answer;\n"
+TICKING = "CONNECT other WITH tick;\n"
+OPENED = f"{CONNECTED}ISignalDI diDoor,1,opened;\n"
+
+
+def crossed(main: str, to: str = "melfa-basic-6", answer: str = "Incr count;") -> Translation:
+    """What becomes of a module, run on both sides with inputs that change."""
+    text = MODULE.format(main=main, answer=answer)
+    cell = in_neutral_cell(load_text(SourceText(text), language="rapid"))
+    return translate(cell, to=to, proving=Proving(seconds=2))
+
+
+def written(done: Translation) -> str:
+    """The lines below the heading, of a program that is whole and does the same when run."""
+    reasons = [f.message for row in done.rows if row.level == "not" for f in row.reasons]
+    assert not reasons, reasons
+    assert done.motion is not None
+    assert done.motion.holds, done.motion.findings
+    assert done.motion.found is not None
+    (text,) = done.compiled.files.values()
+    lines = (line.partition(" ")[2].strip() for line in text.decode().splitlines())
+    return "\n".join(line for line in lines if not line.startswith("'"))
+
+
+@pytest.mark.parametrize(
+    "to",
+    [
+        pytest.param("melfa-basic-4", marks=pytest.mark.slow),
+        pytest.param("melfa-basic-5", marks=pytest.mark.slow),
+        "melfa-basic-6",
+    ],
+)
+def test_a_signal_that_changes_calls_the_trap(to: str) -> None:
+    done = crossed(f"{OPENED}{WAIT}MoveL a,v100,fine,tool0;\n{WAIT}", to)
+    lines = written(done).upper().splitlines()
+    (defined,) = (line for line in lines if line.startswith("DEF ACT 1,M_IN(1)<>MOPENED"))
+    assert defined.endswith("GOSUB *AC1")
+    assert {"ACT 1=1", "*AC1", "RETURN 0"} <= set(lines)
+
+
+@pytest.mark.parametrize(
+    "main",
+    [
+        f"{OPENED}{WAIT}ISleep opened;\n{WAIT}IWatch opened;\n{WAIT}",
+        f"{OPENED}{TICKING}ITimer 0.7,other;\n{WAIT}twice count;",
+        f"{CONNECTED}IPers mode,opened;\nmode:=2;\nmode:=2;\nmode:=3;",
+    ],
+)
+def test_both_sides_answer_alike(main: str) -> None:
+    assert "Def Act 1," in written(crossed(main))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "main",
+    [
+        f"{OPENED}{WAIT}IDelete opened;\n{WAIT}",
+        f"{OPENED}IDisable;\n{WAIT}IEnable;\n{WAIT}",
+        f"{CONNECTED}ISignalDI \\Single,diDoor,1,opened;\n{3 * WAIT}",
+        f"{CONNECTED}ISignalDI diDoor,edge,opened;\n{3 * WAIT}",
+        f"{CONNECTED}ISignalDI diDoor,low,opened;\n{3 * WAIT}",
+        f"{CONNECTED}ISignalGI giPart,opened;\n{2 * WAIT}",
+        f"{CONNECTED}ISignalDO doLamp,1,opened;\nSet doLamp;\nReset doLamp;",
+        f"{CONNECTED}IPers busy,opened;\nbusy:=TRUE;\nbusy:=FALSE;\n",
+        f"{TICKING}ITimer 0.5,other;\nWaitTime 2.2;\nIDelete other;\n{WAIT}",
+        f"{TICKING}ITimer \\Single,mode+1,other;\nWaitTime 2.2;\n{WAIT}",
+    ],
+)
+def test_every_order_is_answered_alike(main: str) -> None:
+    assert "Def Act 1," in written(crossed(main))
+
+
+def test_an_interrupt_that_moves_the_arm_is_told() -> None:
+    done = crossed(f"{OPENED}WaitTime 2;", answer="MoveL a,v100,fine,tool0;")
+    reasons = [f.message for row in done.rows for f in row.reasons]
+    assert any("moves the robot" in one for one in reasons)
+    assert done.motion is None or not done.motion.holds
+
+
+@pytest.mark.parametrize("answer", ["RAISE 12;", "ExitCycle;", "IF count=1 ExitCycle;"])
+def test_a_trap_that_does_not_come_back_stays_as_its_text(answer: str) -> None:
+    done = crossed(f"{OPENED}WaitTime 2;", answer=answer)
+    kept = [row for row in done.rows if row.level == "not"]
+    assert len(kept) >= 2  # CONNECT and what orders it
+
+
+def test_what_a_trap_shares_with_the_program_is_refused_where_data_are_there_once() -> None:
+    main, answer = f"{OPENED}twice count;\nWaitTime 2;", "twice count;"
+    assert "twice(" in written(crossed(main, answer=answer))
+    old = crossed(main, "melfa-basic-5", answer)
+    assert any("as what it interrupts does" in f.message for row in old.rows for f in row.reasons)
