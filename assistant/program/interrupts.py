@@ -9,13 +9,11 @@ at once are answered in the order in which they were defined.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
+from assistant.program.calls import Call
 from assistant.program.expressions import Expression
 from assistant.program.spanned import Spanned
-
-if TYPE_CHECKING:
-    from assistant.program.statements import Call
 
 State = Literal["on", "off"]
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
+from assistant.program.calls import Call as Call
 from assistant.program.effects import Effect
 from assistant.program.expressions import Expression, Name, Number
 from assistant.program.expressions import Reason as Reason
@@ -147,18 +148,6 @@ class SetOverride(Spanned):
     """Percent of the programmed speed at which the moves that follow run."""
 
     percent: Expression
-
-
-@dataclass(frozen=True, slots=True)
-class Call(Spanned):
-    """Calls a procedure.
-
-    unit: the program unit that holds it if that is loaded for the call (see Procedure).
-    """
-
-    procedure: str
-    arguments: tuple[Expression, ...] = ()
-    unit: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
