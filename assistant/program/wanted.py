@@ -11,9 +11,20 @@ from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.program import Signal
 
 WantedKind = Literal[
-    "tool", "frame", "speed", "blend", "position", "joints", "signal", "data", "routine", "arm"
+    "tool",
+    "frame",
+    "speed",
+    "blend",
+    "position",
+    "joints",
+    "signal",
+    "data",
+    "routine",
+    "record",
+    "arm",
 ]
 """What it is: as in a process file, `data` for any other value, `routine` for what is called,
+`record` for a type of data, whose value is a text with type and name for each component,
 `arm` for the one that joint angles were taught on."""
 Plain: TypeAlias = float | bool | str | tuple["Plain", ...]
 """A value as its language writes it: a number, truth, text, or values in brackets."""

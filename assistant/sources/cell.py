@@ -20,6 +20,9 @@ Beside that there is a table for each other name that no program declares:
     [routines.rWash]
     routine = "empty"             # or "stop": the program stops there; or the name of its file
 
+    [records.message]
+    components = ["num id", "string text"]    # type and name of each, in their order
+
     [arms.taught_on]
     arm = "same"                  # joint angles are of the arm that runs the program; or its name
 
@@ -53,9 +56,9 @@ OPEN: Final = "?"
 TABLES: Final[Mapping[WantedKind, str]] = {
     "tool": "tools", "frame": "frames", "speed": "speeds", "blend": "blends",
     "position": "positions", "joints": "positions", "signal": "signals", "data": "data",
-    "routine": "routines", "arm": "arms",
+    "routine": "routines", "record": "records", "arm": "arms",
 }  # fmt: skip
-OWN: Final = ("speeds", "blends", "positions", "data", "routines", "arms")
+OWN: Final = ("speeds", "blends", "positions", "data", "routines", "records", "arms")
 """Tables that a process file has not."""
 ENTRIES: Final = tuple(dict.fromkeys(TABLES.values()))
 
@@ -77,6 +80,19 @@ def _joints(value: Any) -> JointTarget:
     return JointTarget(tuple(values.number("degrees")(one) for one in value))
 
 
+def _components(value: Any) -> Plain:
+    if not isinstance(value, list) or not value or not all(map(_is_component, value)):
+        raise Wrong(
+            "is no list of components",
+            'write the type and the name of each: ["num id", "string text"]',
+        )
+    return tuple(value)
+
+
+def _is_component(value: Any) -> bool:
+    return isinstance(value, str) and bool(re.fullmatch(r"[^\W\d]\w* [^\W\d]\w*", value))
+
+
 SPEED: Final[Mapping[str, Read]] = {"speed": values.speed}
 BLEND: Final[Mapping[str, Read]] = {"blend": values.blend}
 POSITION: Final[Mapping[str, Read]] = {
@@ -87,6 +103,7 @@ POSITION: Final[Mapping[str, Read]] = {
 }
 DATA: Final[Mapping[str, Read]] = {"type": values.name, "value": _plain}
 ROUTINE: Final[Mapping[str, Read]] = {"routine": values.text}
+RECORD: Final[Mapping[str, Read]] = {"components": _components}
 ARM: Final[Mapping[str, Read]] = {"arm": values.text}
 
 
@@ -186,6 +203,9 @@ def _entry(table: str, entry: Table, types: dict[str, str], low: str) -> Value |
                 types[low] = found["type"]
             plain: Plain | None = found.get("value")
             return plain
+        case "records":
+            components: Plain | None = entry.read(RECORD).get("components")
+            return components
         case "arms":
             arm: str | None = entry.read(ARM).get("arm")
             return arm
@@ -279,7 +299,7 @@ OPEN_TEXT: Final = f'"{OPEN}"'
 _WORDS: Final[Mapping[WantedKind, str]] = {
     "tool": "tool", "frame": "frame", "speed": "speed", "blend": "corner", "position": "position",
     "joints": "joint angles", "signal": "signal", "data": "data", "routine": "routine",
-    "arm": "arm that joint angles were",
+    "record": "type", "arm": "arm that joint angles were",
 }  # fmt: skip
 
 
@@ -340,6 +360,9 @@ def _keys(wanted: Wanted, value: Value | None) -> Iterator[tuple[str, Any, str]]
             yield "value", value, ""
         case "routine":
             yield "routine", value, '"stop", "empty", or the name of its file'
+        case "record":
+            perhaps = "" if value else f"; perhaps {_toml(wanted.nothing)}"
+            yield "components", value, f"type and name of each in their order{perhaps}"
         case "arm":
             yield "arm", value, '"same" as the one that runs the program, or a robot by its name'
 

@@ -7,13 +7,14 @@ of them want is taken for its type.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, Final
+from collections.abc import Sequence
+from typing import Any
 
 from assistant.languages.rapid.checks.arguments import call_of, signature_of
 from assistant.languages.rapid.checks.kinds import LOGICAL, NUMBER, SIGNALS, Scope, Types
 from assistant.languages.rapid.checks.module_view import Look, Task
 from assistant.languages.rapid.checks.wanted_names import OF_TYPE, WEAK, Met, made
+from assistant.languages.rapid.checks.wanted_records import Records, record_of
 from assistant.languages.rapid.tables import predefined
 from assistant.languages.rapid.tables.hands import hand_of
 from assistant.languages.rapid.tables.motions import BLENDS, SPEEDS
@@ -32,42 +33,35 @@ from assistant.languages.signatures import Signature
 from assistant.program import expressions as e
 from assistant.program.wanted import Argument, Wanted
 
-_PARTS: Final[Mapping[str, tuple[str, ...]]] = {
-    "robtarget": ("robconf",),
-    "jointtarget": ("robax",),
-    "tooldata": ("tframe", "tload"),
-    "wobjdata": ("uframe", "oframe", "ufprog", "ufmec"),
-    "speeddata": ("v_tcp", "v_ori", "v_leax", "v_reax"),
-    "zonedata": ("finep", "pzone_tcp", "pzone_ori", "zone_ori"),
-    "loaddata": ("mass", "cog", "aom"),
-    "pos": ("x", "y", "z"),
-    "orient": ("q1", "q2", "q3", "q4"),
-    "confdata": ("cf1", "cf4", "cf6", "cfx"),
-}
-_OF_PART: Final = {part: type for type, parts in _PARTS.items() for part in parts}
-"""Components that one predefined record alone has → that record."""
-
 
 def wanted(files: Sequence[s.File]) -> tuple[Wanted, ...]:
     """What the modules of one task use and nobody declares, in the order of the first uses."""
     task, met = Task(files), dict[str, Met]()
     stands = can_stand([module for file in files for module in file.modules])
-    for file in files:
-        for module in file.modules:
-            look = Look(file, module, task)
-            _Module(look, met, stands).walk()
     first = next((file for file in files if file.modules), None)
     if first is None:
         return ()
+    records = Records(Types(Look(first, first.modules[0], task)))
+    for file in files:
+        for module in file.modules:
+            look = Look(file, module, task)
+            _Module(look, met, records, stands).walk()
     types = Types(Look(first, first.modules[0], task))
-    return tuple(found for one in met.values() if (found := made(one, types)))
+    for one in met.values():
+        if one.parts.parts and not one.types:
+            owner = records.owner(one.name, one.parts)
+            one.types[owner.lower()] += 1
+            records.found[owner.lower()].join(one.parts)
+    asked = tuple(records.wanted())
+    data = (made(one, types, records.solved) for one in met.values())
+    return (*asked, *(found for found in data if found))
 
 
 class _Module:
     """Looks through one module. stands: mechanical units may be said to stand still."""
 
-    def __init__(self, look: Look, met: dict[str, Met], stands: bool) -> None:
-        self.look, self.met, self.stands = look, met, stands
+    def __init__(self, look: Look, met: dict[str, Met], records: Records, stands: bool) -> None:
+        self.look, self.met, self.records, self.stands = look, met, records, stands
         self.types = Types(look)
         self.place = ""
 
@@ -156,6 +150,8 @@ class _Module:
             self._expression(extent, scope, "num")
         if node.value is not None:
             self._expression(node.value, scope, node.type.lower())
+            if self.records.is_open(node.type):
+                self.records.row(node.type, node.value, len(node.dimensions), self.place)
 
     def _moves(self, node: s.MoveRunNode, scope: Scope) -> None:
         types = ("speeddata", "zonedata", "tooldata", "wobjdata")
@@ -317,12 +313,20 @@ class _Module:
                     if not isinstance(index, s.Whole):
                         self._expression(index, scope, "num")
             value = value.value
-        if not isinstance(value, s.NameRef) or not self._unknown(value.name, scope, ""):
+        if not isinstance(value, s.NameRef):
             return
         outer.reverse()
-        parts = [one.name.lower() for one in outer if isinstance(one, s.Component)]
-        of = _record(parts) if parts else type
+        named = [one.name for one in outer if isinstance(one, s.Component)]
+        if not self._unknown(value.name, scope, ""):
+            found = scope.find(value.name)
+            if named and found is not None and self.records.is_open(found.type):
+                self.records.note(found.type, named, type, self.place)
+            return
+        parts = [name.lower() for name in named]
+        of = record_of(parts) if parts else type
         met = self._note(value.name, of, assigned=assigned)
+        if named and not of:
+            met.parts.note(named, type, self.place)
         if isinstance(outer[0], s.Element):
             numbers = [
                 literal_number(i) if not isinstance(i, s.Whole) else None for i in outer[0].indices
@@ -349,18 +353,6 @@ class _Module:
         if self.place:
             met.uses.setdefault(self.place)
         return met
-
-
-def _record(parts: Sequence[str]) -> str:
-    """The predefined record that has a component of a component …, empty if several have."""
-    first = parts[0]
-    if first in _OF_PART:
-        return _OF_PART[first]
-    if first in ("trans", "rot"):
-        return "robtarget"
-    if first == "extax":
-        return "jointtarget" if "robax" in parts else "robtarget"
-    return ""
 
 
 def _type(kind: Any) -> str | None:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from assistant.languages.rapid.checks.kinds import SIGNALS, Types
+from assistant.languages.rapid.checks.wanted_records import Shape, Solved
 from assistant.program.program import Signal
 from assistant.program.wanted import Argument, Plain, Wanted, WantedKind
 
@@ -31,7 +32,7 @@ of a signal."""
 @dataclass(slots=True)
 class Met:
     """What is known of one name. types: how often its uses want it to be of each. usual: of what
-    the controller tells of itself, what it mostly is.
+    the controller tells of itself, what it mostly is. parts: its components that are asked for.
     """
 
     name: str
@@ -43,9 +44,11 @@ class Met:
     calls: list[tuple[Argument, ...]] = field(default_factory=list)
     uses: dict[str, None] = field(default_factory=dict)
     usual: Plain | None = None
+    parts: Shape = field(default_factory=lambda: Shape(""))
 
 
-def made(met: Met, types: Types) -> Wanted | None:
+def made(met: Met, types: Types, records: Mapping[str, Solved]) -> Wanted | None:
+    """What a cell is asked for. records: types that it is asked for as well."""
     uses = tuple(met.uses)
     if met.usual is not None:
         (type,) = met.types
@@ -69,15 +72,17 @@ def made(met: Met, types: Types) -> Wanted | None:
         letters = "".join(filter(None, named.groups())).lower() if named else "di"
         type = f"signal{letters}"
         return Wanted(met.name, "signal", type, signal=_signal(type), uses=uses)
+    if type in records:
+        nothing = _many(records[type].nothing, met.extents)
+        size = tuple(met.extents)
+        return Wanted(met.name, "data", type, size, uses=uses, assigned=True, nothing=nothing)
     type = type if types.kind(type) not in ("", "OTHER") else "num"
     if types.kind(type) == "DEVICE" or (
         types.kind(type) == "RECORD" and not types.components(type)
     ):
         return None  # of the controller's configuration, or of an option whose records nobody lists
     kind = OF_TYPE.get(type, "data") if not (met.extents or met.assigned) else "data"
-    nothing = _nothing(type, types)
-    for extent in reversed(met.extents):
-        nothing = None if nothing is None else (nothing,) * extent
+    nothing = _many(_nothing(type, types), met.extents)
     size = tuple(met.extents)
     return Wanted(met.name, kind, type, size, uses=uses, assigned=met.assigned, nothing=nothing)
 
@@ -92,6 +97,13 @@ _PLAIN: Final[Mapping[str, Plain]] = {
     "zonedata": (True, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
     "wobjdata": (False, True, "", (_ORIGIN, _ORIENT), (_ORIGIN, _ORIENT)),
 }  # fmt: skip
+
+
+def _many(value: Plain | None, extents: Sequence[int]) -> Plain | None:
+    """An array with one value for all elements."""
+    for extent in reversed(extents):
+        value = None if value is None else (value,) * extent
+    return value
 
 
 def _nothing(type: str, types: Types) -> Plain | None:

@@ -40,6 +40,10 @@ def supplied(given: Supplied, taken: Sequence[str]) -> str:
 def _item(wanted: Wanted, value: Value | None) -> s.Item:
     if wanted.kind == "routine":
         return _routine(wanted, stops=value != "empty")
+    if wanted.kind == "record":
+        said = value if isinstance(value, tuple) else ()
+        words = (str(one).split() for one in said)
+        return s.Record(False, wanted.name, tuple((type, name) for type, name in words))
     type = wanted.type or _OF_KIND.get(wanted.kind, "num")
     size = tuple(s.NumberLiteral(str(extent)) for extent in wanted.size)
     if value is None or is_handle(type):

@@ -132,7 +132,8 @@ class Bodies:
             case s.ProcedureCall(str()) if (own := worded(self.values, node)) is not node:
                 yield from self._said(own)
             case s.ProcedureCall(name, arguments):
-                yield replace(node, arguments=self.values.arguments(name, arguments))
+                said = name if isinstance(name, str) else plain(name)
+                yield replace(node, name=said, arguments=self.values.arguments(name, arguments))
             case s.ReturnFrom(value) if value is not None:
                 yield from self._returned(node, value)
             case s.RaiseError(value) if value is not None:

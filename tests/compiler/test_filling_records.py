@@ -1,0 +1,111 @@
+"""Cell files that say of what components a record is, whose type nobody declares."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from assistant.compiler import Translation, load, translate
+from assistant.compiler.filling import cell_text, in_cell, neutral_cell
+from assistant.compiler.motion import Proving
+from assistant.program.diagnostics import Refused
+from assistant.sources.cell import NO_CELL
+from tests.compiler.test_filling import program
+
+USES = """MODULE Cell
+  CONST robtarget p10:=[[400,0,300],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+  CONST message mNone:=[[7,"go",0],FALSE];
+  VAR message m:=[[1,"stop",30],TRUE];
+  VAR stamp at;
+  PROC main()
+    IF m.full rTell m;
+    shared{2}.Data.way:=25;
+    m.data:=shared{2}.data;
+    m.data.word:=m.data.word+"x";
+    at.n:=at.n+m.data.way;
+    MoveL Offs(p10,m.data.way,at.n,0),v100,fine,tool0;
+    other.on:=m.full;
+    m:=mNone;
+    %m.data.word%;
+    IF NOT (m.full OR other.on) MoveL p10,v100,fine,tool0;
+    MoveL Offs(p10,0,shared{1}.data.way,m.data.way),v100,fine,tool0;
+  ENDPROC
+  PROC rTell(VAR message one)
+    one.full:=FALSE;
+  ENDPROC
+  PROC go()
+    MoveL Offs(p10,5,0,0),v100,fine,tool0;
+  ENDPROC
+ENDMODULE
+"""
+ASKED = (
+    """[records.message]
+components = ["message_data data", "bool full"]  # type and name of each in their order""",
+    """
+[records.message_data]
+components = ["num way", "string word", "num part_3"]""",
+    """
+[records.stamp]
+components = ["num n"]""",
+    """
+[records.other_type]
+components = ["bool on"]""",
+    """
+[data.shared]
+type = "message"
+value = [[[0, "", 0], false], [[0, "", 0], false]]""",
+)
+
+
+def told(folder: Path, cell: str) -> Translation:
+    path = folder / "cell.toml"
+    path.write_text(cell, encoding="utf-8")
+    return translate(program(folder, USES), to="melfa-basic-6", cell=path, proving=Proving())
+
+
+def test_components_are_asked_for_with_what_their_uses_and_values_tell(tmp_path: Path) -> None:
+    text = neutral_cell(load(program(tmp_path, USES)))
+    for entry in ASKED:
+        assert entry in text, text
+
+
+@pytest.mark.parametrize("third", [False, True])
+def test_with_the_components_of_the_cell_file_it_is_whole_and_proven(
+    tmp_path: Path, third: bool
+) -> None:
+    cell = neutral_cell(load(program(tmp_path, USES)))
+    if third:  # as the uses cannot tell
+        cell = cell.replace(
+            '"num way", "string word", "num part_3"', '"num id", "string word", "num way"'
+        )
+    done = told(tmp_path, cell)
+    assert done.ok, [f"{f.code} {f.message}" for f in done.findings]
+    assert done.motion is not None and done.motion.holds
+
+
+def test_a_place_for_them_tells_what_they_may_be(tmp_path: Path) -> None:
+    loaded = in_cell(load(program(tmp_path, USES)), NO_CELL, tmp_path / "cell.toml")
+    text = cell_text(NO_CELL, loaded.wanting)
+    assert 'components = "?"  # type and name of each in their order; perhaps ["num n"]' in text
+
+
+@pytest.mark.parametrize("components", ["[]", '["num"]', '["num a b"]', "3", '["num 3a"]'])
+def test_what_are_no_components_is_told(tmp_path: Path, components: str) -> None:
+    with pytest.raises(Refused) as refused:
+        told(tmp_path, f"[records.message]\ncomponents = {components}\n")
+    assert [finding.line for finding in refused.value.findings] == [2]
+
+
+def test_uses_that_disagree_with_the_values_are_not_asked_for(tmp_path: Path) -> None:
+    text = """MODULE Cell
+  VAR odd o:=[1,2];
+  VAR same s:=["a"];
+  PROC main()
+    o.word:="x";
+    s.a:="x";
+    s.b:="y";
+  ENDPROC
+ENDMODULE
+"""
+    assert "records" not in neutral_cell(load(program(tmp_path, text)))
