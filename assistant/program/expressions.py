@@ -239,4 +239,6 @@ def inverse(pose: Expression) -> Expression:
     match pose:
         case Apply("inverse", (inner,)):
             return inner
+        case PoseValue(value):
+            return PoseValue(value.inverse())
     return Apply("inverse", (pose,))

@@ -167,6 +167,11 @@ STANDS: Final = warning(
     "`{frame}`: what it carries does not turn with it",
     "state its place in the cell file, and let the unit stand there",
 )
+BEFORE_MOVES: Final = warning(
+    "RA362",
+    "where no move came before, this reads the position of the flange in the robot's base",
+    r"name what is meant, as `CRobT(\Tool:=tool0\WObj:=wobj0)`",
+)
 IDLE: Final = info("RA344", "this is left out: nothing reads what it assigns", "none is needed")
 SETTLED: Final = warning(
     "RA345",

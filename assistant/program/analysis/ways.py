@@ -13,6 +13,7 @@ from typing import Any, Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.uses import texts_in
 from assistant.program.kept import effect_of
 from assistant.program.motion import Blend
 from assistant.program.program import Procedure, Program, bodies
@@ -32,6 +33,8 @@ ENTRY: Final = ""
 """Stands for what holds where the procedure is called."""
 UNKNOWN: Final = "?"
 """Stands for what the program does not tell."""
+START: Final = "<start>"
+"""Stands for the tool and frame that are active before the first move."""
 STOP: Final = "stop"
 WATCHED: Final = "on"
 """A straight move stops where its target states another configuration."""
@@ -39,7 +42,8 @@ OPEN: Final = "off"
 """A straight move goes on in the configuration that it begins in."""
 _ANY: Final = (frozenset((UNKNOWN,)),) * 4
 _CALLED: Final = (frozenset((ENTRY,)),) * 4
-_BEGUN: Final = (*_ANY[:2], frozenset((STOP,)), frozenset((WATCHED,)))
+_FIRST: Final = frozenset((START,))
+_BEGUN: Final = (_FIRST, _FIRST, frozenset((STOP,)), frozenset((WATCHED,)))
 """At the start of a program."""
 _STARTED: Final = (*_BEGUN[:3], _ANY[3])
 """Where a person starts a procedure that nothing calls."""
@@ -123,7 +127,9 @@ class Ways:
         roots = {n for n in self.procedures if n not in self.calls or self.any_called}
         entered: dict[str, State] = {entry: _BEGUN}
         alone = _ANY if self.any_called else _STARTED
-        entered |= dict.fromkeys(roots - {entry}, alone) | dict.fromkeys(self.elsewhere, _ANY)
+        entered |= dict.fromkeys(roots - {entry}, alone)
+        said = texts_in(tuple(q.body for q in self.procedures.values())) if roots else set()
+        entered |= dict.fromkeys(self.elsewhere | (roots & said), _ANY)  # or an interrupt calls it
         while True:
             known = dict(entered)
             for callee, callers in self.calls.items():

@@ -128,6 +128,8 @@ class Expressions:
                 if operator in e.RELATIONS and any(map(_is_position, sides)):
                     raise Unsayable("a comparison of positions", "compare their components")
                 return s.Binary(operators.WRITTEN[operator], *sides)
+            case e.Apply("inverse", (e.Name(name),)) if (base := self.base(name)) is not None:
+                return base
             case e.Apply(function=function, arguments=arguments):
                 return self.apply(function.lower(), arguments)
             case e.Verbatim():
@@ -204,9 +206,14 @@ class Expressions:
             return self.signal(name, self.signals[key])
         if key in self.names.tools:
             return s.Variable(self.names.tools[key])
-        if key in self.names.frames and not self.names.products:  # `Base` is given the inverse
-            return self.call("Inv", s.Variable(self.names.frames[key]))
+        if (base := self.base(name)) is not None:
+            return self.call("Inv", base)
         raise Undeclared(name)
+
+    def base(self, name: str) -> s.Variable | None:
+        """What `Base` is given for a frame, which is the inverse of it; None for any other name."""
+        known = None if self.names.products else self.names.frames.get(name.lower())
+        return None if known is None or self.variable(name) else s.Variable(known)
 
     def element(self, inner: e.Expression, indices: tuple[e.Expression, ...]) -> s.Variable:
         whole = self.of(inner)

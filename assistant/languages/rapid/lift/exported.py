@@ -20,6 +20,7 @@ from assistant.languages.rapid.lift.dates import with_others_dates
 from assistant.languages.rapid.lift.extents import with_extents
 from assistant.languages.rapid.lift.instructions import Meaning
 from assistant.languages.rapid.lift.operator import with_operator
+from assistant.languages.rapid.lift.places import with_active
 from assistant.languages.rapid.lift.plain.library import PART
 from assistant.languages.rapid.lift.plain_data import with_plain_data, without_marks
 from assistant.languages.rapid.lift.statements import lift_of
@@ -107,6 +108,8 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
         program = with_stops(program, steps, _besides_standing, IN_CORNER)
         nothing = NOTHING | {word for word, moves in _ENDED.items() if not _says(program, moves)}
         program = exchanged(program, lambda node: _told(node, nothing, findings))
+        program, early = with_active(program)
+        findings += [rules.BEFORE_MOVES(span=span) for span in dict.fromkeys(early)]
     program = _without_unused(with_needed_declarations(program, findings))
     types = {
         key: (known.name, VALUE_OF_TYPE[known.type])

@@ -17,7 +17,9 @@ from assistant.languages.rapid.tables.functions import HERE
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree.calls import called
 from assistant.program import expressions as e
-from assistant.program.passes.present_places import with_present_places
+from assistant.program.diagnostics import Span
+from assistant.program.passes.active_places import with_active_places
+from assistant.program.passes.present_places import Said, with_present_places
 from assistant.program.program import Program
 
 DIFFERS: Final = e.Reason(
@@ -31,6 +33,18 @@ def with_places(program: Program, original: Callable[[str], str] = str) -> Progr
 
     One that differs with the way stays as its text. original: gives a shortened name back.
     """
+    return with_present_places(program, _reads, _said(original), steps)
+
+
+def with_active(program: Program) -> tuple[Program, list[Span | None]]:
+    """The same for another language, which is told in variables what differs with the way.
+
+    And the places of what may read before the first move, in the flange and the base then.
+    """
+    return with_active_places(program, _reads, _said(str), steps)
+
+
+def _said(original: Callable[[str], str]) -> Said:
     expressions = Expressions(original)
 
     def said(x: e.Expression, tool: str | None, frame: str | None) -> e.Expression:
@@ -42,7 +56,7 @@ def with_places(program: Program, original: Callable[[str], str] = str) -> Progr
             return replace(x, reason=DIFFERS)
         return e.Here(tool_name(where["tool"]), frame_name(where["frame"]))
 
-    return with_present_places(program, _reads, said, steps)
+    return said
 
 
 def _reads(record: Any) -> bool:

@@ -26,19 +26,20 @@ from assistant.virtual.rapid.poses import (
     record,
     robtarget,
 )
-from assistant.virtual.rapid.predefined import wobj0
+from assistant.virtual.rapid.predefined import tool0, wobj0
 from assistant.virtual.rapid.values import Record
 
 
 def _here(given: Given) -> Pose:
     """The position in the tool and work object that are named, else in those of the latest move.
 
-    CRobT without them reads in the active tool and work object.
+    CRobT without them reads in the active tool and work object: tool0 and wobj0 before a motion, as
+    in a controller that was just started.
     """
-    tool = given.optional_record("tool", "tooldata") or _active(given.machine.arm.tool, "tool")
+    tool = given.optional_record("tool", "tooldata") or given.machine.arm.tool or tool0()
     frame = given.optional_record("wobj", "wobjdata")
     if frame is None:
-        frame = _active(given.machine.arm.frame, "work object")
+        frame = given.machine.arm.frame or wobj0()
     standing = _standing(given)
     return given.machine.arm.reading(tool, frame, None if standing is None else standing[0])
 
@@ -52,12 +53,6 @@ def _standing(given: Given) -> Standing | None:
     if not motion.stands():
         machine.hangs_on.add("time")
     return standing
-
-
-def _active(record: Record | None, what: str) -> Record:
-    if record is None:
-        raise NotSimulated(f"a position that is read in the {what} of the program before")
-    return record
 
 
 def _target(given: Given) -> Record:
@@ -144,11 +139,11 @@ def _configuration(machine: Machine, joints: tuple[float, ...]) -> Record | None
 
 
 def _tool(given: Given) -> Record:
-    return _active(given.machine.arm.tool, "tool")
+    return given.machine.arm.tool or tool0()
 
 
 def _frame(given: Given) -> Record:
-    return _active(given.machine.arm.frame, "work object")
+    return given.machine.arm.frame or wobj0()
 
 
 TABLE: Final[Mapping[str, Function]] = dict(
