@@ -195,3 +195,8 @@ OPENED_ANEW: Final = warning(
     "behind what is written",
     "none is needed where nothing reads behind the text that is written",
 )
+CHOSEN: Final = warning(
+    "RA393",
+    "which signal `{name}` stands for is chosen among {names}; for any other name the program ends",
+    "see that these are all that it may be, and give each its number",
+)

@@ -25,7 +25,7 @@ from assistant.languages.rapid.lift.plain.library import PART
 from assistant.languages.rapid.lift.plain_data import with_plain_data, without_marks
 from assistant.languages.rapid.lift.statements import lift_of
 from assistant.languages.rapid.lift.stopwatches import with_stopwatches
-from assistant.languages.rapid.lift.told.aliases import SIGNALS, with_aliases
+from assistant.languages.rapid.lift.told.aliases import with_aliases
 from assistant.languages.rapid.lift.told.arc import weld_speeds
 from assistant.languages.rapid.lift.told.calls import call_of, is_text, lifted
 from assistant.languages.rapid.lift.told.declarations import with_needed_declarations
@@ -38,6 +38,7 @@ from assistant.languages.rapid.lift.told.outputs import switched
 from assistant.languages.rapid.lift.told.statements import Telling, told
 from assistant.languages.rapid.lift.ways import options, steps
 from assistant.languages.rapid.tables.predefined import data as predefined
+from assistant.languages.rapid.tables.signal_types import SIGNALS
 from assistant.languages.rapid.tables.states import BY_NAME as STATE_OF
 from assistant.languages.rapid.tables.welding import DATA
 from assistant.languages.rapid.tables.words import ELSEWHERE, VALUE_OF_TYPE

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Final, TypeGuard
 
@@ -15,7 +15,7 @@ from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic, Span
-from assistant.program.program import Program
+from assistant.program.program import Program, Signal
 from assistant.program.rewriting import Body, map_bodies
 from assistant.program.text import starts_of
 
@@ -27,11 +27,14 @@ _TABLES: Final = (
 
 @dataclass(frozen=True, slots=True)
 class _Told:
-    """files: as they were read; they are kept, so that nothing else has their ids."""
+    """files: as they were read; they are kept, so that nothing else has their ids. gone: see
+    `Plain`.
+    """
 
     files: tuple[s.File, ...]
     lifted: Program | None
     findings: tuple[Diagnostic, ...]
+    gone: frozenset[str] = frozenset()
 
 
 _LAST: Final[list[_Told]] = []
@@ -47,10 +50,16 @@ def _told(files: tuple[s.File, ...]) -> _Told:
     if found is None:
         told = _Told(files, None, ())
     else:
-        lifted = lift(found.files, found.kept)
-        told = _Told(files, lifted, (*_unread(files, found), *_idle(lifted)))
+        lifted = _with_signals(lift(found.files, found.kept), found.signals)
+        told = _Told(files, lifted, (*_unread(files, found), *_idle(lifted)), found.gone)
     _LAST[:] = [told]
     return told
+
+
+def _with_signals(program: Program, signals: Mapping[str, Signal]) -> Program:
+    there = {name.lower() for name in program.signals}
+    new = {name: one for name, one in signals.items() if name.lower() not in there}
+    return replace(program, signals={**program.signals, **new}) if new else program
 
 
 def _idle(program: Program) -> Iterator[Diagnostic]:
@@ -114,6 +123,7 @@ def with_plain_data(program: Program) -> Adapted:
         before, now = getattr(origin.lifted, table), getattr(program, table)
         said = {name: one for name, one in now.items() if before.get(name) != one}
         changed[table] = {**getattr(told.lifted, table), **said}
+    changed["signals"] = {n: x for n, x in changed["signals"].items() if n.lower() not in told.gone}
     whole = replace(
         told.lifted,
         **changed,

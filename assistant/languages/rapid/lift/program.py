@@ -15,6 +15,7 @@ from assistant.languages.rapid.lift.kept_signals import signals_in
 from assistant.languages.rapid.lift.local_names import with_own_names
 from assistant.languages.rapid.lift.paths import PathLift
 from assistant.languages.rapid.lift.places import with_places
+from assistant.languages.rapid.lift.plain.chosen_signals import chosen_signals
 from assistant.languages.rapid.lift.statements import StatementLift, handler, opaque
 from assistant.languages.rapid.lift.timers import clocks
 from assistant.languages.rapid.lift.triggers import REASONS, Triggers
@@ -38,6 +39,7 @@ from assistant.program.program import (
     Parameter,
     Procedure,
     Program,
+    Signal,
     TakenNames,
     Variable,
     identifier,
@@ -59,7 +61,9 @@ def lift(files: Sequence[s.File], kept: Mapping[int, str] = NOTHING_KEPT) -> Pro
         modules += file.modules
         starts += [start] * len(file.modules)
     own = with_own_names(modules)
-    return _Lift(own, starts, kept).program() if modules else Program("empty", entry=None)
+    if not modules:
+        return Program("empty", entry=None)
+    return _Lift(own, starts, kept, chosen_signals(files)).program()
 
 
 def routines(nodes: Iterable[s.Routine]) -> tuple[Procedure, ...]:
@@ -68,11 +72,18 @@ def routines(nodes: Iterable[s.Routine]) -> tuple[Procedure, ...]:
 
 
 class _Lift:
-    """modules: one at least. starts: where the text of each begins, see `starts_of`."""
+    """modules: one at least. starts: where the text of each begins, see `starts_of`. chosen:
+    signals that texts alone may name.
+    """
 
     def __init__(
-        self, modules: Sequence[s.Module], starts: Sequence[int], kept: Mapping[int, str]
+        self,
+        modules: Sequence[s.Module],
+        starts: Sequence[int],
+        kept: Mapping[int, str],
+        chosen: Mapping[str, Signal],
     ) -> None:
+        self.chosen = chosen
         self.modules, self.starts = modules, starts
         self.headers = [opening(m) for m in modules]
         self.main = self._main()
@@ -149,7 +160,9 @@ class _Lift:
         program, set_on_way = with_triggers(program, triggers.told, FUNCTIONS.__contains__, REASONS)
         declared = {n: v for h in self.headers for n, v in h.signals.items()}
         stated = signals_in(program.statements(), lambda name: name in self.declared)
-        used = chain(set_on_way, self.meaning.used, uses(program.statements()), stated)
+        used = chain(
+            set_on_way, self.meaning.used, uses(program.statements()), stated, self.chosen.items()
+        )
         program = apart(replace(program, signals=with_used(declared, used)))
         program = with_constants(program, PREDEFINED_VALUES)
         program = with_values(with_places(program, self.original))

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 from assistant.languages.rapid.lift.local_names import with_own_names
 from assistant.languages.rapid.lift.plain.arrays import with_shared_arrays
 from assistant.languages.rapid.lift.plain.bodies import Bodies
+from assistant.languages.rapid.lift.plain.chosen_signals import with_chosen_signals
 from assistant.languages.rapid.lift.plain.copies import with_copies
 from assistant.languages.rapid.lift.plain.declaring import declared
 from assistant.languages.rapid.lift.plain.layouts import Layouts
@@ -30,6 +31,7 @@ from assistant.languages.rapid.lift.plain.unread import Unread, without_unread
 from assistant.languages.rapid.lift.plain.values import Values
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program.diagnostics import Diagnostic, Span
+from assistant.program.program import Signal
 
 Outside = tuple[tuple[Span | None, str], ...]
 """Places, each with the component of an external axis that is left out there."""
@@ -40,6 +42,8 @@ class Plain:
     """files: with plain data. kept: statements in them that stay as they are written, by `id`,
     with why. unread: what is left out, of each file. outside: where external axes are left out that
     there are none of, and which. remarks: other findings of each, at places in it.
+    signals: that are not named where they are used. gone: names of signals that nothing has any
+    more.
     """
 
     files: tuple[s.File, ...]
@@ -47,13 +51,16 @@ class Plain:
     unread: tuple[tuple[Unread, ...], ...] = ()
     outside: tuple[Outside, ...] = ()
     remarks: tuple[tuple[Diagnostic, ...], ...] = ()
+    signals: Mapping[str, Signal] = field(default_factory=dict)
+    gone: frozenset[str] = frozenset()
 
 
 def plain(files: Sequence[s.File]) -> Plain | None:
     """The files of a program with plain data, None if they have no other."""
     there = with_own_names([module for file in files for module in file.modules])
     standing, of_units = with_standing_units(there)
-    read = with_told_states(with_traps(standing))
+    chosen = with_chosen_signals(standing)
+    read = with_told_states(with_traps(chosen.modules))
     whole = with_library(with_bytes(read))
     layouts = Layouts(whole)
     copied = with_copies(with_shared_arrays(whole, layouts), layouts)
@@ -64,11 +71,11 @@ def plain(files: Sequence[s.File]) -> Plain | None:
     made: list[s.Module] = []
     outside: list[Outside] = []
     remarks: list[tuple[Diagnostic, ...]] = []
-    for module, units in zip(modules, of_units, strict=True):
+    for module, units, choices in zip(modules, of_units, chosen.remarks, strict=True):
         made.append(_module(program, module, kept))
         outside.append(tuple(program.outside))
         program.outside.clear()
-        remarks.append((*program.remarks, *units))
+        remarks.append((*choices, *program.remarks, *units))
         program.remarks.clear()
     made = with_wholes(made, program.moving.values())
     if whole is not read:
@@ -87,7 +94,15 @@ def plain(files: Sequence[s.File]) -> Plain | None:
         others = iter(own)
         parts = (next(others) if isinstance(one, s.Module) else one for one in file.parts)
         written.append(replace(file, parts=tuple(parts)))
-    return Plain(tuple(written), kept, tuple(told), tuple(without), tuple(remarked))
+    return Plain(
+        tuple(written),
+        kept,
+        tuple(told),
+        tuple(without),
+        tuple(remarked),
+        chosen.signals,
+        chosen.gone,
+    )
 
 
 def _module(program: Program, module: s.Module, kept: dict[int, str]) -> s.Module:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import re
 from collections import Counter
 from dataclasses import replace
-from typing import Any, Final
+from typing import Any
 
 from assistant.languages.rapid.lift.told.calls import call_of, word_of
+from assistant.languages.rapid.tables.signal_types import SIGNALS
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import called
@@ -15,13 +16,6 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Declaration, Program, Signal, walk
 from assistant.program.rewriting import Body, map_bodies, records, rewrite
-
-SIGNALS: Final = {
-    "signaldo": Signal("digital", "output"), "signaldi": Signal("digital", "input"),
-    "signalgo": Signal("group", "output"), "signalgi": Signal("group", "input"),
-    "signalao": Signal("analog", "output"), "signalai": Signal("analog", "input"),
-}  # fmt: skip
-"""By type of data that stands for a signal, in lower case, what that is."""
 
 
 def with_aliases(program: Program) -> Program:
