@@ -17,8 +17,8 @@ from assistant.languages.patterns import Called
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.instructions import Meaning
 from assistant.languages.rapid.lift.told import waits
-from assistant.languages.rapid.lift.told.aliases import SIGNALS
 from assistant.languages.rapid.lift.told.calls import call_of
+from assistant.languages.rapid.tables.signal_types import SIGNALS
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import called
