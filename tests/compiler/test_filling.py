@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from assistant.cli.app import app
 from assistant.compiler import load, translate
-from assistant.compiler.filling import cell_text, neutral_cell
+from assistant.compiler.filling import cell_text, in_neutral_cell, neutral_cell
 from assistant.compiler.motion import Proving
 from assistant.program.diagnostics import Refused
 from assistant.sources.cell import read_cell
@@ -231,3 +231,10 @@ ENDMODULE
     done = translate(file, to="melfa-basic-6", process=process, cell=cell)
     made = b"".join(done.files.values())
     assert done.ok and b"Spd 33" in made and b"PtGrip=(+0.00,+0.00,+77.00" in made
+
+
+def test_data_of_the_cell_stands_before_its_routines(tmp_path: Path) -> None:
+    moves = "rFirst;\nMoveL [[400,0,300],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]"
+    text = f"MODULE Cell\nPROC main()\n{moves},v100,fine,tGrip;\nENDPROC\nENDMODULE\n"
+    loaded = in_neutral_cell(load(program(tmp_path, text)))
+    assert translate(loaded, to="melfa-basic-6").ok

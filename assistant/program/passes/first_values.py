@@ -35,7 +35,7 @@ def with_first_values(job: Legalising) -> Program:
         variables[name] = variable
         if variable.storage == "constant" or key not in run.read or can.external(name, variable):
             continue
-        if variable.storage == "variable" and variable.initial is None and not kept:
+        if variable.initial is None and not kept:
             variable = replace(variable, initial=NOTHING[variable.type])
             variables[name] = variable
         if variable.initial is not None:

@@ -108,6 +108,7 @@ def test_a_variable_of_melfa_keeps_what_it_has() -> None:
 def test_a_persistent_that_is_read_first_is_told_of(tmp_path: Path) -> None:
     assert said(translated(tmp_path, "PERS num n:=2;", "n:=n+1;")) == ["MB227 2"]
     assert said(translated(tmp_path, "PERS num n:=2;", "WaitTime n;")) == ["MB227 2"]
+    assert said(translated(tmp_path, "PERS num n;", "WaitTime n;")) == ["MB227 2"]  # 0
     assert said(translated(tmp_path, "PERS num n:=2;", "n:=1;/n:=n+1;")) == []
 
 

@@ -33,6 +33,7 @@ def supplied(given: Supplied, taken: Sequence[str]) -> str:
     Raises Refused for numbers that RAPID cannot write.
     """
     items = [_item(wanted, value) for wanted, value in given]
+    items.sort(key=lambda item: isinstance(item, s.Routine))  # data stands first in a module
     module = s.Module(identifier(CELL_MODULE, set(taken)), (), tuple(items))
     return print_file(s.File((module,)), "\n")
 

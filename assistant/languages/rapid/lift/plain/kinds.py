@@ -29,7 +29,7 @@ class Kinds:
 
     def find(self, name: str) -> Datum | None:
         low = name.lower()
-        return self.names[low] if low in self.names else self.program.data.get(low)
+        return self.names[low] if low in self.names else self.program.data_of(low)
 
     def kind(self, node: Any) -> Kind | None:
         """What an expression is, None if that is not known."""

@@ -11,8 +11,11 @@ from assistant.languages.rapid.lift.plain.mounted import Mounted, mounted, stead
 from assistant.languages.rapid.lift.plain.outside import only_works_out, unused_axes
 from assistant.languages.rapid.tables.predefined import data as predefined
 from assistant.languages.rapid.tables.signatures import signature
+from assistant.languages.rapid.tables.words import UNUSED
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.runs import TargetRun
 from assistant.languages.rapid.tree.walk import nodes, root
+from assistant.languages.runs.names import Index
 from assistant.languages.signatures import Parameter, Slot
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.program import TakenNames, identifier
@@ -88,9 +91,23 @@ class Program:
             name: self.datum(own[0], shared=True) for name, own in declared.items() if len(own) == 1
         }
 
+        self._tables = [
+            (Index(item.run.names), item.run) for item in items if isinstance(item, s.TargetRunNode)
+        ]
         self._declared = frozenset(declared)
         self._parameters: dict[int, Datum] = {}
         self._results: dict[int, Mapping[Path, str]] = {}
+
+    def data_of(self, name: str) -> Datum | None:
+        """Data of the modules by its lower-case name, also a row of a table of targets."""
+        if name in self.data:
+            return self.data[name]
+        for index, run in self._tables:
+            row = int(index.row(name)[0])
+            if row >= 0:
+                datum = Datum(run.names.name(row), "robtarget", value=_of_row(run, row))
+                return self.data.setdefault(name, datum)
+        return None
 
     def only_works_out(self, name: str) -> bool:
         """Whether a function of the modules changes nothing; name: in lower case."""
@@ -258,6 +275,18 @@ def predefined_type(name: str) -> str:
 
 
 _NAMING: Final = (s.NameRef, s.Data, s.ParameterNode, s.Routine, s.Record, s.Alias)
+
+
+def _of_row(run: TargetRun, row: int) -> s.Expression:
+    """The value of a row of a table as it would be written out."""
+    numbers = [_number(n) for n in run.values[row].tolist()]
+    parts = (numbers[:3], numbers[3:7], numbers[7:11], numbers[11:])
+    return s.AggregateNode(tuple(s.AggregateNode(tuple(part)) for part in parts))
+
+
+def _number(value: float) -> s.Expression:
+    text = s.NumberLiteral("9E9" if value >= UNUSED else f"{abs(value):.17g}")
+    return s.Prefix("-", text) if value < 0.0 else text
 
 
 def _said(modules: Iterable[s.Module]) -> Iterator[str]:

@@ -176,7 +176,7 @@ class Values(Kinds):
         """Whether a value is the name of a tool or work object that the program changes."""
         match value:
             case s.NameRef(name) if name.lower() in self.program.moving:
-                return self.find(name) is self.program.data.get(name.lower())
+                return self.find(name) is self.program.data_of(name.lower())
         return False
 
     def _handed(self, own: s.Routine, arguments: Sequence[s.Argument]) -> Sequence[s.Argument]:
