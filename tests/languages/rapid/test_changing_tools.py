@@ -100,8 +100,8 @@ def test_what_carries_a_work_object_does_not_change_in_silence(change: str) -> N
     assert next(row.level for row in done.rows if row.text == change[:-1]) == "not"
 
 
-@pytest.mark.parametrize("other", [r"PDispOn p10,tGrip\WObj:=wBelt;"])
-def test_what_else_is_given_a_work_object_stays(other: str) -> None:
+def test_what_else_is_given_a_work_object_stays() -> None:
+    other = "WaitWobj wBelt;"
     done = crossed(
         "PROC main()\nwBelt.oframe.trans.x:=5;\n"
         f"MoveL p10,v100,fine,tGrip\\WObj:=wBelt;\n{other}\nENDPROC"

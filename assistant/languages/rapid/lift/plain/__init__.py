@@ -16,6 +16,7 @@ from assistant.languages.rapid.lift.plain.bodies import Bodies
 from assistant.languages.rapid.lift.plain.chosen_signals import with_chosen_signals
 from assistant.languages.rapid.lift.plain.copies import with_copies
 from assistant.languages.rapid.lift.plain.declaring import declared
+from assistant.languages.rapid.lift.plain.displaced import with_displacements
 from assistant.languages.rapid.lift.plain.layouts import Layouts
 from assistant.languages.rapid.lift.plain.library import with_library, without_uncalled
 from assistant.languages.rapid.lift.plain.mounted import with_wholes
@@ -65,8 +66,9 @@ def plain(files: Sequence[s.File]) -> Plain | None:
     layouts = Layouts(whole)
     copied = with_copies(with_shared_arrays(whole, layouts), layouts)
     name = Fresh(copied)
-    modules = with_required(copied, layouts, name)
-    program = Program(modules, layouts, name)
+    required = with_required(copied, layouts, name)
+    modules, displaced = with_displacements(required, name)
+    program = Program(modules, layouts, name, displaced)
     kept: dict[int, str] = {}
     made: list[s.Module] = []
     outside: list[Outside] = []

@@ -17,10 +17,13 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import numbers
 from assistant.languages.rapid.tree.walk import nodes, root
 from assistant.languages.records import frame_of, tool_of
+from assistant.program.geometry import IDENTITY
 
 TOOL: Final = "tooldata"
 FRAME: Final = "wobjdata"
-_POSES: Final = {TOOL: ("tframe",), FRAME: ("uframe", "oframe")}
+_POSES: Final[Mapping[str, tuple[str, ...]]] = {
+    TOOL: ("tframe",), FRAME: ("uframe", "oframe")
+}  # fmt: skip
 """Components that say where a tool or work object is, the outer one first."""
 _SURE: Final = {TOOL: {"robhold": True}, FRAME: {"robhold": False, "ufprog": True}}
 """Components that say what carries it, and what all that can be changed have."""
@@ -89,14 +92,32 @@ class Mounted:
         return s.Assignment(s.NameRef(self.name), value, span=None if node is None else node.span)
 
 
-def mounted(name: str, type: str, names: Mapping[tuple[str, ...], str]) -> Mounted:
-    """names: of its parts, by their ways."""
-    return Mounted(name, tuple(names[part,] for part in _POSES[type]))
+def mounted(
+    node: s.Data,
+    type: str,
+    names: Mapping[tuple[str, ...], str],
+    displaced: str = "",
+    steady: bool = False,
+) -> Mounted:
+    """names: of its parts, by their ways. displaced: a pose that is put behind work objects.
+
+    steady: nothing else changes it, so that parts which say nothing are left out.
+    """
+    parts = _POSES[type]
+    frame = frame_of(numbers(node.value)) if steady and displaced and type == FRAME else None
+    if frame is not None:
+        poses = zip(parts, (frame.user, frame.object), strict=True)
+        parts = tuple(part for part, pose in poses if pose != IDENTITY)
+    behind = (displaced,) if displaced and type == FRAME else ()
+    return Mounted(node.name, (*(names[part,] for part in parts), *behind))
 
 
 def with_wholes(modules: Sequence[s.Module], found: Iterable[Mounted]) -> list[s.Module]:
     """The modules, in which each change of a part of one is followed by that of the whole."""
-    by_part = {part.lower(): one for one in found for part in one.poses}
+    by_part: dict[str, list[Mounted]] = {}
+    for one in found:
+        for part in one.poses:
+            by_part.setdefault(part.lower(), []).append(one)
     if not by_part:
         return list(modules)
     items = (item for module in modules for item in module.items)
@@ -118,12 +139,13 @@ def _module(module: s.Module, wholes: _Wholes) -> s.Module:
 
 
 class _Wholes:
-    def __init__(self, by_part: Mapping[str, Mounted], own: Collection[str]) -> None:
+    def __init__(self, by_part: Mapping[str, Sequence[Mounted]], own: Collection[str]) -> None:
         self.by_part, self.own = by_part, own
 
     def first(self) -> list[s.Assignment]:
         """All as their parts are at the start, which others may give their first values again."""
-        return [one.set() for one in dict.fromkeys(self.by_part.values())]
+        found = dict.fromkeys(one for several in self.by_part.values() for one in several)
+        return [one.set() for one in found]
 
     def routine(self, routine: s.Routine) -> s.Routine:
         if not any(
@@ -156,7 +178,7 @@ class _Wholes:
                     places += (getattr(one, "value", None) for one in call.arguments)
         found = (root(place) for place in places)
         names = (one.name.lower() for one in found if one is not None)
-        return {self.by_part[name]: None for name in names if name in self.by_part}
+        return {one: None for name in names for one in self.by_part.get(name, ())}
 
     def changes(self, call: s.ProcedureCall | s.FunctionCall) -> bool:
         """Whether a routine may change what it is given."""

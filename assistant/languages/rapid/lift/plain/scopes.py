@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 from assistant.languages.rapid.lift.plain.layouts import HELD, SETTINGS, Layouts, Path
-from assistant.languages.rapid.lift.plain.mounted import Mounted, mounted, steady_types
+from assistant.languages.rapid.lift.plain.mounted import FRAME, Mounted, mounted, steady_types
 from assistant.languages.rapid.lift.plain.outside import only_works_out, unused_axes
 from assistant.languages.rapid.tables.predefined import data as predefined
 from assistant.languages.rapid.tables.signatures import signature
@@ -64,11 +64,14 @@ class Program:
     unused: components of external axes that nothing states a place of. at: where the statement at
     hand stands. outside: where such a component is left out. remarks: other findings.
     data: of the modules. routines: those whose names are theirs alone, by lower-case name.
-    steady: see `steady_types`. moving: tools and work objects of the modules that change.
+    displaced: the displacement of all work objects, empty without any. steady: see `steady_types`.
+    moving: tools and work objects of the modules that change.
     """
 
-    def __init__(self, modules: Sequence[s.Module], layouts: Layouts, name: Fresh) -> None:
-        self.layouts, self.name = layouts, name
+    def __init__(
+        self, modules: Sequence[s.Module], layouts: Layouts, name: Fresh, displaced: str = ""
+    ) -> None:
+        self.layouts, self.name, self.displaced = layouts, name, displaced
         self.uses = Uses(modules)
         self.steady = steady_types(modules, layouts)
         self.moving: dict[str, Mounted] = {}
@@ -120,7 +123,7 @@ class Program:
 
         shared: it stands in a module.
         """
-        type, moves = self.layouts.base(node.type), False
+        type, moves, steady = self.layouts.base(node.type), False, False
         if isinstance(node, s.ParameterNode):
             apart, value, dimensions = type not in SETTINGS, None, node.dimensions
             sizes: tuple[s.Expression, ...] = ()
@@ -130,12 +133,13 @@ class Program:
             steady = node.storage == "CONST" or key not in self.uses.written
             value = node.value if steady else None
             apart = type not in SETTINGS or self._is_data(key, steady)
-            moves = shared and not (apart or steady or dimensions) and type in self.steady
+            named = key in self.uses.named and shared and not dimensions and type in self.steady
+            moves = named and ((type == FRAME and bool(self.displaced)) or not (apart or steady))
             apart = apart or moves
         parts = (self.layouts.parts(type) or ()) if apart else ()
         names = {one.path: self.name(f"{node.name}_{one.name}") for one in parts}
-        if names and moves:
-            self.moving[node.name.lower()] = mounted(node.name, type, names)
+        if names and moves and isinstance(node, s.Data):
+            self.moving[node.name.lower()] = mounted(node, type, names, self.displaced, steady)
         return Datum(node.name, type, dimensions, names, value, sizes)
 
     def _is_data(self, key: str, steady: bool) -> bool:
