@@ -35,7 +35,9 @@ def wanted(text: str) -> list[Wanted]:
         ("Def Pos Place\nMvs Place\n", [("Place", "position")]),
         ("Def Char Name\nCallP Name\n", [("Name", "data")]),
         ("FPrm P2,M1\nMvs P2\nDly M1\n", []),
-        ("Dim P2(3)\nMvs P2(1)\nFor M1=1 To 2\nNext\nMvs P_Curr\nMvs P_01\n", []),
+        ("Dim P2(3)\nMvs P2(1)\nFor M1=1 To 2\nNext\nMvs P_Curr\nMvs P_01\n", [("P_01", "position")]),
+        ("M_01=1\nDly M_01\nP_01=P_Curr\nMvs P_01\n", []),
+        ("Dly M_01\nM_01=1\n", [("M_01", "data")]),
         ("Tool 2\nBase 1\nBase 1\nTool 0\n", [("MEXTL2", "tool"), ("WK1CORD", "frame")]),
     ],
 )  # fmt: skip

@@ -44,13 +44,17 @@ def wanted(trees: Sequence[s.File]) -> tuple[Wanted, ...]:
     Those of programs behind the first one have the name of their program before them.
     """
     calls, found = Calls(trees), dict[str, Wanted]()
-    for at, tree in enumerate(trees):
-        look = Look(tree, DIALECTS[tree.dialect], calls)
+    looks = [Look(tree, DIALECTS[tree.dialect], calls) for tree in trees]
+    given = {key for look in looks for key in _externals(look)}
+    for at, (tree, look) in enumerate(zip(trees, looks, strict=True)):
         if look.has_strangers:
             continue
         before = f"{program_name(tree)}_" if at else ""
-        for one in (*_variables(look), *_parameters(look), *_outside(look)):
-            shared = one.kind in ("tool", "frame", "routine")
+        for one in (*_variables(look), *_parameters(look), *_outside(look), *_functions(look)):
+            external = one.name[1:2] == "_"
+            shared = external or one.kind in ("tool", "frame", "routine")
+            if external and one.name.upper() in given:
+                continue
             name = one.name if shared else before + one.name
             there = found.get(name.lower())
             uses = tuple(dict.fromkeys((*(there.uses if there else ()), *one.uses)))
@@ -78,7 +82,12 @@ def _variables(look: Look) -> Iterator[Wanted]:
         asks = use.role == "read" or bool(variable.component)
         if not asks or variable.arguments is not None or is_call(look, variable):
             continue
-        if key[1:2] == "_" or key in whole or vocabulary.status(key) is not None:
+        external = key[1:2] == "_"
+        if (
+            (key in whole and not external)
+            or vocabulary.status(key) is not None
+            or outside.is_state(key)
+        ):
             continue
         if (
             key in positions.plain
@@ -86,7 +95,7 @@ def _variables(look: Look) -> Iterator[Wanted]:
             or key in names.dimensioned
         ):
             continue
-        if key in names.given and key not in empty and not variable.component:
+        if not external and key in names.given and key not in empty and not variable.component:
             continue
         kind, type, nothing = _KINDS[types.get(key, key[0] if key[0] in "PJC" else "M")]
         one = met.get(key) or Wanted(variable.name, kind, type, nothing=nothing)
@@ -96,6 +105,22 @@ def _variables(look: Look) -> Iterator[Wanted]:
     for item in look.code:
         if isinstance(item, MoveRows):
             yield from _rows(look, item, names, empty)
+
+
+def _externals(look: Look) -> Iterator[str]:
+    """Variables of all programs that a file gives values before it reads them, as they stand.
+
+    The others have what the controller holds of them, which outlasts the programs.
+    """
+    met = set[str]()
+    for _, use in look.uses:
+        key = use.variable.key
+        if key[1:2] == "_" and key not in met and use.role != "read":
+            yield key
+        met.add(key)
+    for item in look.data:
+        if isinstance(item, s.Data) and item.variable.key[1:2] == "_":
+            yield item.variable.key
 
 
 def _empty(tree: s.File) -> set[str]:
@@ -153,6 +178,38 @@ def _outside(look: Look) -> Iterator[Wanted]:
             kind, type, nothing = _KINDS[key[0]]
             type = type or STATE
             yield Wanted(name, kind, type, nothing=nothing, uses=(_place(look, line.span),))
+
+
+def _functions(look: Look) -> Iterator[Wanted]:
+    """Functions that are called and stand in no file: those with `()`, and called as statements."""
+    if not look.tree.dialect.endswith("6"):
+        return
+    names = look.once(known)
+    made = {node.name.upper() for _, node in look.all(s.DefFunction)}
+    called = [(line, call.function, "") for line, call in look.all(s.Call)]
+    for line, use in look.uses:
+        variable = use.variable
+        if use.role == "read" and variable.arguments is not None:
+            if variable.arguments == () or variable.key.startswith("FN"):
+                called.append((line, variable, _KINDS[_letter(variable)][1] or "position"))
+    for line, function, result in called:
+        key = function.key
+        if key in look.functions or key in made or key in names.dimensioned:
+            continue
+        if vocabulary.function(key) is None and vocabulary.status(key) is None:
+            given = tuple(Argument(_KINDS[_letter(one)][1]) for one in function.arguments or ())
+            uses = (_place(look, line.span),)
+            yield Wanted(function.name, "routine", result, arguments=given, uses=uses)
+
+
+def _letter(node: s.Expression | None) -> str:
+    """That of the type of a value, as far as its name tells it."""
+    match node:
+        case s.String():
+            return "C"
+        case s.Variable(component="") if node.key[0] in "PJC":
+            return node.key[0]
+    return "M"
 
 
 def _place(look: Look, span: Span | None) -> str:

@@ -9,6 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from assistant.languages.melfa_basic.checks.file_view import program_name
+from assistant.languages.melfa_basic.lower.supplied_functions import with_functions
 from assistant.languages.melfa_basic.reading.parser import parse
 from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tables.variables import kept_as
@@ -33,22 +34,41 @@ def with_supplied(
     folder: that those are said to stand in.
     """
     made = []
-    routines = {one.name: (one, value) for one, value in given if one.kind == "routine"}
+    asked = [(one, value) for one, value in given if one.kind == "routine"]
+    commands = commands_of(trees)
+    routines = {one.name: (one, value) for one, value in asked if one.name in commands}
+    others = [(one, value) for one, value in asked if one.name not in commands]
     for at, tree in enumerate(trees):
         before = f"{program_name(tree)}_".lower() if at else ""
         lines = dict[str, str]()
         for wanted, value in given:
             shared = wanted.kind in ("tool", "frame")
-            own = wanted.name.lower().startswith(before) and _is_of(wanted, tree)
+            external = wanted.name[1:2] == "_"
+            own = external or wanted.name.lower().startswith(before)
+            own = own and _is_of(wanted, tree)
             if value is None or wanted.kind == "routine" or not (shared or own):
                 continue
-            name = kept_as(wanted.name) if shared else wanted.name[len(before) :]
+            name = wanted.name if external else wanted.name[len(before) :]
+            name = kept_as(wanted.name) if shared else name
             name = outside.data_of(name) if outside.is_state(name.upper()) else name
             lines[name.upper()] = _line(name, value)
         there = _with_lines(tree, lines, dialect) if lines else tree
-        made.append(_with_calls(there, routines) if routines else there)
+        there = _with_calls(there, routines) if routines else there
+        functions = [pair for pair in others if _is_of(pair[0], tree)]
+        made.append(with_functions(there, functions, trees, dialect) if functions else there)
     made += [_routine(one, value, dialect, folder) for one, value in routines.values()]
     return made
+
+
+def commands_of(trees: Sequence[s.File]) -> set[str]:
+    """Names of the routines that stand for commands of the maker's own."""
+    found = set[str]()
+    for tree in trees:
+        for item in tree.items:
+            for node in nodes(item.statement if isinstance(item, s.Line) else None):
+                if isinstance(node, s.Command) and (made := outside.routine_of(node)):
+                    found.add(made[0])
+    return found
 
 
 def _with_calls(tree: s.File, routines: Mapping[str, object]) -> s.File:

@@ -105,7 +105,7 @@ def elements(file: File, symbols: Symbols) -> None:
         size = symbols.scope.sizes.get(key)
         if file.own or size is None:
             continue
-        values = _all_elements(size, found, symbols)
+        values = _all_elements(size, found, symbols, symbols.type_of_key(key) == "joints")
         if values is None:
             del symbols.scope.sizes[key]
             continue
@@ -128,14 +128,18 @@ def _keep(written: str, values: e.Expression | None, symbols: Symbols) -> None:
     symbols.variables[name] = Variable(known.type, values, known.size, "persistent")
 
 
-def _all_elements(size: tuple[int, ...], found: Elements, symbols: Symbols) -> e.Expression | None:
-    placed = all(constant.flags is not None for constant in found.values())
+def _all_elements(
+    size: tuple[int, ...], found: Elements, symbols: Symbols, joints: bool
+) -> e.Expression | None:
+    """Zeros without flags are what stands for a place that was never taught."""
 
     def value(at: tuple[int, ...]) -> e.Expression | None:
         constant = found.get(at)
-        if constant is None:
-            return e.NEVER_GIVEN if placed else None
-        return symbols.value_of(constant, "joints" if constant.flags is None else "position")
+        if joints:
+            return None if constant is None else symbols.value_of(constant, "joints")
+        if constant is None or (constant.flags is None and not any(constant.values)):
+            return e.NEVER_GIVEN
+        return symbols.value_of(constant, "position")
 
     return nested(size, value)
 

@@ -162,7 +162,7 @@ def _direct(code: Code, region: Region, key: str) -> bool:
                 return False
             if part == EXIT and part is not statement:
                 return False
-    return True
+    return region.high in left  # else it may end without one, and gives back what it began with
 
 
 def _is_result(variable: s.Variable, key: str) -> bool:

@@ -35,6 +35,7 @@ from assistant.program.passes.outputs import find_outputs_of_two_names
 from assistant.program.passes.paths import with_paths
 from assistant.program.passes.places import with_measured_places
 from assistant.program.passes.procedures import units
+from assistant.program.passes.results import with_results_taken
 from assistant.program.passes.settled_loops import with_directions
 from assistant.program.passes.spacing import with_comments_behind
 from assistant.program.passes.splitting import split
@@ -116,6 +117,7 @@ PASSES: Final[tuple[Pass, ...]] = (
     with_measured_places,
     with_named_places,
     with_whole_angles,
+    pure(with_results_taken),
     pure(with_one_kind_of_numbers),
     sayable,
     with_channels,
