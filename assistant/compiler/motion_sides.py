@@ -71,6 +71,7 @@ def sides(
 
     spoken = None if source.origin is None else source.origin.language
     first = side(spoken, trees, here if spoken else here or there, entry or "main")
+    first = replace(first, lenient=True)
     return first, side(made.language, written, there, "main")
 
 

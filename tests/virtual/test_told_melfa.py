@@ -6,6 +6,7 @@ import pytest
 
 import assistant
 from assistant.compiler.loading import load_text
+from assistant.compiler.motion import Proving
 from assistant.program.diagnostics import Severity
 from assistant.program.text import SourceText
 from tests.virtual.random_melfa_values import DATA
@@ -59,6 +60,15 @@ M_Out(MGiven%(2))=1
 Wait M_In(MGiven%(1))=0
 M_Out(MGiven%(2))=0
 Press=1
+FEnd""",
+    "a function whose result nobody asks for": """MR=1
+Bump()
+Bump()
+Dly MR
+End
+Function M Bump()
+MR=MR+1
+Bump=MR
 FEnd""",
     "a function that nothing calls": """Spd 100
 Mvs P1
@@ -114,3 +124,24 @@ def test_a_number_that_may_be_any_is_refused() -> None:
 
 def test_what_is_chosen_among_is_told() -> None:
     assert codes("For M1=1 To 3\nM_Out(20+M1)=1\nNext M1\nEnd") == ["MB270"]
+
+
+GIVEN_NOTHING = """Def Inte MCount
+MCount=MCount+Found(3)
+Dly MCount+1
+MCount=MCount+Found(4)
+Dly MCount+1
+End
+Function M Found(MX)
+If MX=3 Then GoTo *Out
+Found=2
+*Out
+FEnd
+"""
+
+
+def test_numbers_that_nothing_was_given_are_none() -> None:
+    source = load_text(SourceText(GIVEN_NOTHING + DATA), language="melfa-basic-6")
+    made = assistant.translate(source, to="rapid", proving=Proving())
+    assert made.motion is not None and made.motion.holds, made.motion
+    assert "MB251" in {f.code for f in made.findings}

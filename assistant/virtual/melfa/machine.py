@@ -12,6 +12,7 @@ from assistant.virtual.melfa import expressions
 from assistant.virtual.melfa.arm import FULL, OPTIMUM
 from assistant.virtual.melfa.code import Block, Code
 from assistant.virtual.melfa.memory import (
+    LETTERS,
     OWN_ARRAY,
     OWN_ELEMENTS,
     SUFFIXES,
@@ -205,29 +206,40 @@ class Machine:
         return node.arguments is None and node.key == self.frame.function != ""
 
     def result(self) -> Value:
-        if self.frame.result is None:
-            raise Failed(3700, f"the result of {self.frame.function} is not set")
-        return self.frame.result
+        return self._given(self.frame, f"the result of {self.frame.function} is not set")
+
+    def _given(self, frame: Frame, otherwise: str) -> Value:
+        """What a function gave so far. otherwise: what is wrong if that is nothing."""
+        if frame.result is not None:
+            return frame.result
+        kind = self._result_kind(frame.function)
+        if self.world.options.unset == "zero" and kind not in (None, "text", *LETTERS.values()):
+            return 0
+        raise Failed(3700, otherwise)
 
     def set_result(self, value: Value) -> None:
         """The result of the function that runs, as its head says its type."""
         function = self.code.function_of(self.code.functions[self.frame.function])
-        name = function.result.upper()
-        if name in ("", "V"):
+        kind = self._result_kind(self.frame.function)
+        if kind is None:
             raise Failed(4220, f"{function.name} gives nothing back")
-        mark = name[-1] if name[-1] in SUFFIXES else function.suffix
-        kind: Kind = SUFFIXES.get(mark, "text" if name[0] == "C" else kind_by_name(name[0]))
         value = fitted(value, kind, function.name, self.world.options)
         self.frame.result = converted(value, kind, function.name)
+
+    def _result_kind(self, key: str) -> Kind | None:
+        """Of what a function gives; None for nothing."""
+        function = self.code.function_of(self.code.functions[key])
+        name = function.result.upper()
+        if name in ("", "V"):
+            return None
+        mark = name[-1] if name[-1] in SUFFIXES else function.suffix
+        return SUFFIXES.get(mark, "text" if name[0] == "C" else kind_by_name(name[0]))
 
     # ------------------------------------------------------------------------------ calling
 
     def called(self, node: s.Variable) -> Value:
         """What a Function gives back."""
-        frame = self.call(node)
-        if frame.result is None:
-            raise Failed(3700, f"{node.name} gives nothing back")
-        return frame.result
+        return self._given(self.call(node), f"{node.name} gives nothing back")
 
     def call(self, node: s.Variable) -> Frame:
         """Runs a Function of MELFA-BASIC VI."""

@@ -36,7 +36,8 @@ class Side:
 
     start: of the flange. joints: degrees there, None where they are not known. entry: the routine
     that it begins with. wiring: what it calls the inputs. outputs: what it calls outputs of a bit,
-    by what the other program calls them.
+    by what the other program calls them. lenient: numbers that nothing was given are 0, where the
+    manuals leave open whether a controller says so or ends: the translation tells of each.
     """
 
     family: str
@@ -47,6 +48,7 @@ class Side:
     entry: str = "main"
     wiring: Wiring = field(default_factory=Wiring)
     outputs: Mapping[str, str] = field(default_factory=dict)
+    lenient: bool = False
 
     @property
     def answers(self) -> bool:
@@ -143,6 +145,7 @@ def _file_name(tree: Any) -> str:
 
 def _begin_melfa(side: Side, kernel: Kernel) -> None:
     from assistant.virtual.melfa import start_slot
+    from assistant.virtual.melfa.options import Options
 
     names = [PurePath((tree.source and tree.source.path) or "").stem for tree in side.trees]
     start_slot(
@@ -152,6 +155,7 @@ def _begin_melfa(side: Side, kernel: Kernel) -> None:
         start=side.start,
         joints=side.joints,
         names=names,
+        options=Options(unset="zero") if side.lenient else None,
     )
 
 

@@ -35,7 +35,8 @@ def wanted(text: str) -> list[Wanted]:
         ("Def Pos Place\nMvs Place\n", [("Place", "position")]),
         ("Def Char Name\nCallP Name\n", [("Name", "data")]),
         ("FPrm P2,M1\nMvs P2\nDly M1\n", []),
-        ("Dim P2(3)\nMvs P2(1)\nFor M1=1 To 2\nNext\nMvs P_Curr\nMvs P_01\n", [("P_01", "position")]),
+        ("Dim P2(3)\nMvs P2(1)\nFor M1=1 To 2\nNext\nMvs P_Curr\n", []),
+        ("Mvs P_01\n", [("P_01", "position")]),
         ("M_01=1\nDly M_01\nP_01=P_Curr\nMvs P_01\n", []),
         ("Dly M_01\nM_01=1\n", [("M_01", "data")]),
         ("Tool 2\nBase 1\nBase 1\nTool 0\n", [("MEXTL2", "tool"), ("WK1CORD", "frame")]),
@@ -167,3 +168,46 @@ def test_moments_that_are_no_angles_stay_as_they_are(tmp_path: Path) -> None:
     found = translate(source, to="rapid", language="melfa-basic-5", cell=cell)
     assert not found.ok
     assert [row.text[:8] for row in found.rows if row.level == "not"] == ["P_FsFLm0"]
+
+
+FUNCTIONS = """M1=fnRead()
+fnWrite(M1,"a",P1)
+End
+Function V Mine()
+FEnd
+"""
+SIX = languages.get("melfa-basic-6")
+
+
+def test_functions_that_stand_in_no_file_are_routines_of_the_cell() -> None:
+    tree = SIX.parse(SourceText(FUNCTIONS + PLACES, "JOB.prg"))
+    found = SIX.wanted([tree])
+    assert [(one.name, one.kind, one.type) for one in found] == [
+        ("fnWrite", "routine", ""),
+        ("fnRead", "routine", "num"),
+    ]
+    (made,) = SIX.with_supplied([tree], [(one, "empty") for one in found], "cell")
+    assert SIX.wanted([made]) == ()
+
+
+@pytest.mark.parametrize("routine", ["stop", "empty", "MORE.prg"])
+def test_a_function_of_the_cell_is_called(routine: str, tmp_path: Path) -> None:
+    source, cell = tmp_path / "JOB.prg", tmp_path / "cell.toml"
+    source.write_text("Mvs P1\nM1=fnRead()\nDly M1+1\nEnd\n" + PLACES)
+    (tmp_path / "MORE.prg").write_text("Function M fnRead()\nfnRead=5\nFEnd\n")
+    cell.write_text(f'[routines.fnRead]\nroutine = "{routine}"\n')
+    found = translate(source, to="rapid", language="melfa-basic-6", cell=cell, proving=Proving())
+    assert found.ok, found.findings
+    assert found.motion is not None and found.motion.holds
+    text = "".join(data.decode() for data in found.files.values())
+    assert {"stop": "Stop;", "empty": "RETURN 0;", "MORE.prg": "RETURN 5;"}[routine] in text
+
+
+def test_a_place_that_was_never_taught_has_no_value(tmp_path: Path) -> None:
+    source = tmp_path / "JOB.prg"
+    zeros = ",".join(["0.000"] * 8)
+    text = f"Dim PA(2)\nPA(2)=P1\nMvs PA(2)\nEnd\nPA(1)=({zeros})\nPA(2)=({zeros})\n"
+    source.write_text(text + PLACES)
+    found = translate(source, to="rapid", language="melfa-basic-6", proving=Proving())
+    assert found.ok, found.findings
+    assert found.motion is not None and found.motion.holds
