@@ -21,7 +21,7 @@ Beside that there is a table for each other name that no program declares:
     routine = "empty"             # or "stop": the program stops there; or the name of its file
 
     [records.message]
-    components = ["num id", "string text"]    # type and name of each, in their order
+    components = ["TYPE id", "TYPE text"]  # of each its type and its name, in their order
 
     [arms.taught_on]
     arm = "same"                  # joint angles are of the arm that runs the program; or its name
@@ -84,7 +84,7 @@ def _components(value: Any) -> Plain:
     if not isinstance(value, list) or not value or not all(map(_is_component, value)):
         raise Wrong(
             "is no list of components",
-            'write the type and the name of each: ["num id", "string text"]',
+            "write the type and the name of each, as a text",
         )
     return tuple(value)
 

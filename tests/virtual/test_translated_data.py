@@ -18,7 +18,7 @@ from assistant.compiler.loading import load_text
 from assistant.program.text import SourceText
 from assistant.virtual.events import Moved, Run
 from tests.virtual import rapid_words
-from tests.virtual.data_cases import angles, arrays, clocks, texts, turns, vectors
+from tests.virtual.data_cases import angles, arrays, clocks, named, texts, turns, vectors
 from tests.virtual.test_translated_rapid import LANGUAGES, run_melfa, run_rapid
 
 HEAD = f"""MODULE Cell
@@ -28,6 +28,7 @@ CASES = {
     **angles.CASES,
     **arrays.CASES,
     **clocks.CASES,
+    **named.CASES,
     **texts.CASES,
     **turns.CASES,
     **vectors.CASES,

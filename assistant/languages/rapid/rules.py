@@ -200,3 +200,8 @@ CHOSEN: Final = warning(
     "which signal `{name}` stands for is chosen among {names}; for any other name the program ends",
     "see that these are all that it may be, and give each its number",
 )
+BY_NAME: Final = warning(
+    "RA372",
+    "`{what}` is a choice among {count} data, whose names are to be spelled as they are declared",
+    "write names with the capital and small letters of their declarations",
+)

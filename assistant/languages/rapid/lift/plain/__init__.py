@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 from assistant.languages.rapid.lift.local_names import with_own_names
 from assistant.languages.rapid.lift.plain.arrays import with_shared_arrays
 from assistant.languages.rapid.lift.plain.bodies import Bodies
+from assistant.languages.rapid.lift.plain.by_name import with_named_data
 from assistant.languages.rapid.lift.plain.chosen_signals import with_chosen_signals
 from assistant.languages.rapid.lift.plain.copies import with_copies
 from assistant.languages.rapid.lift.plain.declaring import declared
@@ -61,7 +62,7 @@ def plain(files: Sequence[s.File]) -> Plain | None:
     there = with_own_names([module for file in files for module in file.modules])
     standing, of_units = with_standing_units(there)
     chosen = with_chosen_signals(standing)
-    read = with_told_states(with_traps(chosen.modules))
+    read, of_names = with_named_data(with_told_states(with_traps(chosen.modules)))
     whole = with_library(with_bytes(read))
     layouts = Layouts(whole)
     copied = with_copies(with_shared_arrays(whole, layouts), layouts)
@@ -73,11 +74,12 @@ def plain(files: Sequence[s.File]) -> Plain | None:
     made: list[s.Module] = []
     outside: list[Outside] = []
     remarks: list[tuple[Diagnostic, ...]] = []
-    for module, units, choices in zip(modules, of_units, chosen.remarks, strict=True):
+    early = (chosen.remarks, of_units, of_names)
+    for at, module in enumerate(modules):
         made.append(_module(program, module, kept))
         outside.append(tuple(program.outside))
         program.outside.clear()
-        remarks.append((*choices, *program.remarks, *units))
+        remarks.append((*program.remarks, *(one for told in early for one in told[at])))
         program.remarks.clear()
     made = with_wholes(made, program.moving.values())
     if whole is not read:

@@ -213,6 +213,9 @@ def _code(text: s.Expression) -> s.Expression:
 
 def _read(typed: Typed, given: Given) -> s.Expression | None:
     kind = typed.kind(given[1]) if len(given) == 2 else None
+    place: Any = given[-1]
+    if kind == ("pos", 0):
+        return call_of("position_of_text", given[0], *(s.Component(place, axis) for axis in "xyz"))
     name = BY_TYPE.get(kind[0]) if kind is not None and not kind[1] else None
     return None if name is None else call_of(name, *given)
 
