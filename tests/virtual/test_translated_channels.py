@@ -68,6 +68,7 @@ def rapid(tmp_path: Path, folder: Path) -> None:
 FILES = {
     "lines": r'Write log,"a ";Write log,"b"\NoNewLine;Write log,"c";',
     "a number": r'Write log,"x "\Num:=x;Write log,"y "\Num:=12;',
+    "a long line": 'Write log,"' + '"+NumToStr(x,1)+"'.join("ab" * 9) + '";',
     "a truth": r'Write log,"is "\Bool:=x>3;Write log,"is "\Bool:=FALSE;',
     "a position": r'Write log,"at "\Pos:=[1,-2,x];Write log,"at "\Pos:=p1.trans;',
     "an orientation": r'Write log,"as "\Orient:=[1,0,0,0];',

@@ -232,12 +232,15 @@ class Procedures:
 
     functions: they have parameters, results and variables of their own; else as_variables tells of
     one (name) whose parameters and result become variables of the program, and recursive of one
-    (name) that calls itself though its data exist once.
+    (name) that calls itself though its data exist once. longest: characters of a head or a call
+    that a line holds; the parameters of longer ones become variables, too. longest_name: of a name.
     """
 
     functions: bool
     as_variables: Rule
     recursive: Rule
+    longest: int = 1_000_000
+    longest_name: int = 32
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

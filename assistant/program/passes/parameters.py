@@ -9,7 +9,7 @@ as well, a copy of the procedure works on that variable itself.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import zip_longest
 from typing import Any, Final
@@ -28,6 +28,7 @@ from assistant.program.analysis.uses import (
 from assistant.program.diagnostics import Rule
 from assistant.program.passes.hoisting import Taken, hoisted
 from assistant.program.passes.legalising import Legalising
+from assistant.program.passes.long_calls import Widths, too_long
 from assistant.program.passes.parameters_refused import refuse_kept_texts, refuse_other_order
 from assistant.program.passes.procedures import has_form, is_called_with_arguments
 from assistant.program.program import (
@@ -50,20 +51,26 @@ def with_sayable_procedures(job: Legalising) -> Program:
     can = job.can.procedures
     if can is not None and not can.functions:
         return without_parameters(job, can.as_variables)
-    job.findings.extend(unordered(job.program, job.can.cannot_say))
-    return job.program
+    program = job.program
+    long = too_long(program, Widths(can.longest, can.longest_name)) if can is not None else ()
+    if can is not None and long:
+        program = without_parameters(job, can.as_variables, long)
+    job.findings.extend(unordered(program, job.can.cannot_say))
+    return program
 
 
-def without_parameters(job: Legalising, told: Rule) -> Program:
+def without_parameters(job: Legalising, told: Rule, only: Container[str] | None = None) -> Program:
     """The program with variables for the parameters and results of its procedures.
 
     None of those that have some may call itself. The procedure that a called program begins
-    with keeps parameters that are copies: such calls take arguments.
+    with keeps parameters that are copies: such calls take arguments. only: lower-case names of
+    those that lose theirs, None for all.
     """
     program = job.program
     formed = [
         q for q in program.procedures
         if has_form(q) and not is_called_with_arguments(q, program)
+        and (only is None or q.name.lower() in only)
     ]  # fmt: skip
     for procedure in formed:
         about = Declared(procedure.name, "procedures")

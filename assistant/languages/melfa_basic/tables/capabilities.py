@@ -103,7 +103,11 @@ def capabilities(
         ended=rules.ENDED,
         units=UNITS if most_targets is None else replace(UNITS, most=most_targets),
         procedures=Procedures(
-            functions=dialect.functions, as_variables=rules.AS_VARIABLES, recursive=rules.RECURSIVE
+            functions=dialect.functions,
+            as_variables=rules.AS_VARIABLES,
+            recursive=rules.RECURSIVE,
+            longest=dialect.line - len(f"{LAST_STEP} "),
+            longest_name=dialect.names,
         ),
         arrays=ARRAYS,
         variables=VARIABLES,

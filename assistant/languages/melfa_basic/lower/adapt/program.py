@@ -37,6 +37,7 @@ from assistant.program.passes.comments import lines
 from assistant.program.passes.first_values import with_first_values
 from assistant.program.passes.interrupts import with_interrupts_first
 from assistant.program.passes.legalising import Legalising, Pass, legalised, pure
+from assistant.program.passes.long_sums import with_short_sums
 from assistant.program.passes.moving_functions import with_functions_before_moves
 from assistant.program.passes.outputs import with_checked_outputs
 from assistant.program.passes.parameters import with_sayable_procedures
@@ -107,6 +108,7 @@ FIRST: Final[tuple[Pass, ...]] = (
     pure(with_settled_loops),
     without_recursion,
     with_sayable_procedures,
+    with_short_sums,
     with_measured_places,
     pure(with_functions_before_moves),
     pure(with_computed_targets),

@@ -1,0 +1,84 @@
+"""Procedures of so many parameters that no line holds their head, or a call of them.
+
+Their parameters become variables of the program, as in a language without parameters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Final
+
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.effects import unknown
+from assistant.program.passes.procedures import recursive
+from assistant.program.program import Procedure, Program
+from assistant.program.rewriting import head, records
+
+HEAD: Final = 24
+"""Of the words around the parameters, and those that a call stands in."""
+
+
+@dataclass(frozen=True, slots=True)
+class Widths:
+    """About how many characters something takes. most: of a line. names: of a name at most."""
+
+    most: int
+    names: int
+
+    def of(self, value: e.Expression) -> int:
+        return 1 + sum(map(self._of, records(value)))
+
+    def _of(self, part: Any) -> int:
+        match part:
+            case e.Name(name) | e.Apply(name):
+                return min(len(name), self.names) + 3
+            case e.Text(text):
+                return len(text) + 2
+            case e.Number(number):
+                return len(f"{number:g}")
+            case e.Binary() | e.Unary() | e.Member() | e.Index():
+                return 4
+        return 6
+
+    def head(self, procedure: Procedure) -> int:
+        names = (min(len(q.name), self.names) + len("ByRef M_%,") for q in procedure.parameters)
+        return HEAD + self.names + sum(names)
+
+    def call(self, arguments: tuple[e.Expression, ...]) -> int:
+        return HEAD + self.names + sum(map(self.of, arguments))
+
+
+def too_long(program: Program, widths: Widths) -> frozenset[str]:
+    """Lower-case names of the procedures whose head, or a call of which, no line holds.
+
+    Without those that call themselves, that take arrays, or whose parameters kept texts name.
+    """
+    known = {q.name.lower(): q for q in program.procedures if q.parameters}
+    found = {name for name, q in known.items() if widths.head(q) > widths.most}
+    for statement in program.statements():
+        for part in records(head(statement)):
+            match part:
+                case p.Call(name, arguments) | e.Apply(name, arguments):
+                    key = name.lower()
+                    if key in known and key not in found and widths.call(arguments) > widths.most:
+                        found.add(key)
+    if found:
+        found -= {q.name.lower() for q in recursive(program)}
+    return frozenset(name for name in found if _is_free(known[name]))
+
+
+def _is_free(procedure: Procedure) -> bool:
+    """Whether its parameters may be other variables."""
+    own = {q.name.lower() for q in procedure.parameters}
+    plain = not any(q.dimensions for q in procedure.parameters)
+    return plain and own.isdisjoint(_kept(procedure))
+
+
+def _kept(procedure: Procedure) -> Iterator[str]:
+    """Names in lower case that kept texts of a procedure speak of."""
+    for part in records(procedure.body):
+        if isinstance(part, p.Opaque | e.Verbatim):
+            effect = unknown(part.text) if part.effect is None else part.effect
+            yield from effect.names

@@ -1,0 +1,170 @@
+"""Texts and sums that no line holds, put together in several steps.
+
+What is added from left to right may be added in as many lines. What is sent over a channel may be
+sent piece by piece.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import Final
+
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.passes.legalising import Legalising
+from assistant.program.passes.long_calls import Widths
+from assistant.program.program import (
+    Procedure,
+    Program,
+    TakenNames,
+    ValueType,
+    Variable,
+    identifier,
+)
+from assistant.program.rewriting import Body, map_bodies, records
+
+_TEXTS: Final = ("text", "part", "fixed")
+"""Functions that give a text, beside those of the program's own."""
+_KINDS: Final[tuple[ValueType, ...]] = ("text", "number")
+
+
+def with_short_sums(job: Legalising) -> Program:
+    """The program with several statements for those that are longer than a line."""
+    can, program = job.can.procedures, job.program
+    widths = None if can is None else Widths(can.longest, can.longest_name)
+    if widths is None or not any(_is_long(node, widths) for node in program.statements()):
+        return program
+    taken = TakenNames((program.name, *program.variables, *program.signals, *program.targets))
+    for q in program.procedures:
+        taken.update((q.name, *q.variables, *(one.name for one in q.parameters)))
+    procedures = tuple(_Parting(program, q, widths, taken).procedure() for q in program.procedures)
+    return replace(program, procedures=procedures)
+
+
+def _is_long(node: p.Statement, widths: Widths) -> bool:
+    match node:
+        case p.Assign(target, e.Binary("+") as value):
+            return widths.of(target) + widths.of(value) > widths.most
+        case p.Send(parts=parts):
+            return sum(map(widths.of, parts)) > widths.most
+    return False
+
+
+class _Parting:
+    """One procedure. taken: names of the program, with those that are made."""
+
+    def __init__(
+        self, program: Program, owner: Procedure, widths: Widths, taken: TakenNames
+    ) -> None:
+        self.program, self.owner, self.widths, self.taken = program, owner, widths, taken
+        self.own = {q.name.lower(): q for q in program.procedures}
+        self.new: dict[str, Variable] = {}
+
+    def procedure(self) -> Procedure:
+        body = self.body(self.owner.body)
+        return replace(self.owner, body=body, variables={**self.owner.variables, **self.new})
+
+    def body(self, body: Body) -> Body:
+        return tuple(made for node in body for made in self.parted(node))
+
+    def parted(self, node: p.Statement) -> Iterator[p.Statement]:
+        if not _is_long(node, self.widths):
+            yield map_bodies(node, self.body)
+            return
+        match node:
+            case p.Send(parts=parts):
+                yield from self.sent(node, [one for part in parts for one in self.pieces(part)])
+            case p.Assign(target, value):
+                yield from self.assigned(node, target, list(_chain(value)))
+
+    def sent(self, node: p.Send, parts: Sequence[e.Expression]) -> Iterator[p.Statement]:
+        """Pieces, of which only the last one ends a line if they did together."""
+        groups = [*self.groups(parts, 0)]
+        for group in groups[:-1]:
+            yield replace(node, kind="piece", parts=tuple(group))
+        yield replace(node, parts=tuple(groups[-1]))
+
+    def pieces(self, part: e.Expression) -> Iterator[e.Expression]:
+        parts = list(_chain(part))
+        yield from parts if any(map(self.is_text, parts)) else (part,)
+
+    def assigned(
+        self, node: p.Assign, target: e.Expression, parts: Sequence[e.Expression]
+    ) -> Iterator[p.Statement]:
+        groups = [*self.groups(parts, self.widths.of(target) * 2)]
+        later = [record for group in groups[1:] for part in group for record in records(part)]
+        into = target if isinstance(target, e.Name) else None
+        if into is None or any(self.touches(record, into) for record in later):
+            into = self.kept(parts)
+        if len(groups) < 2 or into is None:
+            yield node
+            return
+        before: e.Expression | None = None
+        for group in groups:
+            for part in group:
+                before = part if before is None else e.Binary("+", before, part)
+            assert before is not None
+            yield replace(node, target=into, value=before)
+            before = into
+        if into != target:
+            yield replace(node, value=into)
+
+    def groups(self, parts: Sequence[e.Expression], beside: int) -> Iterator[list[e.Expression]]:
+        """Parts that stand in one line together. beside: characters of what else stands there."""
+        group: list[e.Expression] = []
+        size = beside
+        for part in parts:
+            if group and size + self.widths.of(part) > self.widths.most:
+                yield group
+                group, size = [], beside
+            group.append(part)
+            size += self.widths.of(part)
+        yield group
+
+    def touches(self, record: object, target: e.Name) -> bool:
+        """Whether a part may read what is put together meanwhile."""
+        match record:
+            case e.Name(name):
+                return name.lower() == target.name.lower()
+            case e.Apply(function):
+                return function.lower() in self.own
+        return isinstance(record, e.Verbatim)
+
+    def kept(self, parts: Sequence[e.Expression]) -> e.Name | None:
+        """A variable to put a value together in; None for one whose type is not sure."""
+        kinds = set(map(self.kind, parts))
+        for kind in _KINDS:
+            if kind in kinds:
+                name = identifier("together", self.taken)
+                self.taken.add(name)
+                self.new[name] = Variable(kind)
+                return e.Name(name)
+        return None
+
+    def is_text(self, part: e.Expression) -> bool:
+        return self.kind(part) == "text"
+
+    def kind(self, part: e.Expression) -> str:
+        """Its type, as far as it says so by itself: what is added has that of its parts."""
+        match part:
+            case e.Text():
+                return "text"
+            case e.Number():
+                return "number"
+            case e.Apply(function):
+                own = self.own.get(function.lower())
+                if own is not None:
+                    return own.result or ""
+                return "text" if function.lower() in _TEXTS else ""
+        return ""
+
+
+def _chain(value: e.Expression) -> Iterator[e.Expression]:
+    """What is added, from left to right."""
+    match value:
+        case e.Binary("+", left, right):
+            yield from _chain(left)
+            yield right
+        case _:
+            yield value
