@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.compiler.arms import Arms, known_robot, taught_on
 from assistant.compiler.loading import language_of
+from assistant.program.passes.cycles import repeats
 from assistant.program.program import Program, Signal
 from assistant.program.wanted import STANDS
 
@@ -51,10 +52,13 @@ def sides(
     from assistant.virtual.running import home
 
     source = made.source
+    spoken = None if source.origin is None else source.origin.language
     here, there = taught_on(source, arms), arms.robot or known_robot(source.robot)
     start = home(here) or home(there) or PLAIN_START
     joints = None if here or there else PLAIN_JOINTS
     signals = {name.lower(): signal for name, signal in made.signals.items()}
+
+    again = repeats(made.program) and not repeats(source)
 
     def side(language: str | None, files: Sequence[Any], robot: Robot | None, begin: str) -> Side:
         family = PSEUDO if language is None else language_of(language).family
@@ -67,9 +71,9 @@ def sides(
             entry=begin,
             wiring=_wiring(signals, family),
             outputs=_other_names(signals, family),
+            repeats=again and language == spoken,
         )
 
-    spoken = None if source.origin is None else source.origin.language
     first = side(spoken, trees, here if spoken else here or there, entry or "main")
     first = replace(first, lenient=True)
     return first, side(made.language, written, there, "main")

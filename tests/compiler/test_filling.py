@@ -69,6 +69,10 @@ def test_a_program_with_a_filled_cell_is_whole_and_proven(tmp_path: Path) -> Non
     assert done.motion is not None and done.motion.holds
 
 
+CALLING = ("While 1", "cycle()", "WEnd", "FEnd", "Function V cycle()")
+"""Lines that lead to the first one of a cycle."""
+
+
 def test_what_is_not_filled_in_makes_a_draft_that_says_so(tmp_path: Path) -> None:
     file, cell = program(tmp_path), tmp_path / "cell.toml"
     done = translate(file, to="melfa-basic-6", cell=cell)
@@ -80,8 +84,9 @@ def test_what_is_not_filled_in_makes_a_draft_that_says_so(tmp_path: Path) -> Non
     assert text.count("PtGrip=(") == 1
     body = [line.split(maxsplit=1)[1].strip() for line in text.splitlines() if line[:1].isdigit()]
     begun = body[body.index("Function V Main()") + 1 :]
-    assert all(line[0] == "M" and "=" in line for line in begun[: begun.index("Hlt")])
-    assert not [line for line in begun[: begun.index("Hlt")] if line.startswith("M_")]
+    first = [line for line in begun[: begun.index("Hlt")] if line not in CALLING]
+    assert all(line[0] == "M" and "=" in line for line in first)
+    assert not [line for line in first if line.startswith("M_")]
     assert "CO071" in {f.code for f in done.whole}
     assert not [row for row in done.rows if row.level == "not"]
 

@@ -58,7 +58,7 @@ def test_a_sample_of_rapid_in_melfa_basic_and_back(
     got = load(kept(back, tmp_path)).program
     same_targets(wanted, got)
     assert got.signals == wanted.signals
-    assert {q.name for q in got.procedures} == {q.name for q in wanted.procedures}
+    assert {q.name for q in got.procedures} - {"cycle"} == {q.name for q in wanted.procedures}
     for frame in wanted.frames:
         same_poses(wanted.frames[frame].pose, got.frames[frame].pose)
     for tool in wanted.tools:
@@ -66,7 +66,7 @@ def test_a_sample_of_rapid_in_melfa_basic_and_back(
 
 
 CHANGES = {"CO501", "CO508", "MB204", "MB205", "MB206", "MB211", "MB217", "MB223", "MB224"}
-CHANGES |= {"MB226", "MB237"}
+CHANGES |= {"MB226", "MB237", "MB263"}
 """What is said with a change: joint targets and speeds, zones, loads, messages, parameters,
 computed places."""
 

@@ -70,9 +70,14 @@ def test_comments_of_rapid_stay_at_their_statements(tmp_path: Path) -> None:
     code = lines[lines.index("' robot-assistant: end") + 1 :]
     assert code == [
         "Def Float MnCount",
-        "' What it does",
         "Function V Main()",
         "    MnCount=0",
+        "    While 1",
+        "        cycle()",
+        "    WEnd",
+        "FEnd",
+        "' What it does",
+        "Function V cycle()",
         "    ' go home first",
         "    Tool P_NTool",
         "    Base P_NBase",

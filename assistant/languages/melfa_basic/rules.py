@@ -197,7 +197,7 @@ TEXT_CHANGED = warning(
     "MB226", "the text {given} is written as {text}", "avoid quotes and control characters"
 )
 PERSISTENT = warning(
-    "MB227", "the persistent `{name}` gets its first value at each start and in each cycle",
+    "MB227", "the persistent `{name}` gets its first value at each start",
     "delete its line at the top after the first start, or keep the value in an external variable",
 )  # fmt: skip
 SHARED_BRANCH = warning(
@@ -270,6 +270,11 @@ CARRIED = warning(
     "MB237", "`{name}` gets its first value in each cycle, not only at a start from the top: "
     "it does not keep what the cycle before left in it",
     "let the cycle stand in a loop without end (`WHILE TRUE` in RAPID), or give it its value in it",
+)  # fmt: skip
+REPEATED = warning(
+    "MB263", "the cycle stands in a loop without end, as it begins with what the one before left "
+    "in {names}: one that is to be the last does not end it",
+    "stop the program, or give these their values in the cycle",
 )  # fmt: skip
 STRAIGHT_ARC = warning(
     "MB255",

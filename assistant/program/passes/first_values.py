@@ -1,7 +1,8 @@
 """First values of variables: given at the top of the program, and so again at each cycle.
 
 For controllers that begin the next cycle at the first line. Where a cycle may read what the one
-before left there, that is another program: a finding tells of it.
+before left there, and stands in no loop (see `cycles`), that is another program: a finding tells
+of it.
 """
 
 from __future__ import annotations
@@ -44,7 +45,7 @@ def with_first_values(job: Legalising) -> Program:
             with findings.at(variable.span):
                 if variable.storage == "persistent":
                     findings.append(can.persistent(name=name, about=about))
-                elif changes:
+                if changes:
                     findings.append(can.carried(name=name, about=about))
     return replace(program, variables=_in_order(variables))
 

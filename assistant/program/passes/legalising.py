@@ -54,12 +54,14 @@ class Variables:
 
     external: of a name and its variable, whether it is one of all programs of a controller, and no
     program gives it its first value. persistent: that it gets its first value at each start
-    (name). carried: that it gets it in each cycle (name).
+    (name). carried: that it gets it in each cycle (name). repeated: that the cycle stands in a
+    loop, as some keep what one leaves to the next (names).
     """
 
     external: Callable[[str, Variable], bool]
     persistent: Rule
     carried: Rule
+    repeated: Rule
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

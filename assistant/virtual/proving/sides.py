@@ -36,8 +36,9 @@ class Side:
 
     start: of the flange. joints: degrees there, None where they are not known. entry: the routine
     that it begins with. wiring: what it calls the inputs. outputs: what it calls outputs of a bit,
-    by what the other program calls them. lenient: numbers that nothing was given are 0, where the
-    manuals leave open whether a controller says so or ends: the translation tells of each.
+    by what the other program calls them. repeats: it begins again behind its end. lenient: numbers
+    that nothing was given are 0, where the manuals leave open whether a controller says so or ends:
+    the translation tells of each.
     """
 
     family: str
@@ -49,6 +50,7 @@ class Side:
     wiring: Wiring = field(default_factory=Wiring)
     outputs: Mapping[str, str] = field(default_factory=dict)
     lenient: bool = False
+    repeats: bool = False
 
     @property
     def answers(self) -> bool:
@@ -105,7 +107,7 @@ class _Kind:
 
 def _begin_rapid(side: Side, kernel: Kernel) -> None:
     from assistant.virtual.rapid.controller import Controller, Options
-    from assistant.virtual.rapid.running import start_task
+    from assistant.virtual.rapid.running import start_task, without_end
 
     controller = Controller(Options(sockets=False))  # to prove a program is not to trust it
     cell = {name.lower() for name in side.outputs.values()}  # also those that are only read
@@ -123,6 +125,7 @@ def _begin_rapid(side: Side, kernel: Kernel) -> None:
         start=side.start,
         joints=side.joints,
         controller=controller,
+        cycles=without_end(side.entry) if side.repeats else None,
     )
 
 
@@ -163,7 +166,7 @@ def _begin_pseudo(side: Side, kernel: Kernel) -> None:
     from assistant.virtual.pseudo import start_program
 
     (program,) = side.trees
-    start_program(kernel, program, robot=side.robot, start=side.start)
+    start_program(kernel, program, robot=side.robot, start=side.start, repeat=side.repeats)
 
 
 def _no_branches(_: Sequence[Any]) -> Branches:

@@ -27,11 +27,13 @@ def start_program(
     robot: Robot | None = None,
     start: Pose | None = None,
     text: SourceText | None = None,
+    repeat: bool = False,
 ) -> Task:
     """A task that runs one cycle of a program, from the call of its first procedure to its end.
 
     robot: the arm, without which a motion to joints ends nowhere that is known. start: the flange
     in the base before the first motion. text: that the program was read from, for places in it.
+    repeat: behind its end that procedure is called again.
     """
 
     def body(task: Task) -> Ending:
@@ -44,6 +46,9 @@ def start_program(
             if entry is None:
                 raise Fault("the program has no procedure to begin with")
             call(machine, entry, ())
+            while repeat:
+                task.step()
+                call(machine, entry, ())
         except Fault as fault:
             return Ending("error", str(fault))
         except NotRun as unknown:

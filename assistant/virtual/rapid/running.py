@@ -44,6 +44,7 @@ def run(
     start: Pose | None = None,
     controller: Controller | None = None,
     abilities: Mapping[str, Ability] | None = None,
+    repeat: bool = False,
 ) -> Run:
     """Runs one cycle of a program, from the call of its first routine to the end of that.
 
@@ -53,6 +54,7 @@ def run(
     start: the flange in the base before the first motion, None where it is not known.
     controller: what tasks share, and what differs between controllers; a new one if there is none.
     abilities: instructions and functions of an option or an add-in, by name; see the package.
+    repeat: behind its end the first routine is called again, as in continuous running.
     Motions take no time, and outputs are 0 before they are set.
     """
     files = (modules,) if isinstance(modules, s.File) else tuple(modules)
@@ -66,6 +68,7 @@ def run(
         start=start,
         controller=controller,
         abilities=abilities,
+        cycles=without_end(entry) if repeat else None,
     )
     return kernel.run()
 
@@ -141,6 +144,11 @@ def start_task(
 
 
 Cycles = Callable[[Machine], str | None]
+
+
+def without_end(entry: str) -> Cycles:
+    """One cycle behind the other."""
+    return _usual(entry, "static")
 
 
 def _usual(entry: str, kind: Kind) -> Cycles:

@@ -154,7 +154,7 @@ def test_arrays_are_filled_when_the_program_starts(name: str) -> None:
 def test_a_short_if_is_one_line_in_iv() -> None:
     main = "IF ok=1 THEN\nSetDO glue,1;\nELSE\nn:=2;\nENDIF\nIF n>1 n:=0;"
     text = written(program(main, data=" VAR num n;\n"), "melfa-basic-4")
-    assert "IF M_IN(7)=1 THEN M_OUT(5)=1 ELSE MN=2\nIF MN>1 THEN MN=0\nEND\n" in text
+    assert "IF M_IN(7)=1 THEN M_OUT(5)=1 ELSE MN=2\nIF MN>1 THEN MN=0\nRETURN\n" in text
     text = written(program(main, data=" VAR num n;\n"), "melfa-basic-5")
     assert "If M_In(7)=1 Then\nM_Out(5)=1\nElse\nMN=2\nEndIf\n" in text
 

@@ -10,6 +10,7 @@ import assistant
 from assistant import languages
 from assistant.compiler import Translation
 from assistant.compiler.loading import load_text
+from assistant.program.passes.cycles import repeats
 from assistant.program.text import SourceText
 from assistant.virtual import melfa, rapid
 from assistant.virtual.comparing import difference
@@ -137,7 +138,10 @@ def as_its_source(main: str, more: str, to: str) -> None:
     target = languages.get(to)
     first = rapid.run(source)
     assert any(isinstance(event, Moved) for event in first.events) and first.ended == "end"
-    assert difference(first, melfa.run(target.parse(target.decode(written)))) is None
+    if repeats(translation.compiled.program):
+        first = rapid.run(source, repeat=True, most_steps=100)
+    second = melfa.run(target.parse(target.decode(written)), most_steps=5_000)
+    assert difference(first, second) is None
 
 
 @pytest.mark.parametrize("to", MELFA)
@@ -157,12 +161,14 @@ def test_routines_with_parameters_have_labels_of_their_own(to: str) -> None:
     as_its_source("s 2; at m,n;", LABELS, to)
 
 
-def test_an_array_that_keeps_its_values_over_cycles_is_told_of() -> None:
+def test_an_array_that_keeps_its_values_over_cycles_keeps_them_in_a_loop() -> None:
     data, body = "VAR num q{2};\nVAR num w{2};\n", "q{1}:=q{1}+1;\nw{1}:=1;\n"
     text = f"MODULE m\n{data}PROC main()\n{body}ENDPROC\nENDMODULE\n"
     program = languages.get("rapid").lift(languages.get("rapid").parse(text))
     found = languages.get("melfa-basic-5").adapt(program).findings
-    assert [(f.code, f.place) for f in found] == [("MB237", "q")]
+    assert [f.code for f in found] == ["MB263"]
+    assert "`q`" in found[0].message
+    assert "`w`" not in found[0].message
 
 
 CELL = """\

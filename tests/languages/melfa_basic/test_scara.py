@@ -110,4 +110,4 @@ def test_the_height_of_the_slide_is_no_angle() -> None:
     assert slide.endswith(".J3=200") and "Rad(90)" in turn
     (read_,) = [line for line in text.splitlines() if line.endswith(".J3")]
     assert "Deg" not in read_
-    assert read(text).procedures[0].body == body
+    assert read(text).procedures[1].body == body

@@ -46,7 +46,10 @@ UNITS: Final = Units(
 ARRAYS: Final = Arrays(dimensions=3, elements=999)
 """COSIMIR help, Dim."""
 VARIABLES: Final = Variables(
-    external=is_external, persistent=rules.PERSISTENT, carried=rules.CARRIED
+    external=is_external,
+    persistent=rules.PERSISTENT,
+    carried=rules.CARRIED,
+    repeated=rules.REPEATED,
 )
 COMMENTS: Final = Comments(most_bytes=100, message=rules.MESSAGE)
 OUTPUTS: Final = Outputs(

@@ -34,6 +34,7 @@ from assistant.program.passes.arrays import (
 )
 from assistant.program.passes.base_frames import in_base
 from assistant.program.passes.comments import lines
+from assistant.program.passes.cycles import with_kept_values
 from assistant.program.passes.first_values import with_first_values
 from assistant.program.passes.interrupts import with_interrupts_first
 from assistant.program.passes.legalising import Legalising, Pass, legalised, pure
@@ -98,6 +99,7 @@ def adapt(
 FIRST: Final[tuple[Pass, ...]] = (
     with_channels,
     pure(with_entry_first),
+    with_kept_values,
     with_interrupts_first,
     with_first_values,
     with_array_parameters,

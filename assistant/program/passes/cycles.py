@@ -1,0 +1,78 @@
+"""Cycles that begin with what the one before left, for controllers that begin each one anew."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Final
+
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.analysis.assignment import Assigning
+from assistant.program.passes.legalising import Legalising
+from assistant.program.program import Procedure, Program, identifier
+from assistant.program.rewriting import records
+from assistant.program.subjects import Declared
+
+CYCLE: Final = "cycle"
+"""Name of the procedure that becomes of the one that a program begins with."""
+FOR_EVER: Final = e.Number(1)
+MOST_TOLD: Final = 5
+"""Names that a finding tells."""
+
+
+def with_kept_values(job: Legalising) -> Program:
+    """The program with a loop without end around its cycle, where one leaves values to the next.
+
+    Such a controller gives variables their first values at the first line, to which it goes back
+    behind each cycle. A program of the same kin has no such values, and nothing becomes of it.
+    """
+    program, can = job.program, job.can.variables
+    entry = program.procedure(program.entry) if program.entry else None
+    kept = program.origin is not None and program.origin.language in job.can.kin
+    if entry is None or can is None or kept or _is_called(program, entry):
+        return program
+    assigning = Assigning(program)
+    run = assigning.run(entry)
+    left = [
+        name
+        for name, variable in program.variables.items()
+        if variable.storage != "constant"
+        and name.lower() in run.read & assigning.written
+        and not can.external(name, variable)
+    ]
+    if not left or not run.ends:
+        return program
+    with job.findings.at(entry.span):
+        about = Declared(entry.name, "procedures")
+        job.findings.append(can.repeated(names=_listed(left), about=about))
+    taken = {*(q.name for q in program.procedures), *program.variables, *program.targets}
+    cycle = replace(entry, name=identifier(CYCLE, taken))
+    loop = Procedure(entry.name, (p.While(FOR_EVER, (p.Call(cycle.name),)),), span=entry.span)
+    others = tuple(q for q in program.procedures if q is not entry)
+    return replace(program, procedures=(loop, cycle, *others))
+
+
+def repeats(program: Program) -> bool:
+    """Whether the cycle of a program stands in a loop of its own, behind first values."""
+    entry = program.procedure(program.entry) if program.entry else None
+    match entry.body if entry is not None else ():
+        case (*_, p.While(condition, (p.Call(arguments=()),))):
+            return condition == FOR_EVER
+    return False
+
+
+def _is_called(program: Program, entry: Procedure) -> bool:
+    key = entry.name.lower()
+    return any(
+        (isinstance(one, p.Call) and one.procedure.lower() == key)
+        or (isinstance(one, e.Apply) and one.function.lower() == key)
+        for procedure in program.procedures
+        for one in records(procedure.body)
+    )
+
+
+def _listed(names: Sequence[str]) -> str:
+    told = ", ".join(f"`{name}`" for name in names[:MOST_TOLD])
+    more = len(names) - MOST_TOLD
+    return told if more <= 0 else f"{told} and {more} more"
