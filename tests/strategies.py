@@ -374,7 +374,7 @@ def _simple() -> st.SearchStrategy[Statement]:
         st.builds(WaitSignal, names(), value, maybe),
         st.builds(WaitUntil, value, maybe),
         st.builds(StartTimer, names()),
-        st.builds(Interrupt, names(), value, st.builds(Call, names())),
+        st.builds(Interrupt, names(), value, st.builds(Call, names()), maybe),
         st.builds(SwitchInterrupt, names(), st.sampled_from(["on", "off"])),
         st.builds(SwitchInterrupts, st.sampled_from(["on", "off"])),
         st.builds(SetSignal, names(), value, maybe),

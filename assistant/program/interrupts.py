@@ -22,12 +22,14 @@ State = Literal["on", "off"]
 class Interrupt(Spanned):
     """From here on what an interrupt is: `call` is made while `condition` holds and it is on.
 
-    It is off until it is switched on. call: of a procedure without parameters.
+    It is off until it is switched on. call: of a procedure without parameters. ends: if that holds
+    behind the call, the cycle of the program ends there, and the arm stays where it is.
     """
 
     name: str
     condition: Expression
     call: Call
+    ends: Expression | None = None
 
 
 @dataclass(frozen=True, slots=True)

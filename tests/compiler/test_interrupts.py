@@ -115,9 +115,16 @@ def test_an_interrupt_that_moves_the_arm_is_told() -> None:
     assert done.motion is None or not done.motion.holds
 
 
-@pytest.mark.parametrize("answer", ["RAISE 12;", "ExitCycle;", "IF count=1 ExitCycle;"])
-def test_a_trap_that_does_not_come_back_stays_as_its_text(answer: str) -> None:
-    done = crossed(f"{OPENED}WaitTime 2;", answer=answer)
+def test_a_trap_that_ends_the_cycle_ends_it_here() -> None:
+    held = "IF NOT IsStopMoveAct(\\FromMoveTask) StopMove;\nClearPath;\nStartMove;"
+    answer = f"IF count<3 THEN\nIncr count;\nRETURN;\nENDIF\n{held}\nExitCycle;"
+    body = f"{OPENED}FOR i FROM 1 TO 3 DO\n{WAIT}ENDFOR"
+    assert "Then End" in written(crossed(body, answer=answer.replace("3", "0")))
+    assert "Then End" in written(crossed(body, answer=answer))
+
+
+def test_a_trap_that_raises_an_error_stays_as_its_text() -> None:
+    done = crossed(f"{OPENED}WaitTime 2;", answer="RAISE 12;")
     kept = [row for row in done.rows if row.level == "not"]
     assert len(kept) >= 2  # CONNECT and what orders it
 

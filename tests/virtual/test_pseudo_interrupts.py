@@ -72,6 +72,12 @@ def test_it_comes_again_while_its_condition_holds() -> None:
     )
 
 
+def test_it_ends_the_cycle_where_it_says_so() -> None:
+    defined = "interrupt opened when door = 1 calls answer ends where n > 1\n"
+    run = ran(f'{defined}interrupt opened on\nwait 3 s\nmessage "on"', "wait 0.4 s")
+    assert said(run) == ["answer 1", "answer 2"]
+
+
 def test_none_comes_while_one_is_answered() -> None:
     lines = "restart timer clock\ninterrupt opened on\ninterrupt late on\nwait 5 s"
     assert said(ran(lines, 'wait 4 s\nmessage "done"')) == ["answer 1", "done", "late"]

@@ -15,6 +15,9 @@ def with_conditions(statement: p.Statement, known: Kinds) -> p.Statement:
         case p.If(branches):
             made = tuple(replace(b, condition=condition(b.condition, known)) for b in branches)
             return replace(statement, branches=made)
+        case p.Interrupt(ends=ends) if ends is not None:
+            inner = condition(statement.condition, known), condition(ends, known)
+            return replace(statement, condition=inner[0], ends=inner[1])
         case p.While() | p.WaitUntil() | p.Interrupt():
             return replace(statement, condition=condition(statement.condition, known))
     return statement

@@ -153,6 +153,7 @@ _SLOTS: Final[dict[str, _Slot]] = {
     "optional": _optional(),
     "pulse": _optional(" pulse ", " s"),
     "timeout": _wrapped(" timeout ", " s"),
+    "ends": _wrapped(" ends where ", ""),
     "ahead": _wrapped(" ahead ", " s"),
     "triggers": _Slot(
         lambda triggers: "".join(f" {trigger_text(one)}" for one in triggers), _read_triggers
@@ -217,7 +218,7 @@ _FORMS: Final = (
     _Form(Message, "message{parts:parts}"),
     _Form(Attach, "attach {channel:name} to {kind:word}{place:parts} for {mode:word}"),
     _Form(Detach, "detach {channel:name}"),
-    _Form(Interrupt, "interrupt {name:name} when {condition} calls {call:procedure}"),
+    _Form(Interrupt, "interrupt {name:name} when {condition} calls {call:procedure}{ends:ends}"),
     _Form(SwitchInterrupt, "interrupt {name:name} {state:word}"),
     _Form(SwitchInterrupts, "interrupts {state:word}"),
     _Form(Send, "send {channel:name} {kind:word}{parts:parts}"),

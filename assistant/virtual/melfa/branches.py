@@ -29,6 +29,8 @@ def _ways(code: Code, at: int, statement: s.Statement | None) -> Iterator[tuple[
                 yield way, "ElseIf met" if isinstance(part, s.ElseIf) else "Else"
             if not parts or isinstance(parts[-1], s.ElseIf):
                 yield len(parts) + 1, "If not met"
+        case s.DefAct():
+            yield from ((0, "interrupt"), (1, "no interrupt"))
         case s.If():
             yield from ((0, "If met"), (1, "If not met"))
         case s.For(first=first, last=last):

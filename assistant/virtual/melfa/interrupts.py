@@ -37,8 +37,8 @@ LASTING: Final = ("WAIT", "DLY", "HLT")
 
 @dataclass(frozen=True, slots=True)
 class Act:
-    """What happens when. frame, nest: where the program was at its definition. condition: None for
-    that of a line.
+    """What happens when. frame, nest, at: where the program was at its definition. condition: None
+    for that of a line.
     """
 
     rank: int
@@ -46,6 +46,7 @@ class Act:
     node: s.DefAct | s.OnCom
     frame: Frame
     nest: int
+    at: int
 
 
 class Interrupts:
@@ -92,10 +93,13 @@ class Interrupts:
         self._looks = kernel.looking = True
         m.frames.append(act.frame)
         try:
-            return holds(expressions.value(m, act.condition))
+            met = holds(expressions.value(m, act.condition))
         finally:
             m.frames.pop()
             self._looks = kernel.looking = False
+        if kernel.branch is not None:
+            kernel.branch(m.code.path, act.at, 0 if met else 1)
+        return met
 
     def conditions(self) -> list[s.Expression | None]:
         """Of the interrupts that may come."""
@@ -228,7 +232,7 @@ def _define(m: Machine, node: s.DefAct) -> None:
     stop = node.stop.upper()
     if stop not in ("", "S", "L"):
         raise Unknown(f"an interrupt of the stop type {stop}")
-    _own(m).acts[number] = Act(number, node.condition, node, m.frame, m.nest)
+    _own(m).acts[number] = Act(number, node.condition, node, m.frame, m.nest, m.here)
     attend(m)
 
 
@@ -257,7 +261,7 @@ def _file(m: Machine, node: s.Expression | None) -> int:
 
 
 def _on_com(m: Machine, node: s.OnCom) -> None:
-    _own(m).coms[_file(m, node.line)] = Act(COM, None, node, m.frame, m.nest)
+    _own(m).coms[_file(m, node.line)] = Act(COM, None, node, m.frame, m.nest, m.here)
     attend(m)
 
 

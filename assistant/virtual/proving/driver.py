@@ -108,7 +108,8 @@ class Driver(Mapping[str, float]):
 
     answering: who ends waits that the scenario does not end; None for nobody. played: the scenario
     with these answers. taken: each way that was gone, by its first time. reads: names ever read.
-    ended: when a wait was answered that ends by itself, by its place.
+    ended: when a wait was answered that ends by itself, by its place. watched: beats at which an
+    input was looked at for an interrupt, by its name.
     """
 
     kernel: Kernel
@@ -119,6 +120,7 @@ class Driver(Mapping[str, float]):
     taken: dict[Way, Taken] = field(default_factory=dict)
     reads: set[str] = field(default_factory=set)
     ended: dict[object, Moment] = field(default_factory=dict)
+    watched: dict[str, dict[Moment, None]] = field(default_factory=dict)
     answers: int = 0
 
     def __post_init__(self) -> None:
@@ -145,9 +147,11 @@ class Driver(Mapping[str, float]):
         """What an input reads now, which counts as a reading."""
         self.reads.add(name)
         self._recent.append((name, Moment(self.beat, self.idles)))
-        if self._asking:
+        if self.kernel.looking:
+            self.watched.setdefault(name, {})[Moment(self.beat)] = None
+        elif self._asking:
             self._polling[name] = None
-        elif self.kernel.tasks and not self.kernel.looking:
+        elif self.kernel.tasks:
             self._poll(name)
         return self.wiring.value(name, self.state)
 

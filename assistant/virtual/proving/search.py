@@ -13,9 +13,10 @@ from typing import Final
 from assistant.virtual.branches import Branch, Branches, Way
 from assistant.virtual.comparing import Bits, Unlike, likeness
 from assistant.virtual.events import Run, Stopped
-from assistant.virtual.kernel import Board, Kernel, Task
+from assistant.virtual.kernel import Board, Kernel
 from assistant.virtual.kernel.panel import Panel
 from assistant.virtual.kernel.script import Script, follow
+from assistant.virtual.proving.answers import Answers, rows
 from assistant.virtual.proving.driver import Driver, Moment, Readings, Scenario
 from assistant.virtual.proving.lasting import OVER, broken_off, first_run
 from assistant.virtual.proving.sides import STATEMENT_TIME, Side
@@ -128,6 +129,7 @@ class _Search:
         self.aimed: set[Scenario] = set()
         self.followed: Counter[tuple[str, int]] = Counter()
         self.ended: set[object] = set()
+        self.watched: set[str] = set()
         self.pending: deque[Scenario] = deque([Scenario()])
         self.steps = STEPS + 4 * max(side.text().count("\n") for side in (self.first, self.second))
         self.reads = False
@@ -229,7 +231,7 @@ class _Search:
         """after: the run of the source, for what was written; None for that of the source."""
         answered = after is None
         kernel = Kernel(Board(), most_steps=steps, statement_time=STATEMENT_TIME)
-        answers = _Answers(self.random, self.numbers) if answered and not self.script else None
+        answers = Answers(self.random, self.numbers) if answered and not self.script else None
         driver = Driver(kernel, side.wiring, scenario, answers)
         if self.script is not None:
             follow(kernel, side.scripted(self.script))
@@ -278,12 +280,24 @@ class _Search:
     def _follow(self, at: int, driver: Driver, played: Scenario) -> None:
         """Scenarios that may take the other ways of the statements that this one came by."""
         known, gone = self.known[at], self.taken[at]
+        self.pending.extend(self._interrupted(driver, played))
         for taken in driver.taken.values():
             others = [way for way in known if way[:2] == taken.way[:2] and way not in gone]
             if others and taken.read and self.followed[taken.way[:2]] < MOST_FOLLOWED:
                 self.followed[taken.way[:2]] += 1
                 numbers = self._near(at, known[others[0]].line)
                 self.pending.extend(self._varied(driver.wiring, taken.read, played, numbers))
+
+    def _interrupted(self, driver: Driver, played: Scenario) -> Iterator[Scenario]:
+        """Scenarios in which an input that interrupts changes here and there, once for each."""
+        for name, moments in driver.watched.items():
+            if name in self.watched:
+                continue
+            self.watched.add(name)
+            for moment in [*moments][1 : 1 + MOST_FOLLOWED]:
+                value = driver.wiring.value(name, dict(_state(played.until(moment))))
+                for other in self._others(driver.wiring, name, value, [1]):
+                    yield played.until(moment).changed(moment, driver.wiring.spread(name, other))
 
     def _near(self, at: int, line: int) -> list[int]:
         """Numbers that a statement compares with: of its line, else of those below it."""
@@ -304,7 +318,7 @@ class _Search:
         if len(names) > 1:
             for _ in range(TOGETHER):
                 yield self._together(wiring, names, played, numbers)
-        for wires, moment in _rows(wiring, names):
+        for wires, moment in rows(wiring, names):
             for number in self._some(numbers, len(wires)):
                 bits = {wire: float(number >> i & 1) for i, wire in enumerate(wires)}
                 yield played.until(moment).changed(moment, bits)
@@ -354,64 +368,6 @@ def _state(scenario: Scenario) -> Iterator[tuple[str, float]]:
         yield from state
 
 
-def _rows(wiring: Wiring, names: Mapping[str, Moment]) -> list[tuple[list[str], Moment]]:
-    """Wires with numbers that follow each other: bits that are read as one number."""
-    single = {
-        int(n): when for n, when in names.items() if n.isdecimal() and not wiring.named.get(n)
-    }
-    found: list[tuple[list[str], Moment]] = []
-    for number in sorted(single):
-        if found and int(found[-1][0][-1]) == number - 1:
-            found[-1][0].append(str(number))
-        else:
-            found.append(([str(number)], single[number]))
-    return [(wires, when) for wires, when in found if len(wires) > 1]
-
-
 def _numbers(text: str) -> list[int]:
     """Whole numbers of a text, each once."""
     return sorted({int(digits) for digits in re.findall(r"\b\d{1,5}\b", text)})
-
-
-@dataclass
-class _Answers:
-    """Ends waits: with the values that let a program go on."""
-
-    random: Random
-    numbers: list[int]
-
-    def answer(self, driver: Driver, task: Task, read: tuple[str, ...]) -> Mapping[str, float]:
-        wiring, state = driver.wiring, driver.state
-        tries = [*self._singly(wiring, state, read), *self._jointly(wiring, read)]
-        if not tries:
-            return {}
-        until = task.until if task.waiting else None
-        if until is None:  # a loop that only reads: one of what may help
-            return self.random.choice(tries)
-        for change in tries:
-            if driver.would(change, until):
-                return change
-        return {}
-
-    def _singly(
-        self, wiring: Wiring, state: Mapping[str, float], read: tuple[str, ...]
-    ) -> Iterator[Mapping[str, float]]:
-        """Another value of one input."""
-        for name in read:
-            bits = wiring.bits(name)
-            if bits == 1:
-                yield wiring.spread(name, 1.0 - wiring.value(name, state))
-                continue
-            near = {n + by for n in self.numbers for by in (0, 1, -1)} | {0, (1 << bits) - 1}
-            values = sorted(value for value in near if 0 <= value < 1 << bits)
-            yield from (wiring.spread(name, float(value)) for value in values)
-
-    def _jointly(self, wiring: Wiring, read: tuple[str, ...]) -> Iterator[Mapping[str, float]]:
-        """All inputs that are read at once, and numbers that are read bit by bit."""
-        if len(read) > 1:
-            for value in (1.0, 0.0):
-                yield {wire: value for name in read for wire in wiring.wires(name)}
-        for wires, _ in _rows(wiring, dict.fromkeys(read, Moment())):
-            for number in self.numbers:
-                if number < 1 << len(wires):
-                    yield {wire: float(number >> i & 1) for i, wire in enumerate(wires)}

@@ -11,7 +11,7 @@ from assistant.program import statements as p
 from assistant.program.expressions import Elapsed
 from assistant.program.rewriting import records
 from assistant.virtual.pseudo.data import Call
-from assistant.virtual.pseudo.ends import NotRun
+from assistant.virtual.pseudo.ends import NotRun, Over
 from assistant.virtual.pseudo.expressions import condition
 from assistant.virtual.pseudo.machine import Machine
 
@@ -71,6 +71,9 @@ class Interrupts:
             kernel.motion.hold(kernel)
         before = self.machine.flange
         self._within(frame, lambda: self.run(node.call))
+        ends = node.ends
+        if ends is not None and self._within(frame, lambda: condition(self.machine, ends)):
+            raise Over
         if stands:
             return
         if self.machine.flange is not before:

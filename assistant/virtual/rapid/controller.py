@@ -47,6 +47,7 @@ class Controller:
     booked: numbers of errors. tasks: in the order in which they were started. programs: what they
     run. outputs, known: names of signals in lower case that programs set, and of all that they
     use. come: how often a task came to a point of WaitSyncTask, both by name in lower case.
+    held: the task that has stopped all motions by StopMove, None while none has.
     looks: are called before each statement of any task, to see whether shared data has changed.
     """
 
@@ -60,3 +61,4 @@ class Controller:
     come: dict[tuple[str, str], int] = field(default_factory=dict)
     programs: list[tuple[Loaded, Types]] = field(default_factory=list)
     looks: list[Callable[[], None]] = field(default_factory=list)
+    held: Task | None = None

@@ -41,6 +41,9 @@ def answers(w: Writer) -> None:
             control.call(w, node.call)
         if shut:
             w.add(_act(ALL, on=True))
+        if node.ends is not None:
+            with w.findings.at(node.span), w.saying():
+                w.add(s.If(w.expressions.of(node.ends), s.Command("End")))
         w.add(s.Command("Return", (s.Number(0),)))
     w.answers.clear()
 

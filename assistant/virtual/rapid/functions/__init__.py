@@ -15,7 +15,15 @@ from assistant.virtual.rapid.functions import (
     texts,
     times,
 )
-from assistant.virtual.rapid.instructions import dialogs, files, modules, raw, sockets, tasks
+from assistant.virtual.rapid.instructions import (
+    dialogs,
+    files,
+    modules,
+    raw,
+    sockets,
+    stopping,
+    tasks,
+)
 from assistant.virtual.rapid.machine import Function
 
 FUNCTIONS: Final[Mapping[str, Function]] = {
@@ -32,5 +40,6 @@ FUNCTIONS: Final[Mapping[str, Function]] = {
     **modules.FUNCTIONS,
     **raw.FUNCTIONS,
     **sockets.FUNCTIONS,
+    **stopping.FUNCTIONS,
     **tasks.FUNCTIONS,
 }

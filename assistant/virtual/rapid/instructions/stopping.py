@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 from assistant.virtual.kernel import Instant
+from assistant.virtual.rapid.ends import NotSimulated
 from assistant.virtual.rapid.given import Given, takes
 from assistant.virtual.rapid.machine import Function
 
@@ -15,11 +16,13 @@ NO_WAY: Final = "`{}`: motions take no time here, so that none is stopped on its
 def _stop(given: Given) -> None:
     """Motions that come later wait too, until StartMove."""
     kernel = given.machine.task.kernel
+    given.machine.controller.held = given.machine.task
     kernel.motion.hold(kernel)
 
 
 def _start(given: Given) -> None:
     kernel = given.machine.task.kernel
+    given.machine.controller.held = None
     kernel.motion.resume(kernel)
 
 
@@ -44,6 +47,14 @@ def _restore(given: Given) -> None:
     task.kernel.motion.restore(task)
 
 
+def _is_held(given: Given) -> bool:
+    """Tasks are taken for those that move the arm, as the one that asks."""
+    held = given.machine.controller.held
+    if held not in (None, given.machine.task):
+        raise NotSimulated("whether another task moves an arm")
+    return held is not None and not given.has("fromnonmovetask")
+
+
 def _row(name: str, does: Callable[[Given], None], options: str = "") -> tuple[str, Function]:
     """An instruction that does nothing, and says so, where motions take no time."""
 
@@ -65,4 +76,7 @@ TABLE: Final[Mapping[str, Function]] = dict(
         _row("StorePath", _store, "keepsync"),
         _row("RestoPath", _restore),
     )
+)
+FUNCTIONS: Final[Mapping[str, Function]] = dict(
+    (takes("IsStopMoveAct", 0, _is_held, "frommovetask fromnonmovetask"),)
 )

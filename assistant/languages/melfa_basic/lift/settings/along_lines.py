@@ -114,7 +114,7 @@ def lines_of(
     }  # fmt: skip
     first = {label: places[number][0] for label, number in by_label.items() if places[number]}
     entries = labels | first
-    for label, call in answers.items():
+    for label, (call, _) in answers.items():
         number = by_name.get(call.function.key) if isinstance(call, s.Call) else None
         if isinstance(call, s.Jump):
             number = by_label.get(place_name(call.target))

@@ -18,12 +18,14 @@ if TYPE_CHECKING:
 
 def define(reader: Statements, node: s.DefAct) -> list[p.Statement]:
     """An interrupt that calls a procedure and goes on where the program was."""
-    call = reader.answers.get(place_name(node.target))
-    if call is None or node.keyword != "GoSub" or node.stop:
+    answer = reader.answers.get(place_name(node.target))
+    if answer is None or node.keyword != "GoSub" or node.stop:
         raise Unliftable(kept_reasons.INTERRUPTS)
     name = _name(reader, node.number)
+    call, ends = answer
     condition = reader.expressions.condition(node.condition)
-    return [p.Interrupt(name, condition, p.Call(_called(reader, call)))]
+    over = None if ends is None else reader.expressions.condition(ends)
+    return [p.Interrupt(name, condition, p.Call(_called(reader, call)), over)]
 
 
 def switch(reader: Statements, node: s.Command) -> list[p.Statement]:

@@ -9,8 +9,10 @@ from assistant.languages.melfa_basic.lift.structure.regions import place_name
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import statement_of
 
-Answers = Mapping[str, s.Jump | s.Call]
-"""The call that interrupts lead to, by the label of its lines in upper case."""
+Answer = tuple[s.Jump | s.Call, s.Expression | None]
+"""The call that an interrupt leads to, and the condition on which the program ends behind it."""
+Answers = Mapping[str, Answer]
+"""By the label of its lines in upper case."""
 _SHUT: Final = s.Command("Act", (s.Binary("=", s.Number(0), s.Number(0)),))
 _OPEN: Final = s.Command("Act", (s.Binary("=", s.Number(0), s.Number(1)),))
 _BACK: Final = s.Command("Return", (s.Number(0),))
@@ -24,34 +26,41 @@ def without_answers(code: list[s.Entry]) -> tuple[list[s.Entry], Answers]:
     }
     if not wanted:
         return code, {}
-    found: dict[str, s.Jump | s.Call] = {}
+    found: dict[str, Answer] = {}
     left: list[s.Entry] = []
     at = 0
     while at < len(code):
         label = code[at].label
-        after, call = _answer(code, at + 1) if label and label.upper() in wanted else (0, None)
-        if label is None or call is None:
+        after, answer = _answer(code, at + 1) if label and label.upper() in wanted else (0, None)
+        if label is None or answer is None:
             left.append(code[at])
             at += 1
             continue
-        found[label.upper()] = call
+        found[label.upper()] = answer
         at = after
         if at < len(code) and statement_of(code[at]) == s.Command("FEnd") and _ends(left):
             left.pop()
     return left, found
 
 
-def _answer(code: list[s.Entry], at: int) -> tuple[int, s.Jump | s.Call | None]:
+def _answer(code: list[s.Entry], at: int) -> tuple[int, Answer | None]:
     """The call of the lines below a label, and the place behind them."""
-    lines = [statement_of(item) for item in code[at : at + 4]]
-    match lines:
-        case [s.Jump("GoSub") | s.Call() as call, back, *_] if back == _BACK:
-            return at + 2, call
-        case [shut, s.Jump("GoSub") | s.Call() as call, open, back] if (shut, open, back) == (
-            _SHUT, _OPEN, _BACK,
-        ):  # fmt: skip
-            return at + 4, call
-    return 0, None
+    lines = [statement_of(item) for item in code[at : at + 5]]
+    shut = bool(lines) and lines[0] == _SHUT
+    match lines[shut:]:
+        case [s.Jump("GoSub") | s.Call() as call, *rest]:
+            end = at + shut + 1
+        case _:
+            return 0, None
+    if shut:
+        if not rest or rest[0] != _OPEN:
+            return 0, None
+        rest, end = rest[1:], end + 1
+    ends = None
+    match rest:
+        case [s.If(condition, s.Command("End"), None), *rest]:
+            ends, end = condition, end + 1
+    return (end + 1, (call, ends)) if rest and rest[0] == _BACK else (0, None)
 
 
 def _ends(code: list[s.Entry]) -> bool:

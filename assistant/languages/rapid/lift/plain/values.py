@@ -38,6 +38,8 @@ from assistant.languages.rapid.tree.gather import literal_number
 
 EQUAL: Final = {"=": "AND", "<>": "OR"}
 PLACE: Final = "cpos"
+TASKS: Final = "tasks"
+"""The type of lists of tasks, which stay as they are."""
 """The function that gives a position alone."""
 SHOWN: Final = "valtostr"
 
@@ -155,11 +157,13 @@ class Values(Kinds):
             one.mode for slot in known.slots for one in slot.alternatives
         )
         made: list[s.Argument] = []
-        types = iter(() if known is None else (slot.alternatives[0].type for slot in known.slots))
+        types = iter(() if known is None else (one.alternatives[0].type for one in known.required))
         for argument in arguments:
             type = next(types, "") if isinstance(argument, s.Positional) else ""
             match argument:
-                case s.Positional(value) | s.Option(_, value) if self._mounted(value):
+                case s.Positional(value) | s.Option(_, value) if type == TASKS or self._mounted(
+                    value
+                ):
                     made.append(argument)
                 case s.Positional(s.AggregateNode() as value) if type in WHOLE and (
                     not is_written_out(value)

@@ -15,6 +15,7 @@ from typing import Final
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.statements import StatementLift
 from assistant.languages.rapid.lift.told import handlers as h
+from assistant.languages.rapid.lift.told.interrupts import with_own_errors
 from assistant.languages.rapid.lift.told.waits import condition, until_over
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program import expressions as e
@@ -158,7 +159,8 @@ class _Errors:
 
     def said(self) -> Program:
         procedures = tuple(self._procedure(key) for key in self.known)
-        program = replace(self.program, procedures=procedures)
+        program = with_own_errors(replace(self.program, procedures=procedures), self.error)
+        procedures = program.procedures
         if not any(record == self.error for record in records(procedures)):
             return program
         first: Body = (p.Assign(self.error, _ZERO),)
@@ -258,6 +260,8 @@ class _Making:
             yield from self.exit(node)
         elif isinstance(node, p.Call) and (left := errors.leaves.get(node.procedure.lower())):
             yield from self.called(node, sorted(left))
+        elif isinstance(node, p.Interrupt) and EXIT in errors.leaves[node.call.procedure.lower()]:
+            yield replace(node, ends=e.Binary("<>", errors.error, _ZERO))
         else:
             yield node
 

@@ -2,39 +2,82 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
+from functools import partial
+from typing import Any, Final
 
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.told.calls import call_of, word_of
 from assistant.languages.rapid.lift.told.left_out import INSTRUCTIONS
+from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Findings
 from assistant.program.kept import effect_of
 from assistant.program.program import Program, walk
-from assistant.program.rewriting import Body, map_bodies
+from assistant.program.rewriting import Body, map_bodies, map_head, records
 
 _HOLD, _LET_GO = "stopmove", "startmove"
+_ASKED: Final = re.compile(r"IsStopMoveAct\b.*", re.IGNORECASE | re.DOTALL)
 
 
 def with_held_moves(program: Program, findings: Findings) -> Program:
-    """The program without holding moves that are let go before the arm is to move."""
+    """The program without holding moves that are let go before the arm is to move.
 
-    def body(statements: Body) -> Body:
+    Nor does it ask whether they are held, where nothing holds them any longer.
+    """
+
+    def body(statements: Body, after: Body = ()) -> Body:
         made: list[p.Statement] = []
         for place, node in enumerate(statements):
-            if _word(node) == _HOLD and _is_let_go(statements[place + 1 :]):
+            behind = (*statements[place + 1 :], *after)
+            if _word(node) == _HOLD and _is_let_go(behind):
                 loss, cure = INSTRUCTIONS[_LET_GO]
                 with findings.at(node.span):
                     findings.append(rules.LEFT_OUT(what="StopMove", loss=loss, cure=cure))
             else:
-                made.append(map_bodies(node, body))
+                inside = () if isinstance(node, p.While | p.For) else behind
+                made.append(map_bodies(node, partial(body, after=inside)))
         return tuple(made)
 
-    if not any(_word(node) == _HOLD for node in program.statements()):
+    if any(_word(node) == _HOLD for node in program.statements()):
+        procedures = (replace(q, body=body(q.body)) for q in program.procedures)
+        program = replace(program, procedures=tuple(procedures))
+    return program if any(map(_holds, program.statements())) else _unasked(program, findings)
+
+
+def _holds(node: p.Statement) -> bool:
+    """Whether moves are held behind a statement, as far as its text tells."""
+    return isinstance(node, p.Opaque) and _HOLD in node.text.lower()
+
+
+def _unasked(program: Program, findings: Findings) -> Program:
+    """The program in which moves are never held."""
+
+    def answered(part: Any) -> Any:
+        if isinstance(part, e.Verbatim) and _ASKED.fullmatch(part.text):
+            findings.append(rules.LEFT_OUT(what=part.text, loss=_NEVER[0], cure=_NEVER[1]))
+            return e.Truth(False)
+        return part
+
+    def body(statements: Body) -> Body:
+        made = []
+        for node in statements:
+            with findings.at(node.span):
+                own = map_head(node, answered)
+            made.append(map_bodies(own, body))
+        return tuple(made)
+
+    if not any(isinstance(r, e.Verbatim) and _ASKED.fullmatch(r.text) for r in records(program)):
         return program
-    return replace(
-        program, procedures=tuple(replace(q, body=body(q.body)) for q in program.procedures)
-    )
+    procedures = (replace(q, body=body(q.body)) for q in program.procedures)
+    return replace(program, procedures=tuple(procedures))
+
+
+_NEVER: Final = (
+    "it is false, as nothing here holds the moves of the arm",
+    "ask for a signal if anybody else may hold it",
+)
 
 
 def _word(node: p.Statement) -> str:

@@ -39,7 +39,7 @@ from assistant.program.program import (
     identifier,
     walk,
 )
-from assistant.program.rewriting import Body, exchanged, rewrite
+from assistant.program.rewriting import Body, exchanged, records, rewrite
 
 Call = Called[s.Expression]
 LEVELS: Final = {"low": 0.0, "high": 1.0, "edge": 2.0}
@@ -48,8 +48,7 @@ _SIDES: Final = {f"isignal{letters[-2:]}": signal for letters, signal in SIGNALS
 """By the instruction in lower case, what its signal is."""
 _ONE: Final = frozenset(("idelete", "isleep", "iwatch"))
 _ALL: Final = {"idisable": "off", "ienable": "on"}
-_LEAVES: Final = re.compile(r"\b(?:RAISE|ExitCycle)\b", re.IGNORECASE)
-"""Words that do not lead back to where an interrupt came."""
+_RAISES: Final = re.compile(r"\bRAISE\b", re.IGNORECASE)
 _ORDERS: Final = frozenset((*_SIDES, "itimer", "ipers"))
 
 
@@ -170,20 +169,18 @@ class _Telling:
         self.made[key] = made
 
     def _can_answer(self, trap: str) -> bool:
-        """Whether all that a trap routine does goes back to where the program was."""
+        """Whether nothing that a trap routine does raises an error."""
         pending, seen = [trap], set[str]()
         while pending:
             procedure = self.known.get(key := pending.pop())
-            if procedure is None:
-                if key == trap:
+            if procedure is None or key in seen:
+                if key == trap and procedure is None:
                     return False
-                continue
-            if key in seen:
                 continue
             seen.add(key)
             pending += calls_of(procedure)
             for node in walk(procedure.body):
-                if isinstance(node, p.Opaque) and _LEAVES.search(node.text):
+                if isinstance(node, p.Opaque) and _RAISES.search(node.text):
                     return False
         return True
 
@@ -318,14 +315,9 @@ class _Telling:
 
 def with_own_waits(program: Program) -> Program:
     """The program whose interrupts have a timer of their own for the longest time of waits."""
-    calls = {q.name.lower(): set(calls_of(q)) for q in program.procedures}
-    answers = {one.call.procedure.lower() for one in interrupts(program)}
-    if not answers:
+    inside = _inside(program, _answers(program))
+    if not inside:
         return program
-    inside: set[str] = set()
-    while pending := (answers & calls.keys()) - inside:
-        inside |= pending
-        answers = set().union(*(calls[name] for name in pending))
 
     def own(part: Any) -> Any:
         match part:
@@ -335,6 +327,42 @@ def with_own_waits(program: Program) -> Program:
 
     procedures = (rewrite(q, own) if q.name.lower() in inside else q for q in program.procedures)
     return replace(program, procedures=tuple(procedures))
+
+
+def with_own_errors(program: Program, error: e.Name) -> Program:
+    """The program whose interrupts leave its error as it was, if they come back.
+
+    error: the number of the error that is on its way to a handler.
+    """
+    answers = _answers(program)
+    inside = _inside(program, answers)
+    used = any(error in records(q) for q in program.procedures if q.name.lower() in inside)
+    if not used:
+        return program
+    before = e.Name(f"{error.name}_before")
+    first: Body = (p.Assign(before, error), p.Assign(error, e.Number(0)))
+    last: Body = (p.Assign(error, before),)
+    procedures = (
+        replace(q, body=(*first, *q.body, *last)) if q.name.lower() in answers else q
+        for q in program.procedures
+    )
+    variables = {**program.variables, before.name: Variable("number", e.Number(0))}
+    return replace(program, procedures=tuple(procedures), variables=variables)
+
+
+def _answers(program: Program) -> set[str]:
+    """What interrupts call, in lower case."""
+    return {one.call.procedure.lower() for one in interrupts(program)}
+
+
+def _inside(program: Program, answers: set[str]) -> set[str]:
+    """The same with all that this calls."""
+    calls = {q.name.lower(): set(calls_of(q)) for q in program.procedures}
+    found: set[str] = set()
+    while pending := (answers & calls.keys()) - found:
+        found |= pending
+        answers = set().union(*(calls[name] for name in pending))
+    return found
 
 
 def _level(node: s.Expression | None) -> float | None:

@@ -17,6 +17,8 @@ from assistant.program import statements as p
 from assistant.program.program import Program, Variable
 
 _ONE: Final = e.Number(1)
+TASKS: Final = "tasks"
+"""The type of data of the lists."""
 
 
 def task_lists(program: Program) -> Mapping[str, int]:
@@ -25,12 +27,20 @@ def task_lists(program: Program) -> Mapping[str, int]:
         return {}
     items = (i for file in program.origin.trees for m in file.modules for i in m.items)
     return {
-        item.name.lower(): len(item.value.items)
+        item.name.lower(): sum(map(_names, item.value.items))
         for item in items
         if isinstance(item, s.Data)
         and isinstance(item.value, s.AggregateNode)
-        and item.type.lower() == "tasks"
+        and item.type.lower() == TASKS
     }
+
+
+def _names(row: s.Expression) -> bool:
+    """Whether a row of a list names a task: those that are not needed are empty."""
+    match row:
+        case s.AggregateNode((s.StringLiteral(name),)):
+            return bool(name.strip())
+    return True
 
 
 def shared(point: str) -> tuple[str, Variable]:
