@@ -77,6 +77,16 @@ def test_it_does_the_same(name: str, tmp_path: FilePath) -> None:
     says_the_same((name, whole(body), SCENARIOS), SIX, tmp_path)
 
 
+def test_two_routines_of_one_name_in_two_modules(tmp_path: FilePath) -> None:
+    two = "".join(
+        f"MODULE M{n}\nLOCAL VAR signaldo out;\nLOCAL PROC same()\nAliasIO do{n},out;\n"
+        f"SetDO out,1;\nENDPROC\nPROC go{n}()\nsame;\nENDPROC\nENDMODULE\n"
+        for n in (1, 2)
+    )
+    done = translate(load_text(SourceText(two), language="rapid"), to=SIX, draft=True)
+    assert done.rows
+
+
 def crossed(body: str, tmp_path: FilePath) -> tuple[list[str], list[str]]:
     """The codes of what is found, and the statements that are not said."""
     process = tmp_path / "cell.process.toml"

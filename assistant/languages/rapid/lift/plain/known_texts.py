@@ -37,7 +37,7 @@ class Texts:
                 self.routines[item.name.lower()] = item
         self.declared = {i.name.lower(): i for i in items if isinstance(i, s.Data)}
         self.parameters = {(id(r), name) for r in self.routines.values() for name in _taken(r)}
-        self.own = {id(r): _names(r) for r in self.routines.values()}
+        self.own = {id(item): _names(item) for item in items if isinstance(item, s.Routine)}
         self.given: dict[tuple[int, str], list[tuple[Scope, s.Expression]]] = {}
         self.lost: set[tuple[int, str]] = set()
         """Variables that something changes beside assignments, by scope and lower-case name."""
