@@ -69,6 +69,8 @@ from assistant.program.statements import (
     Call,
     Case,
     Comment,
+    ComputedBlend,
+    ComputedSpeed,
     Detach,
     Follow,
     For,
@@ -243,10 +245,14 @@ def frames() -> st.SearchStrategy[Frame]:
 @cache
 def motions() -> st.SearchStrategy[Motion]:
     named = names().map(Name)
+    parts = expressions(3)
+    speed = st.builds(ComputedSpeed, st.none() | parts, parts, parts, parts, st.none() | parts)
+    details = st.none() | st.tuples(*[parts] * 5)
+    blend = st.builds(ComputedBlend, parts, st.none() | parts, details)
     return st.builds(
         Motion,
-        speeds() | named,
-        blends() | named,
+        speeds() | speed | named,
+        blends() | blend | named,
         st.just(FLANGE) | names(),
         st.just(BASE) | names(),
     )

@@ -223,14 +223,15 @@ def _of_one(target: Target, motion: Motion) -> Poses:
     from assistant.program.path import Path as Rows
     from assistant.program.path import configuration_row
 
+    speed, blend = motion.fixed
     return Rows.of(
         "pose",
         target.pose.position,
         target.pose.quaternion,
         configurations=[configuration_row(target.configuration)],
         external=[target.external],
-        speeds=(motion.speed,),
-        blends=(motion.blend,),
+        speeds=(speed,),
+        blends=(blend,),
         tools=(motion.tool,),
         frames=(motion.frame,),
     )

@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
+from assistant.program.expressions import Expression, Name, Number
+
 
 @dataclass(frozen=True, slots=True)
 class Speed:
@@ -49,3 +51,39 @@ class Blend:
 
 FINE: Final = Blend()
 FULL_BLEND: Final = Blend(math.inf)
+
+USUAL_ROTATION: Final = Number(500)
+USUAL_LINEAR: Final = Number(5000)
+USUAL_ROTARY: Final = Number(1000)
+"""What a speed states of more than the tool's tip, unless it says otherwise; see `Speed`."""
+
+
+@dataclass(frozen=True, slots=True)
+class ComputedSpeed:
+    """A speed that is worked out where its move begins; the parts are those of `Speed`.
+
+    tcp: None for the robot's own maximum.
+    """
+
+    tcp: Expression | None
+    rotation: Expression = USUAL_ROTATION
+    external_linear: Expression = USUAL_LINEAR
+    external_rotary: Expression = USUAL_ROTARY
+    joint: Expression | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ComputedBlend:
+    """A blend that is worked out where its move begins.
+
+    radius: mm, see `Blend`. stops: whether the move ends exactly at its target instead, None for
+    never. details: see `Blend`, None for the usual ones of the radius.
+    """
+
+    radius: Expression
+    stops: Expression | None = None
+    details: tuple[Expression, ...] | None = None
+
+
+COMPUTED: Final = Name("")
+"""Stands for a speed or blend of which only the running program knows the value."""

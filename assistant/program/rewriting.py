@@ -96,7 +96,18 @@ def map_expressions(node: T, change: Callable[[e.Expression], e.Expression]) -> 
 
     The names of a motion are no expressions: they are looked up among speeds, blends, tools.
     """
-    return rewrite(node, lambda x: change(x) if isinstance(x, e.Expression) else x, _WHOLE)
+
+    def changed(part: Any) -> Any:
+        if isinstance(part, p.Motion):
+            speed, blend = part.speed, part.blend
+            if isinstance(speed, p.ComputedSpeed):
+                part = replace(part, speed=rewrite(speed, changed, _WHOLE))
+            if isinstance(blend, p.ComputedBlend):
+                part = replace(part, blend=rewrite(blend, changed, _WHOLE))
+            return part
+        return change(part) if isinstance(part, e.Expression) else part
+
+    return rewrite(node, changed, _WHOLE)
 
 
 def map_head(statement: Any, change: Callable[[e.Expression], e.Expression]) -> Any:

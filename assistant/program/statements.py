@@ -14,7 +14,10 @@ from assistant.program.geometry import BASE, FLANGE
 from assistant.program.interrupts import Interrupt as Interrupt
 from assistant.program.interrupts import SwitchInterrupt as SwitchInterrupt
 from assistant.program.interrupts import SwitchInterrupts as SwitchInterrupts
+from assistant.program.motion import COMPUTED as COMPUTED
 from assistant.program.motion import Blend, Speed
+from assistant.program.motion import ComputedBlend as ComputedBlend
+from assistant.program.motion import ComputedSpeed as ComputedSpeed
 from assistant.program.path import Path
 from assistant.program.spanned import Spanned as Spanned
 
@@ -23,10 +26,19 @@ from assistant.program.spanned import Spanned as Spanned
 class Motion:
     """How a move is made: speed, blend at its end, tool and frame by name."""
 
-    speed: Speed | Name
-    blend: Blend | Name
+    speed: Speed | ComputedSpeed | Name
+    blend: Blend | ComputedBlend | Name
     tool: str = FLANGE
     frame: str = BASE
+
+    @property
+    def fixed(self) -> tuple[Speed | Name, Blend | Name]:
+        """Speed and blend; in the place of those that are worked out a name of nothing."""
+        speed, blend = self.speed, self.blend
+        return (
+            COMPUTED if isinstance(speed, ComputedSpeed) else speed,
+            COMPUTED if isinstance(blend, ComputedBlend) else blend,
+        )
 
 
 Measure = Literal["start", "end", "time", "share"]

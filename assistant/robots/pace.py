@@ -126,7 +126,7 @@ class _Joints:
         if isinstance(statement, MoveCircular) or getattr(statement, "kind", "joint") != "joint":
             return statement
         motion: Motion = statement.motion
-        new = self._speed(0, motion.speed, (motion.tool, motion.frame), percent, changes)
+        new = self._speed(0, motion.fixed[0], (motion.tool, motion.frame), percent, changes)
         return statement if new is None else replace(statement, motion=replace(motion, speed=new))
 
     def _speed(

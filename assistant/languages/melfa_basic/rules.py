@@ -125,6 +125,11 @@ JOINT_PERCENT = warning(
     "MB204", "a joint move states {tcp} mm/s but no percentage and gets JOVRD {percent:g}",
     "try it slowly and write the JOVRD that suits; a table states it as `joint_percent`",
 )  # fmt: skip
+COMPUTED_PERCENT = warning(
+    "MB263",
+    "a joint move states mm/s that are worked out, and gets JOVRD by their share of {tcp:g}",
+    "try it slowly and write the JOVRD that suits",
+)
 BLEND_PARTS = info(
     "MB205", "a blend states zone sizes beside its distance, which MELFA-BASIC cannot say",
     "the distance alone is used",

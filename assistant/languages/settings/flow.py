@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import reduce
 from typing import Any, Final
 
@@ -93,6 +93,24 @@ class Sets:
 
 
 @dataclass(frozen=True, slots=True)
+class Computed:
+    """A value that the program works out, and that is the same as long as nothing it names changes.
+
+    value: an expression of the language. names: of the variables in it.
+    """
+
+    value: Any
+    names: frozenset[str]
+
+
+@dataclass(frozen=True, slots=True)
+class Changes:
+    """A line changes variables. names: None for any that there are."""
+
+    names: frozenset[str] | None
+
+
+@dataclass(frozen=True, slots=True)
 class MaySet:
     """Interrupts may give a setting any value while a line runs. by: lines of theirs."""
 
@@ -119,7 +137,7 @@ class Either:
     branches: tuple[Steps, ...]
 
 
-Steps = tuple[Sets | MaySet | Calls | Either, ...]
+Steps = tuple[Sets | Changes | MaySet | Calls | Either, ...]
 """What a line does to settings, in its order."""
 
 
@@ -324,6 +342,8 @@ class Flow:
                 case Sets(setting, value):
                     made = Held(value, Places.of((at,)))
                     behind = (*behind[:setting], made, *behind[setting + 1 :])
+                case Changes(names):
+                    behind = tuple(_outlived(held, names) for held in behind)
                 case MaySet(setting, by):
                     held = behind[setting]
                     held = self._by_any_line[setting] if held.is_inherited else held
@@ -363,6 +383,14 @@ class Flow:
             else held
             for k, held in enumerate(state)
         )
+
+
+def _outlived(held: Held, names: frozenset[str] | None) -> Held:
+    """What is left of a setting where variables change: what was worked out of them is unknown."""
+    value = held.value.value if isinstance(held.value, OrInherited) else held.value
+    if isinstance(value, Computed) and (names is None or not value.names.isdisjoint(names)):
+        return replace(held, value=UNKNOWN)
+    return held
 
 
 def _any_of(ways: Sequence[State | None], every: bool = False) -> State | None:

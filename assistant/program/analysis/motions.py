@@ -20,7 +20,7 @@ def motions(program: Program) -> Iterator[tuple[Speed | e.Name, Blend | e.Name]]
     """Every speed and blend that a move states, each table entry of a path once."""
     for statement in program.statements():
         if isinstance(statement, p.MoveStatement):
-            yield statement.motion.speed, statement.motion.blend
+            yield statement.motion.fixed
         elif isinstance(statement, p.Follow):
             path = statement.path
             used = (

@@ -175,7 +175,7 @@ class Ways:
             case (
                 p.Move(motion=motion) | p.MoveCircular(motion=motion) | p.MoveJoints(motion=motion)
             ):
-                corner = self.corner(motion.blend, corner_of(node))
+                corner = self.corner(motion.fixed[1], corner_of(node))
                 return self.moved(motion.tool, motion.frame, corner, state)
             case p.Follow(path) if len(path):
                 tool, frame = path.tools[path.tool[-1]], path.frames[path.frame[-1]]

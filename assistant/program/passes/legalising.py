@@ -210,12 +210,14 @@ class Motions:
 
     fastest: mm/s that are taken for 100 percent. unknown: tells of a name that is not declared, and
     what it should be. percent: of a joint move's percent that was worked out of a speed (tcp).
+    computed_percent: of one that the program works out, where 100 percent are so many mm/s (tcp).
     speed_part: of more that a speed states (part). blend_part: of more that a blend does.
     """
 
     fastest: float
     unknown: Rule
     percent: Rule
+    computed_percent: Rule
     speed_part: Rule
     blend_part: Rule
 

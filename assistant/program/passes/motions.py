@@ -18,7 +18,7 @@ from assistant.program.passes.path_tables import table_of
 from assistant.program.path import Kind, Path
 from assistant.program.program import Program, identifier
 from assistant.program.rewriting import rewrite
-from assistant.program.statements import Motion
+from assistant.program.statements import ComputedBlend, ComputedSpeed, Motion
 
 T = TypeVar("T")
 
@@ -43,7 +43,11 @@ def with_stated_motions(program: Program) -> Program:
     def stated(part: Any) -> Any:
         if not isinstance(part, Motion):
             return part
-        speed, blend = meant(part.speed, program.speeds), meant(part.blend, program.blends)
+        speed, blend = part.speed, part.blend
+        if not isinstance(speed, ComputedSpeed):
+            speed = meant(speed, program.speeds)
+        if not isinstance(blend, ComputedBlend):
+            blend = meant(blend, program.blends)
         return replace(part, speed=speed, blend=blend)
 
     return replace(rewrite(program, stated), speeds={}, blends={})
@@ -141,8 +145,36 @@ class ByValue:
 
     def motion(self, motion: Motion, joint_move: bool) -> Motion:
         tool, frame = self.tool(motion.tool), self.frame(motion.frame)
-        speed, blend = self.speed(motion.speed, joint_move), self.blend(motion.blend)
-        return Motion(speed, blend, tool, frame)
+        speed, blend = motion.speed, motion.blend
+        return Motion(
+            self.computed(speed, joint_move)
+            if isinstance(speed, ComputedSpeed)
+            else self.speed(speed, joint_move),
+            self.corner(blend) if isinstance(blend, ComputedBlend) else self.blend(blend),
+            tool,
+            frame,
+        )
+
+    def computed(self, speed: ComputedSpeed, joint_move: bool) -> ComputedSpeed:
+        """The same of a speed that is worked out."""
+        usual = ComputedSpeed(None)
+        parts = [x for name, x in OF_AXES.items() if getattr(speed, name) != getattr(usual, name)]
+        self.job.findings.extend(self.can.speed_part(part=part) for part in parts)
+        if not joint_move:
+            return ComputedSpeed(speed.tcp)
+        if speed.joint is not None or speed.tcp is None:
+            return ComputedSpeed(None, joint=speed.joint or e.Number(100))
+        self.job.findings.append(self.can.computed_percent(tcp=self.can.fastest))
+        fastest = e.number_of(self.can.fastest)
+        share = e.Binary("/", e.Binary("*", speed.tcp, e.Number(100)), fastest)
+        most = e.Apply("min", (e.Number(100), e.Apply("floor", (share,))))
+        return ComputedSpeed(None, joint=e.Apply("max", (e.Number(1), most)))
+
+    def corner(self, blend: ComputedBlend) -> ComputedBlend:
+        """A blend that is worked out, without what the language cannot say of it."""
+        if blend.details is not None:
+            self.job.findings.append(self.can.blend_part())
+        return replace(blend, details=None)
 
     def path(self, path: Path) -> Path:
         """A path with tables of such values, each once and in the order of their first use."""

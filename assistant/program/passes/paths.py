@@ -78,6 +78,10 @@ class _Gatherer:
         match statement:
             case p.Follow(path):
                 return path.name.lower(), 1, len(path)
+            case p.Move(motion=motion) | p.MoveCircular(motion=motion) if (
+                p.COMPUTED in motion.fixed
+            ):
+                return None
             case p.Move(_, e.Name(name), triggers=()):
                 row = self.row(name)
                 return None if row is None else (row[0], row[1], row[1])
@@ -114,6 +118,7 @@ class _Gatherer:
         targets = [self.once[n.lower()][1] for n in names]
         self.gone.update(n.lower() for n in names)
         first = self.once[names[0].lower()][0]
+        speed, blend = motion.fixed
         return Path.of(
             self.original(first.rsplit("_", 1)[0]),
             [t.pose.position for t in targets],
@@ -121,8 +126,8 @@ class _Gatherer:
             kinds=np.array(kinds),
             configurations=[configuration_row(t.configuration) for t in targets],
             external=[t.external for t in targets],
-            speeds=(motion.speed,),
-            blends=(motion.blend,),
+            speeds=(speed,),
+            blends=(blend,),
             tools=(motion.tool,),
             frames=(motion.frame,),
         )

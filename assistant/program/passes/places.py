@@ -155,7 +155,7 @@ def _find_unlike(job: Legalising, can: Outputs) -> None:
     for move in job.program.statements():
         if not isinstance(move, p.MoveStatement) or not move.triggers:
             continue
-        blend = meant(move.motion.blend, blends)
+        blend = meant(move.motion.fixed[1], blends)
         with job.findings.at(move.span):
             for one in move.triggers:
                 what = _unlike(move, one, blend)

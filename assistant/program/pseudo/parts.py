@@ -14,6 +14,7 @@ from assistant.program.path import Path
 from assistant.program.program import Parameter, Procedure, Signal, Variable
 from assistant.program.pseudo.declarations import parameter_text, signal_text, variable_text
 from assistant.program.pseudo.expressions import expression_text
+from assistant.program.pseudo.paces import corner_text, pace_text
 from assistant.program.pseudo.printer import block_text, procedure_text
 from assistant.program.pseudo.statements import motion_text, statement_text, trigger_text
 from assistant.program.pseudo.values import (
@@ -27,7 +28,15 @@ from assistant.program.pseudo.values import (
     tool_text,
 )
 from assistant.program.pseudo.words import number_text
-from assistant.program.statements import Branch, Case, Motion, Statement, Trigger
+from assistant.program.statements import (
+    Branch,
+    Case,
+    ComputedBlend,
+    ComputedSpeed,
+    Motion,
+    Statement,
+    Trigger,
+)
 
 
 def part_text(part: object) -> str:
@@ -72,6 +81,8 @@ def _kind(part: object) -> str:
 
 _PRINTERS: Final[dict[type, Callable[[Any], str]]] = {
     Blend: blend_text,
+    ComputedBlend: corner_text,
+    ComputedSpeed: pace_text,
     Configuration: configuration_text,
     Frame: frame_text,
     JointTarget: joints_text,

@@ -92,8 +92,8 @@ def moves_part(name: str, moves: Sequence[SingleMove], done: dict[int, Configura
     labels = [move.label for move in moves]
     tool = np.array([tools.row(move.tool) for move in moves], dtype=np.int32)
     frame = np.array([frames.row(move.frame) for move in moves], dtype=np.int32)
-    speed = np.array([speeds.row(move.motion.speed) for move in moves], dtype=np.int32)
-    blend = np.array([blends.row(move.motion.blend) for move in moves], dtype=np.int32)
+    speed = np.array([speeds.row(move.motion.fixed[0]) for move in moves], dtype=np.int32)
+    blend = np.array([blends.row(move.motion.fixed[1]) for move in moves], dtype=np.int32)
     return Part(
         name=name,
         is_path=False,

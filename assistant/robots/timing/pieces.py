@@ -113,6 +113,7 @@ class Pieces:
         motion = statement.motion
         mount = self._mount(motion) or Mount(Tool(), Frame())
         n = len(joints)
+        speed, blend = motion.fixed
         kinds = {Move: [Kind.LINEAR], MoveCircular: [Kind.VIA, Kind.END]}.get(
             type(statement), [Kind.JOINT]
         )
@@ -124,7 +125,7 @@ class Pieces:
             joints,
             mount.tip(self.solution.robot, joints),
             (index, (mount,)),
-            Pace(index, index, [motion.speed], [motion.blend]),
+            Pace(index, index, [speed], [blend]),
             slice(0, n),
             self.tables,
             settings,

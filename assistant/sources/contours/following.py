@@ -212,7 +212,8 @@ def _path(
     kinds = rows.kinds[chosen]
     kinds[again + 1] = Kind.LINEAR  # turning on the spot is a linear move, whatever led there
     motion, positions = layer.motion, rows.positions[chosen]
-    blends: tuple[Blend | Name, ...] = (motion.blend, FINE)
+    (speed, blend), blends = motion.fixed, tuple[Blend | Name, ...]()
+    blends = (blend, FINE)
     if layer.rounded:
         sizes = _corners(rows.start, positions, kinds, tolerance - rows.deviation)
         table, index = np.unique(sizes, return_inverse=True)
@@ -223,7 +224,7 @@ def _path(
         positions,
         quaternions,
         kinds=kinds,
-        speeds=(motion.speed,),
+        speeds=(speed,),
         blends=blends,
         blend=stops,
         tools=(motion.tool,),

@@ -10,14 +10,14 @@ import numpy as np
 
 from assistant.program import statements as p
 from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool
-from assistant.program.motion import Blend, Speed
+from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.path import UNSTATED, Kind, Path, configuration_row
 from assistant.robots.configurations import BACK
 from assistant.robots.motion.run import to_flange
 from assistant.virtual.events import How, Moved, OnWay, Switched
 from assistant.virtual.on_way import told
 from assistant.virtual.pseudo.ends import Fault, NotRun
-from assistant.virtual.pseudo.expressions import evaluate, numeric, truth_or
+from assistant.virtual.pseudo.expressions import condition, evaluate, numeric, truth_or
 from assistant.virtual.pseudo.machine import Machine
 
 Way = Literal["joint", "linear", "circular"]
@@ -42,7 +42,7 @@ def move(m: Machine, node: p.Move | p.MoveCircular) -> None:
         KINDS_BY_NAME[kind],
         _flange(target.pose, tool, frame),
         (tool, frame),
-        (m.speed(node.motion.speed), m.blend(node.motion.blend)),
+        _pace(m, node.motion),
         via=via,
         configuration=configuration_row(target.configuration),
     )
@@ -58,7 +58,7 @@ def move_joints(m: Machine, node: p.MoveJoints) -> None:
         raise Fault("a motion to joints leads to something else")
     tool, frame = m.tool(node.motion.tool), m.frame(node.motion.frame)
     joints = tuple(0.0 if math.isnan(j) else j for j in target.joints)
-    pace = m.speed(node.motion.speed), m.blend(node.motion.blend)
+    pace = _pace(m, node.motion)
     flange = flange_at(m, joints)
     moved = _moved(m, "joint", flange, (tool, frame), pace, joints=joints)
     _go(m, moved, node.triggers)
@@ -98,6 +98,38 @@ def flange_at(m: Machine, joints: tuple[float, ...]) -> Pose | None:
         raise Fault(f"{len(joints)} joints for {len(m.robot.axes)} axes")
     position, quaternion = m.robot.fk(np.array([own]))
     return Pose.of(position[0], quaternion[0])
+
+
+def _pace(m: Machine, motion: p.Motion) -> tuple[Speed, Blend]:
+    """Speed and blend of a move that begins now."""
+    speed, blend = motion.speed, motion.blend
+    return (
+        _speed(m, speed) if isinstance(speed, p.ComputedSpeed) else m.speed(speed),
+        _blend(m, blend) if isinstance(blend, p.ComputedBlend) else m.blend(blend),
+    )
+
+
+def _speed(m: Machine, speed: p.ComputedSpeed) -> Speed:
+    made = Speed(
+        math.inf if speed.tcp is None else numeric(m, speed.tcp, "the speed"),
+        numeric(m, speed.rotation, "the speed of reorientation"),
+        numeric(m, speed.external_linear, "the speed of external axes"),
+        numeric(m, speed.external_rotary, "the speed of external axes"),
+        None if speed.joint is None else numeric(m, speed.joint, "the joint speed"),
+    )
+    stated = made.tcp if made.joint is None else min(made.tcp, made.joint)
+    if not stated > 0.0:
+        raise Fault(f"a motion at a speed of {stated:g}")
+    return made
+
+
+def _blend(m: Machine, blend: p.ComputedBlend) -> Blend:
+    if blend.stops is not None and condition(m, blend.stops):
+        return FINE
+    radius = numeric(m, blend.radius, "the radius of a corner")
+    if radius < 0.0:
+        raise Fault(f"a corner of {radius:g} mm")
+    return Blend(radius)
 
 
 def _target(value: object) -> Target:

@@ -92,10 +92,33 @@ def test_what_a_subroutine_sets_holds_behind_its_call() -> None:
     assert [m.motion.speed for m in moves(program.procedures[0])] == [p.Speed(20.0)] * 2
 
 
-@pytest.mark.parametrize("setting", ["Spd M1", "Tool 2", "Base P9", "Cnt M2"])
+@pytest.mark.parametrize("setting", ["Spd M_01", "Spd FNFast(M1)", "Tool 2", "Base P9", "Cnt M2"])
 def test_a_setting_that_is_worked_out_leaves_moves_as_they_are(setting: str) -> None:
     program = lifted(f"{setting}\nMvs P1\n")
     assert opaque(program) == [setting, "Mvs P1"]
+
+
+@pytest.mark.parametrize(
+    ("text", "known"),
+    [
+        ("Spd M1*2\nMvs P1\nMvs P2\n", [True, True]),
+        ("Spd M1*2\nMvs P1\nM1=M1+3\nMvs P2\n", [True, False]),
+        ("Spd M1\nM2=3\nMvs P1\nGoSub *S\nMvs P2\nEnd\n*S\nM1=4\nReturn\n", [True, False]),
+        ("Spd M1\nFor M1=1 To 2\nMvs P1\nNext\n", [False]),
+        ("Spd M1\nInput #1,M1\nMvs P1\n", [False]),
+        ("M1=1\n*L\nSpd M1\nMvs P1\nM1=M1+1\nIf M1<3 Then GoTo *L\n", [True]),
+        ("Spd M1\nDef Act 1,M_In(1)=1 GoSub *S\nMvs P1\nEnd\n*S\nM1=2\nReturn\n", [False]),
+    ],
+)
+def test_a_speed_that_is_worked_out_holds_until_its_variables_change(
+    text: str, known: list[bool]
+) -> None:
+    program = lifted(text)
+    made = {f"Mvs P{at}": True for at in range(1, len(known) + 1)}
+    made |= dict.fromkeys((one for one in opaque(program) if one in made), False)
+    assert list(made.values()) == known
+    for move in moves(program.procedures[0]):
+        assert isinstance(move.motion.speed, p.ComputedSpeed)
 
 
 def test_a_tool_that_is_changed_is_no_constant() -> None:

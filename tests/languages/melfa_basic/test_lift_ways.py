@@ -246,8 +246,8 @@ def test_a_move_tells_which_settings_meet() -> None:
         "the speed may be 100 mm/s or 50 mm/s here, by 10 `SPD 100` and 20 `IF M1=1 THEN SPD 50`"
     )
     assert cure == "set Spd where the ways meet, below the label or the end of the block"
-    assert reasons("Spd M1\nMvs P1\n")["Mvs P1"] == (
-        "the speed is worked out by the program, `Spd M1` in line 1",
+    assert reasons("Spd M_01\nMvs P1\n")["Mvs P1"] == (
+        "the speed is worked out by the program, `Spd M_01` in line 1",
         "give Spd a plain value",
     )
 

@@ -61,6 +61,6 @@ def test_a_speed_that_is_given_one_value_is_that_value() -> None:
 def test_one_that_may_hold_another_is_not_settled(body: str) -> None:
     done = crossed(f"PROC main()\n{body}\nENDPROC")
     texts = [row.text for row in done.rows if any(f.code == "RA345" for f in row.reasons)]
-    assert not done.ok
+    assert done.ok == ("\\T" not in body and "slow,near" not in body), body
     assert not any(text.startswith("near") for text in texts)
     assert not texts or "near" in body

@@ -90,6 +90,19 @@ def test_speeds_and_zones_may_be_written_out() -> None:
     )
     stop = first("MoveL p10,v100,[TRUE,0,0,0,0,0,0],tG;")
     assert stop == first("MoveL p10,v100,fine,tG;")
-    for odd in ("[100,500,5000]", "[100,500,5000,turns]", "[FALSE,10,15,15,1.5,15,1.5]"):
+    for odd in ("[100,500,5000]", "[FALSE,10,15,15,1.5,15,1.5]"):
         assert isinstance(first(f"MoveL p10,{odd},fine,tG;"), p.Opaque)
     assert isinstance(first("MoveL p10,v100,[TRUE,5,0,0,0,0,0],tG;"), p.Opaque)
+
+
+def test_speeds_and_zones_may_be_worked_out() -> None:
+    move = first("MoveL p10,[2*v,500,5000,turns],[stops,r,1,2,3,4,5],tG;")
+    assert isinstance(move, p.Move)
+    double = e.Binary("*", e.Number(2), e.Name("v"))
+    assert move.motion.speed == p.ComputedSpeed(double, external_rotary=e.Name("turns"))
+    sizes = tuple(map(e.Number, range(1, 6)))
+    assert move.motion.blend == p.ComputedBlend(e.Name("r"), e.Name("stops"), sizes)
+    usual = "[FALSE,r,r*1.5,r*1.5,r*0.15,r*1.5,r*0.15]"
+    corner = first(f"MoveL p10,v100,{usual},tG;")
+    assert isinstance(corner, p.Move)
+    assert corner.motion.blend == p.ComputedBlend(e.Name("r"))

@@ -74,7 +74,11 @@ def _setting(w: Writer, motion: p.Motion) -> None:
 
 
 def _settings(
-    w: Writer, speed: Speed | e.Name, blend: Blend | e.Name, tool: str, frame: str
+    w: Writer,
+    speed: Speed | p.ComputedSpeed | e.Name,
+    blend: Blend | p.ComputedBlend | e.Name,
+    tool: str,
+    frame: str,
 ) -> None:
     """Writes what does not hold already."""
     if isinstance(speed, e.Name) or isinstance(blend, e.Name):

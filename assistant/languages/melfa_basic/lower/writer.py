@@ -301,18 +301,38 @@ class Writer:
             )
         return True
 
-    def move_by(self, speed: Speed, blend: Blend) -> None:
+    def move_by(self, speed: Speed | p.ComputedSpeed, blend: Blend | p.ComputedBlend) -> None:
         """Sets the speed and the corner of the moves that follow."""
-        if speed.joint is not None:
+        if isinstance(speed, p.ComputedSpeed):
+            self._set_computed_speed(speed)
+        elif speed.joint is not None:
             self._set("JOvrd", speed.joint, numeric(speed.joint))
         else:  # `Mov` does not depend on it
             fastest = s.Variable(self.expressions.word("M_NSpd"))
             self._set("Spd", speed.tcp, fastest if math.isinf(speed.tcp) else numeric(speed.tcp))
+        if isinstance(blend, p.ComputedBlend):
+            radius = self.expressions.of(blend.radius)
+            self._set_computed("Cnt", s.Number(1), radius, radius)
+            return
         corner: list[s.Expression] = [s.Number(0 if blend.radius is None else 1)]
         if blend.radius is not None and not math.isinf(blend.radius):
             leave = blend.radius if blend.exit is None else blend.exit
             corner += [numeric(blend.radius), numeric(leave)]
         self._set("Cnt", blend, *corner)
+
+    def _set_computed_speed(self, speed: p.ComputedSpeed) -> None:
+        if speed.joint is not None:
+            self._set_computed("JOvrd", self.expressions.of(speed.joint))
+        elif speed.tcp is not None:
+            self._set_computed("Spd", self.expressions.of(speed.tcp))
+        else:
+            self._set("Spd", math.inf, s.Variable(self.expressions.word("M_NSpd")))
+
+    def _set_computed(self, word: str, *arguments: s.Expression) -> None:
+        """A setting whose value is worked out: what it is then is not known below the move."""
+        self.state.pop(word, None)
+        self.add(s.Command(word, arguments))
+        self.settings.add(id(self.items[-1]))
 
     def _set(self, word: str, value: object, *arguments: s.Expression) -> None:
         """A setting, if it does not hold already."""

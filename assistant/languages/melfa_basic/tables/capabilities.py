@@ -90,6 +90,7 @@ def motions(robot: Robot | None) -> Motions:
         fastest=NOMINAL_TCP if known is None else known,
         unknown=rules.UNKNOWN,
         percent=rules.JOINT_PERCENT,
+        computed_percent=rules.COMPUTED_PERCENT,
         speed_part=rules.SPEED_PARTS,
         blend_part=rules.BLEND_PARTS,
     )

@@ -11,7 +11,15 @@ from assistant.languages.kept_reasons import INTERRUPTS
 from assistant.languages.patterns import Called, Read, Slot
 from assistant.languages.rapid.lift.expressions import Expressions, frame_name, tool_name
 from assistant.languages.rapid.tables.hands import hand_of
-from assistant.languages.rapid.tables.motions import BLENDS, SPEEDS, speed_of, zone_of
+from assistant.languages.rapid.tables.motions import (
+    BLENDS,
+    SPEED_PARTS,
+    SPEEDS,
+    ZONE_SIZES,
+    computed_zone,
+    speed_of,
+    zone_of,
+)
 from assistant.languages.rapid.tables.statements import ROWS
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import called
@@ -93,18 +101,28 @@ class Meaning:
                 return joints
         return None
 
-    def _speed(self, node: s.Expression) -> Speed | e.Name | None:
-        """By its name, or written out."""
-        if isinstance(node, s.NameRef):
-            return self.speed(node.name)
-        values = _values(node)
-        return speed_of(values) if len(values) == 4 else None
+    def _speed(self, node: s.Expression) -> Speed | p.ComputedSpeed | e.Name | None:
+        """By its name, or written out in numbers or in what is worked out."""
+        match node:
+            case s.NameRef(name):
+                return self.speed(name)
+            case s.AggregateNode(items) if len(items) == len(SPEED_PARTS):
+                values = _values(node)
+                return speed_of(values) if values else p.ComputedSpeed(*map(self._part, items))
+        return None
 
-    def _blend(self, node: s.Expression) -> Blend | e.Name | None:
+    def _part(self, node: s.Expression) -> e.Expression:
+        return self.known(self.expression(node))
+
+    def _blend(self, node: s.Expression) -> Blend | p.ComputedBlend | e.Name | None:
         """By its name, or written out; a stop point has no sizes."""
         match node:
             case s.NameRef(name):
                 return self.blend(name)
+            case s.AggregateNode((stop, *sizes)) if len(sizes) == len(ZONE_SIZES) and not (
+                isinstance(stop, s.BoolLiteral) and _values(s.AggregateNode(tuple(sizes)))
+            ):
+                return computed_zone(self.expression(stop), tuple(map(self._part, sizes)))
             case s.AggregateNode((s.BoolLiteral(fine), *sizes)):
                 values = _values(s.AggregateNode(tuple(sizes)))
                 zone = zone_of(fine, values) if len(values) == 6 else None

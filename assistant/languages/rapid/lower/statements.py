@@ -12,6 +12,7 @@ from assistant.languages.rapid.lower.expressions import Expressions, cannot
 from assistant.languages.rapid.lower.motions import blend_in, frame_in, path_moves, speed_in
 from assistant.languages.rapid.lower.triggers import set_up, with_triggers
 from assistant.languages.rapid.tables.hands import signal_of
+from assistant.languages.rapid.tables.motions import usual_details
 from assistant.languages.rapid.tables.operators import OR, SUM, TERM
 from assistant.languages.rapid.tables.statements import ROWS
 from assistant.languages.rapid.tables.words import LOADED_FROM, LONGEST_PULSE, SHORTEST_PULSE
@@ -24,6 +25,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.kinds import is_value, kinds
 from assistant.program.diagnostics import Findings, Refused
+from assistant.program.motion import Blend, Speed
 from assistant.program.passes.counted_loops import ascends
 from assistant.program.passes.messages import parts
 from assistant.program.program import Procedure, Program, Signal
@@ -49,8 +51,8 @@ class Body:
             **self.expressions.writing.kinds,
             **dict.fromkeys(("signal", "digital", "analog", "group"), self.signal),
             "hand": lambda hand, _: s.NameRef(signal_of(hand)),
-            "speed": lambda speed, _: s.NameRef(speed_in(names, speed)),
-            "blend": lambda blend, _: s.NameRef(blend_in(names, blend)),
+            "speed": lambda speed, _: self._speed(speed),
+            "blend": lambda blend, _: self._blend(blend),
             "other": lambda frame, _: s.NameRef(n) if (n := frame_in(names, frame)) else None,
         }
         self.writing = replace(self.expressions.writing, kinds=writers)
@@ -90,6 +92,19 @@ class Body:
         if name.lower() in self._inner:
             return spelt(self._inner, name)
         return self.names.value(name)
+
+    def _speed(self, speed: Speed | p.ComputedSpeed | e.Name) -> s.Expression:
+        if not isinstance(speed, p.ComputedSpeed):
+            return s.NameRef(speed_in(self.names, speed))
+        parts = (speed.tcp, speed.rotation, speed.external_linear, speed.external_rotary)
+        return s.AggregateNode(tuple(self.lower(part) for part in parts if part is not None))
+
+    def _blend(self, blend: Blend | p.ComputedBlend | e.Name) -> s.Expression:
+        if not isinstance(blend, p.ComputedBlend):
+            return s.NameRef(blend_in(self.names, blend))
+        details = usual_details(blend.radius) if blend.details is None else blend.details
+        parts = (blend.stops or e.Truth(False), blend.radius, *details)
+        return s.AggregateNode(tuple(map(self.lower, parts)))
 
     def set_up(self, x: p.Trigger, variable: s.NameRef) -> s.ProcedureCall:
         signal = self.signals.get(x.signal.lower())

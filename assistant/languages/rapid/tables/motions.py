@@ -9,8 +9,10 @@ from typing import Final
 
 from assistant.languages.rapid.tables import words
 from assistant.languages.rapid.tables.words import usual_sizes
+from assistant.program.expressions import Binary, Expression, Number, Truth
 from assistant.program.motion import Blend, Speed
 from assistant.program.passes.motions import Words
+from assistant.program.statements import ComputedBlend
 
 _SPEED_NAMES: Final = {speed: name for name, speed in words.SPEEDS.items()}
 _ZONE_NAMES: Final = {blend: name for name, blend in words.ZONES.items()}
@@ -23,6 +25,13 @@ LEAST_CHOSEN: Final = 0.3
 """mm of one at a crawl: z0."""
 BRAKING: Final = 5000.0
 """mm/s², as much as arms brake by along a line: with less the way that it takes were longer."""
+
+
+SPEED_PARTS: Final = ("v_tcp", "v_ori", "v_leax", "v_reax")
+ZONE_SIZES: Final = (
+    "pzone_tcp", "pzone_ori", "pzone_eax", "zone_ori", "zone_leax", "zone_reax"
+)  # fmt: skip
+"""Components of speeds, and those of zones that are no stop points (3HAC050917)."""
 
 
 def speed_name(speed: Speed) -> str:
@@ -70,6 +79,21 @@ def zone_of(stop: bool, values: Sequence[float]) -> Blend:
     radius, a, b, c, d, e = map(float, values)
     details = (a, b, c, d, e)
     return Blend(radius, details=None if details == usual_sizes(radius) else details)
+
+
+def computed_zone(stops: Expression, sizes: tuple[Expression, ...]) -> ComputedBlend:
+    """A zone of six sizes that are worked out; without details if these are the usual ones."""
+    radius, *details = sizes
+    usual = tuple(details) == usual_details(radius)
+    never = None if stops == Truth(False) else stops
+    return ComputedBlend(radius, never, None if usual else tuple(details))
+
+
+def usual_details(radius: Expression) -> tuple[Expression, ...]:
+    """Sizes beside a radius that is worked out, in the proportion of the predefined zones."""
+    length = Binary("*", radius, Number(1.5))
+    angle = Binary("*", radius, Number(0.15))
+    return length, length, angle, length, angle
 
 
 def sayable_speed(speed: Speed) -> tuple[Speed, str | None]:

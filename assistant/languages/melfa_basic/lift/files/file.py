@@ -10,6 +10,7 @@ from assistant.languages.melfa_basic.lift.files import declared, routines
 from assistant.languages.melfa_basic.lift.files.parts import File
 from assistant.languages.melfa_basic.lift.settings.along_lines import Ways, lines_of
 from assistant.languages.melfa_basic.lift.settings.held import INITIAL, Settings
+from assistant.languages.melfa_basic.lift.settings.interrupts import calls_on_interrupt
 from assistant.languages.melfa_basic.lift.statements import data
 from assistant.languages.melfa_basic.lift.statements.paths import used_once
 from assistant.languages.melfa_basic.lift.statements.procedure import Reader
@@ -24,6 +25,7 @@ from assistant.languages.melfa_basic.lift.values.symbols import Inside, Routine,
 from assistant.languages.melfa_basic.lift.values.timers import timers
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import statement_of
+from assistant.languages.melfa_basic.tree.walk import statements_in
 from assistant.languages.settings.divided_forms import divided
 from assistant.languages.settings.flow import UNKNOWN, Flow, Held, State
 from assistant.languages.settings.forms import CalledForms, Form
@@ -86,8 +88,10 @@ class Unit:
         named = file.header.names["procedure"]
         parts = regions.regions(code, structure.depth, named, self.own)
         settings = Settings(
-            file.positions, constants, file.header, program.tools, program.frames, own=self.own
-        )
+            file.positions, constants, file.header, program.tools, program.frames, own=self.own,
+            functions=_functions(code),
+            computes=self.own or not _is_interrupted(code),
+        )  # fmt: skip
         lines = lines_of(code, structure, parts, settings, touched, elsewhere, file.answers)
         flow = Flow(lines)
         self.ways = Ways(
@@ -374,6 +378,16 @@ class Unit:
         return not body and not any(
             not isinstance(i, s.Line) or i.statement or i.label for i in self.code
         )
+
+
+def _functions(code: list[s.Entry]) -> frozenset[str]:
+    """Those of a file, in upper case."""
+    kinds = s.Function | s.DefFunction
+    return frozenset(i.statement.name.upper() for i in code if isinstance(i.statement, kinds))
+
+
+def _is_interrupted(code: list[s.Entry]) -> bool:
+    return any(calls_on_interrupt(one) for i in code for one in statements_in(statement_of(i)))
 
 
 def _depending(reading: _Reading) -> set[int]:

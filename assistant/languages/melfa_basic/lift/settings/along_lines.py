@@ -23,14 +23,23 @@ from assistant.languages.melfa_basic.lift.structure.regions import (
     odd_entries,
     place_name,
 )
-from assistant.languages.melfa_basic.lift.values.constants import Constants
+from assistant.languages.melfa_basic.lift.values.constants import Constants, changed
 from assistant.languages.melfa_basic.tables.vocabulary import commands
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import is_word, statement_of
 from assistant.languages.melfa_basic.tree.columnar import MOV, MoveRows
 from assistant.languages.melfa_basic.tree.targets import exits_of, graph_of, labels_of
-from assistant.languages.melfa_basic.tree.walk import nodes
-from assistant.languages.settings.flow import Calls, Either, Lines, Sets, Steps
+from assistant.languages.melfa_basic.tree.walk import nodes, statements_in
+from assistant.languages.settings.flow import (
+    Calls,
+    Changes,
+    Computed,
+    Either,
+    Lines,
+    Sets,
+    Steps,
+    calls_in,
+)
 from assistant.languages.settings.forms import CalledForms
 from assistant.languages.settings.interrupts import with_interrupts
 from assistant.program.arrays import Ints
@@ -90,9 +99,20 @@ def lines_of(
                     if part is not getattr(statement, "target", None):
                         yield by_name[part.key]
 
+    watched = _watched(code, settings)
+
     def steps(statement: s.Statement | s.Target | None) -> Steps:
         if statement is None or isinstance(statement, s.Target):
             return ()
+        made = does(statement)
+        if not watched or (len(made) == 1 and isinstance(made[0], Sets)):
+            return made
+        if any(True for _ in calls_in(made)):
+            return (Changes(None), *made, Changes(None))
+        names = watched.intersection(changed(statement, settings.constants.kept))
+        return (*made, Changes(frozenset(names))) if names else made
+
+    def does(statement: s.Statement) -> Steps:
         effect = settings.effect(statement)
         if effect is not None:
             return (Sets(*effect),)
@@ -134,6 +154,13 @@ def lines_of(
         frozenset(loose | {entries[to] for to in odd_entries(code, regions) if to in entries}),
     )
     return with_interrupts(lines, interrupts_of(code, entries), elsewhere)
+
+
+def _watched(code: Code, settings: Settings) -> frozenset[str]:
+    """Variables that values of settings are worked out of, in upper case."""
+    effects = (settings.effect(one) for item in code for one in statements_in(statement_of(item)))
+    values = [effect[1] for effect in effects if effect is not None]
+    return frozenset().union(*(one.names for one in values if isinstance(one, Computed)))
 
 
 _READING: Final = {

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from typing import Any, Final, TypeVar
 
 from assistant.languages.melfa_basic.lift.values.constants import Constants
 from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tables.variables import PARAMETERS, kept_as
+from assistant.languages.melfa_basic.tables.vocabulary import function, status
 from assistant.languages.melfa_basic.text.header import Header
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import Positions
-from assistant.languages.settings.flow import UNKNOWN, Held, State
+from assistant.languages.melfa_basic.tree.walk import literal, nodes
+from assistant.languages.settings.flow import UNKNOWN, Computed, Held, State
 from assistant.languages.settings.unknown_settings import Setting
 from assistant.program.geometry import BASE, FLANGE, Frame, Tool
 from assistant.program.motion import FINE, Blend
@@ -34,7 +36,8 @@ class Settings:
 
     own: it was written here. names: those of tools and frames by short name, of a heading.
     tools, frames: of the whole program, with those that `Tool` and `Base` name. placed: position
-    variables (upper case) that are such.
+    variables (upper case) that are such. functions: of the file, in upper case. computes: a value
+    may be worked out, as nothing changes variables but the lines that lead to a move.
     """
 
     def __init__(
@@ -46,8 +49,10 @@ class Settings:
         frames: Mapping[str, Frame],
         *,
         own: bool,
+        functions: Collection[str] = (),
+        computes: bool = True,
     ) -> None:
-        self.own = own
+        self.own, self.functions, self.computes = own, frozenset(functions), computes
         self.positions, self.constants, self.names = positions, constants, header.names
         self.products = header.products
         self.tools, self.frames = dict(tools), dict(frames)
@@ -77,15 +82,34 @@ class Settings:
             case (s.Variable(key="M_NSPD"),):
                 return math.inf
             case (value,):
-                number = self._number(value)
-                return UNKNOWN if number is None or number <= 0 else number
+                return self._above_zero(value)
         return UNKNOWN
 
     def joint(self, arguments: tuple[Any, ...]) -> Any:
-        number = self._number(arguments[0]) if len(arguments) == 1 else None
-        return UNKNOWN if number is None or number <= 0 else number
+        return self._above_zero(arguments[0]) if len(arguments) == 1 else UNKNOWN
+
+    def _above_zero(self, node: Any) -> Any:
+        written = literal(node)
+        if written is None and self.own:  # what is fixed is written as a number here
+            return self._computed(node)
+        number = self._number(node)
+        if number is None:
+            return self._computed(node)
+        return UNKNOWN if number <= 0 else number
+
+    def _computed(self, node: Any) -> Any:
+        """What the program works out of its own variables, UNKNOWN if anything else is in it."""
+        found = [part for part in nodes(node) if isinstance(part, s.Variable)]
+        names = {part.key for part in found if part.arguments is None or not function(part.key)}
+        if not self.computes or not names.isdisjoint(self.functions):
+            return UNKNOWN
+        if not self.own and any(map(_is_shared, names)):
+            return UNKNOWN
+        return Computed(node, frozenset(names))
 
     def blend(self, arguments: tuple[Any, ...]) -> Any:
+        if self.own and len(arguments) == 3 and literal(arguments[1]) is None:
+            return self._computed(arguments[1]) if arguments[1] == arguments[2] else UNKNOWN
         numbers = [self._number(a) for a in arguments]
         match numbers:
             case [0.0, *_]:
@@ -188,6 +212,15 @@ def set_by(node: s.Statement | None) -> int | None:
     return None
 
 
+def _is_shared(key: str) -> bool:
+    """Whether others may change a variable: the controller, or other programs."""
+    return key[1:2] == "_" or status(key) is not None
+
+
+def _said(text: Callable[[Any], str]) -> Callable[[Any], str]:
+    return lambda value: "what is worked out" if isinstance(value, Computed) else text(value)
+
+
 def _speed(value: float) -> str:
     return f"{value:g} mm/s" if value < math.inf else "the robot's own"
 
@@ -199,9 +232,9 @@ def _blend(value: Blend) -> str:
 
 
 IN_WORDS: Final = (
-    Setting("speed", "Spd", _speed),
-    Setting("speed of joint moves", "JOvrd", lambda value: f"{value:g} %"),
-    Setting("corner", "Cnt", _blend),
+    Setting("speed", "Spd", _said(_speed)),
+    Setting("speed of joint moves", "JOvrd", _said(lambda value: f"{value:g} %")),
+    Setting("corner", "Cnt", _said(_blend)),
     Setting("tool", "Tool", lambda value: f"`{value}`"),
     Setting("frame", "Base", lambda value: f"`{value}`"),
 )

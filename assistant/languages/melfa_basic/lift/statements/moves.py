@@ -7,7 +7,7 @@ from typing import Final
 
 from assistant.languages.kept_reasons import WAYS
 from assistant.languages.melfa_basic.lift.settings.framed_targets import unframed
-from assistant.languages.melfa_basic.lift.settings.held import BLEND, FRAME, TOOL
+from assistant.languages.melfa_basic.lift.settings.held import BLEND, FRAME, JOINT, TCP, TOOL
 from assistant.languages.melfa_basic.lift.statements.arcs import via_of
 from assistant.languages.melfa_basic.lift.statements.paths import (
     Runs,
@@ -21,8 +21,10 @@ from assistant.languages.melfa_basic.lift.values.expressions import Expressions
 from assistant.languages.melfa_basic.lift.values.reasons import TYPE
 from assistant.languages.melfa_basic.lift.values.symbols import Unliftable
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.settings.flow import Computed
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.motion import Speed
 
 USUAL: Final = {
     word: (s.Number(int(word == "Mov")), s.Number(0))
@@ -95,8 +97,16 @@ class Moves:
         return p.Move("linear", goal, self.motion(False, values))
 
     def motion(self, joint: bool, values: Values) -> p.Motion:
-        speed = speed_of(values, joint)
-        return p.Motion(speed, values[BLEND], values[TOOL], values[FRAME])
+        speed, blend = values[JOINT] if joint else values[TCP], values[BLEND]
+        pace: Speed | p.ComputedSpeed
+        if isinstance(speed, Computed):
+            value = self.expressions.plain(speed.value)
+            pace = p.ComputedSpeed(None, joint=value) if joint else p.ComputedSpeed(value)
+        else:
+            pace = speed_of(values, joint)
+        if isinstance(blend, Computed):
+            blend = p.ComputedBlend(self.expressions.plain(blend.value))
+        return p.Motion(pace, blend, values[TOOL], values[FRAME])
 
     def arc(
         self, start: s.Expression, via: e.Expression | None, end: s.Expression, values: Values

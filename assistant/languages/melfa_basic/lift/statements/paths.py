@@ -26,7 +26,7 @@ from assistant.languages.melfa_basic.tree.line_tables import (
 from assistant.languages.melfa_basic.tree.positions import configurations
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.languages.runs.paths import path_kinds, settings_of_parts
-from assistant.languages.settings.flow import UNKNOWN
+from assistant.languages.settings.flow import UNKNOWN, Computed
 from assistant.program import statements as p
 from assistant.program.arrays import Ints, Truths
 from assistant.program.diagnostics import Span, over
@@ -65,6 +65,12 @@ def sayable(values: Values, joint: bool) -> bool:
     return all(v is not UNKNOWN for k, v in enumerate(values) if k != (TCP if joint else JOINT))
 
 
+def fixed(values: Values, joint: bool) -> bool:
+    """Whether every setting that such a move depends on is one value, as in a path."""
+    used = (v for k, v in enumerate(values) if k != (TCP if joint else JOINT))
+    return sayable(values, joint) and not any(isinstance(v, Computed) for v in used)
+
+
 def speed_of(values: Values, joint: bool) -> Speed:
     """The speed of a move; that of the tool says nothing of a joint move."""
     return Speed(math.inf, joint=values[JOINT]) if joint else Speed(values[TCP])
@@ -98,7 +104,7 @@ class Runs:
     def rows(self, rows: MoveRows, values: Values, made: list[p.Statement]) -> None:
         """Moves in columns: runs of consecutive numbers go to the path, the rest one by one."""
         self.at = rows.span
-        known = all(sayable(values, joint) for joint in set((rows.kinds == MOV).tolist()))
+        known = all(fixed(values, joint) for joint in set((rows.kinds == MOV).tolist()))
         arc = rows.kinds == MVR
         first = np.where(arc, rows.via, rows.end)
         alone = ~(self.allowed(rows.stem, first) & self.allowed(rows.stem, rows.end)) | (not known)
@@ -139,7 +145,7 @@ class Runs:
         if len(targets) != 1 + 2 * arc or len(names) != len(kinds):
             return False
         (stem, first), (other, last) = names[0], names[-1]
-        if stem != other or last != first + arc or not sayable(values, kinds[0] == Kind.JOINT):
+        if stem != other or last != first + arc or not fixed(values, kinds[0] == Kind.JOINT):
             return False
         if arc and not self.own and not (self.chunks and first == self.last + 1):
             return False

@@ -21,6 +21,7 @@ from assistant.languages.positions import Written
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.geometry import BASE
+from assistant.program.motion import FINE, Blend
 from assistant.program.passes.comments import as_comment, plain_comment
 from assistant.program.passes.endings import end_for_good
 from assistant.program.passes.legalising import Legalising
@@ -134,7 +135,23 @@ class Plain(Rewording):
         motion = self.motions.motion(node.motion, joint)
         for one in triggers:
             fit(self, one.signal, one.value)
-        yield from with_ends_behind(self.job, replace(node, motion=motion, triggers=triggers))
+        said = replace(node, motion=motion, triggers=triggers)
+        if isinstance(motion.blend, p.ComputedBlend) and motion.blend.stops is not None:
+            yield self._by_corner(said, motion.blend, motion.blend.stops)
+        else:
+            yield from with_ends_behind(self.job, said)
+
+    def _by_corner(
+        self, move: p.MoveStatement, blend: p.ComputedBlend, stops: e.Expression
+    ) -> p.Statement:
+        """A move that stops at its target or does not, whichever holds where it begins."""
+
+        def ending(corner: Blend | p.ComputedBlend) -> tuple[p.Statement, ...]:
+            one = replace(move, motion=replace(move.motion, blend=corner))
+            return tuple(with_ends_behind(self.job, one))
+
+        branch = p.Branch(stops, ending(FINE))
+        return p.If((branch,), ending(replace(blend, stops=None)))
 
     def follow(self, node: p.Follow) -> Iterator[p.Statement]:
         if len(node.path):

@@ -18,10 +18,11 @@ from assistant.languages.rapid.lift.plain.chosen_signals import with_chosen_sign
 from assistant.languages.rapid.lift.plain.copies import with_copies
 from assistant.languages.rapid.lift.plain.declaring import declared
 from assistant.languages.rapid.lift.plain.displaced import with_displacements
-from assistant.languages.rapid.lift.plain.layouts import Layouts
+from assistant.languages.rapid.lift.plain.layouts import PACES, Layouts
 from assistant.languages.rapid.lift.plain.library import with_library, without_uncalled
 from assistant.languages.rapid.lift.plain.mounted import with_wholes
 from assistant.languages.rapid.lift.plain.optional import with_required
+from assistant.languages.rapid.lift.plain.paces import changing
 from assistant.languages.rapid.lift.plain.raw_bytes import with_bytes
 from assistant.languages.rapid.lift.plain.scopes import Fresh, Program
 from assistant.languages.rapid.lift.plain.settled import with_settled
@@ -58,14 +59,24 @@ class Plain:
 
 
 def plain(files: Sequence[s.File]) -> Plain | None:
-    """The files of a program with plain data, None if they have no other."""
+    """The files of a program with plain data, None if they have no other.
+
+    Speeds and zones in records stay whole first: most are constants then.
+    """
+    made = _plain(files, frozenset())
+    return _plain(files, PACES) if made is not None and changing(made.files) else made
+
+
+def _plain(files: Sequence[s.File], apart: frozenset[str]) -> Plain | None:
+    """apart: see `Layouts`."""
     there = with_own_names([module for file in files for module in file.modules])
     standing, of_units = with_standing_units(there)
     chosen = with_chosen_signals(standing)
     read, of_names = with_named_data(with_told_states(with_traps(chosen.modules)))
     whole = with_library(with_bytes(read))
-    layouts = Layouts(whole)
+    layouts = Layouts(whole, apart)
     copied = with_copies(with_shared_arrays(whole, layouts), layouts)
+    copied = with_settled(copied, layouts, ())
     name = Fresh(copied)
     required = with_required(copied, layouts, name)
     modules, displaced = with_displacements(required, name)

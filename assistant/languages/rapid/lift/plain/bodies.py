@@ -27,6 +27,7 @@ from assistant.languages.rapid.lift.plain.library import (
     worded,
 )
 from assistant.languages.rapid.lift.plain.outside import OUTSIDE
+from assistant.languages.rapid.lift.plain.paces import is_computed, single_moves
 from assistant.languages.rapid.lift.plain.scopes import Datum, Program, parameters
 from assistant.languages.rapid.lift.plain.spreads import Spread, Unsaid
 from assistant.languages.rapid.lift.plain.values import PLACE, Values
@@ -134,6 +135,9 @@ class Bodies:
             case s.ProcedureCall(name, arguments):
                 said = name if isinstance(name, str) else plain(name)
                 yield replace(node, name=said, arguments=self.values.arguments(name, arguments))
+            case s.MoveRunNode(run) if is_computed(run, self.values.find):
+                for move in single_moves(run):
+                    yield from self._said(move)
             case s.ReturnFrom(value) if value is not None:
                 yield from self._returned(node, value)
             case s.RaiseError(value) if value is not None:

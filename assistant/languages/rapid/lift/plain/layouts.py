@@ -19,6 +19,8 @@ SETTINGS: Final = frozenset(("tooldata", "wobjdata", "speeddata", "zonedata"))
 """Records that moves name: they have a place of their own in the pseudo-program."""
 HELD: Final = SETTINGS | {"loaddata"}
 """Types of data that instructions only read, though they want them to be PERS."""
+PACES: Final = frozenset(("speeddata", "zonedata"))
+"""Those of them that a move may also state by their parts."""
 MOST_PARTS: Final = 400
 """Of one record; larger ones stay whole."""
 
@@ -36,10 +38,11 @@ class Layouts:
     """The types of a program: its own and those that every controller knows.
 
     A tool, frame, speed or zone in a record stays one value where a move or another instruction is
-    given the component.
+    given the component. apart: types of those that do not.
     """
 
-    def __init__(self, modules: Sequence[s.Module]) -> None:
+    def __init__(self, modules: Sequence[s.Module], apart: frozenset[str] = frozenset()) -> None:
+        self._whole = SETTINGS - apart
         self._named = frozenset(_given(modules))
         self._types: dict[str, Type] = dict(predefined())
         self._parts: dict[str, tuple[Part, ...] | None] = {}
@@ -102,7 +105,7 @@ class Layouts:
             kind = self.base(of)
             inner = self.parts(kind)
             unknown = inner is None and kind in self._types and not self.components(kind)
-            named = kind in SETTINGS and name.lower() in self._named
+            named = kind in self._whole and name.lower() in self._named
             if unknown or named or self.is_whole(kind):
                 listed.append(Part((name.lower(),), name, kind))
             elif inner is None:

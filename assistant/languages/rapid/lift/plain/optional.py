@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from assistant.languages.rapid.lift.plain.layouts import SETTINGS, Layouts
+from assistant.languages.rapid.lift.plain.layouts import PACES, SETTINGS, Layouts
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
 from assistant.program.rewriting import rewrite
@@ -161,7 +161,7 @@ def nothing_of(type: str, layouts: Layouts) -> s.Expression | None:
     """A value of a type, None if there is none that can be written."""
     if type in ABSENT:
         return ABSENT[type]
-    if type in SETTINGS or layouts.parts(type) is None:
+    if type in SETTINGS - PACES or layouts.parts(type) is None:
         return None
     inner = [nothing_of(layouts.base(of), layouts) for _, of in layouts.components(type)]
     known = tuple(one for one in inner if one is not None)

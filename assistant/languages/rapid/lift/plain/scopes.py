@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from assistant.languages.rapid.lift.plain.layouts import HELD, SETTINGS, Layouts, Path
+from assistant.languages.rapid.lift.plain.layouts import HELD, PACES, SETTINGS, Layouts, Path
 from assistant.languages.rapid.lift.plain.mounted import FRAME, Mounted, mounted, steady_types
 from assistant.languages.rapid.lift.plain.outside import only_works_out, unused_axes
 from assistant.languages.rapid.tables.predefined import data as predefined
@@ -125,14 +125,16 @@ class Program:
         """
         type, moves, steady = self.layouts.base(node.type), False, False
         if isinstance(node, s.ParameterNode):
-            apart, value, dimensions = type not in SETTINGS, None, node.dimensions
+            apart = type not in SETTINGS or type in PACES
+            value, dimensions = None, node.dimensions
             sizes: tuple[s.Expression, ...] = ()
         else:
             key, dimensions = node.name.lower(), len(node.dimensions)
             sizes = node.dimensions
             steady = node.storage == "CONST" or key not in self.uses.written
             value = node.value if steady else None
-            apart = type not in SETTINGS or self._is_data(key, steady)
+            changing = type in PACES and not steady
+            apart = type not in SETTINGS or changing or self._is_data(key, steady)
             named = key in self.uses.named and shared and not dimensions and type in self.steady
             moves = named and ((type == FRAME and bool(self.displaced)) or not (apart or steady))
             apart = apart or moves
@@ -149,7 +151,10 @@ class Program:
 
     def stays(self, node: s.Data) -> bool:
         """Whether data that is taken apart is also used whole, by its name."""
-        return self.layouts.base(node.type) in SETTINGS and node.name.lower() in self.uses.named
+        type = self.layouts.base(node.type)
+        if type in PACES and node.name.lower() in self.uses.written:
+            return False
+        return type in SETTINGS and node.name.lower() in self.uses.named
 
     @property
     def made(self) -> set[str]:

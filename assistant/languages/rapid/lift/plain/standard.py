@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from functools import cache
-from typing import Any
+from typing import Any, Final
 
 from assistant.languages.rapid.lift.plain.layouts import Layouts
 from assistant.languages.rapid.lift.plain.scopes import predefined_type
@@ -20,6 +19,10 @@ from assistant.languages.rapid.tree import syntax as s
 
 _NOWHERE: Any = [[0, 0, 0], [1, 0, 0, 0]]
 _LOAD: Any = [LEAST_MASS, list(LEAST_CENTRE), [1, 0, 0, 0], 0, 0, 0]
+
+
+FASTEST: Final = 10000.0
+"""mm/s in the place of `vmax`, which is what the arm can: no arm's tool is faster."""
 
 
 @cache
@@ -37,11 +40,11 @@ def standard(name: str) -> s.Expression | None:
         case "load0":
             return _node(_LOAD)
     speed, zone = SPEEDS.get(name), ZONES.get(name)
-    if speed is not None and math.isfinite(speed.tcp):
-        return _node([speed.tcp, 500, 5000, 1000])
-    if zone is not None and zone.radius is not None and name != "fine":
+    if speed is not None:
+        return _node([min(speed.tcp, FASTEST), 500, 5000, 1000])
+    if zone is not None and zone.radius is not None:
         return _node([False, zone.radius, *usual_sizes(zone.radius)])
-    return None
+    return None if zone is None else _node([True, *(0,) * 6])
 
 
 def _node(value: Any) -> s.Expression:
@@ -57,7 +60,8 @@ def _node(value: Any) -> s.Expression:
 
 def standard_part(layouts: Layouts, name: str, path: Sequence[str]) -> s.Expression | None:
     """A component of predefined data, None if its value is not known here."""
-    value, type = standard(name.lower()), predefined_type(name)
+    low, type = name.lower(), predefined_type(name)
+    value = None if low == "vmax" else standard(low)
     for component in path:
         names = [inner.lower() for inner, _ in layouts.components(type)]
         low = component.lower()

@@ -8,7 +8,7 @@ from functools import reduce
 from typing import Any, Final
 
 from assistant.languages.rapid.lift.plain.kinds import ORIENT, POS, Kind, Kinds
-from assistant.languages.rapid.lift.plain.layouts import Part, Path
+from assistant.languages.rapid.lift.plain.layouts import PACES, Part, Path
 from assistant.languages.rapid.lift.plain.library import (
     PRODUCT,
     QUATERNION,
@@ -169,6 +169,8 @@ class Values(Kinds):
                     not is_written_out(value)
                 ):
                     made.append(replace(argument, value=self.built(type, value)))
+                case s.Positional(value) if type in PACES:
+                    made.append(replace(argument, value=self.given(value, type)))
                 case s.Positional(value) | s.Option(_, value) if value is not None:
                     said = self.given(value, None) if reading else self.plain(value)
                     made.append(replace(argument, value=said))
@@ -219,6 +221,9 @@ class Values(Kinds):
                 kind is not None and self.is_record(kind) and self.is_apart(node)
             ):
                 return self._together(self.spread(node, kind), kind[0], ())
+            case s.FunctionCall(str(name)) if kind is not None and kind[0] in PACES:
+                if name.lower() in self.program.routines:
+                    return self._together(self.spread(node, kind), kind[0], ())
         return self.plain(node)
 
     def is_apart(self, node: Any) -> bool:

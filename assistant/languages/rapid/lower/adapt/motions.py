@@ -38,8 +38,15 @@ class Motions:
         self.blends = Named(BLENDS, program.blends, self._blend, LONGEST_NAME)
 
     def motion(self, motion: p.Motion) -> p.Motion:
-        blend = self._sizing.blend(motion.blend, motion.speed)
-        speed, blend = self.speeds.said(motion.speed), self.blends.said(blend)
+        speed, blend = motion.speed, motion.blend
+        if not isinstance(blend, p.ComputedBlend):
+            known = Speed(0.0) if isinstance(speed, p.ComputedSpeed) else speed
+            blend = self.blends.said(self._sizing.blend(blend, known))
+        if not isinstance(speed, p.ComputedSpeed):
+            speed = self.speeds.said(speed)
+        elif speed.tcp is None or speed.joint is not None:
+            cure = "name both arms, or state `joint_speed` (mm/s) in the process file"
+            self._job.cannot("a joint speed in percent that is worked out", cure)
         return p.Motion(speed, blend, tool_name(motion.tool), frame_name(motion.frame))
 
     def path(self, path: Path) -> Path:
