@@ -303,11 +303,11 @@ def test_what_a_statement_needs_that_nobody_can_say_stays() -> None:
 
 def test_a_part_that_cannot_be_said_costs_no_other_part() -> None:
     done = crossed(
-        "RECORD way\nspeeddata v;\nnum n;\nENDRECORD\nVAR way one;\nPROC main()\n"
-        "one.v:=v100;\none.v:=v200;\none.n:=3;\ngo one.n,0,0;\nMoveL p10,one.v,fine,tGrip;\nENDPROC"
+        "RECORD way\npathrecid r;\nnum n;\nENDRECORD\nVAR way one;\nPROC main()\n"
+        "one.n:=3;\ngo one.n,0,0;\nPathRecStart one.r;\nENDPROC"
     )
     levels = {row.text: row.level for row in done.rows}
-    assert levels["MoveL p10,one.v,fine,tGrip"] == "not"
+    assert levels["PathRecStart one.r"] == "not"
     assert levels["one.n:=3"] == levels["go one.n,0,0"] == "supported"
 
 
