@@ -58,7 +58,7 @@ def crossed(text: str, language: str, to: str) -> Translation:
             "PROC go(robtarget p,speeddata s,zonedata z) MoveL p,s,z,tool0; ENDPROC",
             "slow:=v100; slow.v_tcp:=90; near:=z1; IF i=0 near:=z5; go p10,slow,near;"
             " go p20,v20,fine;",
-            "Spd Ms_v_tcp",
+            "_v_tcp",
         ),
         (
             "",

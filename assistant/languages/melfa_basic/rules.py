@@ -126,7 +126,7 @@ JOINT_PERCENT = warning(
     "try it slowly and write the JOVRD that suits; a table states it as `joint_percent`",
 )  # fmt: skip
 COMPUTED_PERCENT = warning(
-    "MB263",
+    "MB284",
     "a joint move states mm/s that are worked out, and gets JOVRD by their share of {tcp:g}",
     "try it slowly and write the JOVRD that suits",
 )
