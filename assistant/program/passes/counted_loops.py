@@ -15,7 +15,7 @@ from typing import Any, Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.uses import names_in
+from assistant.program.analysis.uses import declared, names_in
 from assistant.program.diagnostics import Diagnostic
 from assistant.program.kept import effect_of, respelled
 from assistant.program.passes.legalising import Legalising
@@ -61,7 +61,7 @@ def counted(
     while True:
         uses = _Uses(program)
         rewriter = _Whiles(program, uses, found, refused, changed)
-        procedures = tuple(replace(q, body=rewriter.body(q.body, q)) for q in program.procedures)
+        procedures = tuple(map(rewriter.procedure, program.procedures))
         if not rewriter.changed:
             return program, list(found.values())
         program = replace(program, procedures=procedures)
@@ -263,6 +263,15 @@ class _Whiles:
         self.program, self.uses, self.found = program, uses, found
         self.tells = {"refused": refused, "changed": as_while}
         self.changed = False
+        self.taken = TakenNames(declared(program))
+        self.bounds: dict[str, Variable] = {}
+        """Of the procedure at hand, the variables that hold where its loops end."""
+
+    def procedure(self, procedure: Procedure) -> Procedure:
+        self.bounds = {}
+        body = self.body(procedure.body, procedure)
+        variables = {**procedure.variables, **self.bounds} if self.bounds else procedure.variables
+        return replace(procedure, body=body, variables=variables)
 
     def body(self, body: Body, procedure: Procedure) -> Body:
         out: list[p.Statement] = []
@@ -293,14 +302,24 @@ class _Whiles:
         if not _countable(x.variable, procedure, self.program):
             return None
         assigned = writes(x.body, self.program) | {x.variable.lower()}
-        if not self.steady(x.last, procedure, x.body, assigned):
-            return None
         name, step = e.Name(x.variable), x.step.value
+        made: list[p.Statement] = []
+        last = x.last
+        if not self.steady(last, procedure, x.body, assigned):
+            if any(isinstance(one, e.Verbatim) for one in records(last)):
+                return None
+            bound = identifier(f"{x.variable}_last", self.taken)
+            self.taken.add(bound)
+            counted = _variable(x.variable, procedure, self.program)
+            self.bounds[bound] = Variable("number" if counted is None else counted.type)
+            made.append(p.Assign(e.Name(bound), last, span=x.span))
+            last = e.Name(bound)
         relation, operator = ("<=", "+") if step > 0 else (">=", "-")
         further = e.Binary(operator, name, e.Number(abs(step)))  # type: ignore[arg-type]
-        condition = e.Binary(relation, name, x.last)  # type: ignore[arg-type]
+        condition = e.Binary(relation, name, last)  # type: ignore[arg-type]
         body = (*x.body, p.Assign(name, further))
-        return [p.Assign(name, x.first, span=x.span), p.While(condition, body, span=x.span)]
+        made.append(p.Assign(name, x.first, span=x.span))
+        return [*made, p.While(condition, body, span=x.span)]
 
     def steady(
         self, last: e.Expression, procedure: Procedure, body: Body, assigned: set[str]

@@ -109,7 +109,10 @@ def _signal(node: s.Assign, lift: Expressions) -> p.SetSignal | p.Call:
     else:
         name = lift.m.io_signal(target, "output")
     pulse = None if node.delay is None else lift.of(node.delay)
-    return p.SetSignal(name, _held(node.value, lift.m.signals[name], lift), pulse)
+    given = node.value
+    if pulse is not None and isinstance(known := lift.m.value(given), float) and not lift.m.own:
+        given = s.Number(known)  # by a name that nothing changes: others pulse to 1 alone
+    return p.SetSignal(name, _held(given, lift.m.signals[name], lift), pulse)
 
 
 def _held(given: s.Expression, signal: Signal, lift: Expressions) -> e.Expression:
