@@ -149,8 +149,7 @@ def lines_of(
         lambda at: exits_of(statement_of(code[at])).on,
         frozenset(labels.values()),
         frozenset(at for at, depth in enumerate(structure.depth) if depth)
-        | {at for label, at in labels.items() if _WAITS.fullmatch(label)}
-        | {at for region in regions if region.function for at in region.places()},
+        | {at for label, at in labels.items() if _WAITS.fullmatch(label)},
         frozenset(loose | {entries[to] for to in odd_entries(code, regions) if to in entries}),
     )
     return with_interrupts(lines, interrupts_of(code, entries), elsewhere)

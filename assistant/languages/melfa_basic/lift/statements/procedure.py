@@ -83,7 +83,7 @@ class Reader(Control):
             if one.falls is not None:
                 made.append(p.Goto(self._label_at(one.falls)))
             elif high == self.region.high:
-                made.append(p.Return())
+                made.append(self.result_returned())
         self.form = head
         return made
 
@@ -105,10 +105,16 @@ class Reader(Control):
             made += self.note(region.high)
         for at in range(*region.behind):
             made += self.note(at)
-        inside = self.symbols.inside
-        if inside is not None and inside.result is not None:
-            made.append(p.Return(e.Name(inside.result)))
+        returned = self.result_returned()
+        if returned.value is not None:
+            made.append(returned)
         return made
+
+    def result_returned(self) -> p.Return:
+        """The way back to the caller, with a result that was kept."""
+        inside = self.symbols.inside
+        kept = inside is not None and inside.result is not None
+        return p.Return(e.Name(inside.result) if kept else None)
 
     def body(self, low: int, high: int) -> tuple[p.Statement, ...]:
         self.runs.forget()
