@@ -70,6 +70,39 @@ Function M Bump()
 MR=MR+1
 Bump=MR
 FEnd""",
+    "a loop in which its variable and its end change": """MFin=2
+For MC=0 To MFin
+MR=Look(MC)
+If MR=2 Then
+M_Out(4)=1
+MC=MFin
+EndIf
+Dly MC+1
+Next MC
+End
+Function M Look(MX)
+Look=MX+M_In(1)
+FEnd""",
+    "a corner that differs at a label of a function": """MR=Bring()
+M_Out(5)=MR
+End
+Function M Bring()
+Bring=1
+MTries=0
+Cnt 0
+Mov P1
+*Again
+Mvs P2
+Mvs P3
+If M_In(1)=0 Then GoTo *Out
+MTries=MTries+1
+Cnt 1,10,10
+Mvs P4
+If MTries<2 Then GoTo *Again
+Bring=2
+*Out
+Cnt 0
+FEnd""",
     "a function that nothing calls": """Spd 100
 Mvs P1
 End
