@@ -153,7 +153,8 @@ RECEIVED: Final = warning(
 )
 NO_AXIS: Final = warning(
     "RA343",
-    "`{axis}` is left out: no target states a place of that external axis, so that there is none",
+    "`{axis}` is left out: no target states a place of that external axis, so that there is none, "
+    "or the cell file says that it stands still",
     "state a place of it in a target, if the arm has such an axis",
 )
 SIGNS: Final = warning(
@@ -204,4 +205,9 @@ BY_NAME: Final = warning(
     "RA372",
     "`{what}` is a choice among {count} data, whose names are to be spelled as they are declared",
     "write names with the capital and small letters of their declarations",
+)
+STILL_AXIS: Final = warning(
+    "RA373",
+    "the place of the external axis `{axis}` is left out: the cell file says that it stands still",
+    "see that the arm alone comes to these targets, and that the axis stands where it should",
 )

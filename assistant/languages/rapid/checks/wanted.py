@@ -27,6 +27,8 @@ from assistant.languages.rapid.tables.states import (
 )
 from assistant.languages.rapid.tables.words import ZONES
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.external_axes import asked as asked_axes
+from assistant.languages.rapid.tree.external_axes import place_of as place_of_axis
 from assistant.languages.rapid.tree.gather import literal_number
 from assistant.languages.rapid.tree.mechanical_units import can_stand, place_of, unit_of
 from assistant.languages.signatures import Signature
@@ -54,7 +56,11 @@ def wanted(files: Sequence[s.File]) -> tuple[Wanted, ...]:
             records.found[owner.lower()].join(one.parts)
     asked = tuple(records.wanted())
     data = (made(one, types, records.solved) for one in met.values())
-    return (*asked, *(found for found in data if found))
+    axes = [place_of_axis(axis) for axis in asked_axes([m for file in files for m in file.modules])]
+    still = (
+        Wanted(name, "data", "bool", nothing=True) for name in axes if not task.shared.all(name)
+    )
+    return (*asked, *(found for found in data if found), *still)
 
 
 class _Module:

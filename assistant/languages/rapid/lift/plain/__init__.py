@@ -29,6 +29,7 @@ from assistant.languages.rapid.lift.plain.settled import with_settled
 from assistant.languages.rapid.lift.plain.spreads import Spread, Unsaid
 from assistant.languages.rapid.lift.plain.standing_units import with_standing_units
 from assistant.languages.rapid.lift.plain.states import with_told_states
+from assistant.languages.rapid.lift.plain.still_axes import with_still_axes
 from assistant.languages.rapid.lift.plain.traps import with_traps
 from assistant.languages.rapid.lift.plain.unread import Unread, without_unread
 from assistant.languages.rapid.lift.plain.values import Values
@@ -70,7 +71,8 @@ def plain(files: Sequence[s.File]) -> Plain | None:
 def _plain(files: Sequence[s.File], apart: frozenset[str]) -> Plain | None:
     """apart: see `Layouts`."""
     there = with_own_names([module for file in files for module in file.modules])
-    standing, of_units = with_standing_units(there)
+    still, of_axes = with_still_axes(there)
+    standing, of_units = with_standing_units(still)
     chosen = with_chosen_signals(standing)
     read, of_names = with_named_data(with_told_states(with_traps(chosen.modules)))
     whole = with_library(with_bytes(read))
@@ -85,7 +87,7 @@ def _plain(files: Sequence[s.File], apart: frozenset[str]) -> Plain | None:
     made: list[s.Module] = []
     outside: list[Outside] = []
     remarks: list[tuple[Diagnostic, ...]] = []
-    early = (chosen.remarks, of_units, of_names)
+    early = (chosen.remarks, of_axes, of_units, of_names)
     for at, module in enumerate(modules):
         made.append(_module(program, module, kept))
         outside.append(tuple(program.outside))

@@ -8,41 +8,16 @@ from __future__ import annotations
 from collections.abc import Sequence, Set
 from typing import Any, Final
 
-import numpy as np
-
-from assistant.languages.rapid.tables.words import UNUSED
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.external_axes import AXES, COMPONENT, used_axes
 from assistant.languages.rapid.tree.gather import literal_number
-from assistant.languages.rapid.tree.walk import nodes
 
-COMPONENT: Final = "extax"
-AXES: Final = tuple(f"eax_{letter}" for letter in "abcdef")
 OUTSIDE: Final = s.NumberLiteral("9E9")
-_FIRST: Final = 11
-"""Column of the first external axis in the 17 numbers of a target."""
-_SHAPES: Final = ([3, 4, 4, 6], [6, 6])
 
 
 def unused_axes(modules: Sequence[s.Module]) -> frozenset[str]:
     """Components of external axes that no target which is written out gives a place."""
-    used: set[str] = set()
-    for node in nodes(tuple(modules)):
-        match node:
-            case s.TargetRunNode(run=run) | s.MoveRunNode(run):
-                if run.values is not None:
-                    stated = np.asarray(run.values)[:, _FIRST:] < UNUSED
-                    used.update(AXES[column] for column in np.flatnonzero(stated.any(axis=0)))
-            case s.AggregateNode(items) if _shape(items) in _SHAPES:
-                last: Any = items[-1]
-                for axis, item in zip(AXES, last.items, strict=True):
-                    number = literal_number(item)
-                    if number is None or number < UNUSED:
-                        used.add(axis)
-    return frozenset(AXES) - used
-
-
-def _shape(items: Sequence[s.Expression]) -> list[int]:
-    return [len(item.items) if isinstance(item, s.AggregateNode) else 0 for item in items]
+    return frozenset(AXES) - used_axes(modules)
 
 
 def is_outside(node: Any, unused: frozenset[str]) -> bool:
