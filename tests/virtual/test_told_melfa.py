@@ -29,6 +29,18 @@ M2=M_In(MN)*2
 Dly M2+1
 Wait M_In(MN+20)=0
 End""",
+    "an output that a loop of jumps counts": """MLeast=20
+M1=0
+*Next
+M_Out(MLeast+M1)=1
+M1=M1+1
+If M1<(2*3) Then *Next
+M1=30
+While M1>=28
+M_Out(M1)=1
+M1=M1-1
+WEnd
+End""",
     "groups by number": """For M1=8 To 16 Step 8
 M_Outb(M1+16)=M_Inb(M1)+1
 Next M1
@@ -153,6 +165,7 @@ def codes(text: str, level: int = 6) -> list[str]:
 
 def test_a_number_that_may_be_any_is_refused() -> None:
     assert codes("M_Out(M_Inb(8))=1\nEnd") == ["RA304"]
+    assert codes("M1=0\n*A\nM_Out(M1+1)=1\nM1=M1+1\nIf M_In(1)=1 Then *A\nEnd") == ["RA304"]
 
 
 def test_what_is_chosen_among_is_told() -> None:

@@ -24,6 +24,7 @@ Numbers = frozenset[float] | None
 _Place = tuple[str, str]
 """The procedure that owns a variable, empty for the program's, and its name: lower case."""
 _NONE: Final[frozenset[float]] = frozenset()
+NO_MORE: Final[Mapping[str, Numbers]] = {}
 _WORKED_OUT: Final[Mapping[str, Callable[[float, float], float]]] = {
     "+": lambda a, b: a + b,
     "-": lambda a, b: a - b,
@@ -43,6 +44,9 @@ class Possible:
         }
         self._given: dict[_Place, list[tuple[str, e.Expression]]] = {}
         self._any: set[_Place] = set()
+        self._counted: set[_Place] = set()
+        """Variables of loops, and those that are no plain ones."""
+        self._called: set[str] = set()
         for declaration in program.declarations:
             self._any |= {("", name) for name in effect_of(declaration).writes}
         for name, variable in program.variables.items():
@@ -54,11 +58,38 @@ class Possible:
             self._procedure(procedure)
         self._found: dict[_Place, Numbers] = {}
 
-    def of(self, value: e.Expression, procedure: Procedure) -> Numbers:
-        """What an expression in a procedure may come to."""
+    def of(
+        self, value: e.Expression, procedure: Procedure, known: Mapping[str, Numbers] | None = None
+    ) -> Numbers:
+        """What an expression in a procedure may come to. known: of variables, in lower case."""
         owner = procedure.name.lower()
         self._settle(set(self._asked(value, owner)))
-        return self._of(value, owner)
+        return self._of(value, owner, known or {})
+
+    def is_entry_alone(self, procedure: Procedure) -> bool:
+        """Whether a procedure is what runs first, and nothing calls it again."""
+        name = procedure.name.lower()
+        return (self.program.entry or "").lower() == name and name not in self._called
+
+    def followed(self, value: e.Expression, procedure: Procedure) -> set[str]:
+        """Plain variables that an expression depends on and that this procedure alone changes."""
+        owner, found = procedure.name.lower(), set[str]()
+        pending = [*self._asked(value, owner)]
+        while pending:
+            place = pending.pop()
+            given = self._given.get(place)
+            if place[1] in found or given is None or place in self._any:
+                continue
+            if place in self._counted or any(by not in ("", owner) for by, _ in given):
+                continue
+            found.add(place[1])
+            pending += [other for by, one in given for other in self._asked(one, by)]
+        return found
+
+    def begun(self, name: str) -> Numbers:
+        """What a variable may hold before anything is assigned to it: what its file gives it."""
+        given = self._given.get(("", name), ())
+        return self._all([(by, one) for by, one in given if not by], _NONE)
 
     def _settle(self, asked: set[_Place]) -> None:
         """Works out what some variables may hold, and those that it depends on."""
@@ -86,22 +117,30 @@ class Possible:
             if isinstance(record, e.Name):
                 yield self._place(record.name.lower(), owner)
 
-    def _of(self, value: e.Expression, owner: str) -> Numbers:
+    def _of(
+        self, value: e.Expression, owner: str, known: Mapping[str, Numbers] = NO_MORE
+    ) -> Numbers:
         match value:
             case e.Number(number):
                 return frozenset((float(number),))
+            case e.Name(name) if name.lower() in known:
+                return known[name.lower()]
             case e.Name() | e.Index():
                 place = self._place(base(value), owner)
                 return None if place in self._any else self._found.get(place)
             case e.Apply("round", (inner,)):
-                found = self._of(inner, owner)
+                found = self._of(inner, owner, known)
                 whole = found is not None and all(one.is_integer() for one in found)
                 return found if whole else None
             case e.Unary("-", inner):
-                found = self._of(inner, owner)
+                found = self._of(inner, owner, known)
                 return None if found is None else frozenset(-one for one in found)
             case e.Binary(operator, left, right) if operator in _WORKED_OUT:
-                return _pairs(_WORKED_OUT[operator], self._of(left, owner), self._of(right, owner))
+                return _pairs(
+                    _WORKED_OUT[operator],
+                    self._of(left, owner, known),
+                    self._of(right, owner, known),
+                )
         return None
 
     # -------------------------------------------------------------------------- gathering
@@ -126,9 +165,12 @@ class Possible:
                 case p.Assign(e.Member() as target):
                     self._any.add(self._place(base(target), owner))
                 case p.Assign(target, value):
+                    if not isinstance(target, e.Name):
+                        self._counted.add(self._place(base(target), owner))
                     self._give(self._place(base(target), owner), owner, value)
                 case p.For(name, e.Number(first), e.Number(last), _, e.Number(step)) if step:
                     place = self._place(name.lower(), owner)
+                    self._counted.add(place)
                     count = int((last - first) / step) + 2  # the one behind the last, too
                     if count > MOST:
                         self._any.add(place)
@@ -146,6 +188,7 @@ class Possible:
         callee = self.program.procedure(name)
         if callee is None:
             return
+        self._called.add(callee.name.lower())
         for parameter, value in itertools.zip_longest(callee.parameters, arguments):
             if parameter is None or value is None:
                 continue

@@ -73,7 +73,9 @@ class _Telling:
             node = map_head(replace(node, span=origin.span), change)
             match node:
                 case p.Call(name, given) if name.startswith(_MARK):
-                    made = self.numbered.switched(name.removeprefix(_MARK), given, procedure)
+                    made = self.numbered.switched(
+                        name.removeprefix(_MARK), given, procedure, origin
+                    )
                     return replace(made, span=origin.span)
             return node
 

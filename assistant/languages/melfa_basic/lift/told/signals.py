@@ -15,6 +15,7 @@ from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.possible import Possible
+from assistant.program.analysis.possible_along import numbers_at
 from assistant.program.analysis.signals import Addressed
 from assistant.program.analysis.uses import declared
 from assistant.program.diagnostics import Findings
@@ -69,13 +70,13 @@ class Numbered:
         return e.Apply(name, (number,))
 
     def switched(
-        self, key: str, given: Sequence[e.Expression], procedure: Procedure
+        self, key: str, given: Sequence[e.Expression], procedure: Procedure, origin: p.Statement
     ) -> p.Statement:
         """An output that is set, or pulsed. given: its number and value, the seconds of a pulse.
 
-        Raises AnyNumber.
+        origin: the statement that says so. Raises AnyNumber.
         """
-        signal, numbers = _of(key), self._numbers(given[0], procedure)
+        signal, numbers = _of(key), self._numbers(given[0], procedure, origin)
         rest = [self._plain(one, procedure) for one in given[1:]]
         if len(numbers) == 1:
             return p.SetSignal(self._name(signal, *numbers), *rest)
@@ -99,8 +100,13 @@ class Numbered:
     def _name(self, signal: Signal, number: int) -> str:
         return self.addressed.name(replace(signal, number=number))
 
-    def _numbers(self, number: e.Expression, procedure: Procedure) -> set[int]:
-        found = self.possible.of(number, procedure)
+    def _numbers(
+        self, number: e.Expression, procedure: Procedure, origin: p.Statement | None = None
+    ) -> set[int]:
+        if origin is None:
+            found = self.possible.of(number, procedure)
+        else:
+            found = numbers_at(self.possible, number, procedure, origin)
         if found is None:
             raise AnyNumber
         return {round(one) for one in found}
