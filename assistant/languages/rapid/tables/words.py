@@ -74,9 +74,12 @@ MODES: Final = {
     "iounit_phys_state_init": 26,
     "busstate_halted": 0, "busstate_run": 1, "busstate_error": 2, "busstate_startup": 3,
     "busstate_init": 4,
+    "common_err": 0, "op_state": 1, "system_err": 2, "hardware_err": 3, "program_err": 4,
+    "motion_err": 5, "operator_err": 6, "io_com_err": 7, "user_def_err": 8,
+    "process_err": 11, "cfg_err": 12,
     "type_all": 0, "type_state": 1, "type_warn": 2, "type_err": 3,
 }  # fmt: skip
-"""Constants of types symnum, iounit_state, busstate and errtype, by lower-case name (the same)."""
+"""Constants of types symnum, iounit_state, busstate, errdomain and errtype (the same)."""
 ELSEWHERE: Final[Mapping[str, float | str]] = {
     **ANSWERS, **MODES, "pi": math.pi, "str_digit": "0123456789",
     "errstr_task": "TASK", "errstr_context": "CONTEXT", "errstr_unused": "", "errstr_empty": "",
