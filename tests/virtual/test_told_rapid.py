@@ -72,6 +72,14 @@ SetDO do1,1;
 ENDPROC
 PROC part2()
 SetDO do1,0;""",
+    "a routine of a module by its name": r"""VAR string modules{2}:=["Cell","Cell"];
+%modules{1}+":part3"% 2\More:=1;
+%"Ce"+"ll:part3"% 0;
+ENDPROC
+PROC part3(num n\num More)
+IF Present(More) n:=n+More;
+IF n=3 SetDO do1,1;
+IF n=0 SetDO doDone,1;""",
     "a signal by a second name": r"""AliasIO do1,alOut;
 SetDO alOut,1;
 IF alOut=1 SetDO doDone,1;
@@ -110,6 +118,15 @@ def test_an_output_that_is_only_pulsed_is_taken_to_be_off(tmp_path: FilePath) ->
     assert "M_Out(6)=1 Dly 0.5" in text
     assert "RA314" in codes
     assert "If " not in text
+
+
+def test_the_module_of_a_late_call_is_told(tmp_path: FilePath) -> None:
+    body = 'VAR string m:="Cell";\n%m+":part"%;\nENDPROC\nPROC part()\nSetDO do1,1;'
+    text, codes = written(body, tmp_path)
+    assert "RA394" in codes
+    assert "M_Out(6)=1" in text
+    _, codes = written('%"Other"+":part"%;\nENDPROC\nPROC part()\nSetDO do1,1;', tmp_path)
+    assert "MB209" in codes
 
 
 def test_a_group_is_set_and_a_procedure_called_at_the_end_of_a_move(tmp_path: FilePath) -> None:

@@ -211,3 +211,8 @@ STILL_AXIS: Final = warning(
     "the place of the external axis `{axis}` is left out: the cell file says that it stands still",
     "see that the arm alone comes to these targets, and that the axis stands where it should",
 )
+NAMED_LATE: Final = warning(
+    "RA394",
+    "`{name}` is called here whichever module the text names: only one has a routine of that name",
+    "see that the text never names another module, for which RAPID would raise an error",
+)

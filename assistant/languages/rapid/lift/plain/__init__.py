@@ -18,6 +18,7 @@ from assistant.languages.rapid.lift.plain.chosen_signals import with_chosen_sign
 from assistant.languages.rapid.lift.plain.copies import with_copies
 from assistant.languages.rapid.lift.plain.declaring import declared
 from assistant.languages.rapid.lift.plain.displaced import with_displacements
+from assistant.languages.rapid.lift.plain.late_names import with_named_calls
 from assistant.languages.rapid.lift.plain.layouts import PACES, Layouts
 from assistant.languages.rapid.lift.plain.library import with_library, without_uncalled
 from assistant.languages.rapid.lift.plain.mounted import with_wholes
@@ -71,7 +72,8 @@ def plain(files: Sequence[s.File]) -> Plain | None:
 def _plain(files: Sequence[s.File], apart: frozenset[str]) -> Plain | None:
     """apart: see `Layouts`."""
     there = with_own_names([module for file in files for module in file.modules])
-    still, of_axes = with_still_axes(there)
+    named, of_calls = with_named_calls(there)
+    still, of_axes = with_still_axes(named)
     standing, of_units = with_standing_units(still)
     chosen = with_chosen_signals(standing)
     read, of_names = with_named_data(with_told_states(with_traps(chosen.modules)))
@@ -87,7 +89,7 @@ def _plain(files: Sequence[s.File], apart: frozenset[str]) -> Plain | None:
     made: list[s.Module] = []
     outside: list[Outside] = []
     remarks: list[tuple[Diagnostic, ...]] = []
-    early = (chosen.remarks, of_axes, of_units, of_names)
+    early = (of_calls, chosen.remarks, of_axes, of_units, of_names)
     for at, module in enumerate(modules):
         made.append(_module(program, module, kept))
         outside.append(tuple(program.outside))

@@ -1,0 +1,65 @@
+r"""Calls by a text of which the program tells what routine it names, as plain calls.
+
+`%"TOOLS:"+"Close"% n;` and `%MODULES{n}+":Close"% n;` call `Close`, if only one module has that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+from assistant.languages.rapid import rules
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.walk import nodes
+from assistant.program.diagnostics import Diagnostic
+from assistant.program.rewriting import rewrite
+
+Remarks = Sequence[tuple[Diagnostic, ...]]
+
+
+def with_named_calls(modules: Sequence[s.Module]) -> tuple[Sequence[s.Module], Remarks]:
+    """The modules with such calls by name, and what is found in each."""
+    if not any(_is_late(node) for node in nodes(tuple(modules))):
+        return modules, ((),) * len(modules)
+    owners: dict[str, list[str]] = {}
+    for module in modules:
+        for item in module.items:
+            if isinstance(item, s.Routine) and item.kind == "PROC":
+                owners.setdefault(item.name.lower(), []).append(module.name.lower())
+    made: list[s.Module] = []
+    remarks: list[tuple[Diagnostic, ...]] = []
+    for module in modules:
+        found: list[Diagnostic] = []
+        made.append(rewrite(module, partial(_named, owners, found), ()))
+        remarks.append(tuple(found))
+    return made, remarks
+
+
+def _is_late(node: Any) -> bool:
+    return isinstance(node, s.ProcedureCall) and isinstance(node.name, s.Infix)
+
+
+def _named(owners: Mapping[str, Sequence[str]], found: list[Diagnostic], node: Any) -> Any:
+    if not _is_late(node):
+        return node
+    start, end = _parts(node.name)
+    before, colon, name = end.rpartition(":")
+    own = owners.get(name.lower(), ())
+    if len(own) != 1 or (start and not colon) or (not start and colon and before.lower() != own[0]):
+        return node
+    if start and node.span is not None:
+        found.append(rules.NAMED_LATE(name=name, span=node.span))
+    return replace(node, name=name)
+
+
+def _parts(value: Any) -> tuple[bool, str]:
+    """Whether something unknown stands in front, and the text that a sum surely ends with."""
+    match value:
+        case s.StringLiteral(text):
+            return False, text
+        case s.Infix("+", left, s.StringLiteral(text)):
+            unknown, before = _parts(left)
+            return unknown, before + text
+    return True, ""
