@@ -6,7 +6,7 @@ before what is read to the left of it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any, Final
 
@@ -97,14 +97,38 @@ def along_calls(program: Program, own: Mapping[str, frozenset[str]]) -> dict[str
     """What each procedure has, by lower-case name, with what those have that it calls."""
     found = dict(own)
     calls = {q.name.lower(): found.keys() & set(called(q)) for q in program.procedures}
-    changed = True
-    while changed:
-        changed = False
-        for key, callees in calls.items():
-            more = found[key].union(*(found[c] for c in callees))
-            changed = changed or more != found[key]
+    callers: dict[str, list[str]] = {key: [] for key in found}
+    for key, callees in calls.items():
+        for callee in callees:
+            callers[callee].append(key)
+    pending = dict.fromkeys(callees_first(calls))
+    while pending:
+        key = next(iter(pending))
+        del pending[key]
+        more = found[key].union(*(found[c] for c in calls[key]))
+        if more != found[key]:
             found[key] = more
+            pending.update(dict.fromkeys(callers[key]))
     return found
+
+
+def callees_first(calls: Mapping[str, Iterable[str]]) -> list[str]:
+    """Procedures in an order in which each stands behind those that it calls, but for circles."""
+    found: dict[str, None] = {}
+    begun: set[str] = set()
+    for root in calls:
+        pending = [] if root in begun else [(root, iter(calls[root]))]
+        begun.add(root)
+        while pending:
+            name, callees = pending[-1]
+            inner = next((one for one in callees if one in calls and one not in begun), None)
+            if inner is None:
+                found[name] = None
+                pending.pop()
+            else:
+                begun.add(inner)
+                pending.append((inner, iter(calls[inner])))
+    return list(found)
 
 
 def _of_program(program: Program, names: Mapping[str, frozenset[str]]) -> dict[str, frozenset[str]]:

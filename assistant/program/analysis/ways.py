@@ -13,7 +13,7 @@ from typing import Any, Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.uses import texts_in
+from assistant.program.analysis.uses import called, callees_first, texts_in
 from assistant.program.kept import effect_of
 from assistant.program.motion import Blend
 from assistant.program.program import Procedure, Program, bodies
@@ -90,19 +90,23 @@ class Ways:
         self.owner = ""
         self.cut: set[str] = set()
         self.cut_before: set[str] = set()
-        self.any_called = False
+        self.any_called = self.jumped = False
         self.handled: set[str] = set()
         """Procedures with error handlers, which may move between any two statements."""
         declared = {name for d in program.declarations for name in effect_of(d).names}
         self.elsewhere = {name for name in self.procedures if name in declared}
         """Procedures that are perhaps called by what is kept as its text."""
-        while True:
-            known = (dict(self.after), dict(self.labels))
-            for name, procedure in self.procedures.items():
-                self.owner = name
-                self.leave(self.body(procedure.body, _CALLED))
-            if known == (self.after, self.labels):
-                break
+        own = {name: tuple(called(procedure)) for name, procedure in self.procedures.items()}
+        pending = dict.fromkeys(callees_first(own))
+        while pending:
+            name = self.owner = next(iter(pending))
+            del pending[name]
+            known, self.jumped = self.after.get(name), False
+            self.leave(self.body(self.procedures[name].body, _CALLED))
+            if self.after[name] != known:
+                pending.update(dict.fromkeys(self.calls.get(name, ())))
+            if self.jumped:
+                pending[name] = None
         self.entered = self._entered((program.entry or "").lower())
         for name in self.cut_before:
             self.cut |= (self.entered[name] or _ANY)[CORNER]
@@ -130,14 +134,20 @@ class Ways:
         entered |= dict.fromkeys(roots - {entry}, alone)
         said = texts_in(tuple(q.body for q in self.procedures.values())) if roots else set()
         entered |= dict.fromkeys(self.elsewhere | (roots & said), _ANY)  # or an interrupt calls it
-        while True:
-            known = dict(entered)
-            for callee, callers in self.calls.items():
-                for caller, state in callers.items():
-                    given = _resolved(state, entered.get(caller))
-                    entered[callee] = _joined(entered.get(callee), given)
-            if entered == known:
-                return {n: entered.get(n) for n in self.procedures}
+        gives: dict[str, list[tuple[str, State]]] = {}
+        for callee, callers in self.calls.items():
+            for caller, state in callers.items():
+                gives.setdefault(caller, []).append((callee, state))
+        pending = dict.fromkeys(gives)
+        while pending:
+            caller = next(iter(pending))
+            del pending[caller]
+            for callee, state in gives.get(caller, ()):
+                known = entered.get(callee)
+                entered[callee] = _joined(known, _resolved(state, entered.get(caller)))
+                if entered[callee] != known:
+                    pending[callee] = None
+        return {n: entered.get(n) for n in self.procedures}
 
     # -------------------------------------------------------------------------- statements
 
@@ -156,7 +166,9 @@ class Ways:
                 return _joined(state, self.labels.get((self.owner, name.lower())))
             case p.Goto(name):
                 place = self.owner, name.lower()
-                self.labels[place] = _joined(self.labels.get(place), state)
+                known = self.labels.get(place)
+                self.labels[place] = _joined(known, state)
+                self.jumped |= self.labels[place] != known
                 return None
             case p.While(_, body) | p.For(_, _, _, body):
                 return self.loop(node, body, state)
