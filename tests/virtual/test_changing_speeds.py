@@ -92,3 +92,27 @@ def test_speeds_that_a_melfa_program_changes(body: str) -> None:
     done = crossed(text, "melfa-basic-6", "rapid")
     assert done.ok, [f"{f.code} {f.message}" for f in done.findings]
     assert done.motion is not None and done.motion.found is not None and done.motion.found.visits
+
+
+def test_arms_that_move_together_meet_and_move_each_by_itself() -> None:
+    tasks = 'PERS tasks arms{1}:=[["T_ROB1"]];\nVAR syncident begins;\nVAR syncident ends;\n'
+    body = "SyncMoveOn begins,arms;\nMoveL p10\\ID:=1,v50,fine,tool0;\nSyncMoveOff ends;"
+    done = crossed(
+        f"{HEAD}{tasks}PROC main()\n{body}\nENDPROC\nENDMODULE\n", "rapid", "melfa-basic-6"
+    )
+    levels = {row.text.split()[0]: row.level for row in done.rows}
+    assert levels["SyncMoveOn"] == levels["MoveL"] == levels["SyncMoveOff"] == "partial"
+
+
+def test_a_tool_that_is_nowhere_stops_nothing_where_no_move_has_it() -> None:
+    lost = "PERS tooldata lost:=[TRUE,[[6E7,0,0],[1,0,0,0]],[1,[0,0,1],[1,0,0,0],0,0,0]];\n"
+    for tool, ok in (("tool0", True), ("lost", False)):
+        text = f"{HEAD}{lost}PROC main()\nMoveL p10,v50,fine,{tool};\nENDPROC\nENDMODULE\n"
+        assert crossed(text, "rapid", "melfa-basic-6").ok == ok
+
+
+def test_the_most_that_an_arm_can_is_told_of() -> None:
+    body = "slow:=v50;\nslow.v_tcp:=MaxRobSpeed()/100*i;\nMoveL p10,slow,fine,tool0;"
+    done = crossed(f"{HEAD}PROC main()\n{body}\nENDPROC\nENDMODULE\n", "rapid", "melfa-basic-6")
+    assert [f.code for f in done.findings].count("RA379") == 1
+    assert all(row.level != "not" for row in done.rows)

@@ -201,6 +201,11 @@ CHOSEN: Final = warning(
     "which signal `{name}` stands for is chosen among {names}; for any other name the program ends",
     "see that these are all that it may be, and give each its number",
 )
+TAKEN_FOR: Final = warning(
+    "RA379",
+    "`{what}` asks for the most that the arm can, and is taken for {value}",
+    "write the number of the arm that the program was made for",
+)
 BY_NAME: Final = warning(
     "RA372",
     "`{what}` is a choice among {count} data, whose names are to be spelled as they are declared",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Any, Final
 
@@ -23,6 +23,17 @@ _LOAD: Any = [LEAST_MASS, list(LEAST_CENTRE), [1, 0, 0, 0], 0, 0, 0]
 
 FASTEST: Final = 10000.0
 """mm/s in the place of `vmax`, which is what the arm can: no arm's tool is faster."""
+
+
+MOST: Final[Mapping[str, float]] = {"maxrobspeed": 5000.0, "maxrobreorientspeed": 500.0}
+"""What functions that ask for the most of the arm are taken to give: mm/s and deg/s.
+
+Those of `vmax` of the arms that they are usual for (3HAC050917, speeddata)."""
+
+
+def most(name: str) -> s.NumberLiteral | None:
+    """What a function in lower case is taken to give that asks for the most of the arm."""
+    return s.NumberLiteral(f"{MOST[name]:g}") if name in MOST else None
 
 
 @cache

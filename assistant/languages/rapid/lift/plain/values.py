@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import reduce
 from typing import Any, Final
 
+from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.plain.kinds import ORIENT, POS, Kind, Kinds
 from assistant.languages.rapid.lift.plain.layouts import PACES, Part, Path
 from assistant.languages.rapid.lift.plain.library import (
@@ -31,7 +32,7 @@ from assistant.languages.rapid.lift.plain.spreads import (
     product,
     single,
 )
-from assistant.languages.rapid.lift.plain.standard import standard, standard_part
+from assistant.languages.rapid.lift.plain.standard import most, standard, standard_part
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
@@ -100,6 +101,12 @@ class Values(Kinds):
                 self.is_record(self.kind(value))
             ):
                 return self._shown(value)
+            case s.FunctionCall(str(name), ()) if not self.is_own(name) and (
+                known := most(name.lower())
+            ):
+                found = rules.TAKEN_FOR(what=name, value=known.text, span=self.program.at)
+                self.program.remarks.append(found)
+                return known
             case s.FunctionCall(name, arguments):
                 size = self._size(node)
                 if size is not None:

@@ -2,7 +2,8 @@
 
 Data that have no value of their own (a socket, a file) say nothing alone: what is done with them
 is told by itself. Data of any other type are left out where nothing speaks of them, and so are
-targets with more external axes than an arm of another controller has.
+targets with more external axes than an arm of another controller has, and tools whose tip is where
+none can be.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import names_in, texts_in
 from assistant.program.diagnostics import Findings
-from assistant.program.geometry import JointTarget, Target
+from assistant.program.geometry import JointTarget, Target, Tool
 from assistant.program.kept import effect_of
 from assistant.program.program import Declaration, Program
 from assistant.program.rewriting import exchanged, records
@@ -28,6 +29,8 @@ from assistant.program.subjects import Declared, Table
 
 T = TypeVar("T")
 
+FARTHEST: Final = 1e6
+"""mm from the flange; no tool is that long, and other controllers refuse the number."""
 ELSEWHERE: Final = 2
 """External axes at most of a target in the other languages here."""
 
@@ -56,10 +59,11 @@ def with_needed_declarations(program: Program, findings: Findings) -> Program:
 
 
 def _without_idle_targets(program: Program, findings: Findings) -> Program:
-    """The program without targets of more external axes than elsewhere that nothing speaks of."""
+    """The program without such targets and tools that nothing speaks of."""
     idle: dict[Table, set[str]] = {
         "targets": {n for n, one in program.targets.items() if _has_more_axes(one)},
         "joint_targets": {n for n, one in program.joint_targets.items() if _has_more_axes(one)},
+        "tools": {n for n, one in program.tools.items() if _is_nowhere(one)},
         "variables": {n for n, one in program.variables.items() if _has_more_axes(one.initial)},
     }
     if not any(idle.values()):
@@ -76,12 +80,18 @@ def _without_idle_targets(program: Program, findings: Findings) -> Program:
         program,
         targets=_without(program.targets, idle["targets"]),
         joint_targets=_without(program.joint_targets, idle["joint_targets"]),
+        tools=_without(program.tools, idle["tools"]),
         variables=_without(program.variables, idle["variables"]),
     )
 
 
 def _without(table: Mapping[str, T], names: Set[str]) -> dict[str, T]:
     return {name: one for name, one in table.items() if name not in names}
+
+
+def _is_nowhere(tool: Tool) -> bool:
+    """Whether the tip of a tool is where none can be, as after a calibration that went wrong."""
+    return not all(abs(value) < FARTHEST for value in tool.tip.position)
 
 
 def _has_more_axes(value: Target | JointTarget | e.Expression | None) -> bool:

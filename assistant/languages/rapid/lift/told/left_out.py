@@ -100,6 +100,10 @@ _ASKED: Final = ("how often the condition is asked", _NONE)
 _MOVED: Final[Mapping[str, Loss]] = {
     "conc": _BESIDE,
     "noeoffs": ("", ""),
+    "id": (
+        "the arm moves without waiting for those that would move together with it",
+        "see that the arms do not meet, or move them one after the other",
+    ),
     "corr": ("corrections from a sensor are not added", "see that none are written"),
 }
 _SYNC: Final = ("the program does not wait until the output has its value", _NONE)

@@ -43,6 +43,30 @@ def _names(row: s.Expression) -> bool:
     return True
 
 
+def together(program: Program) -> frozenset[str]:
+    """Lists of tasks in lower case whose arms are to move together anywhere."""
+    calls = (
+        node
+        for one in program.statements()
+        if isinstance(one, p.Opaque) and one.language == verbatim.LANGUAGE
+        for node in verbatim.understood(verbatim.statements, one.text) or ()
+    )
+    return frozenset(
+        listed.lower()
+        for node in calls
+        if isinstance(node, s.ProcedureCall) and str(node.name).lower() == "syncmoveon"
+        for listed in (_listed(node),)
+        if listed
+    )
+
+
+def _listed(call: s.ProcedureCall) -> str:
+    match [one.value for one in call.arguments if isinstance(one, s.Positional)]:
+        case [_, s.NameRef(name)]:
+            return name
+    return ""
+
+
 def shared(point: str) -> tuple[str, Variable]:
     """The count of a point that all programs of a controller have: its name, and what it is."""
     return f"M_{point}", Variable("number", storage="persistent")

@@ -13,7 +13,7 @@ from assistant.languages.rapid.lift.told import arc
 from assistant.languages.rapid.lift.told.calls import call_of, lifted, without, word_of
 from assistant.languages.rapid.lift.told.late import by_name
 from assistant.languages.rapid.lift.told.left_out import OPTIONS
-from assistant.languages.rapid.lift.told.meeting import met, shared
+from assistant.languages.rapid.lift.told.meeting import met, shared, together
 from assistant.languages.rapid.lift.told.outputs import delayed, inverted, pulse
 from assistant.languages.rapid.lift.told.waits import limited
 from assistant.languages.rapid.tables.welding import MOVES
@@ -223,6 +223,17 @@ def _meet(telling: Telling, call: Called[s.Expression], _: p.Opaque) -> Said:
     yield from said
 
 
+def _together(telling: Telling, call: Called[s.Expression], node: p.Opaque) -> Said:
+    """`SyncMoveOn`, `SyncMoveOff`: tasks meet there; between them each arm moves by itself."""
+    given = call.given
+    if len(given) == 1 and len(lists := together(telling.program)) == 1:
+        given = (*given, s.NameRef(*lists))
+    said = [*_meet(telling, replace(call, given=given), node)]
+    if said:
+        telling.lost(node.text.split()[0], *OPTIONS["movel"]["id"])
+    yield from said
+
+
 def _take(telling: Telling, call: Called[s.Expression], _: p.Opaque) -> Said:
     """`WaitTestAndSet`: waits until a truth is false and sets it."""
     match call.given:
@@ -241,6 +252,7 @@ INSTRUCTIONS: Final[Mapping[str, Telled]] = {
     "waittestandset": _take,
     **dict.fromkeys(MOVES, _weld),
     "waitsynctask": _meet,
+    **dict.fromkeys(("syncmoveon", "syncmoveoff"), _together),
     **dict.fromkeys(("movej", "movel", "movec"), _with_own_motion),
     **dict.fromkeys(("movejdo", "moveldo", "movecdo"), _setting_output("SetDO")),
     **dict.fromkeys(("movejao", "movelao", "movecao"), _setting_output("SetAO")),
