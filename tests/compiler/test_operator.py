@@ -61,6 +61,7 @@ QUESTIONS = {
     "a box": r'UIMsgBox "Part in?"\MsgLine2:="Press";',
     "a box with a result": r'UIMsgBox "Again?"\Buttons:=btnYesNo\Result:=x;',
     "a box as a function": r'x:=UIMessageBox(\Message:="m"\BtnArray:=["left","right"]);',
+    "places without a button": r'x:=UIMessageBox(\MsgArray:=["m"]\BtnArray:=[stEmpty,"A","","B"]);',
     "what a button is": r'UIMsgBox "?"\Buttons:=btnYesNo\Result:=x; IF x=resNo x:=20;',
 }
 

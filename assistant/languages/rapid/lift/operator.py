@@ -14,6 +14,7 @@ from typing import Final
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.kept_calls import KeptCall, Said, Unsaid, with_calls
 from assistant.languages.rapid.tables.words import ANSWERS
+from assistant.languages.rapid.text.printer import expression as printed
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import name_of
 from assistant.program import expressions as e
@@ -144,12 +145,21 @@ def _entry(q: KeptCall) -> Said:
 def _box(q: KeptCall) -> Said:
     """UIMsgBox and UIMessageBox: what the button that is pressed stands for."""
     if not q.only(
-        "header", "message", "buttons", "btnarray", "result", "defaultbtn", *LINES[2:], *LOOKS
+        "header",
+        "message",
+        "msgarray",
+        "buttons",
+        "btnarray",
+        "result",
+        "defaultbtn",
+        *LINES[2:],
+        *LOOKS,
     ):
         raise Unsaid(ENDED)
     answer = q.option("result") if q.answer is None else q.answer
     buttons = _buttons(q)
-    keys = range(1, len(buttons) + 1)
+    own = isinstance(q.call.options.get("btnarray"), s.AggregateNode)
+    keys = [at for _, at in buttons] if own else list(range(1, len(buttons) + 1))
     texts = [f" [{n}: {name}]" for n, (name, _) in zip(keys, buttons, strict=True)]
     yield p.Message((*_shown(q), e.Text("".join(texts))))
     if not buttons and answer is not None:
@@ -162,17 +172,28 @@ def _buttons(q: KeptCall) -> list[tuple[str, int]]:
     """The names of the buttons of a box, and what each gives."""
     node, own = q.call.options.get("buttons"), q.call.options.get("btnarray")
     if isinstance(own, s.AggregateNode):
-        names = [one.value for one in own.items if isinstance(one, s.StringLiteral)]
-        if len(names) == len(own.items):
-            return [(name, place) for place, name in enumerate(names, 1)]
+        return [(_text(one), at) for at, one in enumerate(own.items, 1) if _is_shown(one)]
     known = BUTTONS.get("btnok" if node is None else name_of(node).lower())
     if own is not None or known is None:
         raise Unsaid(WORKED_OUT)
     return [(one.removeprefix("res"), ANSWERS[one.lower()]) for one in known]
 
 
+def _is_shown(button: s.Expression) -> bool:
+    """Whether it is a button: one without a text is none."""
+    return button != s.StringLiteral("") and name_of(button).lower() != NONE
+
+
+def _text(button: s.Expression) -> str:
+    """What stands on it, as far as that is known before the program runs."""
+    return button.value if isinstance(button, s.StringLiteral) else printed(button)
+
+
 def _shown(q: KeptCall) -> tuple[e.Expression, ...]:
     first = [q.given(0)] if q.answer is None else []
+    array = q.call.options.get("msgarray")
+    if isinstance(array, s.AggregateNode):
+        first += [q.value(item) for item in array.items]
     lines = [q.option("header"), *first, *(q.option(name) for name in LINES[1:])]
     return _joined([line for line in lines if line is not None])
 
