@@ -84,10 +84,17 @@ def test_counting_down_is_kept() -> None:
     assert "n:=n-1;" in shown
 
 
+def test_an_end_that_changes_is_worked_out_once() -> None:
+    given = program(loop(p.Assign(M, N), last=M), SHOW)
+    proved(given)
+    shown = text(given).replace("\r\n", "\n")
+    assert "n_last:=m;\n        n:=1;\n        WHILE n<=n_last DO" in shown
+    assert "VAR num n_last;" in shown
+
+
 @pytest.mark.parametrize(
     "given",
     [
-        program(loop(p.Assign(M, N), last=M), SHOW),
         program(p.For("n", e.Number(1), e.Number(3), (), M), SHOW),
         Program("cell", (Procedure("main", (loop(), SHOW)),)),
         Program("cell", (Procedure("main", (loop(p.Assign(N, e.Number(1))),)),)),
