@@ -14,12 +14,16 @@ from assistant.program.text import SourceText
 MODULE = r"""MODULE Cell
 VAR intnum opened;
 VAR intnum other;
-VAR num count:=0;
-VAR num ticks:=0;
+VAR num count;
+VAR num ticks;
 PERS num mode:=0;
 PERS bool busy:=FALSE;
 CONST robtarget a:=[[400,0,400],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
 PROC main()
+count:=0;
+ticks:=0;
+mode:=0;
+busy:=FALSE;
 {main}
 SetGO goCount,count;
 SetGO goTicks,ticks;
@@ -134,3 +138,57 @@ def test_what_a_trap_shares_with_the_program_is_refused_where_data_are_there_onc
     assert "twice(" in written(crossed(main, answer=answer))
     old = crossed(main, "melfa-basic-5", answer)
     assert any("as what it interrupts does" in f.message for row in old.rows for f in row.reasons)
+
+
+LINES = """Def Act 1,M_In(10)=1 GoSub *Disc,S
+Def Act 2,{condition} GoTo *Out
+Spd 100
+Mvs P1
+Act 1=1
+Act 2=1
+For M1=1 To 2
+Mvs P2
+Dly 1
+M_Out(1)=1
+Next M1
+Act 1=0
+Act 2=0
+End
+*Disc
+Act 1=0
+M_Out(2)=1
+Return {back}
+*Out
+Act 2=0
+Mvs P1
+M_Out(3)=1
+End
+P1=(400,0,500,180,0,180)(7,0)
+P2=(400,200,500,180,0,180)(7,0)
+"""
+
+
+def of_lines(condition: str, back: str = "0") -> Translation:
+    text = SourceText(LINES.format(condition=condition, back=back))
+    cell = in_neutral_cell(load_text(text, language="melfa-basic-5"))
+    return translate(cell, to="rapid", proving=Proving(seconds=2))
+
+
+@pytest.mark.parametrize("condition", ["M_In(11)=1", "M_In(11)=1 And M_In(12)=1"])
+def test_what_interrupts_call_and_go_to_is_answered_by_trap_routines(condition: str) -> None:
+    done = of_lines(condition)
+    assert not [row for row in done.rows if row.level == "not"]
+    assert done.motion is not None
+    assert done.motion.holds, done.motion.findings
+    (text,) = done.compiled.files.values()
+    said = text.decode()
+    assert "ISignalDI di_10,1,act_1;" in said
+    assert ("ISignalDI di_11,1,act_2;" in said) == ("And" not in condition)
+    assert "TRAP act_1_trap" in said
+    assert "ExitCycle;" in said
+
+
+def test_an_interrupt_that_goes_on_elsewhere_stays_as_its_text() -> None:
+    done = of_lines("M_In(11)=1", back="1")
+    kept = [row for row in done.rows if row.level == "not"]
+    assert len(kept) >= 3  # what defines it, what switches it, and the way back

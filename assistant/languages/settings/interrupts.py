@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from assistant.languages.line_graph import EXIT
-from assistant.languages.settings.flow import Lines, MaySet, Steps, calls_in, sets_in
+from assistant.languages.settings.flow import Calls, Either, Lines, MaySet, Steps, calls_in, sets_in
 from assistant.languages.settings.places import ELSEWHERE, NOWHERE, Places
 from assistant.program.analysis.dataflow import reachable
 
@@ -17,12 +17,13 @@ from assistant.program.analysis.dataflow import reachable
 @dataclass(frozen=True, slots=True)
 class Interrupt:
     """Lines, by place: where what it calls begins, those that may switch it on, and that switch
-    it off for sure.
+    it off for sure. answer: the procedure that it alone calls, if that is one.
     """
 
     called: frozenset[int]
     on: frozenset[int]
     off: frozenset[int]
+    answer: int | None = None
 
 
 def with_interrupts(
@@ -37,9 +38,15 @@ def with_interrupts(
         return lines
     ways = _Ways(lines)
     may_set: dict[int, dict[int, Places]] = {}
+    may_call: dict[int, list[int]] = {}
     for at in ways.all if elsewhere else ():
         may_set[at] = dict.fromkeys(elsewhere, Places.of([ELSEWHERE]))
     for interrupt in interrupts:
+        if interrupt.answer is not None:
+            own = frozenset(lines.procedures[interrupt.answer])
+            for at in frozenset(ways.running(interrupt)) - own:
+                may_call.setdefault(at, []).append(interrupt.answer)
+            continue
         changed = ways.settings(interrupt.called)
         for at in ways.running(interrupt) if changed else ():
             here = may_set.setdefault(at, {})
@@ -49,6 +56,9 @@ def with_interrupts(
     for at, here in may_set.items():
         interrupted: Steps = tuple(MaySet(*one) for one in here.items())
         steps[at] = (*steps.get(at, ()), *interrupted)
+    for at, called in may_call.items():
+        answered: Steps = tuple(Either(((Calls((one,)),), ())) for one in called)
+        steps[at] = (*steps.get(at, ()), *answered)
     return replace(lines, steps=steps)
 
 

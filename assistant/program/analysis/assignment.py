@@ -12,6 +12,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.dataflow import Dataflow
 from assistant.program.analysis.graph import EXIT, Graph
+from assistant.program.analysis.interrupts import interrupts
 from assistant.program.analysis.uses import base, indices_of, named
 from assistant.program.kept import effect_of
 from assistant.program.program import Procedure, Program
@@ -53,6 +54,10 @@ class Assigning:
         self.program = program
         self.sizes = {n.lower(): v.size for n, v in program.variables.items() if v.size}
         self.written = {name for q in program.procedures for name in self._written(q)}
+        self.interrupts: dict[str, list[p.Interrupt]] = {}
+        """By lower-case name, what each may be."""
+        for one in interrupts(program):
+            self.interrupts.setdefault(one.name.lower(), []).append(one)
         self._runs: dict[str, Run] = {}
         self._running: list[str] = []
 
@@ -123,8 +128,11 @@ class _Reading:
                 return self.reads(head(node), state) | {given}
             case p.Call(name):
                 return self.called(name, self.reads(node, state))
-            case p.Interrupt(condition=condition, call=call):  # it may come at once, or never
-                self.called(call.procedure, self.reads(condition, state))
+            case p.Interrupt():
+                return state
+            case p.SwitchInterrupt(name, "on"):  # it may come at once, or never
+                for one in self.assigning.interrupts.get(name.lower(), ()):
+                    self.called(one.call.procedure, self.reads((one.condition, one.ends), state))
                 return state
         return self.reads(node, state)
 

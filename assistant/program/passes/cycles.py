@@ -9,6 +9,7 @@ from typing import Final
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.assignment import Assigning
+from assistant.program.analysis.interrupts import interrupts
 from assistant.program.passes.legalising import Legalising
 from assistant.program.program import Procedure, Program, identifier
 from assistant.program.rewriting import records
@@ -31,6 +32,8 @@ def with_kept_values(job: Legalising) -> Program:
     entry = program.procedure(program.entry) if program.entry else None
     kept = program.origin is not None and program.origin.language in job.can.kin
     if entry is None or can is None or kept or _is_called(program, entry):
+        return program
+    if any(one.ends is not None for one in interrupts(program)):  # which lead out of the loop
         return program
     assigning = Assigning(program)
     run = assigning.run(entry)

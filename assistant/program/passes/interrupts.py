@@ -72,6 +72,8 @@ def _shared(job: Legalising) -> Iterator[tuple[p.Interrupt, str]]:
     It has data of its own which are there once, or a timer.
     """
     program, can = job.program, job.can.procedures
+    if can is None:  # each call has data of its own
+        return
     calls = {q.name.lower(): _calls(q) for q in program.procedures}
     outside = _reached({(program.entry or "").lower()}, calls)
     waits = any(map(_waits, map(program.procedure, outside)))
@@ -79,7 +81,7 @@ def _shared(job: Legalising) -> Iterator[tuple[p.Interrupt, str]]:
         for name in sorted(_reached({node.call.procedure.lower()}, calls)):
             called = program.procedure(name)
             assert called is not None
-            functions = has_functions(program, called.unit, bool(can and can.functions))
+            functions = has_functions(program, called.unit, can.functions)
             own = not functions and (has_form(called) or called.variables)
             if name in outside and (own or _times(called)):
                 yield node, f"calls `{called.name}`, as what it interrupts does"

@@ -56,6 +56,8 @@ class Interrupts:
         self._m = m
         self.acts: dict[int, Act] = {}
         self.allowed: set[int] = set()
+        self.order: list[int] = []
+        """Numbers of those that may come."""
         self.all = True
         self.coms: dict[int, Act] = {}
         self.states: dict[int, str] = {}
@@ -80,7 +82,7 @@ class Interrupts:
                 if self.states.get(file) == "On" and self._has_come(file):
                     return self.coms[file]
         if self.all:
-            for number in sorted(self.allowed & set(self.acts)):
+            for number in self.order:
                 if number < rank and self._holds(self.acts[number]):
                     return self.acts[number]
         return None
@@ -103,8 +105,7 @@ class Interrupts:
 
     def conditions(self) -> list[s.Expression | None]:
         """Of the interrupts that may come."""
-        numbers = self.allowed & set(self.acts) if self.all else ()
-        return [self.acts[number].condition for number in numbers]
+        return [self.acts[number].condition for number in self.order] if self.all else []
 
     # ------------------------------------------------------------------------------- lines
 
@@ -216,6 +217,8 @@ def attend(m: Machine, *more: s.Expression | None) -> None:
     more: conditions beside those of interrupts.
     """
     task, known = m.world.task, m.interrupts
+    if known is not None:
+        known.order = sorted(known.allowed & set(known.acts))
     conditions = [*more, *(() if known is None else known.conditions())]
     parts = [part for condition in conditions for part in nodes(condition)]
     asked = {part.key for part in parts if isinstance(part, s.Variable)}

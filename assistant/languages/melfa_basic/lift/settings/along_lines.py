@@ -152,7 +152,9 @@ def lines_of(
         | {at for label, at in labels.items() if _WAITS.fullmatch(label)},
         frozenset(loose | {entries[to] for to in odd_entries(code, regions) if to in entries}),
     )
-    return with_interrupts(lines, interrupts_of(code, entries), elsewhere)
+    answering = {region.label: k for k, region in enumerate(regions) if region.answers}
+    found = interrupts_of(code, entries, {label: k for label, k in answering.items() if label})
+    return with_interrupts(lines, found, elsewhere)
 
 
 def _watched(code: Code, settings: Settings) -> frozenset[str]:

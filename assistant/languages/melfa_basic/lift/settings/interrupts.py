@@ -36,13 +36,18 @@ def calls_on_interrupt(statement: s.Statement) -> bool:
     )
 
 
-def interrupts_of(code: Code, entries: Mapping[str, int]) -> list[Interrupt]:
-    """Those that call. entries: where the lines below each label begin, upper case."""
+def interrupts_of(
+    code: Code, entries: Mapping[str, int], answers: Mapping[str, int]
+) -> list[Interrupt]:
+    """Those that call. entries: where the lines below each label begin, upper case. answers:
+    procedures by the labels by which interrupts alone lead there.
+    """
     found = _Found()
+    places_of = {entries[label]: number for label, number in answers.items() if label in entries}
     for at, item in enumerate(code):
         whole = statement_of(item)
         for statement in statements_in(whole):
-            _note(statement, at, statement is whole, entries, found)
+            _note(statement, at, statement is whole, entries, answers, found)
     made = []
     for (kind, number), called in found.called.items():
         on = {None, _ALL, number} if number is not None else None
@@ -53,18 +58,25 @@ def interrupts_of(code: Code, entries: Mapping[str, int]) -> list[Interrupt]:
             for at in ats
         ]
         off = found.off.get((kind, _ALL), set()) | found.off.get((kind, number), set())
-        made.append(Interrupt(frozenset(called), frozenset(places), frozenset(off)))
+        answer = places_of.get(next(iter(called))) if len(called) == 1 else None
+        made.append(Interrupt(frozenset(called), frozenset(places), frozenset(off), answer))
     return made
 
 
 def _note(
-    statement: s.Statement, at: int, certain: bool, entries: Mapping[str, int], found: _Found
+    statement: s.Statement,
+    at: int,
+    certain: bool,
+    entries: Mapping[str, int],
+    answers: Mapping[str, int],
+    found: _Found,
 ) -> None:
     """certain: it runs whenever its line does."""
     match statement:
         case s.DefAct(number, target=target) | s.OnCom(number, target):
-            place = entries.get(place_name(target))
-            if calls_on_interrupt(statement) and place is not None:
+            label = place_name(target)
+            place = entries.get(label)
+            if (calls_on_interrupt(statement) or label in answers) and place is not None:
                 key = type(statement), _number(number)
                 found.called.setdefault(key, set()).add(place)
         case s.Command("Act", (s.Binary("=", number, s.Number(0)),)) if literal(number) is not None:

@@ -15,7 +15,7 @@ from assistant.languages.melfa_basic.lift.statements.moves import Moves
 from assistant.languages.melfa_basic.lift.statements.paths import Runs, Values
 from assistant.languages.melfa_basic.lift.structure.answers import Answers
 from assistant.languages.melfa_basic.lift.structure.blocks import Code
-from assistant.languages.melfa_basic.lift.structure.regions import Region, place_name
+from assistant.languages.melfa_basic.lift.structure.regions import BACK, Region, place_name
 from assistant.languages.melfa_basic.lift.values import reasons
 from assistant.languages.melfa_basic.lift.values.expressions import Expressions
 from assistant.languages.melfa_basic.lift.values.symbols import Routine, Symbols, Unliftable
@@ -219,6 +219,8 @@ class Statements:
     def command(self, node: s.Command) -> list[p.Statement]:
         count, lift = self.commands.get(node.keyword, (0, None))
         if lift is not None:
+            if node == BACK and self.region.answers == "GoSub":
+                return [p.Return()]
             if len(node.arguments) != count or None in node.arguments:
                 raise Unliftable
             return lift(self, node)
@@ -239,6 +241,8 @@ class Statements:
 
     def end(self, _: s.Command) -> list[p.Statement]:
         """`End` ends a cycle of the main program; one that was called goes back to its caller."""
+        if self.region.answers == "GoTo":  # the cycle ends behind what an interrupt calls
+            return [p.Return()]
         if not self.region.is_first:
             raise Unliftable(kept_reasons.ENDS_CYCLE if self.main else kept_reasons.NOT_FIRST)
         return [p.Return()]

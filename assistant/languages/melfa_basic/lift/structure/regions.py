@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Final
 
 from assistant.languages.melfa_basic.lift.structure.blocks import Code, is_blank, is_command
 from assistant.languages.melfa_basic.tree import syntax as s
@@ -18,7 +19,8 @@ class Region:
 
     label: what `GoSub` calls it by, upper case; None for the first procedure and functions.
     function: its head. before: lines that run ahead of the body, those above the first function.
-    notes, behind: lines of comment above a function, and below the last one.
+    notes, behind: lines of comment above a function, and below the last one. answers: the word
+    by which interrupts lead there, empty if none do.
     """
 
     low: int
@@ -28,6 +30,7 @@ class Region:
     before: tuple[int, int] = (0, 0)
     notes: tuple[int, int] = (0, 0)
     behind: tuple[int, int] = (0, 0)
+    answers: str = ""
 
     @property
     def is_first(self) -> bool:
@@ -49,7 +52,8 @@ def regions(code: Code, depth: Sequence[int], named: Mapping[str, str], own: boo
     found = _functions(code)
     if found is not None:
         return found
-    starts = _starts(code, depth, named, own)
+    answering = {} if own else handlers(code)
+    starts = _starts(code, depth, named, own, answering)
     edges: list[tuple[int, str | None]] = [(0, None), *starts]
     made = []
     for i, (start, label) in enumerate(edges):
@@ -58,7 +62,7 @@ def regions(code: Code, depth: Sequence[int], named: Mapping[str, str], own: boo
             made.append(_trimmed(code, start, stop, label))
         else:
             made.append(replace(_trimmed(code, start + 1, stop, label), notes=(start, start + 1)))
-    return made
+    return [replace(one, answers=answering.get(one.label or "", "")) for one in made]
 
 
 def _trimmed(code: Code, low: int, high: int, label: str | None) -> Region:
@@ -69,6 +73,43 @@ def _trimmed(code: Code, low: int, high: int, label: str | None) -> Region:
     if stop > low and is_command(code[stop - 1], "End" if label is None else "Return"):
         stop -= 1
     return Region(low, stop, label)
+
+
+BACK: Final = s.Command("Return", (s.Number(0),))
+"""Goes on with what an interrupt came in."""
+_END: Final = s.Command("End")
+
+
+def handlers(code: Code) -> dict[str, str]:
+    """What interrupts lead to, by label, with their word: lines that only they lead to.
+
+    What they call goes back to where it came by `Return 0` alone; what they go to ends the program.
+    """
+    calls, found = called(code), dict[str, str]()
+    for item in code:
+        if isinstance(node := statement_of(item), s.DefAct) and node.stop.upper() in STOPS:
+            label = place_name(node.target)
+            found[label] = node.keyword if found.get(label, node.keyword) == node.keyword else ""
+    labels = labels_of(code)
+    return {
+        label: word
+        for label, word in found.items()
+        if word and label in labels and label not in calls and _leaves(code, labels[label], word)
+    }
+
+
+STOPS: Final = ("", "S")
+"""Ways in which an interrupt stops the arm at once (COSIROP: DEF ACT)."""
+
+
+def _leaves(code: Code, at: int, word: str) -> bool:
+    """Whether the lines from a label on end as what an interrupt leads to has to."""
+    last = BACK if word == "GoSub" else _END
+    for item in code[at:]:
+        node = statement_of(item)
+        if isinstance(node, s.Command) and node.keyword in ("Return", "End"):
+            return node == last
+    return False
 
 
 def _functions(code: Code) -> list[Region] | None:
@@ -125,14 +166,18 @@ def _prefix(code: Code, first: int) -> int:
 
 
 def _starts(
-    code: Code, depth: Sequence[int], named: Mapping[str, str], own: bool
+    code: Code,
+    depth: Sequence[int],
+    named: Mapping[str, str],
+    own: bool,
+    answering: Mapping[str, str],
 ) -> list[tuple[int, str]]:
     """Place and label (upper case) of each procedure after the first.
 
     Own files name them in the heading. In others a procedure is what `GoSub` calls, if nothing
     runs into it from above, and no jump leads in or out.
     """
-    wanted = set(named) if own else called(code)
+    wanted = set(named) if own else called(code) | set(answering)
     starts: list[tuple[int, str]] = []
     for at, item in enumerate(code):
         if item.label is None or depth[at]:
@@ -143,18 +188,20 @@ def _starts(
         if own or not goes_on_above(code, at):
             starts.append((at, label))
             wanted.discard(label)
-    return starts if own else _closed(code, starts)
+    return starts if own else _closed(code, starts, answering)
 
 
-def _closed(code: Code, starts: list[tuple[int, str]]) -> list[tuple[int, str]]:
-    """Those that no jump leads into or out of."""
+def _closed(
+    code: Code, starts: list[tuple[int, str]], answering: Mapping[str, str]
+) -> list[tuple[int, str]]:
+    """Those that no jump leads into or out of, but for interrupts that these answer."""
     while starts:
         edges = [0, *(at for at, _ in starts), len(code)]
         spans = list(itertools.starmap(range, itertools.pairwise(edges)))
         inside = [labels_of(code, span) for span in spans]
         bad: set[int] = set()
         for k, span in enumerate(spans):
-            for name in jumps(code, span):
+            for name in jumps(code, span, answering):
                 other = next((j for j, labels in enumerate(inside) if name in labels), k)
                 if other != k:
                     bad |= {j for j in (other, k) if j}
@@ -169,18 +216,25 @@ def called(code: Code) -> set[str]:
     return {place_name(to) for item in code for to in exits_of(statement_of(item)).calls}
 
 
-def jumps(code: Code, places: Iterable[int]) -> Iterator[str]:
-    """What statements of some lines go to, and interrupts because of them."""
+def jumps(code: Code, places: Iterable[int], besides: Collection[str] = ()) -> Iterator[str]:
+    """What statements of some lines go to, and interrupts because of them.
+
+    besides: labels that interrupts may lead to.
+    """
     for at in places:
         exits = exits_of(statement_of(code[at]))
-        yield from map(place_name, (*exits.jumps, *(to for to, _ in exits.handlers)))
+        yield from map(place_name, exits.jumps)
+        yield from (
+            to for to in (place_name(one) for one, _ in exits.handlers) if to not in besides
+        )
 
 
 def odd_entries(code: Code, regions: Sequence[Region]) -> set[str]:
     """Labels that are reached by interrupts, or by calls of what is no procedure."""
     interrupts = (to for item in code for to, _ in exits_of(statement_of(item)).handlers)
     odd = called(code) - {region.label for region in regions if region.label is not None}
-    return odd | set(map(place_name, interrupts))
+    answering = {region.label for region in regions if region.answers}
+    return odd | (set(map(place_name, interrupts)) - answering)
 
 
 def place_name(target: s.Target) -> str:

@@ -195,8 +195,7 @@ class _Telling:
         """A variable that is made, by the name that is wanted."""
         own = identifier(name, self.taken)
         self.taken.add(own)
-        first = e.Number(0) if type == "number" else e.Truth(False)
-        self.variables[own] = Variable(type, first)
+        self.variables[own] = Variable(type)
         return e.Name(own)
 
     def signal(self, call: Call, name: str) -> _Watch | None:

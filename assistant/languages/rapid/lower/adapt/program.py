@@ -13,6 +13,7 @@ from assistant.languages.rapid.lift.dates import with_own_dates
 from assistant.languages.rapid.lift.places import with_places
 from assistant.languages.rapid.lower.adapt.channels import with_channels
 from assistant.languages.rapid.lower.adapt.data import POSITIONS
+from assistant.languages.rapid.lower.adapt.interrupts import with_interrupts
 from assistant.languages.rapid.lower.adapt.motions import Motions
 from assistant.languages.rapid.lower.adapt.statements import StatementAdapter
 from assistant.languages.rapid.lower.names import NAMES
@@ -29,6 +30,7 @@ from assistant.program.passes.angles import with_whole_angles
 from assistant.program.passes.comments import lines
 from assistant.program.passes.counted_loops import counted_loops
 from assistant.program.passes.integers import with_one_kind_of_numbers
+from assistant.program.passes.interrupts import with_interrupts_first
 from assistant.program.passes.legalising import Legalising, Pass, legalised, pure
 from assistant.program.passes.named_places import with_named_places
 from assistant.program.passes.outputs import find_outputs_of_two_names
@@ -114,6 +116,7 @@ def _rank(declaration: Declaration) -> int:
 
 
 PASSES: Final[tuple[Pass, ...]] = (
+    with_interrupts_first,
     with_measured_places,
     with_named_places,
     with_whole_angles,
@@ -121,6 +124,7 @@ PASSES: Final[tuple[Pass, ...]] = (
     pure(with_one_kind_of_numbers),
     sayable,
     with_channels,
+    with_interrupts,
     pure(with_own_dates),
     pure(with_places),
     pure(with_directions),
