@@ -248,7 +248,7 @@ def test_a_serial_port_is_the_line_of_its_number(tmp_path: Path) -> None:
 
 
 NOT_SAID = {
-    "bytes": r"SocketSend peer\RawData:=s;",
+    "bytes": r"WriteAnyBin log,x;",
     "no port": r"SocketAccept server,peer;",
     "a long name": r'Open "HOME:"\File:="a_file_of_a_long_name.txt",log\Write;',
 }

@@ -151,6 +151,11 @@ RECEIVED: Final = warning(
     "end of the time, of the file or of the connection",
     "let whoever writes end each text with a carriage return, and put no comma into it",
 )
+GATEWAY: Final = warning(
+    "RA333",
+    "bytes go over a line of texts to a gateway, a program that hands them on as they are",
+    "let `robot-assistant gateway` run between the line of the controller and the other end",
+)
 NO_AXIS: Final = warning(
     "RA343",
     "`{axis}` is left out: no target states a place of that external axis, so that there is none, "
@@ -172,6 +177,11 @@ BEFORE_MOVES: Final = warning(
     "RA362",
     "where no move came before, this reads the position of the flange in the robot's base",
     r"name what is meant, as `CRobT(\Tool:=tool0\WObj:=wobj0)`",
+)
+UNCALLED: Final = warning(
+    "RA346",
+    "nothing calls `{name}`, which is left out: what it works with is given by those that call it",
+    "keep it in the source for programs that call it",
 )
 IDLE: Final = info("RA344", "this is left out: nothing reads what it assigns", "none is needed")
 SETTLED: Final = warning(

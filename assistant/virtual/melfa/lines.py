@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import socket
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -75,17 +75,6 @@ class Wire:
     def close(self) -> None:
         """What came before it is opened again is lost (COSIROP: INPUT)."""
         self._come.clear()
-
-
-class Peer(Wire):
-    """A line at whose other end somebody says the same texts each time that it is opened."""
-
-    def __init__(self, texts: Iterable[str]) -> None:
-        super().__init__()
-        self._texts = "".join(f"{text}\r" for text in texts).encode("latin-1")
-
-    def open(self) -> None:
-        self.put(self._texts)
 
 
 @dataclass(slots=True)

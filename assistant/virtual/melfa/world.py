@@ -11,9 +11,9 @@ from assistant.virtual.events import Moved, Stopped, Switched
 from assistant.virtual.kernel.signals import Source
 from assistant.virtual.kernel.task import Task
 from assistant.virtual.melfa.arm import Arm, Settings
-from assistant.virtual.melfa.lines import Peer
 from assistant.virtual.melfa.memory import Memory, Scope
 from assistant.virtual.melfa.options import Options
+from assistant.virtual.melfa.peers import Peer
 from assistant.virtual.melfa.plugins import Command, Given
 from assistant.virtual.melfa.stops import Failed, Unknown
 from assistant.virtual.melfa.values import Value

@@ -10,6 +10,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from typing import Final, Literal
 
 from assistant.virtual.kernel.task import Task
@@ -211,27 +212,43 @@ class Peer(Link):
     def send(self, data: bytes, task: Task) -> None:  # noqa: ARG002
         self._there()
 
-    def receive(self, most: int, least: int, task: Task, seconds: float | None) -> bytes:  # noqa: ARG002
-        """A text without its end; byte by byte with it."""
+    def receive(self, most: int, least: int, task: Task, seconds: float | None) -> bytes:
+        """A text without its end; a stated number of bytes of all texts with their ends."""
         self._there()
-        _wait(task, lambda: bool(self._left), seconds, "data")
+        if most == least:
+            enough = partial(self._has, least)
+            _wait(task, enough, seconds, "data", outside=False)
+            whole = b"".join(self._left)
+            self._left = deque([whole[most:]] if len(whole) > most else [])
+            return whole[:most]
+        _wait(task, lambda: bool(self._left), seconds, "data", outside=False)
         text = self._left.popleft()
         found, rest = text[:most], text[most:]
         if rest:
             self._left.appendleft(rest)
-        return found if most == 1 else found.removesuffix(b"\r")
+        return found.removesuffix(b"\r")
 
     def waiting(self) -> int:
         self._there()
         return len(self._left[0]) if self._left else 0
+
+    def _has(self, count: int) -> bool:
+        return sum(map(len, self._left)) >= count
 
     def _there(self) -> None:
         if self.status != "connected":
             raise Fault("the socket is not connected", "ERR_SOCK_NOT_CONN")
 
 
-def _wait(task: Task, until: Callable[[], bool], seconds: float | None, what: str) -> None:
-    if not task.wait(until, seconds, what, outside=True):
+def _wait(
+    task: Task,
+    until: Callable[[], bool],
+    seconds: float | None,
+    what: str,
+    *,
+    outside: bool = True,
+) -> None:
+    if not task.wait(until, seconds, what, outside=outside):
         raise Fault(f"{what} does not come in time", "ERR_SOCK_TIMEOUT")
 
 

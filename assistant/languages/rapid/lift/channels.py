@@ -14,8 +14,11 @@ from dataclasses import replace
 from typing import Any, Final
 
 from assistant.languages.rapid import rules
+from assistant.languages.rapid.lift.gateways import OPTION, Gateways
 from assistant.languages.rapid.lift.instructions import Meaning
 from assistant.languages.rapid.lift.kept_calls import KeptCall, Said, Unsaid, with_calls
+from assistant.languages.rapid.lift.socket_states import States
+from assistant.languages.rapid.lift.told.calls import call_of
 from assistant.languages.rapid.lift.told.one_way import one_way
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
@@ -24,7 +27,7 @@ from assistant.program import channels
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Findings
-from assistant.program.program import Program
+from assistant.program.program import Procedure, Program, walk
 from assistant.program.rewriting import Body, exchanged, map_bodies, rewrite
 
 TYPES: Final = frozenset(("iodev", "socketdev"))
@@ -40,6 +43,9 @@ BYTES: Final = e.Reason(
     "bytes are read or written, and other controllers have texts of lines alone",
     "send and receive texts that end with a carriage return",
 )
+BOTH_WAYS: Final = e.Reason(
+    "bytes go over this socket as well, by way of a gateway", "send and receive bytes alone there"
+)
 BOTH: Final = e.Reason(
     "the file is open for both reading and writing", r"open it with \Read, \Write or \Append"
 )
@@ -52,16 +58,22 @@ NO_PORT: Final = e.Reason(
 def with_channels(program: Program, findings: Findings) -> Program:
     """The program with channels for what it opens, writes, reads and closes."""
     ports, modes = _ports(program), one_way(program)
+    states, gateways = States(program), Gateways(program)
 
     def said(call: KeptCall, node: p.Statement) -> Said:
         word = call.word
+        names = [name_of(one) for one in call.call.given]
         if word in PREPARING:
             call.name(0)
             with findings.at(node.span):
                 loss, cure = LEFT
                 findings.append(rules.LEFT_OUT(what=call.call.word, loss=loss, cure=cure))
+            yield from states.behind(word, names)
             return
-        accepts = word == "socketaccept"
+        accepts, by_gateway = word == "socketaccept", OPTION in call.call.options
+        if word in OF_TEXTS and not by_gateway and names[0].lower() in gateways.sockets:
+            raise Unsaid(BOTH_WAYS)
+        made: tuple[p.Statement, ...]
         if accepts:
             made = tuple(_accept(call, ports))
         elif word == "open":
@@ -72,8 +84,11 @@ def with_channels(program: Program, findings: Findings) -> Program:
                     findings.append(rules.OPENED_ANEW(name=call.name(1)))
         else:
             made = tuple(_SAID[word](call))
+        if word in ("socketaccept", "socketconnect"):
+            made += (*gateways.greeting(call.name(int(accepts))),)
+        made += (*states.behind(word, names),)
         with findings.at(node.span):
-            if word in READING:
+            if word in READING and not by_gateway:
                 findings.append(rules.RECEIVED(what=call.call.word))
             if accepts and "clientaddress" in call.call.options:
                 findings.append(rules.LEFT_OUT(
@@ -86,6 +101,9 @@ def with_channels(program: Program, findings: Findings) -> Program:
     made = with_calls(program, instructions, READING, said)
     if made is program or not channels.channels(made):
         return program
+    gateways.tell(made, findings)
+    own = {**made.variables, **gateways.variables(), **states.variables()}
+    made = states.asked(replace(made, variables=own))
     told = {name.lower() for name in channels.channels(made)}
     opened = {x.channel.lower() for x in made.statements() if isinstance(x, p.Attach)}
     made = rewrite(made, lambda part: _asked(part, told))
@@ -121,17 +139,30 @@ def _declares(text: str) -> bool:
 def _ports(program: Program) -> Mapping[str, e.Expression]:
     """The port that a socket is bound to, by its lower-case name."""
     found: dict[str, e.Expression] = {}
-    for node in program.statements():
-        if not isinstance(node, p.Opaque) or node.text[:10].lower() != "socketbind":
-            continue
-        match verbatim.understood(verbatim.statements, node.text):
-            case (
-                s.ProcedureCall(arguments=(s.Positional(s.NameRef(name)), _, s.Positional(port))),
-            ):
-                value = Meaning().expression(port)
-                if found.setdefault(name.lower(), value) != value:
-                    return {}
+    for procedure in program.procedures:
+        for node in walk(procedure.body):
+            if not isinstance(node, p.Opaque) or node.text[:10].lower() != "socketbind":
+                continue
+            match call_of(node):
+                case s.ProcedureCall(
+                    arguments=(s.Positional(s.NameRef(name)), _, s.Positional(port))
+                ):
+                    value = _handed(Meaning().expression(port), procedure, program)
+                    if found.setdefault(name.lower(), value) != value:
+                        return {}
     return found
+
+
+def _handed(value: e.Expression, of: Procedure, program: Program) -> e.Expression:
+    """What each call of a procedure gives for a parameter, if that is the same in all of them."""
+    names = [one.name.lower() for one in of.parameters]
+    if isinstance(value, e.Name) and value.name.lower() in names:
+        place, key = names.index(value.name.lower()), of.name.lower()
+        calls = [x for x in program.statements() if isinstance(x, p.Call)]
+        given = {x.arguments[place] for x in calls if x.procedure.lower() == key}
+        if len(given) == 1:
+            return given.pop()
+    return value
 
 
 def _asked(part: Any, known: set[str]) -> Any:
@@ -271,7 +302,7 @@ def _write_text(q: KeptCall) -> Said:
 
 def _send(q: KeptCall) -> Said:
     text = q.option("str")
-    if text is None or not q.only("str"):
+    if text is None or not q.only("str", OPTION):
         raise Unsaid(BYTES)
     yield _sent(q.name(0), text)
 
@@ -306,7 +337,7 @@ def _summed(text: e.Expression) -> Iterator[e.Expression]:
 
 def _receive(q: KeptCall) -> Said:
     target = q.option("str")
-    if target is None or not q.only("str", "time", "readnoofbytes"):
+    if target is None or not q.only("str", "time", "readnoofbytes", OPTION):
         raise Unsaid(BYTES)
     yield p.Assign(target, e.Apply("received", (e.Text(q.name(0)),)))
 
@@ -327,6 +358,7 @@ LEFT: Final = (
     "none is needed, if nobody connects before that",
 )
 """What is lost of them, and what to do about it."""
+OF_TEXTS: Final = frozenset(("socketsend", "socketreceive"))
 READING: Final = frozenset(("readstr", "readnum", "socketreceive"))
 _SAID: Final[Mapping[str, Callable[[KeptCall], Said]]] = {
     "close": _close,

@@ -83,7 +83,7 @@ MODES: Final = {
 ELSEWHERE: Final[Mapping[str, float | str]] = {
     **ANSWERS, **MODES, "pi": math.pi, "str_digit": "0123456789",
     "errstr_task": "TASK", "errstr_context": "CONTEXT", "errstr_unused": "", "errstr_empty": "",
-    "stempty": "", "eof": "EOF", "eof_num": 9.998e36,
+    "stempty": "", "eof": "EOF", "eof_num": 9.998e36, "wait_max": 99999.0,
 }  # fmt: skip
 """Constants that are values for other languages, by lower-case name (the same)."""
 

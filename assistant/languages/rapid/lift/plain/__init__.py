@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.local_names import with_own_names
 from assistant.languages.rapid.lift.plain.arrays import with_shared_arrays
 from assistant.languages.rapid.lift.plain.bodies import Bodies
@@ -79,7 +80,8 @@ def _plain(files: Sequence[s.File], apart: frozenset[str]) -> Plain | None:
     read, of_names = with_named_data(with_told_states(with_traps(chosen.modules)))
     whole = with_library(with_bytes(read))
     layouts = Layouts(whole, apart)
-    copied = with_copies(with_shared_arrays(whole, layouts), layouts)
+    idle: list[tuple[int, s.Routine]] = []
+    copied = with_copies(with_shared_arrays(whole, layouts), layouts, idle)
     copied = with_settled(copied, layouts, ())
     name = Fresh(copied)
     required = with_required(copied, layouts, name)
@@ -96,6 +98,9 @@ def _plain(files: Sequence[s.File], apart: frozenset[str]) -> Plain | None:
         program.outside.clear()
         remarks.append((*program.remarks, *(one for told in early for one in told[at])))
         program.remarks.clear()
+    for at, one in idle:
+        if one.span is not None:
+            remarks[at] += (rules.UNCALLED(name=one.name, span=one.span),)
     made = with_wholes(made, program.moving.values())
     if whole is not read:
         made = without_uncalled(made, read)

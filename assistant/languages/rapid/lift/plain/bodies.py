@@ -221,7 +221,7 @@ class Bodies:
             variable = self.values.plain(target)
             said = self.values.given(value, type)
             if variable is OUTSIDE:
-                self._not_called(said)
+                yield from self._still_called(said, node)
                 return
             yield from by_elements(replace(node, target=variable, value=said), kind, self._variable)
             return
@@ -312,7 +312,7 @@ class Bodies:
         changed: set[str] = set()
         for path, place in places.items():
             if place is OUTSIDE:
-                self._not_called(parts[path])
+                yield from self._still_called(parts[path], node)
         later = [path for path, place in places.items() if place is not OUTSIDE]
         asked = {path: names_in(parts[path]) for path in later}
         clashes = False
@@ -333,12 +333,11 @@ class Bodies:
         for path in later:
             yield s.Assignment(places[path], held[path], span=node.span)  # type: ignore[arg-type]
 
-    def _not_called(self, value: Any) -> None:
-        """Raises Unsaid for a value that is not needed, and whose routine may do more."""
+    def _still_called(self, value: Any, node: s.StatementNode) -> Iterator[s.StatementNode]:
+        """What is left of a number that nothing takes: a routine that may do more is called."""
         own = {n.name.lower() for n in nodes(value) if isinstance(n, s.FunctionCall)}
-        own &= self.program.own
-        if not all(map(self.program.only_works_out, own)):
-            raise Unsaid("it calls a routine for an external axis that there is none of")
+        if not all(map(self.program.only_works_out, own & self.program.own)):
+            yield s.Assignment(self._variable("unused", "num"), value, span=node.span)
 
     def _variable(self, wanted: str, type: str) -> s.NameRef:
         name = self.program.name(wanted)

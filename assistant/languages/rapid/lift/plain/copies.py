@@ -26,6 +26,7 @@ from assistant.languages.rapid.tree.walk import inner_names, nodes, root
 from assistant.program.program import TakenNames, identifier
 from assistant.program.rewriting import rewrite
 
+START: Final = "main"
 MOST_COPIES: Final = 60
 """Of one routine; more is no program that anybody reads."""
 _NAMING: Final = (s.Data, s.Routine, s.Record, s.Alias, s.ParameterNode)
@@ -76,14 +77,22 @@ class _Routine:
         return _Routine(node, parameters, hidden=hidden, changed=changed, runs=runs)
 
 
-def with_copies(modules: Sequence[s.Module], layouts: Layouts) -> Sequence[s.Module]:
-    """The modules with such copies; themselves if no routine needs any."""
-    return _Copies(modules, layouts).modules()
+def with_copies(
+    modules: Sequence[s.Module], layouts: Layouts, left: list[tuple[int, s.Routine]]
+) -> Sequence[s.Module]:
+    """The modules with such copies; themselves if no routine needs any.
+
+    left: gets routines for sockets, files and the like that a program with a start never calls,
+    each with the place of its module.
+    """
+    return _Copies(modules, layouts, left).modules()
 
 
 class _Copies:
-    def __init__(self, modules: Sequence[s.Module], layouts: Layouts) -> None:
-        self.all, self.layouts = modules, layouts
+    def __init__(
+        self, modules: Sequence[s.Module], layouts: Layouts, left: list[tuple[int, s.Routine]]
+    ) -> None:
+        self.all, self.layouts, self.left = modules, layouts, left
         items = [item for module in modules for item in module.items]
         found: dict[str, list[s.Routine]] = {}
         for item in items:
@@ -104,6 +113,7 @@ class _Copies:
         )
         written = (root(one.target) for one in every if isinstance(one, s.Assignment))
         self.written = {one.name.lower() for one in written if one is not None}
+        self.starts = START in found
         self.changes = Changes(found)
         declared = [item for item in items if isinstance(item, s.Data)]
         names = Counter(item.name.lower() for item in declared)
@@ -135,9 +145,11 @@ class _Copies:
         return tuple(found)
 
     def _is_named(self, one: s.ParameterNode) -> bool:
-        base = self.layouts.base(one.type)
-        kind = self.layouts.kind(base)
-        return base in SETTINGS or kind == "DEVICE" or (kind == "HANDLE" and bool(one.mode))
+        return self.layouts.base(one.type) in SETTINGS or self._is_device(one)
+
+    def _is_device(self, one: s.ParameterNode) -> bool:
+        kind = self.layouts.kind(self.layouts.base(one.type))
+        return kind == "DEVICE" or (kind == "HANDLE" and bool(one.mode))
 
     def modules(self) -> Sequence[s.Module]:
         """The modules with the copies behind what they are made of."""
@@ -156,11 +168,15 @@ class _Copies:
             if len(copies[name]) == 1 and id(one.node) not in made
         }
         whole = []
-        for module in self.all:
+        for at, module in enumerate(self.all):
             items: list[s.Item] = []
             for item in module.items:
                 own = copies.get(item.name.lower(), ()) if isinstance(item, s.Routine) else ()
                 kept = made.get(id(item), None if own else item)
+                if isinstance(item, s.Routine) and item.name.lower() in self.routines:
+                    if self._is_idle(self.routines[item.name.lower()]):
+                        self.left.append((at, item))
+                        continue
                 items += [] if kept is None else [kept]
                 if own and isinstance(item, s.Routine):
                     items += self.added.get(item.name.lower(), ())
@@ -179,9 +195,16 @@ class _Copies:
                 copies[name].append(self._called(self._copy(one, new, given)))
         if sum(map(len, copies.values())) + len(made) == before:
             for one in self.routines.values():
+                if self._is_idle(one):
+                    continue
                 if (one.stays or self.late or not one.ways) and id(one.node) not in made:
                     made[id(one.node)] = self._called(one.node)
         return sum(map(len, copies.values())) + len(made) > before
+
+    def _is_idle(self, one: _Routine) -> bool:
+        """Whether a routine is for devices that nobody gives it: there is nothing to say of it."""
+        devices = any(self._is_device(q.node) and q.place >= 0 for q in one.parameters)
+        return devices and self.starts and not (one.ways or one.stays or self.late)
 
     # -------------------------------------------------------------------------------- calls
 

@@ -76,6 +76,7 @@ INSTRUCTIONS: Final[Mapping[str, Loss]] = {
         "no module is written to a file: the values of its data stay in the controller alone",
         "back the controller up",
     ),
+    "skipwarn": ("the log of the controller has what it has", _NONE),
     "resetretrycount": ("retries are not counted", _NONE),
 }
 """Instructions by their name, or by name, options and plain arguments, in lower case.
