@@ -11,6 +11,7 @@ import typer
 from assistant import __version__
 from assistant.cli import deployments, on_arms, on_controllers, projects
 from assistant.cli.exchanges import exchange
+from assistant.cli.gateways import gateway
 from assistant.cli.options import (
     EntryOption,
     FindingFormatOption,
@@ -331,6 +332,7 @@ def simulate(
 
 app.command()(run)
 app.command()(debug)
+app.command()(gateway)
 
 
 for command in (

@@ -12,7 +12,8 @@ GREETING: Final = b"GATEWAY 1"
 """What a program says first to a gateway, and a gateway to it."""
 PIECE: Final = 50
 """Bytes that a gateway hands over at once."""
-FOR_EVER: Final = 99999.0
+FOR_EVER: Final = 99_999_000
+"""Milliseconds that stand for no end of a wait."""
 
 
 class Peer(Wire):
@@ -51,12 +52,12 @@ class Peer(Wire):
         match line.split():
             case [b"S"]:
                 self._answer(b"K")
-            case [b"A", least, most, seconds]:
+            case [b"A", least, most, wait]:
                 taken = self._bytes(int(least), int(most))
                 if taken is not None:
                     self._taken = taken
                     self._answer(b"B%04X" % len(taken))
-                elif float(seconds) < FOR_EVER:
+                elif int(wait) < FOR_EVER:
                     self._answer(b"T")
             case [b"G"]:
                 piece, self._taken = self._taken[:PIECE], self._taken[PIECE:]

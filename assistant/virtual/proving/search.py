@@ -19,14 +19,13 @@ from assistant.virtual.kernel.script import Script, follow
 from assistant.virtual.proving.answers import Answers, rows
 from assistant.virtual.proving.driver import Driver, Moment, Readings, Scenario
 from assistant.virtual.proving.lasting import OVER, broken_off, first_run
+from assistant.virtual.proving.messages import messages, said
 from assistant.virtual.proving.sides import STATEMENT_TIME, Side
 from assistant.virtual.proving.wires import Wiring
 from assistant.virtual.rounding import Rounding
 
 MOST_RUNS: Final = 200
 SECONDS: Final = 10.0
-SAID: Final = 60
-"""Texts that come over a line in a run."""
 STEPS: Final = 20_000
 """Statements of a run beside four for each line of its text: a program without end has shown
 enough by then."""
@@ -124,6 +123,7 @@ class _Search:
         self.taken: tuple[dict[Way, None], dict[Way, None]] = {}, {}
         self.numbers = _numbers(self.first.text())
         texts = re.findall(r'"([^",\\\n]{1,40})"', self.first.text())
+        self.messages = messages(self.first.text())
         self.texts = ["1", *dict.fromkeys(text for text in texts if text.isascii()), "2"]
         self.tried: set[Scenario] = set()
         self.aimed: set[Scenario] = set()
@@ -140,7 +140,7 @@ class _Search:
         played: list[Scenario] = []
         vain = 0
         while self.found.runs < self.budget.runs and vain < IN_VAIN:
-            scenario = self._next(played)
+            scenario = Scenario() if self._begins() else self._next(played)
             if scenario is None or (self.found.runs and time.monotonic() > self.until):
                 break
             aimed = scenario in self.aimed
@@ -148,6 +148,8 @@ class _Search:
             played.append(done)
             if self.late or self.found.unlike is not None or self.found.unknown is not None:
                 break
+            if self._begins():
+                continue
             vain = 0 if new else vain + (not aimed)
             if self.script is not None or not self._open() or not self.reads:
                 break
@@ -158,6 +160,10 @@ class _Search:
         ]
         self.found.never = left[0], left[1]
         return self.found
+
+    def _begins(self) -> bool:
+        """Whether all messages so far have ended the first program, and there are others."""
+        return bool(self.found.failing == self.found.runs < len(self.messages))
 
     def _open(self) -> bool:
         """Whether there is a branch that no run has taken."""
@@ -237,21 +243,13 @@ class _Search:
             follow(kernel, side.scripted(self.script))
         if side.answers:
             kernel.person.panel = Panel(lambda name: driver[name])
-        kernel.peers = self._said()
+        kernel.peers = said(self.found.runs, self.messages, self.texts)
         side.begin(kernel)
         left = self.until - time.monotonic()
         if not self.found.runs:
             left = first_run(self.budget.seconds, answered)
         broken_off(kernel, left, after)
         return kernel.run(), driver
-
-    def _said(self) -> tuple[str, ...]:
-        """What the other ends of lines say: numbers first, which any variable takes, and in the
-        runs behind that also texts that the first program has, in turn.
-        """
-        place = self.found.runs % len(self.texts)
-        known = [*self.texts[place:], *self.texts] if place else ["1", "2", "3"]
-        return tuple(known[i % len(known)] for i in range(SAID))
 
     def _compare(self, one: Run, two: Run, scenario: Scenario) -> None:
         found = self.found

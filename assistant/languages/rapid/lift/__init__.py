@@ -24,6 +24,8 @@ PASSES: Final = (
     "kept_calls",  # calls that other languages have other statements for
     "operator",  # messages and questions to a person
     "told",  # instructions of RAPID alone, for other languages
+    "gateways",  # bytes that go over lines of texts
+    "socket_states",  # what was done with sockets last
     "channels",  # files, serial lines and sockets
     "dates",  # the date as text, as others write it
     "exported",  # what other languages are told

@@ -1,0 +1,87 @@
+"""`gateway`: hands bytes on to a line of a controller until Ctrl-C."""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+from typing import TYPE_CHECKING, Annotated, Final
+
+import typer
+
+from assistant.cli.presentation import say
+from assistant.program.diagnostics import Refused, error
+from assistant.program.system.ending import by_hand
+
+if TYPE_CHECKING:
+    from assistant.controllers.gateway import Gateway
+
+NO_PLACE: Final = error(
+    "CL291", "`{text}` is no address with a port", "write it as 192.168.0.20:10003"
+)
+NOT_STARTED: Final = error(
+    "CL292", "the gateway cannot listen at port {port}: {reason}", "name another port"
+)
+PORTS: Final = range(1, 65536)
+
+
+def gateway(
+    line: Annotated[
+        str,
+        typer.Argument(
+            help="The controller's line that waits for a connection, as 192.168.0.20:11002."
+        ),
+    ] = "",
+    listen: Annotated[
+        int, typer.Option(help="Port here: of the other end, or with --to of the line.")
+    ] = 0,
+    to: Annotated[
+        str,
+        typer.Option(
+            help="The other end, for a line that connects to this computer.", metavar="HOST:PORT"
+        ),
+    ] = "",
+    host: Annotated[
+        str, typer.Option(help="Address of this computer to listen at; default all of them.")
+    ] = "",
+) -> None:
+    """Hand bytes on between a socket and a controller whose lines carry texts alone."""
+    if bool(line) == bool(to):
+        raise Refused(NO_PLACE(text=line or to), exit_status=2)
+    raise typer.Exit(run_gateway((host, listen), _place(line or to), bool(to)))
+
+
+def _place(text: str) -> tuple[str, int]:
+    host, _, port = text.rpartition(":")
+    if not host or not port.isdecimal() or int(port) not in PORTS:
+        raise Refused(NO_PLACE(text=text), exit_status=2)
+    return host, int(port)
+
+
+def run_gateway(at: tuple[str, int], to: tuple[str, int], for_controller: bool) -> int:
+    """at: where it listens. to: what it connects to. for_controller: who connects is one."""
+    from assistant.controllers.gateway import Gateway
+
+    gateway = Gateway(at, to, for_controller=for_controller)
+    gateway.report = _report
+    try:
+        asyncio.run(_served(gateway))
+    except OSError as failed:
+        reason = failed.strerror or str(failed)
+        raise Refused(NOT_STARTED(port=at[1], reason=reason)) from None
+    except KeyboardInterrupt as caught:
+        say("ended")
+        if not by_hand(caught):
+            raise
+    return 0
+
+
+async def _served(gateway: Gateway) -> None:
+    server = await gateway.start()
+    _report(f"listens at port {gateway.at[1]}; end it with Ctrl-C")
+    async with server:
+        await server.serve_forever()
+
+
+def _report(line: str) -> None:
+    say(line)
+    sys.stdout.flush()
