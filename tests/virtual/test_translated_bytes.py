@@ -24,6 +24,8 @@ from assistant.virtual.rapid.controller import Controller as Irc5
 from assistant.virtual.rapid.running import start_task
 
 HERE = "127.0.0.1"
+LASTS = 12.0
+"""Seconds of a run: a cycle, and what is left of them in the next one."""
 SERVER = r"""MODULE m
 VAR socketdev server;
 VAR socketdev peer;
@@ -100,9 +102,9 @@ def free_port() -> int:
 
 def asks(peer: socket.socket) -> list[bytes]:
     """A host that speaks with the program that listens."""
-    data = struct.pack("<f", 12.5) + bytes(range(120))
-    peer.sendall(struct.pack(">I", len(data)) + data[:70])
-    peer.sendall(data[70:])
+    data = struct.pack("<f", 12.5) + bytes(range(20))
+    peer.sendall(struct.pack(">I", len(data)) + data[:7])
+    peer.sendall(data[7:])
     heard = [taken(peer, len(data))]
     peer.sendall(b"\x05\x07")
     heard.append(taken(peer, 1))
@@ -141,7 +143,7 @@ def person(connect: Callable[[], socket.socket], speak: Callable[[socket.socket]
 def running(gateway: Gateway) -> Iterator[int]:
     """A gateway that runs beside the test; the port that it listens at."""
     loop = asyncio.new_event_loop()
-    loop.run_until_complete(gateway.start())
+    server = loop.run_until_complete(gateway.start())
     thread = threading.Thread(target=loop.run_forever, daemon=True)
     thread.start()
     try:
@@ -149,6 +151,11 @@ def running(gateway: Gateway) -> Iterator[int]:
     finally:
         loop.call_soon_threadsafe(loop.stop)
         thread.join(5.0)
+        server.close()
+        left = asyncio.all_tasks(loop)
+        for task in left:
+            task.cancel()
+        loop.run_until_complete(asyncio.gather(*left, return_exceptions=True))
         loop.close()
 
 
@@ -165,12 +172,12 @@ def melfa(done: Translation, line: Line) -> list[object]:
     (data,) = done.files.values()
     language = languages.get(done.language)
     program = language.parse(language.decode(data, "A.prg"))
-    kernel = Kernel(statement_time=STEP_TIME, most_time=60.0)
+    kernel = Kernel(statement_time=STEP_TIME, most_time=LASTS)
     lines = {"COM3:": line}
     controller = Controller(kernel, {"A": program}, {1: Entry("A", "CYC")}, lines=lines)
     controller.start()
     run = kernel.run()
-    assert run.ended == "end", run.message
+    assert run.ended in ("end", "time"), run.message  # its next cycle waits for somebody
     return moves(run.events)
 
 
@@ -184,7 +191,7 @@ def rapid(text: str) -> list[object]:
 
 def moves(events: tuple[object, ...]) -> list[object]:
     """Heights that the arm goes to."""
-    poses = [getattr(one, "pose", None) for one in events]
+    poses = [getattr(one, "flange", None) for one in events]
     return [round(pose.position[2], 2) for pose in poses if pose is not None]
 
 
@@ -200,6 +207,7 @@ def dialled(port: int) -> Callable[[], socket.socket]:
     return connect
 
 
+@pytest.mark.slow
 def test_a_program_that_listens_says_and_takes_the_same_bytes(tmp_path: Path) -> None:
     port, first, second = free_port(), list[bytes](), list[bytes]()
     with person(dialled(port), asks, first):
@@ -211,10 +219,11 @@ def test_a_program_that_listens_says_and_takes_the_same_bytes(tmp_path: Path) ->
         again = melfa(done, line)
     line.shut()
     assert first == second
-    assert [len(one) for one in first] == [124, 1, 4] and first[2] == b"late"
-    assert moved == again and len(moved) == 2
+    assert [len(one) for one in first] == [24, 1, 4] and first[2] == b"late"
+    assert moved == again[: len(moved)] and len(moved) == 2
 
 
+@pytest.mark.slow
 def test_a_program_that_connects_says_and_takes_the_same_bytes(tmp_path: Path) -> None:
     heard: list[list[bytes]] = [[], []]
     with socket.create_server((HERE, 0)) as server:

@@ -169,7 +169,7 @@ class _Bytes:
                 begun = self._begun(item)
                 items.append(rewrite(begun, self._value, ()))
             elif isinstance(item, s.Data):
-                items.append(self._declared(item))
+                items.append(self._declared(item, "CONST"))
             elif isinstance(item, s.Record):
                 of = ((self._type(type), name) for type, name in item.components)
                 items.append(replace(item, components=tuple(of)))
@@ -180,12 +180,12 @@ class _Bytes:
     def _type(self, type: str) -> str:
         return "num" if type.lower() == TYPE else type
 
-    def _declared(self, item: s.Data) -> s.Data:
+    def _declared(self, item: s.Data, storage: str) -> s.Data:
         numbers = self.numbers.get(id(item))
         if numbers is None or () not in numbers:
             return item
         value = s.NumberLiteral(str(numbers[()]))
-        return replace(item, storage="CONST", type="num", dimensions=(), value=value)
+        return replace(item, storage=storage, type="num", dimensions=(), value=value)
 
     def _begun(self, routine: s.Routine) -> s.Routine:
         """A routine whose own bytes are empty at its beginning, and have their numbers."""
@@ -205,7 +205,7 @@ class _Bytes:
                     for each in range(number, number + (extent or 1)):
                         of = s.NumberLiteral(str(each))
                         first.append(call_at("clear_bytes", node, of, s.NumberLiteral("1")))
-                node = self._declared(node)
+                node = self._declared(node, "VAR")
             body.append(node)
         if not first and all(a is b for a, b in zip(body, routine.body, strict=True)):
             return routine
