@@ -164,6 +164,7 @@ FUNC num fNext()
   RETURN n;
 ENDFUNC
 PROC main()
+  n:=14;
   SetGO goSlot,n;
   SetGO goSlot,fNext();
   SetGO goProgram,n*2+1;

@@ -11,6 +11,7 @@ from assistant import languages
 from assistant.virtual import melfa, rapid
 from assistant.virtual.events import Run
 from tests.virtual import rapid_words
+from tests.virtual.one_cycle import one_cycle
 from tests.virtual.random_rapid import program
 from tests.virtual.translating import START, Inputs, Tally, judge
 
@@ -25,7 +26,7 @@ def run_rapid(text: str, inputs: Inputs, most_steps: int) -> Run:
 
 
 def run_melfa(language: str, text: str, inputs: Inputs, most_steps: int) -> Run:
-    tree = languages.get(language).parse(text)
+    tree = languages.get(language).parse(one_cycle(text))
     bits = {
         number: int(value) >> place & 1
         for name, value in inputs.items()

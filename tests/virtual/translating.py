@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 
 import assistant
@@ -16,7 +16,6 @@ from assistant.compiler.motion import Proving, prove_motion
 from assistant.compiler.motion_sides import Made
 from assistant.program.diagnostics import Severity
 from assistant.program.geometry import Pose
-from assistant.program.passes.cycles import repeats
 from assistant.program.text import SourceText
 from assistant.virtual.comparing import Bits, difference
 from assistant.virtual.events import Run
@@ -28,8 +27,6 @@ START = Pose((320.0, 10.0, 420.0), (0.0, 0.0, 1.0, 0.0))
 MOST_STEPS = 20_000
 MORE_STEPS = 400_000
 """Of what is written: one statement may become several."""
-REPEATED = 10_000
-"""Of what is written, where it repeats the cycle of its source."""
 
 Inputs = Mapping[str, float]
 Arms = tuple[str, str]
@@ -121,9 +118,7 @@ def _judged(
         ends.add(one.ended)
         if one.ended in ("unknown", "error"):
             continue
-        again = one.ended == "end" and repeats(translation.compiled.program)
-        one = replace(one, ended="steps") if again else one  # only its cycle is compared
-        two = target[1](written, inputs, REPEATED if again else MORE_STEPS)
+        two = target[1](written, inputs, MORE_STEPS)
         found = difference(one, two, signals, rounding)
         if found is not None:
             return "different", found

@@ -19,7 +19,7 @@ LEAST_SECONDS: Final = 2.0
 """Of the first run of the source."""
 LOOKED: Final = 64
 """Statements between two looks at the clock."""
-MORE_EVENTS: Final = (1.25, 20)
+MORE_EVENTS: Final = (1.25, 4)
 """Of the written program, times and beside what the source has told, when that has no end."""
 OVER: Final = "time"
 """How such a run has ended."""

@@ -29,6 +29,10 @@ STATEMENT_TIME: Final = 0.002
 """Seconds that a statement takes, so that a loop which looks at a clock comes to its end."""
 
 
+CYCLES: Final = 3
+"""That are compared where one leaves values to the next: in many a number grows beyond bounds."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Side:
     """A program that is run. family: of its language, PSEUDO of a pseudo-program. trees: of its
@@ -107,7 +111,7 @@ class _Kind:
 
 def _begin_rapid(side: Side, kernel: Kernel) -> None:
     from assistant.virtual.rapid.controller import Controller, Options
-    from assistant.virtual.rapid.running import start_task, without_end
+    from assistant.virtual.rapid.running import again_and_again, start_task
 
     controller = Controller(Options(sockets=False))  # to prove a program is not to trust it
     cell = {name.lower() for name in side.outputs.values()}  # also those that are only read
@@ -125,7 +129,7 @@ def _begin_rapid(side: Side, kernel: Kernel) -> None:
         start=side.start,
         joints=side.joints,
         controller=controller,
-        cycles=without_end(side.entry) if side.repeats else None,
+        cycles=again_and_again(side.entry, CYCLES) if side.repeats else None,
     )
 
 
@@ -166,7 +170,7 @@ def _begin_pseudo(side: Side, kernel: Kernel) -> None:
     from assistant.virtual.pseudo import start_program
 
     (program,) = side.trees
-    start_program(kernel, program, robot=side.robot, start=side.start, repeat=side.repeats)
+    start_program(kernel, program, robot=side.robot, start=side.start, cycles=CYCLES if side.repeats else 1)
 
 
 def _no_branches(_: Sequence[Any]) -> Branches:

@@ -27,13 +27,13 @@ def start_program(
     robot: Robot | None = None,
     start: Pose | None = None,
     text: SourceText | None = None,
-    repeat: bool = False,
+    cycles: int = 1,
 ) -> Task:
     """A task that runs one cycle of a program, from the call of its first procedure to its end.
 
     robot: the arm, without which a motion to joints ends nowhere that is known. start: the flange
     in the base before the first motion. text: that the program was read from, for places in it.
-    repeat: behind its end that procedure is called again.
+    cycles: how often that procedure is called; if more than once, the run is over behind them.
     """
 
     def body(task: Task) -> Ending:
@@ -46,7 +46,7 @@ def start_program(
             if entry is None:
                 raise Fault("the program has no procedure to begin with")
             call(machine, entry, ())
-            while repeat:
+            for _ in range(cycles - 1):
                 task.step()
                 call(machine, entry, ())
         except Fault as fault:
@@ -57,7 +57,7 @@ def start_program(
             return Ending("unknown", "statements nested so deep")
         except Over:
             return Ending()
-        return Ending()
+        return Ending() if cycles == 1 else Ending("steps", f"more than {cycles} cycles")
 
     return kernel.task(NAME, body)
 

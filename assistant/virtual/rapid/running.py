@@ -44,7 +44,7 @@ def run(
     start: Pose | None = None,
     controller: Controller | None = None,
     abilities: Mapping[str, Ability] | None = None,
-    repeat: bool = False,
+    most_cycles: int = 1,
 ) -> Run:
     """Runs one cycle of a program, from the call of its first routine to the end of that.
 
@@ -54,7 +54,7 @@ def run(
     start: the flange in the base before the first motion, None where it is not known.
     controller: what tasks share, and what differs between controllers; a new one if there is none.
     abilities: instructions and functions of an option or an add-in, by name; see the package.
-    repeat: behind its end the first routine is called again, as in continuous running.
+    most_cycles: if more than one, as in continuous running, where the run is over behind them.
     Motions take no time, and outputs are 0 before they are set.
     """
     files = (modules,) if isinstance(modules, s.File) else tuple(modules)
@@ -68,7 +68,7 @@ def run(
         start=start,
         controller=controller,
         abilities=abilities,
-        cycles=without_end(entry) if repeat else None,
+        cycles=again_and_again(entry, most_cycles) if most_cycles > 1 else None,
     )
     return kernel.run()
 
@@ -146,9 +146,19 @@ def start_task(
 Cycles = Callable[[Machine], str | None]
 
 
-def without_end(entry: str) -> Cycles:
-    """One cycle behind the other."""
-    return _usual(entry, "static")
+def again_and_again(entry: str, most: int) -> Cycles:
+    """One cycle behind the other, until there have been so many."""
+    one = _usual(entry, "static")
+    count = 0
+
+    def cycles(machine: Machine) -> str | None:
+        nonlocal count
+        count += 1
+        if count > most:
+            raise Over("steps", f"more than {most} cycles")
+        return one(machine)
+
+    return cycles
 
 
 def _usual(entry: str, kind: Kind) -> Cycles:

@@ -130,7 +130,7 @@ def test_what_a_mechanical_unit_carries_stands_where_the_cell_says(tmp_path: Pat
     done = translate(tmp_path / "cell.mod", to="melfa-basic-6", cell=cell, proving=proving)
     assert done.ok, [f"{f.code} {f.message}" for f in done.findings]
     assert done.motion is not None and done.motion.found is not None
-    assert done.motion.found.visits == 4
+    assert done.motion.found.visits == 12  # four in each of three cycles
     assert [row.level for row in done.rows if '"STN1"' in row.text] == ["partial", "partial"]
     assert any(f.code == "RA361" for f in done.findings)
 
