@@ -196,6 +196,10 @@ class _Search:
                 self.late = True
                 return False, ours.played
             one = replace(one, ended="steps")  # what it did by then is compared
+        if one.ended == "error" and self.first.repeats:
+            cycle, _ = self._play(replace(self.first, repeats=False), ours.played, self.steps)
+            if cycle.ended != "error":  # nor does what was written stop where a later one does
+                one = replace(one, ended="steps")
         if one.ended == "unknown":
             self.found.unknown = Stop(0, one, ours.played)
             return False, ours.played
