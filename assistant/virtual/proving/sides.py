@@ -170,7 +170,9 @@ def _begin_pseudo(side: Side, kernel: Kernel) -> None:
     from assistant.virtual.pseudo import start_program
 
     (program,) = side.trees
-    start_program(kernel, program, robot=side.robot, start=side.start, cycles=CYCLES if side.repeats else 1)
+    start_program(
+        kernel, program, robot=side.robot, start=side.start, cycles=CYCLES if side.repeats else 1
+    )
 
 
 def _no_branches(_: Sequence[Any]) -> Branches:

@@ -312,4 +312,4 @@ def test_arrays_that_a_dialect_cannot_hand_over(name: str, parameter: str, cure:
 def test_a_tool_or_frame_that_changes_is_declared_all_the_same(line: str) -> None:
     found = languages.get("melfa-basic-5").adapt(program(line)).findings
     (told,) = [f for f in found if f.severity is Severity.ERROR]
-    assert told.code == "MB209" and "a tool or frame" in told.message
+    assert told.code == "MB209"

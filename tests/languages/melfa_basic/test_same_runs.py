@@ -118,6 +118,10 @@ ARRAYS: dict[str, tuple[str, str]] = {
     "of the module": (
         "w{2}:=w{2}+1; at w{2},w{7}; IF v{1} at 1,1;", "VAR num w{7}; VAR bool v{2};"
     ),
+    "constants of routines": (
+        "CONST num c:=2; s c;",
+        "PROC s(num x) CONST num c:=30; at c,x; t; ENDPROC PROC t() CONST num c:=7; at c,n; ENDPROC",
+    ),
     "a scalar that a jump leaves out": (
         "s 1; s 2;",
         "PROC s(num x) VAR num w; IF x>1 GOTO over; w:=5; over: w:=w+1; at w,0; ENDPROC",

@@ -174,10 +174,11 @@ class UnitLines(Writer):
             if not isinstance(variable, Variable):
                 continue
             whole = _whole(self.names.variables[owner, name.lower()])
+            shared = not owner or variable.initial is not None  # which it gets in the first one
             if variable.size:
                 extents = tuple(s.Number(n) for n in variable.size)
                 arrays.append(s.Dim((replace(whole, arguments=extents),)))
-            elif variable.type == "integer" or (self.functions and not owner):
+            elif variable.type == "integer" or (self.functions and shared):
                 lines.setdefault(DEFINED[variable.type], []).append(whole)
         for word, variables in lines.items():
             for at in range(0, len(variables), MOST_DEFINED):
