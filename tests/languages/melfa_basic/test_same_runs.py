@@ -120,7 +120,7 @@ ARRAYS: dict[str, tuple[str, str]] = {
     ),
     "constants of routines": (
         "CONST num c:=2; s c;",
-        "PROC s(num x) CONST num c:=30; at c,x; t; ENDPROC PROC t() CONST num c:=7; at c,n; ENDPROC",
+        "PROC s(num x) CONST num c:=9; at c,x; t; ENDPROC PROC t() CONST num c:=7; at c,n; ENDPROC",
     ),
     "a scalar that a jump leaves out": (
         "s 1; s 2;",

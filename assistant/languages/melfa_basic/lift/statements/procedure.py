@@ -113,8 +113,8 @@ class Reader(Control):
     def result_returned(self) -> p.Return:
         """The way back to the caller, with a result that was kept."""
         inside = self.symbols.inside
-        kept = inside is not None and inside.result is not None
-        return p.Return(e.Name(inside.result) if kept else None)
+        result = None if inside is None else inside.result
+        return p.Return(None if result is None else e.Name(result))
 
     def body(self, low: int, high: int) -> tuple[p.Statement, ...]:
         self.runs.forget()
