@@ -65,9 +65,17 @@ IN_CORNER = {
 
 
 @pytest.mark.parametrize("body", IN_CORNER.values(), ids=IN_CORNER.keys())
-def test_a_wait_in_a_corner_is_not_said(body: str, tmp_path: Path) -> None:
-    (finding,) = [f for f in translated(body, tmp_path).findings if f.code == "MB209"]
-    assert "in a corner" in finding.message
+def test_a_move_stops_on_all_ways_where_the_program_waits_on_one(body: str, tmp_path: Path) -> None:
+    found = translated(body, tmp_path)
+    assert found.ok, found.findings
+    assert "RA385" in [f.code for f in found.findings]
+    assert b"Cnt 1" not in b"".join(found.files.values())
+
+
+def test_a_wait_in_a_corner_that_nobody_knows_is_not_said(tmp_path: Path) -> None:
+    found = translated("MoveL p10,v100\\T:=5,z10,tG;\nWaitRob\\InPos;", tmp_path)
+    assert [f.code for f in found.findings].count("MB209") == 2
+    assert any("in a corner" in f.message for f in found.findings)
 
 
 WAITING = {

@@ -211,6 +211,12 @@ CHOSEN: Final = warning(
     "which signal `{name}` stands for is chosen among {names}; for any other name the program ends",
     "see that these are all that it may be, and give each its number",
 )
+ALWAYS_STOPS: Final = warning(
+    "RA385",
+    "the move stops at its target on every way: on one of them the program waits for the arm to "
+    "stand, on others the arm would go on in the corner",
+    "none is needed, unless the stop takes too long",
+)
 TAKEN_FOR: Final = warning(
     "RA379",
     "`{what}` asks for the most that the arm can, and is taken for {value}",

@@ -19,11 +19,13 @@ def with_stops(
     kept: Kept,
     left: Callable[[p.Opaque], Iterable[p.Statement]],
     in_corner: e.Reason,
+    always: Callable[[p.MoveStatement], None],
 ) -> Program:
     """The program with stops for those of its kept texts that only wait for the robot to stand.
 
-    A move stops if all that may follow it in its corner waits for that. kept: what kept texts do.
-    left: what a wait does besides. in_corner: why one stays that may find the robot in a corner.
+    kept: what kept texts do. left: what a wait does besides. in_corner: why one stays that may find
+    the robot in a corner of which nobody knows. always: tells of a move that goes on without a stop
+    on other ways, and stops on all of them.
     """
 
     def waits(node: Any) -> bool:
@@ -38,12 +40,16 @@ def with_stops(
         for node in walk(procedure.body)
         if waits(node)
     }
-    stopping = frozenset().union(*corners.values()) - ways.cut - {UNKNOWN, STOP}
+    known = (moves for moves in corners.values() if UNKNOWN not in moves)
+    early = frozenset().union(*known).intersection(ways.cut) - {STOP}
+    stopping = frozenset().union(*corners.values()) - ways.cut - {UNKNOWN, STOP} | early
 
     def said(body: Body) -> Body:
         made: list[p.Statement] = []
         for node in body:
             if isinstance(node, p.MoveStatement) and corner_of(node) in stopping:
+                if corner_of(node) in early:
+                    always(node)
                 made.append(stopped(node))
             elif isinstance(node, p.Opaque) and id(node) in corners:
                 stands = corners[id(node)] <= {STOP, *stopping}

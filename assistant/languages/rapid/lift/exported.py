@@ -106,7 +106,8 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
         program = exchanged(program, lambda node: (_without_near(node, findings),))
         if arm is not None:
             program = with_open_lines(program, steps)
-        program = with_stops(program, steps, _besides_standing, IN_CORNER)
+        stop = _always_stopping(findings)
+        program = with_stops(program, steps, _besides_standing, IN_CORNER, stop)
         nothing = NOTHING | {word for word, moves in _ENDED.items() if not _says(program, moves)}
         program = exchanged(program, lambda node: _told(node, nothing, findings))
         program, early = with_active(program)
@@ -241,6 +242,15 @@ def _told(node: p.Opaque, nothing: Set[str], findings: Findings) -> Iterator[p.S
     else:
         with findings.at(node.span):
             findings.append(rules.LEFT_OUT(what=node.text.rstrip(";"), loss=loss[0], cure=loss[1]))
+
+
+def _always_stopping(findings: Findings) -> Callable[[p.MoveStatement], None]:
+    """Tells of moves that stop on all ways, as something waits for that on one of them."""
+
+    def tell(move: p.MoveStatement) -> None:
+        findings.append(rules.ALWAYS_STOPS(span=move.span))
+
+    return tell
 
 
 def _besides_standing(node: p.Opaque) -> Iterator[p.Statement]:
