@@ -40,6 +40,12 @@ RETURN one.left_side.number_of_parts*two.right_side.height_of_parts
 +one.upper_side.height_of_parts-two.upper_side.height_of_parts+StrLen(one.upper_side.label_of_parts)
 +one.right_side.height_of_parts+two.left_side.length_of_parts+one.left_side.length_of_parts;
 ENDFUNC
+FUNC bool is_near(rack one,rack two,num tolerance)
+RETURN (Abs(one.left_side.number_of_parts-two.left_side.number_of_parts)<tolerance)
+AND (Abs(one.right_side.height_of_parts-two.right_side.height_of_parts)<tolerance)
+AND (Abs(one.upper_side.height_of_parts-two.upper_side.height_of_parts)<tolerance)
+AND (Abs(one.left_side.length_of_parts-two.left_side.length_of_parts)<tolerance);
+ENDFUNC
 """
 SET = """storage.left_side.number_of_parts:=3;
 storage.right_side.height_of_parts:=5;
@@ -60,6 +66,8 @@ CASES = {
     f"{MOVE}n:=total;{MOVE}",
     "a sum whose calls change where it goes": "fill storage,other,1;total:=100;"
     f"total:=weigh(other,storage)+weigh(storage,other)+total;n:=total/2;{MOVE}",
+    "a truth that is given back": f"n:=0;IF is_near(storage,storage,1) n:=n+1;{MOVE}"
+    f"IF is_near(storage,other,1) n:=n+2;IF is_near(other,storage,9) n:=n+4;{MOVE}",
     "a long text": f"line:={NUMBERS}+tab+{NUMBERS};n:=StrLen(line);{MOVE}"
     f'IF StrPart(line,3,1)="5" SetDO do1,1;',
     "a text that is added to itself": f'line:="x";line:={NUMBERS}+tab+line+tab+{NUMBERS};'

@@ -1,4 +1,4 @@
-"""Conditions that no step holds, worked out in several steps before the `If` that asks them."""
+"""Conditions that no step holds, worked out in several steps before what asks or gives them."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ FEW: Final = 6
 def with_short_conditions(
     program: Program, dialect: Dialect, robot: Robot | None, *, products: bool
 ) -> Program:
-    """The program with a variable for each condition of an `If` that is too long for a step.
+    """The program with a variable for each condition that is too long for a step.
 
     All parts are worked out in their order, as the one step would do it.
     """
@@ -60,11 +60,11 @@ def with_short_conditions(
 
 
 def _may_be_long(node: p.Statement) -> bool:
-    """Whether an `If` asks so much that it is worth a look at its length."""
-    if not isinstance(node, p.If):
-        return False
-    asked = node.branches[0].condition
-    return isinstance(asked, e.Binary) and sum(1 for _ in records(asked)) > FEW
+    """Whether a statement asks so much that it is worth a look at its length."""
+    match node:
+        case p.If((p.Branch(asked), *_)) | p.Return(asked) | p.Assign(_, asked):
+            return isinstance(asked, e.Binary) and sum(1 for _ in records(asked)) > FEW
+    return False
 
 
 class _Shortening:
@@ -86,21 +86,29 @@ class _Shortening:
         made: list[p.Statement] = []
         for node in body:
             inner = map_bodies(node, self.body)
-            if isinstance(inner, p.If):
-                inner = self.asked(inner, made)
+            match inner:
+                case p.If((first, *others)):
+                    asked = self.asked(first.condition, inner, made)
+                    if asked is not None:
+                        branches = (replace(first, condition=asked), *others)
+                        inner = replace(inner, branches=branches)
+                case p.Return(e.Binary() as value) | p.Assign(_, e.Binary() as value):
+                    asked = self.asked(value, inner, made)
+                    inner = inner if asked is None else replace(inner, value=asked)
             made.append(inner)
         return tuple(made)
 
-    def asked(self, node: p.If, made: list[p.Statement]) -> p.If:
-        """An `If` that asks a variable if its first condition is too long."""
-        first, *others = node.branches
-        match first.condition:
-            case e.Binary("and" | "or" as word) if not self.fits(first.condition):
-                parts = [*_chain(first.condition, word)]
+    def asked(
+        self, whole: e.Expression, node: p.Statement, made: list[p.Statement]
+    ) -> e.Expression | None:
+        """The variable that is asked instead of what is too long; None where nothing is to do."""
+        match whole:
+            case e.Binary("and" | "or" as word) if not self.fits(whole):
+                parts = [*_chain(whole, word)]
             case _:
-                return node
+                return None
         if not all(map(self.fits, parts)):
-            return node
+            return None
         name = identifier("condition", self.taken)
         self.taken.add(name)
         self.new[name] = Variable("truth")
@@ -114,7 +122,7 @@ class _Shortening:
             made.append(p.Assign(e.Name(name), _joined(word, before, value), span=node.span))
             before, value = e.Name(name), part
         made.append(p.Assign(e.Name(name), _joined(word, before, value), span=node.span))
-        return replace(node, branches=(replace(first, condition=e.Name(name)), *others))
+        return e.Name(name)
 
 
 def _joined(
