@@ -52,6 +52,8 @@ FUNCTIONS: Final[dict[str, str]] = {
     "inverse": "inverse of a pose",
     "here": "present target: of the tool in the frame, both by name",
     "joints_here": "present joint target",
+    "flange_at": "where joints bring the flange, in the robot's base",
+    "joints_at": "joints that bring the flange to a target in the robot's base",
     "date_today": "the date as text: 2026/01/31",
     "time_of_day": "what the clock shows as text: 13:01:30",
     "connected": "1 where somebody is at the other end of a channel, by its name, else 0",

@@ -7,7 +7,9 @@ them for its own moves, and those of the move that calls it would be gone when t
 from __future__ import annotations
 
 import itertools
+from collections.abc import Mapping
 from dataclasses import replace
+from typing import Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -20,10 +22,12 @@ from assistant.program.rewriting import head, map_head, records
 def with_functions_before_moves(program: Program) -> Program:
     """The program with a variable for each value of a move that a moving function gives."""
     results = {q.name.lower(): q.result for q in program.procedures if q.result is not None}
-    if not results:
+    counts = any(map(_is_of_arm, records(program.procedures)))
+    if not results and not counts:
         return program
     sets = along_calls(program, {q.name.lower(): _sets(q) for q in program.procedures})
     moving = {name: result for name, result in results.items() if sets[name]}
+    moving |= _OF_ARM if counts else {}
     if not moving:
         return program
     taken = {n.lower() for t in (program.variables, program.targets, program.signals) for n in t}
@@ -36,9 +40,17 @@ def with_functions_before_moves(program: Program) -> Program:
 def _sets(procedure: Procedure) -> frozenset[str]:
     """Whether a procedure moves, or reads where the robot stands, in a tool and a frame."""
     kinds = (*p.Moving.__args__, e.Here, p.Opaque)
-    return frozenset(
-        {"settings"} if any(isinstance(r, kinds) for r in records(procedure.body)) else ()
-    )
+    every = records(procedure.body)
+    asks = any(isinstance(r, kinds) or _is_of_arm(r) for r in every)
+    return frozenset({"settings"} if asks else ())
+
+
+_OF_ARM: Final[Mapping[str, ValueType]] = {"flange_at": "position", "joints_at": "joints"}
+"""Functions that are asked for under a tool and a frame, and the types of what they give."""
+
+
+def _is_of_arm(value: object) -> bool:
+    return isinstance(value, e.Apply) and value.function.lower() in _OF_ARM
 
 
 def _of(procedure: Procedure, moving: dict[str, ValueType], taken: set[str]) -> Procedure:

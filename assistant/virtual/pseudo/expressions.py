@@ -8,8 +8,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Final
 
+import numpy as np
+
 from assistant.program import expressions as e
 from assistant.program.geometry import JointTarget, Pose, Target
+from assistant.program.path import configuration_of, configuration_row
 from assistant.robots.target_lookup import SHIFTS
 from assistant.virtual.kernel import dates
 from assistant.virtual.pseudo import data
@@ -230,6 +233,8 @@ def _apply(m: Machine, name: str, arguments: tuple[e.Expression, ...]) -> Value:
     values = [evaluate(m, one) for one in arguments]
     if key in SHIFTS and values:
         return _shifted(key, values[0], [number_of(one) for one in values[1:]])
+    if key in OF_ARM and len(values) == 1:
+        return OF_ARM[key](m, values[0])
     function = FUNCTIONS.get(key)
     if function is None:
         raise NotRun(f"the function `{name}`")
@@ -251,6 +256,38 @@ def here(m: Machine, tool: str, frame: str) -> Target:
     if base.held or not tip.held:
         raise NotRun("a position that is read with a tool that stands in the room")
     return Target(base.pose.inverse() @ flange @ tip.tip)
+
+
+def _flange_at(m: Machine, value: Value) -> Target:
+    """Where joints bring the flange, in their configuration."""
+    if not isinstance(value, JointTarget):
+        raise Fault(f"`flange_at` of {kind_of(value)}")
+    if m.robot is None:
+        raise NotRun("where joints bring the flange without a robot")
+    own = np.array([m.robot.own_joints(value.joints)])
+    positions, quaternions = m.robot.fk(own)
+    configuration = configuration_of(m.robot.configuration(own)[0])
+    return Target(Pose.of(positions[0], quaternions[0]), configuration, value.external)
+
+
+def _joints_at(m: Machine, value: Value) -> JointTarget:
+    """The joints that bring the flange to a target, in its configuration."""
+    if not isinstance(value, Target):
+        raise Fault(f"`joints_at` of {kind_of(value)}")
+    if m.robot is None:
+        raise NotRun("joints of a target without a robot")
+    stated = np.array([configuration_row(value.configuration)], dtype=np.int8)
+    place = np.array([value.pose.position]), np.array([value.pose.quaternion])
+    found = m.robot.joints_of(*place, stated)[0]
+    if bool(np.isnan(found).any()):
+        raise Fault("a target that the robot does not reach")
+    return JointTarget(tuple(map(float, found)), value.external)
+
+
+OF_ARM: Final[Mapping[str, Callable[[Machine, Value], Value]]] = {
+    "flange_at": _flange_at, "joints_at": _joints_at,
+}  # fmt: skip
+"""Functions that need the robot's arm."""
 
 
 def joints_here(m: Machine) -> JointTarget:

@@ -177,6 +177,8 @@ class Expressions:
             return s.Binary(functions.BITS[function], *values)
         if function in functions.PLAIN:
             return self.call(functions.PLAIN[function], *values)
+        if function in functions.OF_ARM and len(values) == 1:  # without a tool, see Writer
+            return self.call(functions.OF_ARM[function], *values)
         if function in functions.OF_ANGLE and len(values) == 1:
             return self.call(functions.OF_ANGLE[function], self.call("Rad", *values))
         if (word := vocabulary.function(functions.TO_ANGLE.get(function, ""))) is not None:

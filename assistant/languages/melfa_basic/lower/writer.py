@@ -18,13 +18,14 @@ from assistant.languages.melfa_basic.lower.expressions import (
 )
 from assistant.languages.melfa_basic.lower.names import Names
 from assistant.languages.melfa_basic.tables.dialects import EMITTED_LINE, Dialect
+from assistant.languages.melfa_basic.tables.functions import OF_ARM
 from assistant.languages.melfa_basic.text.printer import line
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import base, texts_in
 from assistant.program.diagnostics import Diagnostic, Findings, Span
-from assistant.program.geometry import BASE
+from assistant.program.geometry import BASE, FLANGE
 from assistant.program.kept import effect_of
 from assistant.program.motion import Blend, Speed
 from assistant.program.passes.procedures import has_functions, procedures_of
@@ -263,8 +264,11 @@ class Writer:
     def stand(self, value: Any) -> None:
         """Sets the tool and frame in which a value reads the position, if it does."""
         for record in records(value):
-            if isinstance(record, e.Here):
-                self.mount(record.tool, record.frame)
+            match record:
+                case e.Here(tool, frame):
+                    self.mount(tool, frame)
+                case e.Apply(function) if function.lower() in OF_ARM:
+                    self.mount(FLANGE, BASE)
 
     def mount(self, tool: str, frame: str) -> None:
         """Sets the tool, and the base to the frame where targets are no products with it."""

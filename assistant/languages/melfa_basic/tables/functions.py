@@ -14,6 +14,8 @@ OF_CONTROLLER: Final = {
     "joints_here": "J_Curr", "date_today": "C_Date", "time_of_day": "C_Time",
 }  # fmt: skip
 """Functions without arguments, which are status variables."""
+OF_ARM: Final = {"flange_at": "JtoP", "joints_at": "PtoJ"}
+"""Functions that count without a tool and a base: with these, manuals leave open what they give."""
 TEXTS: Final = frozenset({"Str", "Mid", "Chr"})
 """Those that give a text: their names end in `$`."""
 BITS: Final = {"bitand": "AND", "bitor": "OR", "bitxor": "XOR"}

@@ -23,6 +23,7 @@ from assistant.program.geometry import (
 )
 
 _OPERATORS: Final = {row[0]: name for name, row in BINARY.items()}
+_OF_ARM: Final = {word.lower(): name for name, word in functions.OF_ARM.items()}
 _COMPONENTS: Final = {pair: name for name, pair in COMPONENTS.items()}
 
 Original = Callable[[str], str]
@@ -101,6 +102,10 @@ class Expressions:
         if said is not None:
             return said
         name, key = self.original(node.name), node.name.lower()
+        match call.given:
+            case (value, s.NameRef(tool)) if key in _OF_ARM and value and not call.options:
+                if tool.lower() == FLANGE:
+                    return e.Apply(_OF_ARM[key], (self.of(value),))
         given = tuple(self.of(argument) for argument in call.given if argument is not None)
         if call.options or name in e.FUNCTIONS:
             return kept(node)

@@ -35,6 +35,7 @@ from assistant.languages.records import Decimals, Values
 from assistant.languages.scoped_names import Naming
 from assistant.program import expressions as e
 from assistant.program.diagnostics import Refused
+from assistant.program.geometry import FLANGE
 
 RECORDS: Final = Decimals(
     POSITION_PLACES, QUATERNION_PLACES, JOINT_PLACES, SIZES_PLACES, rules.NOT_FINITE
@@ -128,6 +129,9 @@ class Expressions:
         raise cannot("a component of an expression", "put the value into a variable first")
 
     def _apply(self, function: str, given: tuple[e.Expression, ...]) -> s.FunctionCall:
+        if function in functions.OF_ARM and len(given) == 1:
+            values = (self.lower(given[0]), s.NameRef(FLANGE))
+            return s.FunctionCall(functions.OF_ARM[function], tuple(map(s.Positional, values)))
         if function in e.FUNCTIONS:
             what = f"the function `{function}` of {len(given)} arguments"
             raise cannot(what, "compute the value otherwise")

@@ -59,5 +59,7 @@ ORIENTATION: Final = pattern("OrientZYX({about_z}, {about_y}, {about_x})")
 TURN: Final = "rot"
 """The component of a target or pose that is its orientation."""
 
+OF_ARM: Final = {"flange_at": "CalcRobT", "joints_at": "CalcJointT"}
+"""Functions that RAPID gives a tool, here always tool0."""
 READS: Final = frozenset(("dinput", "doutput", "ginput", "goutput", "ainput", "aoutput"))
 """Functions that give what a signal's name says by itself (RAPID reference manual)."""

@@ -28,6 +28,7 @@ from assistant.languages.melfa_basic.lift.values.types import Types
 from assistant.languages.melfa_basic.tables.channels import CONNECTED, NUMBERS
 from assistant.languages.melfa_basic.tables.functions import (
     OF_ANGLE,
+    OF_ARM,
     OF_CONTROLLER,
     PLAIN,
     TO_ANGLE,
@@ -49,6 +50,7 @@ T = TypeVar("T")
 # PLAIN, OF_ANGLE and TO_ANGLE are read backwards here: one row adds a function both ways.
 _PLAIN: Final = {melfa.upper(): name for name, melfa in PLAIN.items()}
 _OF_ANGLE: Final = {melfa.upper(): name for name, melfa in OF_ANGLE.items()}
+_OF_ARM: Final = {melfa.upper(): name for name, melfa in OF_ARM.items()}
 _TO_ANGLE: Final = {melfa.upper(): name for name, melfa in TO_ANGLE.items()}
 _CLOCK: Final = {
     melfa.upper(): name for name, melfa in OF_CONTROLLER.items() if melfa.startswith("C_")
@@ -323,8 +325,8 @@ class Expressions(Types):
             return e.Binary("*", self.degrees(node), e.Number(DEGREE))
         if key == "INV" and (pose := fixed(node, self.m)) is not None:
             return e.TargetValue(Target(pose))
-        if key in _PLAIN:
-            return e.Apply(_PLAIN[key], tuple(self.number(v) for v in values))
+        if (name := _PLAIN.get(key) or (_OF_ARM.get(key) if self.m.own else None)) is not None:
+            return e.Apply(name, tuple(self.number(v) for v in values))
         raise Unliftable
 
     def rounded(self, node: s.Expression) -> e.Expression:

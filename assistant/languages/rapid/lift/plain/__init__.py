@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.local_names import with_own_names
+from assistant.languages.rapid.lift.plain.arm_calls import with_arm_calls
 from assistant.languages.rapid.lift.plain.arrays import with_shared_arrays
 from assistant.languages.rapid.lift.plain.bodies import Bodies
 from assistant.languages.rapid.lift.plain.by_name import with_named_data
@@ -85,7 +86,8 @@ def _plain(files: Sequence[s.File], apart: frozenset[str]) -> Plain | None:
     copied = with_settled(copied, layouts, ())
     name = Fresh(copied)
     required = with_required(copied, layouts, name)
-    modules, displaced = with_displacements(required, name)
+    still, displaced = with_displacements(required, name)
+    modules = with_arm_calls(still, displaced)
     program = Program(modules, layouts, name, displaced)
     kept: dict[int, str] = {}
     made: list[s.Module] = []

@@ -87,7 +87,7 @@ class _Displaced:
         self.poses = fresh("executed_at"), fresh("programmed_at")
 
     def data(self) -> Iterator[s.Data]:
-        yield s.Data("", "VAR", "pose", self.name, (), _no_pose())
+        yield s.Data("", "VAR", "pose", self.name, (), no_pose())
         yield s.Data("", "PERS", "wobjdata", self.base, (), standard(_BASE))
         for name in (self.there, self.meant):
             yield s.Data("", "VAR", "robtarget", name)
@@ -132,7 +132,7 @@ class _Displaced:
             case s.ProcedureCall(str(name), (s.Positional(shift),)) if name.lower() == "pdispadd":
                 yield self._given(node, call_of("PoseMult", s.NameRef(self.name), shift))
             case s.ProcedureCall(str(name)) if name.lower() == _ENDING:
-                yield self._given(node, _no_pose())
+                yield self._given(node, no_pose())
             case s.ProcedureCall(str(name)) if name.lower() == "pdispon":
                 yield from self._on(node)
             case _:
@@ -154,7 +154,7 @@ class _Displaced:
         else:
             frame = option(node, _FRAME) or s.Option("WObj", s.NameRef(_BASE))
             here = s.FunctionCall("CRobT", (s.Option("Tool", given[1]), frame))
-            yield self._given(node, _no_pose())
+            yield self._given(node, no_pose())
             yield s.Assignment(there, self._mounted(here), span=span)  # type: ignore[arg-type]
         if option(node, "rot") is not None:
             at, planned = (s.NameRef(name) for name in self.poses)
@@ -164,14 +164,15 @@ class _Displaced:
                     yield s.Assignment(place, value, span=span)
             yield self._given(node, call_of("PoseMult", at, call_of("PoseInv", planned)))
             return
-        yield self._given(node, _no_pose())
+        yield self._given(node, no_pose())
         for axis in "xyz":
             parts = (s.Component(s.Component(one, "trans"), axis) for one in (there, meant))
             moved = s.Component(s.Component(s.NameRef(self.name), "trans"), axis)
             yield s.Assignment(moved, s.Infix("-", *parts), span=span)
 
 
-def _no_pose() -> s.AggregateNode:
+def no_pose() -> s.AggregateNode:
+    """The pose that displaces and turns nothing."""
     values = ((0, 0, 0), (1, 0, 0, 0))
     parts = (tuple(s.NumberLiteral(str(number)) for number in part) for part in values)
     return s.AggregateNode(tuple(map(s.AggregateNode, parts)))

@@ -53,6 +53,12 @@ _ASKING: Final = frozenset(
 )  # fmt: skip
 
 
+OF_ARM: Final[Mapping[str, str]] = {
+    "calcrobt": "target_of_joints", "calcjointt": "joints_of_target",
+}  # fmt: skip
+"""What asks the arm with a tool in a work object, and what says it by the flange in the base."""
+
+
 class Typed(Protocol):
     """Knows what expressions are."""
 
@@ -137,12 +143,15 @@ def _called(value: Any) -> Iterable[str]:
 def _asks(node: Any) -> bool:
     match node:
         case s.FunctionCall(str(name)) | s.ProcedureCall(str(name)):
-            return name.lower() in _ASKING
+            return name.lower() in _ASKING or name.lower() in OF_ARM
         case s.Component(name=name):
             return name.lower() == TURN or name.lower() in QUATERNION
         case s.Data(type=type) | s.ParameterNode(type=type):
             return type.lower() == "orient"
     return False
+
+
+Given = tuple[s.Expression, ...]
 
 
 def worded(typed: Typed, node: Any) -> Any:
@@ -173,9 +182,6 @@ def _again(node: Any, name: str, given: tuple[s.Expression, ...]) -> Any:
 
 def call_of(name: str, *given: s.Expression) -> s.FunctionCall:
     return s.FunctionCall(name, tuple(map(s.Positional, given)))
-
-
-Given = tuple[s.Expression, ...]
 
 
 def _with_options(
