@@ -50,6 +50,7 @@ Servo On
 Wait M_Svo=1
 EndIf
 If M_Svo(1)=1 Then M_Out(3)=1
+Dly 200/M_OPovrd
 End""",
 }
 FUNCTIONS = {

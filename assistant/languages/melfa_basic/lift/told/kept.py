@@ -21,6 +21,11 @@ STATES: Final[Mapping[str, tuple[str, e.Expression, str, str]]] = {
         "the motors are taken to be on, as a program of the other controller only runs then",
         "none is needed",
     ),
+    "M_OPOVRD": (
+        "M_OPovrd", e.Number(100),
+        "the speed that the operator has set on the panel is taken to be 100 %",
+        "let the program ask for it as the other controller tells it, if it has to make up for it",
+    ),
 }  # fmt: skip
 """States of the controller: as they are written, what they are elsewhere, what is lost, a cure."""
 _MARK: Final = TOLD.format("")
