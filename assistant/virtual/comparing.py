@@ -117,7 +117,7 @@ def likeness(
         others = others[: len(ours)]
     if both[1] in BROKEN_OFF and both != ("stopped", "steps"):
         ours = ours[: len(others)]
-    if first.ended == "error" and all(x.what == Stopped() for x in others[len(ours) :]):
+    if first.ended == "error" and all(isinstance(x.what, Stopped) for x in others[len(ours) :]):
         # where a controller would stop with an error, another one may just stop
         if len(others) > len(ours):
             others, halted = others[: len(ours)], True

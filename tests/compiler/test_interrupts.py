@@ -192,3 +192,19 @@ def test_an_interrupt_that_goes_on_elsewhere_stays_as_its_text() -> None:
     done = of_lines("M_In(11)=1", back="1")
     kept = [row for row in done.rows if row.level == "not"]
     assert len(kept) >= 3  # what defines it, what switches it, and the way back
+
+
+def test_an_error_of_the_program_stops_it_for_good() -> None:
+    lines = "If M_In(1)=1 Then\nM_Out(1)=1\nError {0}\nEndIf\nM_Out(2)=1\nEnd\n"
+
+    def stopped(number: int) -> Translation:
+        text = SourceText(lines.format(number))
+        cell = in_neutral_cell(load_text(text, language="melfa-basic-5"))
+        return translate(cell, to="rapid", proving=Proving(seconds=2))
+
+    done = stopped(9100)
+    assert [row.level for row in done.rows if "Error" in row.text] == ["partial"]
+    assert done.motion is not None
+    assert done.motion.holds, done.motion.findings
+    caution = stopped(9200)
+    assert [row.level for row in caution.rows if "Error" in row.text] == ["not"]

@@ -51,6 +51,12 @@ LOSSES: Final[Mapping[str, tuple[str, str]]] = {
 """What is lost with a command, by its word and the argument that it hangs on, and what to do
 (COSIROP help and manual CR1D: Servo, LoadSet, Oadl, Fine, Prec, ColChk)."""
 
+_STOPS: Final = re.compile(r"Error\s+9[01]\d\d", re.IGNORECASE)
+"""An error of the program's own that stops it; from 9200 on they are cautions (COSIROP: ERROR)."""
+_STOPPED: Final = (
+    "the program ends there for good, and no error is on the controller",
+    "tell people or the cell's controller by an output above it",
+)
 _STIFF: Final = (
     "the arm is taken to be stiff already, as nothing in the program makes it soft",
     "see that no other program does",
@@ -75,13 +81,16 @@ def exported(program: Program) -> Adapted:
     losses = {**LOSSES, **dict.fromkeys(stiff, _STIFF)}
 
     def told(node: p.Opaque) -> Iterator[p.Statement]:
-        loss = losses.get(_key(node))
+        stops = _STOPS.fullmatch(node.text.strip()) is not None and _is_text(node)
+        loss = _STOPPED if stops else losses.get(_key(node))
         if loss is None:
             yield node
             return
         with findings.at(node.span):
             what, cure = loss
             findings.append(rules.LEFT_OUT(what=node.text.strip(), loss=what, cure=cure))
+        if stops:
+            yield p.Stop(end=True, span=node.span)
 
     return Adapted(exchanged(program, told), tuple(findings))
 
