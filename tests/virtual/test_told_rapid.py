@@ -225,3 +225,22 @@ def test_tasks_meet_by_a_count_that_they_share(tmp_path: FilePath) -> None:
         "MOUT(6)=1",
         "END",
     ]
+
+
+def test_a_weld_whose_speed_changes_is_moves_at_the_speed_that_it_has(tmp_path: FilePath) -> None:
+    none = "[0,0,0,0,0,0,0,0,0]"
+    text = f"""{HEAD}TASK PERS welddata weld1:=[7,0,{none},{none}];
+TASK PERS seamdata seam1:=[0,0,{none},0,0,0,0,0,{none},0,0,{none},0,0,{none},0];
+PROC main()
+weld1.weld_speed:=weld1.weld_speed*2;
+seam1.purge_time:=1;
+ArcL Offs(p10,10,0,0),v100,seam1,weld1,z1,tGripper;
+ENDPROC
+ENDMODULE
+"""
+    process = tmp_path / "cell.process.toml"
+    process.write_text(rapid_words.process_file() + "\n[signals.arc_on]\nnumber = 11\n", "utf-8")
+    found = translate(load_text(SourceText(text), process=process, language="rapid"), to=SIX)
+    assert found.ok, [f"{f.code} {f.message}" for f in found.findings]
+    (data,) = found.files.values()
+    assert b"Spd Mweld1_weld_speed" in data

@@ -36,6 +36,7 @@ from assistant.languages.rapid.lift.plain.still_axes import with_still_axes
 from assistant.languages.rapid.lift.plain.traps import with_traps
 from assistant.languages.rapid.lift.plain.unread import Unread, without_unread
 from assistant.languages.rapid.lift.plain.values import Values
+from assistant.languages.rapid.lift.plain.welds import with_weld_speeds
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.program import Signal
@@ -75,7 +76,7 @@ def _plain(files: Sequence[s.File], apart: frozenset[str]) -> Plain | None:
     """apart: see `Layouts`."""
     there = with_own_names([module for file in files for module in file.modules])
     named, of_calls = with_named_calls(there)
-    still, of_axes = with_still_axes(named)
+    still, of_axes = with_still_axes(with_weld_speeds(named))
     standing, of_units = with_standing_units(still)
     chosen = with_chosen_signals(standing)
     read, of_names = with_named_data(with_told_states(with_traps(chosen.modules)))

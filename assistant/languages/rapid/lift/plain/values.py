@@ -34,6 +34,7 @@ from assistant.languages.rapid.lift.plain.spreads import (
 )
 from assistant.languages.rapid.lift.plain.standard import most, standard, standard_part
 from assistant.languages.rapid.tables.signatures import signature
+from assistant.languages.rapid.tables.welding import DATA
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
 
@@ -179,7 +180,8 @@ class Values(Kinds):
                 case s.Positional(value) if type in PACES:
                     made.append(replace(argument, value=self.given(value, type)))
                 case s.Positional(value) | s.Option(_, value) if value is not None:
-                    said = self.given(value, None) if reading else self.plain(value)
+                    whole = reading or (self.kind(value) or ("", 0))[0] in DATA
+                    said = self.given(value, None) if whole else self.plain(value)
                     made.append(replace(argument, value=said))
                 case _:
                     made.append(argument)

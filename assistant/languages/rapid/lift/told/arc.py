@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from typing import Final
 
 from assistant.languages.patterns import Called
 from assistant.languages.rapid.lift.instructions import Meaning, of_call
@@ -20,6 +21,9 @@ from assistant.program import statements as p
 from assistant.program.motion import Speed
 from assistant.program.passes.stops import stopped
 from assistant.program.program import Program
+
+_USUAL: Final = tuple(map(s.NumberLiteral, ("500", "5000", "1000")))
+"""The other parts of a speed: deg/s, and of external axes, as every predefined one has them."""
 
 
 def weld_speeds(program: Program) -> Mapping[str, float]:
@@ -45,11 +49,13 @@ def welded(
     if len(call.given) != known.points + 5 or not options.keys() <= {"wobj", "tload"}:
         return
     points, (speed, _, weld, zone, tool) = call.given[: known.points], call.given[known.points :]
+    if known.part != "start" and isinstance(weld, s.AggregateNode) and weld.items:
+        speed = s.AggregateNode((weld.items[0], *_USUAL))
     move = of_call(Called(known.plain, [*points, speed, zone, tool], options), meaning)
-    if not isinstance(move, p.MoveStatement) or not isinstance(weld, s.NameRef):
+    if not isinstance(move, p.MoveStatement) or not isinstance(weld, s.NameRef | s.AggregateNode):
         return
     meaning.used.append((BURNS, SIGNAL))
-    if known.part != "start":
+    if known.part != "start" and isinstance(weld, s.NameRef):
         stated = speeds.get(weld.name.lower())
         fast = e.Name(meaning.original(weld.name)) if stated is None else Speed(stated)
         move = replace(move, motion=replace(move.motion, speed=fast))
