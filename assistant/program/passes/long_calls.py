@@ -18,6 +18,8 @@ from assistant.program.rewriting import head, records
 
 HEAD: Final = 24
 """Of the words around the parameters, and those that a call stands in."""
+DECLARED: Final = 10
+"""Of the words around the name of one parameter."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +45,7 @@ class Widths:
         return 6
 
     def head(self, procedure: Procedure) -> int:
-        names = (min(len(q.name), self.names) + len("ByRef M_%,") for q in procedure.parameters)
+        names = (min(len(q.name), self.names) + DECLARED for q in procedure.parameters)
         return HEAD + self.names + sum(names)
 
     def call(self, arguments: tuple[e.Expression, ...]) -> int:
