@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import chain
 from pathlib import Path as FilePath
@@ -210,7 +210,8 @@ def _report(
     names: dict[_Name, _Part] = {}
     plain = told(compiled.source, language_of(compiled.language))
     also = () if plain is compiled.source else _told_parts(plain)
-    for part in chain(_parts(compiled.source, places), also):
+    lifted = {q.span for program in (compiled.source, plain) for q in program.procedures}
+    for part in chain(_parts(compiled.source, places, lifted), also):
         known = parts.setdefault(part.span, part)
         known.silent = known.silent and part.silent
         for name in part.names:
@@ -246,10 +247,15 @@ def _hand_on(parts: Mapping[Span, _Part]) -> None:
             part.found += (f for f in holder.found if f.message not in known)
 
 
-def _parts(program: Program, places: Places) -> Iterator[_Part]:
-    """Each part of the source once or twice: as it is lifted, then as it stands in the tree."""
+def _parts(program: Program, places: Places, lifted: Container[Span | None]) -> Iterator[_Part]:
+    """Each part of the source once or twice: as it is lifted, then as it stands in the tree.
+
+    lifted: procedures whose statements are parts by themselves; of others each is what its text is.
+    """
     yield from _said(program)
     for part in places.parts():
+        if part.within is not None and part.within in lifted:
+            continue
         name, owner = (part.name or "").lower(), part.owner.lower()
         called = ((None, "", name), (None, owner, name)) if name else ()
         yield _Part(part.span, part.count, called, head=True, within=part.within)

@@ -29,20 +29,22 @@ def data(file: s.File) -> Iterator[Part]:
                         yield Part(span, count=len(node.run))
             for body in lists(item) if isinstance(item, s.Routine) else ():
                 yield from (Part(x.span) for x in body if x.span is not None and set_up(x))
-            for handler in item.handlers if isinstance(item, s.Routine) else ():
-                yield from _handled(handler)
+            if isinstance(item, s.Routine):
+                for handler in item.handlers:
+                    yield from _statements(handler.body, handler.span)
+                yield from _statements(item.body, item.span)
 
 
-def _handled(handler: s.Handler) -> Iterator[Part]:
-    """The statements of a handler, which is one statement of a program."""
-    pending = [handler.body]
+def _statements(body: tuple[s.StatementNode, ...], within: Span | None) -> Iterator[Part]:
+    """Those of a routine, which may be kept as one text, and of a handler, which is one there."""
+    pending = [body]
     while pending:
         for node in pending.pop():
             pending.extend(blocks(node))
             if node.span is None or isinstance(node, s.CommentLine | s.LabelMark | s.Placeholder):
                 continue
             count = len(node.run) if isinstance(node, s.MoveRunNode | s.TargetRunNode) else 1
-            yield Part(node.span, count=count, within=handler.span)
+            yield Part(node.span, count=count, within=within)
 
 
 ROUTINES: Final = {"PROC": "procedure", "FUNC": "function", "TRAP": "trap routine"}
