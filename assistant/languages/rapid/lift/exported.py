@@ -118,23 +118,11 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
         for key, known in predefined().items()
         if known.storage == "VAR" and known.type in VALUE_OF_TYPE
     }
-    program = _begun(with_constants(with_others_dates(program), ELSEWHERE))
+    program = with_constants(with_others_dates(program), ELSEWHERE)
     program = with_read_angles(with_predefined(program, types))
     findings += _signs(program)
     findings += _states(program)
     return Adapted(program, tuple(findings))
-
-
-def _begun(program: Program) -> Program:
-    """With a first value, as other variables have one, for persistent data that nothing states
-    one of. Data that no text declares keep none: they are set before they are read.
-    """
-    made = {
-        name: replace(one, storage="variable")
-        for name, one in program.variables.items()
-        if one.storage == "persistent" and one.initial is None and one.span is not None
-    }
-    return replace(program, variables={**program.variables, **made}) if made else program
 
 
 def _signs(program: Program) -> Iterator[Diagnostic]:
