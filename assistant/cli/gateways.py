@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import sys
 from typing import TYPE_CHECKING, Annotated, Final
 
@@ -59,6 +58,8 @@ def _place(text: str) -> tuple[str, int]:
 
 def run_gateway(at: tuple[str, int], to: tuple[str, int], for_controller: bool) -> int:
     """at: where it listens. to: what it connects to. for_controller: who connects is one."""
+    import asyncio
+
     from assistant.controllers.gateway import Gateway
 
     gateway = Gateway(at, to, for_controller=for_controller)

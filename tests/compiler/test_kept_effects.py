@@ -43,6 +43,8 @@ ENDMODULE
 MELFA = """10 Def Act 1,M_In(8)=1 GoSub *Alarm
 20 Mvs P1 Wth M_Out(8)=1
 30 M2=M_NvNum(1)+1
+32 M3=M_NvNum(2)+1
+34 M4=M_NvNum(3)+1
 40 End
 50 *Alarm
 60 Return 0

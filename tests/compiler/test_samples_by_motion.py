@@ -16,8 +16,8 @@ RAPID = ("drilling.mod", "gluing.mod", "palletising.mod", "pick_and_place.mod")
 PROGRAMS = [f"rapid/{name}" for name in (*RAPID, "station/station.pgf")]
 PROGRAMS += [f"melfa/{name}.prg" for name in ("LOADER", "PALLET")]
 NOT_RUN = {
-    "CONTROLLINK": "the variable M_01 has no value",
-    "DATALINK": "the variable M_02 has no value",
+    "CONTROLLINK": "slots of a program that runs without a controller",
+    "DATALINK": "the flags of a position that is printed",
     "MULTITASK": "slots of a program that runs without a controller",
 }
 """What works together with programs in other slots, and why none of them runs by itself."""

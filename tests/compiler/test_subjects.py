@@ -37,8 +37,6 @@ WORDS = """MODULE Words
     ENDRECORD
     VAR list lOne;
     PROC main()
-        VAR num nGiven{2,2};
-        Use nGiven;
         lOne.array:=1;
     ENDPROC
     PROC Use(num array{*,*})

@@ -8,6 +8,7 @@ of it.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Final
 
 from assistant.program.analysis.assignment import Assigning
 from assistant.program.expressions import Name
@@ -16,6 +17,10 @@ from assistant.program.passes.procedures import NOTHING
 from assistant.program.program import Program, Variable
 from assistant.program.rewriting import records
 from assistant.program.subjects import Declared
+
+
+SCALAR: Final = frozenset({"number", "integer", "truth", "text"})
+"""Types of persistent data that begin with nothing where no text gives them a value."""
 
 
 def with_first_values(job: Legalising) -> Program:
@@ -36,7 +41,8 @@ def with_first_values(job: Legalising) -> Program:
         variables[name] = variable
         if variable.storage == "constant" or key not in run.read or can.external(name, variable):
             continue
-        if variable.initial is None and not kept:
+        place = variable.storage == "persistent" and variable.type not in SCALAR
+        if variable.initial is None and not kept and not place:  # which nothing says: no move there
             variable = replace(variable, initial=NOTHING[variable.type])
             variables[name] = variable
         if variable.initial is not None:

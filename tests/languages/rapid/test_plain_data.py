@@ -275,11 +275,11 @@ def test_only_the_statement_that_needs_the_whole_record_is_refused() -> None:
 
 def test_what_has_no_value_and_what_nobody_names_is_left_out_and_told() -> None:
     done = crossed(
-        "VAR socketdev line;\nVAR welddata seam;\nPROC main()\nVAR iodev file;\ngo 1,2,3;\nENDPROC"
+        "VAR socketdev line;\nVAR capdata seam;\nPROC main()\nVAR iodev file;\ngo 1,2,3;\nENDPROC"
     )
     assert done.ok, [f"{f.code} {f.message}" for f in done.findings]
     told = [row.text for row in done.rows if any(f.code == "RA342" for f in row.reasons)]
-    assert told == ["VAR socketdev line;", "VAR welddata seam;", "VAR iodev file;"]
+    assert told == ["VAR socketdev line;", "VAR capdata seam;", "VAR iodev file;"]
 
 
 def test_a_target_of_many_axes_is_left_out_where_nothing_speaks_of_it() -> None:
@@ -297,7 +297,7 @@ def test_a_target_of_many_axes_is_left_out_where_nothing_speaks_of_it() -> None:
 
 
 def test_what_a_statement_needs_that_nobody_can_say_stays() -> None:
-    done = crossed("VAR welddata seam;\nPROC main()\nseam.x:=1;\ngo 1,2,3;\nENDPROC")
+    done = crossed("VAR capdata seam;\nPROC main()\nseam.x:=1;\ngo 1,2,3;\nENDPROC")
     assert [row.level for row in done.rows if "seam" in row.text] == ["not", "not"]
 
 

@@ -73,7 +73,7 @@ def test_records_say_their_components_in_order() -> None:
         ("robconf", "confdata"),
         ("extax", "extjoint"),
     ]
-    assert types["welddata"].components is None
+    assert types["capdata"].components is None
     assert types["dionum"].of == "num"
     for one in types.values():
         assert {type.lower() for type in (one.components or {}).values()} <= set(types)
