@@ -310,6 +310,8 @@ class Bodies:
     ) -> Iterator[s.StatementNode]:
         """Each part assigned; by way of variables where a part that was assigned is asked for."""
         changed: set[str] = set()
+        if not places.keys() <= parts.keys():
+            raise Unsaid("what it is given is of another type")
         for path, place in places.items():
             if place is OUTSIDE:
                 yield from self._still_called(parts[path], node)
