@@ -266,6 +266,11 @@ BEGINS = warning(
     "where a controller for MELFA-BASIC has what was kept, or stops",
     "give it its value above, at the top of the program",
 )  # fmt: skip
+UNSIGNED = warning(
+    "MB285", "the number of the signals `{name}` is never below 0, where a MELFA-BASIC controller "
+    "may read one of {bits} signals whose highest is on as negative",
+    "none is needed where that signal stays off",
+)  # fmt: skip
 JOINTS_UNTOLD = error(
     "MB252", "nothing says what the joints `{name}` are before they may be read: others would "
     "begin with all axes at 0, and move there",

@@ -18,7 +18,6 @@ from assistant.program.program import Program, Variable
 from assistant.program.rewriting import records
 from assistant.program.subjects import Declared
 
-
 SCALAR: Final = frozenset({"number", "integer", "truth", "text"})
 """Types of persistent data that begin with nothing where no text gives them a value."""
 

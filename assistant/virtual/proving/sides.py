@@ -162,7 +162,7 @@ def _begin_melfa(side: Side, kernel: Kernel) -> None:
         start=side.start,
         joints=side.joints,
         names=names,
-        options=Options(unset="zero") if side.lenient else None,
+        options=Options(unset="zero", signed=False) if side.lenient else None,
     )
 
 

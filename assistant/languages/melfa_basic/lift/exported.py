@@ -20,7 +20,7 @@ from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic, Findings
 from assistant.program.kept import effect_of
 from assistant.program.program import Declaration, Program, walk
-from assistant.program.rewriting import exchanged, records
+from assistant.program.rewriting import exchanged, head, records
 
 _NO_NEED: Final = "none is needed, but see that the other controller watches the arm as you want"
 LOSSES: Final[Mapping[str, tuple[str, str]]] = {
@@ -57,6 +57,8 @@ _STOPPED: Final = (
     "the program ends there for good, and no error is on the controller",
     "tell people or the cell's controller by an output above it",
 )
+SIGNED: Final = (16, 32)
+"""Signals that are read as one number with a sign, or without one: no manual says which."""
 _STIFF: Final = (
     "the arm is taken to be stiff already, as nothing in the program makes it soft",
     "see that no other program does",
@@ -73,6 +75,7 @@ def exported(program: Program) -> Adapted:
     """The program for another language; idempotent."""
     findings = Findings()
     findings += _uncalled(program)
+    findings += _unsigned(program)
     program = with_told(program, findings)
     texts = [record.text for record in records(program) if _is_text(record)]
     if not texts:
@@ -109,6 +112,18 @@ def _uncalled(program: Program) -> Iterator[Diagnostic]:
         if procedure.name.lower() not in called and procedure.unit is None:
             if any(isinstance(node, p.Moving) for node in walk(procedure.body)):
                 yield rules.UNCALLED(name=procedure.name, span=procedure.span)
+
+
+def _unsigned(program: Program) -> Iterator[Diagnostic]:
+    """Statements that read as many signals as the manuals leave the sign of open for."""
+    wide = {n.lower(): s.bits for n, s in program.signals.items() if s.bits in SIGNED}
+    if not any(one.direction == "input" for one in program.signals.values() if one.bits in SIGNED):
+        return
+    for statement in program.statements():
+        read = (r.name.lower() for r in records(head(statement)) if isinstance(r, e.Name))
+        for name in dict.fromkeys(one for one in read if one in wide):
+            if statement.span is not None:
+                yield rules.UNSIGNED(name=name, bits=wide[name], span=statement.span)
 
 
 def _is_text(record: Any) -> bool:
