@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
@@ -50,7 +50,11 @@ STALLED = warning(
     "the script leaves `{name}` waiting here: what follows was not compared",
     "say in the script what ends the wait, if something does",
 )
-
+UNJUDGED = warning(
+    "CO116",
+    "with {inputs} nobody knows what `{name}` does ({reason}): these inputs are not compared",
+    "see whether a real cell has such inputs, and try them on the controller",
+)
 STAND_IN = info(
     "CO115",
     "both were run on the {title}, as nobody has named an arm and they read where it stands",
@@ -205,6 +209,11 @@ def _findings(
             what=_message(run),
             **_at(run.place),
         )
+    if found.unjudged is not None:
+        stop = found.unjudged
+        inputs, reason = stop.scenario.said(wires), _message(stop.run)
+        unjudged = UNJUDGED(name=names[stop.side], inputs=inputs, reason=reason)
+        yield replace(unjudged, **_at(stop.run.place))
     if found.stalled is not None:
         yield STALLED(name=names[0], **_at(found.stalled.run.place))
     for branches, name in zip(found.never, names, strict=True):

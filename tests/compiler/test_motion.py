@@ -228,7 +228,7 @@ def test_what_cannot_be_run_is_said_with_its_place(tmp_path: Path) -> None:
     text = HEAD + MAIN.replace("n:=giOrder;", "n:=giOrder;\n  SetAO aoHeat,n/2;")
     heat = '[signals.aoHeat]\nkind = "analog"\nnumber = 6010\n'
     done = made(text, "melfa-basic-6", tmp_path, heat)
-    (finding,) = [f for f in proof(done, Proving(runs=30)).findings if f.code == "CO111"]
+    (finding,) = [f for f in proof(done, Proving(runs=30)).findings if f.code == "CO116"]
     assert "what a register makes of" in finding.message
     assert finding.path == "CELL.prg" and finding.line is not None
 

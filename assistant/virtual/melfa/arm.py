@@ -96,6 +96,8 @@ class Arm:
         self.joints, self.flange, self.flags = joints, None, (None, None)
         if self.robot is None:
             return
+        if not any(joints[6:]):  # additional axes that the arm need not have
+            joints = joints[:6]
         own = self.robot.own_joints((*joints, *(0.0,) * 6)[: max(6, len(joints))])
         if len(own) != len(self.robot.axes):
             raise Failed(2802, f"{len(joints)} joints for {len(self.robot.axes)} axes")

@@ -5,10 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from random import Random
+from typing import Final
 
 from assistant.virtual.kernel import Task
 from assistant.virtual.proving.driver import Driver, Moment
 from assistant.virtual.proving.wires import Wiring
+
+PLAIN: Final = 15
+"""Bits of the largest number that is tried: with one more it may have a sign, or be too large for a
+variable, and the manuals do not tell what becomes of it."""
 
 
 @dataclass
@@ -40,7 +45,10 @@ class Answers:
             if bits == 1:
                 yield wiring.spread(name, 1.0 - wiring.value(name, state))
                 continue
-            near = {n + by for n in self.numbers for by in (0, 1, -1)} | {0, (1 << bits) - 1}
+            near = {n + by for n in self.numbers for by in (0, 1, -1)} | {
+                0,
+                (1 << min(bits, PLAIN)) - 1,
+            }
             values = sorted(value for value in near if 0 <= value < 1 << bits)
             yield from (wiring.spread(name, float(value)) for value in values)
 

@@ -16,7 +16,7 @@ from assistant.virtual.events import Run, Stopped
 from assistant.virtual.kernel import Board, Kernel
 from assistant.virtual.kernel.panel import Panel
 from assistant.virtual.kernel.script import Script, follow
-from assistant.virtual.proving.answers import Answers, rows
+from assistant.virtual.proving.answers import PLAIN, Answers, rows
 from assistant.virtual.proving.driver import Driver, Moment, Readings, Scenario
 from assistant.virtual.proving.lasting import OVER, broken_off, first_run
 from assistant.virtual.proving.messages import messages, said
@@ -33,6 +33,8 @@ MORE_STEPS: Final = 20
 """Of the written program: one statement may have become several."""
 IN_VAIN: Final = 10
 """Runs with inputs at random that take no new branch before the search gives up."""
+FEW: Final = 2
+"""For so many runs one may be that nobody can judge, with inputs of which the manuals tell less."""
 MOST_FOLLOWED: Final = 5
 """Runs whose inputs are varied for the other ways of one statement."""
 TOGETHER: Final = 3
@@ -71,7 +73,8 @@ class Found:
     failing: runs that end with an error of the program itself. idling: runs that wait for ever
     before anything is compared, idle the first of them. stalled: a run that a script leaves
     waiting behind what is compared. unlike: the first difference, and
-    the scenario that it shows in. unknown: what an interpreter could not run. never: branches of
+    the scenario that it shows in. unknown: what an interpreter could not run, unjudged: so
+    behind runs that were compared. never: branches of
     either program that no run took. total: how many there are.
     """
 
@@ -83,6 +86,7 @@ class Found:
     unlike: Unlike | None = None
     scenario: Scenario | None = None
     unknown: Stop | None = None
+    unjudged: Stop | None = None
     failed: Stop | None = None
     failing: int = 0
     idle: Stop | None = None
@@ -133,6 +137,7 @@ class _Search:
         self.pending: deque[Scenario] = deque([Scenario()])
         self.steps = STEPS + 4 * max(side.text().count("\n") for side in (self.first, self.second))
         self.reads = False
+        self.missed = 0
         self.late = False  # whether the time was over in the middle of a run
 
     def run(self) -> Found:
@@ -153,6 +158,8 @@ class _Search:
             vain = 0 if new else vain + (not aimed)
             if self.script is not None or not self._open() or not self.reads:
                 break
+        if FEW * self.missed > self.found.runs:
+            self.found.unknown = self.found.unjudged
         self.found.total = len(self.known[0]), len(self.known[1])
         left = [
             tuple(one for way, one in known.items() if way not in taken)
@@ -201,7 +208,7 @@ class _Search:
             if cycle.ended != "error":  # nor does what was written stop where a later one does
                 one = replace(one, ended="steps")
         if one.ended == "unknown":
-            self.found.unknown = Stop(0, one, ours.played)
+            self._not_judged(Stop(0, one, ours.played))
             return False, ours.played
         two, theirs = self._play(self.second, ours.played, MORE_STEPS * self.steps, one)
         if two.ended == OVER:
@@ -211,7 +218,7 @@ class _Search:
             if one.ended == "steps" and self._as_much(one, two):
                 two = replace(two, ended="steps")
         if two.ended == OVER or (two.ended == "unknown" and one.ended != "error"):
-            self.found.unknown = Stop(1, two, ours.played)
+            self._not_judged(Stop(1, two, ours.played))
             return False, ours.played
         self._compare(one, two, ours.played)
         new = False
@@ -228,6 +235,14 @@ class _Search:
                 self.ended.add(place)
                 self.pending.append(ours.played.silent(moment))
         return new, ours.played
+
+    def _not_judged(self, stop: Stop) -> None:
+        """What nobody knows ends the search in its first run; later it is one with other inputs."""
+        if self.found.runs > self.found.failing:
+            self.found.unjudged = self.found.unjudged or stop
+            self.missed += 1
+        else:
+            self.found.unknown = stop
 
     def _as_much(self, one: Run, two: Run) -> bool:
         """Whether a run that was broken off did all that the first one did."""
@@ -347,7 +362,8 @@ class _Search:
         """Numbers of so many bits: those of the text, one more or less, none at all, and any."""
         most = 1 << bits
         near = {n + by for n in numbers for by in (-1, 0, 1) if 0 <= n + by < most}
-        near |= {0, most - 1, self.random.randrange(most)}
+        plain = 1 << min(bits, PLAIN)
+        near |= {0, plain - 1, self.random.randrange(plain)}
         listed = sorted(near)
         return self.random.sample(listed, min(TRIED_VALUES, len(listed)))
 
