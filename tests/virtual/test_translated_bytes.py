@@ -152,11 +152,14 @@ def running(gateway: Gateway) -> Iterator[int]:
         loop.call_soon_threadsafe(loop.stop)
         thread.join(5.0)
         server.close()
-        left = asyncio.all_tasks(loop)
-        for task in left:
-            task.cancel()
-        loop.run_until_complete(asyncio.gather(*left, return_exceptions=True))
+        loop.run_until_complete(_ended(asyncio.all_tasks(loop)))
         loop.close()
+
+
+async def _ended(tasks: set[asyncio.Task[object]]) -> None:
+    for task in tasks:
+        task.cancel()
+    await asyncio.gather(*tasks, return_exceptions=True)
 
 
 def translated(folder: Path, text: str) -> Translation:
