@@ -164,8 +164,12 @@ def translate(
     output: Annotated[str, typer.Option("--output", "-o", help="Folder for the files.")] = ".",
     report: Annotated[
         Path | None,
-        typer.Option(help="Write the report as well: .html, .json, or text."),
+        typer.Option(help="Write the report as well: .html, .md, .json, or text."),
     ] = None,
+    every: Annotated[
+        bool,
+        typer.Option("--all", help="Tell of each statement, also of those that are said."),
+    ] = False,
     draft: Annotated[
         bool,
         typer.Option("--draft", help="Write programs that are not whole: a stop for each gap."),
@@ -194,7 +198,9 @@ def translate(
         entry=entry,
         proving=proving(prove, signals, seed),
     )
-    run = run_translate(programs, options, output=output, report=report, format=format, ask=ask)
+    run = run_translate(
+        programs, options, output=output, report=report, format=format, ask=ask, every=every
+    )
     raise typer.Exit(run)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -26,7 +26,7 @@ from assistant.cli.presentation import (
     print_json,
     say,
 )
-from assistant.program.diagnostics import Refused, error
+from assistant.program.diagnostics import Diagnostic, Refused, error
 from assistant.program.lines import lines_of
 from assistant.program.text import is_folder
 from assistant.program.visible import visible
@@ -80,8 +80,12 @@ def run_translate(
     report: Path | None,
     format: TranslationFormat,
     ask: bool = False,
+    every: bool = False,
 ) -> int:
-    """0 if everything is said, 1 if something is not, 2 if a program cannot be read."""
+    """0 if everything is said, 1 if something is not, 2 if a program cannot be read.
+
+    every: the text answer tells of each statement, not only of what most have in common.
+    """
     from assistant.findings.formats import finding_record
     from assistant.report.markdown import findings_markdown
     from assistant.report.translation import markdown, record
@@ -116,7 +120,10 @@ def run_translate(
     if format is TranslationFormat.TEXT:
         print_findings(refusals)
         for one in done:
-            _show(one)
+            _show(one, every)
+        changed = any(row.level != "supported" for one in done for row in one.translation.rows)
+        if changed and not every:
+            say("each statement by itself: --all, or --report FILE")
         for path in written:
             say(f"wrote {path}")
     elif format is TranslationFormat.JSON:
@@ -250,18 +257,19 @@ def _lacking(path: Path, done: Sequence[Translated]) -> list[str]:
     return [] if text == cell.text else list(map(str, write_all({path: text.encode("utf-8")})))
 
 
-def _show(one: Translated) -> None:
-    """A table on a terminal, one line a statement elsewhere; findings on the whole program."""
-    from assistant.report.translation import lines, reasons, totals
+def _show(one: Translated, every: bool) -> None:
+    """How much is said, or every statement; findings on the whole program first."""
+    from assistant.report.translation import lines, reasons, summary, totals
 
     translation = one.translation
-    print_findings(f.within(one.source) for f in translation.whole)
-    if sys.stdout.isatty():
+    whole = [finding.within(one.source) for finding in translation.whole]
+    print_findings(whole if every else _some(whole))
+    if every and sys.stdout.isatty():
         _table(one)
         for line in (f"{one.source}: {totals(translation)}", *reasons(one)):
             say(line)
     else:
-        for line in lines(one):
+        for line in lines(one) if every else summary(one):
             say(line)
     for line in translation.written.proof_lines():
         say(f"{one.source}: {line}")
@@ -270,6 +278,24 @@ def _show(one: Translated) -> None:
     elif translation.draft:
         count = len(translation.wanting)
         say(f"{one.source}: the files are a draft: the cell file lacks {count} values")
+
+
+MOST_ALIKE: Final = 3
+"""Findings of one code on a whole program that are shown, unless each is asked for."""
+
+
+def _some(findings: Sequence[Diagnostic]) -> list[Diagnostic]:
+    """The first few of each code, the last of them with how many there are besides."""
+    alike: dict[str, list[Diagnostic]] = {}
+    for finding in findings:
+        alike.setdefault(finding.code, []).append(finding)
+    shown = list[Diagnostic]()
+    for found in alike.values():
+        some, rest = found[:MOST_ALIKE], len(found) - MOST_ALIKE
+        if rest > 0:
+            some[-1] = replace(some[-1], message=f"{some[-1].message} (and {rest:,} more like it)")
+        shown += some
+    return shown
 
 
 def _table(one: Translated) -> None:

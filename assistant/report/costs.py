@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -19,7 +19,8 @@ class Cost:
     """A reason that statements have in common.
 
     count: of the statements that are not said, or only with a change, for this one first.
-    cure: what to do about it. message: of the first of them, which stands at `place`.
+    cure: what to do about it. message: of the first of them, which stands at `place`. rows: of
+    all of them, in their order.
     """
 
     code: str
@@ -28,6 +29,7 @@ class Cost:
     message: str
     cure: str
     place: Place
+    rows: tuple[Row, ...] = ()
 
     def record(self) -> dict[str, Any]:
         return {
@@ -43,20 +45,20 @@ class Cost:
 
 def costs(rows: Iterable[Row], most: int = MOST) -> list[Cost]:
     """The reasons of the most statements, of those that are not said before the others."""
-    found: dict[tuple[Level, str, str], Cost] = {}
+    found: dict[tuple[Level, str, str], list[Row]] = {}
     for row in rows:
-        if row.level == "supported" or not row.reasons:
-            continue
-        first = row.reasons[0]
-        key = row.level, first.code, _common(first.message)
-        known = found.get(key)
-        if known is None:
-            known = Cost(first.code, row.level, 0, first.message, first.cure, row.place)
-        found[key] = Cost(
-            known.code, known.level, known.count + row.count, known.message, known.cure, known.place
-        )
-    ordered = sorted(found.values(), key=lambda c: (c.level != "not", -c.count, c.code))
+        if row.level != "supported" and row.reasons:
+            first = row.reasons[0]
+            found.setdefault((row.level, first.code, _common(first.message)), []).append(row)
+    every = (_cost(level, alike) for (level, _, _), alike in found.items())
+    ordered = sorted(every, key=lambda c: (c.level != "not", -c.count, c.code))
     return ordered[:most]
+
+
+def _cost(level: Level, alike: Sequence[Row]) -> Cost:
+    row, count = alike[0], sum(one.count for one in alike)
+    first = row.reasons[0]
+    return Cost(first.code, level, count, first.message, first.cure, row.place, tuple(alike))
 
 
 _QUOTED: Final = re.compile(r"`([A-Za-z_]\w*)[^`\w][^`]*`")

@@ -11,7 +11,7 @@ from typing import Any, Final
 from assistant.compiler.source_map import Place
 from assistant.compiler.translating import Row, Translation
 from assistant.findings.formats import finding_record
-from assistant.report.costs import costs
+from assistant.report.costs import MOST, costs
 from assistant.report.markdown import cell, code, findings_markdown
 from assistant.resources import resource
 
@@ -41,6 +41,30 @@ def lines(one: Translated) -> Iterator[str]:
             )
     yield f"{one.source}: {totals(translation)}"
     yield from reasons(one)
+
+
+MOST_PLACES: Final = {"not": 5, "partial": 2}
+"""Of one reason, that a summary shows."""
+_SAID: Final = {"not": "not said", "partial": "said with a change"}
+
+
+def summary(one: Translated) -> Iterator[str]:
+    """How much is said, then what is not and what is changed, by reasons, with first places."""
+    translation = one.translation
+    yield f"{one.source}: {share(translation):.1f} % said: {totals(translation)}"
+    for level in ("not", "partial"):
+        rows = [row for row in translation.rows if row.level == level]
+        every = costs(rows, len(rows))
+        for cost in every[:MOST]:
+            cure = f"; {cost.cure}" if cost.cure else ""
+            yield f"  {cost.count:,} {_SAID[level]}: {cost.code} {cost.message}{cure}"
+            shown = cost.rows[: MOST_PLACES[level]]
+            yield from (f"    {_at(row.place)}: {_statement(row)}{_went(row)}" for row in shown)
+            if len(shown) < len(cost.rows):
+                yield f"    and {len(cost.rows) - len(shown):,} more"
+        if len(every) > MOST:
+            rest = sum(cost.count for cost in every[MOST:])
+            yield f"  {rest:,} {_SAID[level]} for {len(every) - MOST:,} other reasons"
 
 
 def reasons(one: Translated) -> Iterator[str]:
