@@ -4,50 +4,50 @@ from __future__ import annotations
 
 from typing import Final
 
-from lark import Token, Tree
+from lark import Tree
 
 from assistant.program.expressions import Expression, Name
-from assistant.program.motion import Blend, Speed
+from assistant.program.motion import (
+    USUAL_LINEAR,
+    USUAL_ROTARY,
+    USUAL_ROTATION,
+    Blend,
+    ComputedBlend,
+    ComputedSpeed,
+    Speed,
+)
 from assistant.program.pseudo.expressions import (
     arguments_text,
     expression_text,
     read_arguments,
     read_expression,
 )
-from assistant.program.pseudo.values import blend_text, read_blend, read_speed, speed_text
-from assistant.program.statements import ComputedBlend, ComputedSpeed
+from assistant.program.pseudo.values import (
+    Turns,
+    blend_text,
+    read_blend,
+    read_speed,
+    read_speed_parts,
+    speed_parts_text,
+    speed_text,
+)
 
-_USUAL: Final = ComputedSpeed(None)
+_USUAL: Final[Turns[Expression]] = (USUAL_ROTATION, USUAL_LINEAR, USUAL_ROTARY)
 
 
 def pace_text(speed: Speed | ComputedSpeed | Name) -> str:
     """`150 mm/s`, or `computed (v / 2) mm/s`, and whatever differs from a usual speed."""
     if not isinstance(speed, ComputedSpeed):
         return speed_text(speed)
-    parts = ["computed", "maximum" if speed.tcp is None else f"{_inner(speed.tcp)} mm/s"]
-    if speed.rotation != _USUAL.rotation:
-        parts.append(f"rotation {_inner(speed.rotation)} deg/s")
-    external = speed.external_linear, speed.external_rotary
-    if external != (_USUAL.external_linear, _USUAL.external_rotary):
-        linear, rotary = map(_inner, external)
-        parts.append(f"external {linear} mm/s {rotary} deg/s")
-    if speed.joint is not None:
-        parts.append(f"joint {_inner(speed.joint)} %")
-    return " ".join(parts)
+    turns = speed.rotation, speed.external_linear, speed.external_rotary
+    return f"computed {speed_parts_text(speed.tcp, turns, speed.joint, _USUAL, _inner)}"
 
 
 def read_pace(tree: object) -> Speed | ComputedSpeed | Name:
     if not isinstance(tree, Tree) or tree.data != "computed_speed":
         return read_speed(tree)
-    tcp, rotation, external, joint = tree.children
-    linear, rotary = external.children if isinstance(external, Tree) else (None, None)
-    return ComputedSpeed(
-        None if isinstance(tcp, Token) else read_expression(tcp),
-        _USUAL.rotation if rotation is None else read_expression(rotation),
-        _USUAL.external_linear if linear is None else read_expression(linear),
-        _USUAL.external_rotary if rotary is None else read_expression(rotary),
-        None if joint is None else read_expression(joint),
-    )
+    tcp, turns, joint = read_speed_parts(tree, _USUAL, read_expression)
+    return ComputedSpeed(tcp, *turns, joint)
 
 
 def corner_text(blend: Blend | ComputedBlend | Name) -> str:

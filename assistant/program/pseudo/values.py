@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Final, cast
+from collections.abc import Callable
+from typing import Final, TypeAlias, TypeVar, cast
 
 from lark import Token, Tree
 
@@ -37,7 +38,12 @@ from assistant.program.pseudo.words import (
 UNIT_TOLERANCE: Final = 1e-3
 """How far from 1 the length of a quaternion may be."""
 
+Part = TypeVar("Part")
+Turns: TypeAlias = tuple[Part, Part, Part]
+"""How fast a speed turns (deg/s), and how fast external axes move (mm/s) and turn (deg/s)."""
+
 _USUAL: Final = Speed(0.0)
+_USUAL_TURNS: Final = (_USUAL.rotation, _USUAL.external_linear, _USUAL.external_rotary)
 _ZERO: Final = "[0, 0, 0]"
 _NO_TURN: Final = "[1, 0, 0, 0]"
 
@@ -143,30 +149,58 @@ def speed_text(speed: Speed | Name) -> str:
     """`150 mm/s`, and whatever differs from a usual speed."""
     if isinstance(speed, Name):
         return name_text(speed.name)
-    parts = ["maximum" if speed.tcp == math.inf else f"{number_text(speed.tcp)} mm/s"]
-    if speed.rotation != _USUAL.rotation:
-        parts.append(f"rotation {number_text(speed.rotation)} deg/s")
-    external = speed.external_linear, speed.external_rotary
-    if external != (_USUAL.external_linear, _USUAL.external_rotary):
-        linear, rotary = map(number_text, external)
-        parts.append(f"external {linear} mm/s {rotary} deg/s")
-    if speed.joint is not None:
-        parts.append(f"joint {number_text(speed.joint)} %")
-    return " ".join(parts)
+    return speed_parts_text(
+        None if speed.tcp == math.inf else speed.tcp,
+        (speed.rotation, speed.external_linear, speed.external_rotary),
+        speed.joint,
+        _USUAL_TURNS,
+        number_text,
+    )
 
 
 def read_speed(tree: object) -> Speed | Name:
     node = _tree(tree)
     if node.data == "name":
         return Name(read_name(node))
+    tcp, turns, joint = read_speed_parts(node, _USUAL_TURNS, lambda part: read_number(_token(part)))
+    return Speed(math.inf if tcp is None else tcp, *turns, joint)
+
+
+def speed_parts_text(
+    tcp: Part | None,
+    turns: Turns[Part],
+    joint: Part | None,
+    usual: Turns[Part],
+    text: Callable[[Part], str],
+) -> str:
+    """A speed whose parts are numbers, or are worked out: what `text` writes of one of them.
+
+    tcp: None for the robot's own maximum. Parts that are usual are not written.
+    """
+    parts = ["maximum" if tcp is None else f"{text(tcp)} mm/s"]
+    if turns[0] != usual[0]:
+        parts.append(f"rotation {text(turns[0])} deg/s")
+    if turns[1:] != usual[1:]:
+        parts.append(f"external {text(turns[1])} mm/s {text(turns[2])} deg/s")
+    if joint is not None:
+        parts.append(f"joint {text(joint)} %")
+    return " ".join(parts)
+
+
+def read_speed_parts(
+    node: Node, usual: Turns[Part], read: Callable[[object], Part]
+) -> tuple[Part | None, Turns[Part], Part | None]:
+    """The speed along the path, of turns and external axes, and of joints, each by `read`."""
     tcp, rotation, external, joint = node.children
     linear, rotary = external.children if isinstance(external, Tree) else (None, None)
-    return Speed(
-        math.inf if tcp == "maximum" else read_number(_token(tcp)),
-        _or(rotation, _USUAL.rotation),
-        _or(linear, _USUAL.external_linear),
-        _or(rotary, _USUAL.external_rotary),
-        None if joint is None else read_number(_token(joint)),
+    turned, moved, spun = (
+        whole if part is None else read(part)
+        for part, whole in zip((rotation, linear, rotary), usual, strict=True)
+    )
+    return (
+        None if tcp == "maximum" else read(tcp),
+        (turned, moved, spun),
+        None if joint is None else read(joint),
     )
 
 
@@ -268,7 +302,3 @@ def _tree(part: object) -> Node:
 def _token(part: object) -> Token:
     assert isinstance(part, Token)
     return part
-
-
-def _or(token: object, usual: float) -> float:
-    return usual if token is None else read_number(_token(token))
