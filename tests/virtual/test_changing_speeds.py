@@ -4,11 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from assistant.compiler import translate
-from assistant.compiler.loading import load_text
-from assistant.compiler.motion import Proving
-from assistant.compiler.translating import Translation
-from assistant.program.text import SourceText
+from tests.compiler.proven import crossed, crossed_module, moves_the_same
 
 HEAD = """MODULE Cell
 RECORD pace
@@ -24,11 +20,6 @@ PERS speeddata air:=[200,500,5000,1000];
 VAR speeddata table{2};
 VAR num i;
 """
-
-
-def crossed(text: str, language: str, to: str) -> Translation:
-    loaded = load_text(SourceText(text), language=language)
-    return translate(loaded, to=to, proving=Proving(runs=2, seconds=2.0))
 
 
 @pytest.mark.parametrize(
@@ -70,10 +61,8 @@ def crossed(text: str, language: str, to: str) -> Translation:
     ids=["a part", "two", "joint", "array", "zone", "function", "parameter", "record"],
 )
 def test_speeds_that_a_rapid_program_changes(routines: str, body: str, said: str) -> None:
-    whole = f"{HEAD}{routines}\nPROC main()\n{body}\nENDPROC\nENDMODULE\n"
-    done = crossed(whole, "rapid", "melfa-basic-6")
-    assert done.ok, [f"{f.code} {f.message}" for f in done.findings]
-    assert done.motion is not None and done.motion.found is not None and done.motion.found.visits
+    done = crossed_module(HEAD, f"{routines}\nPROC main()\n{body}\nENDPROC", runs=2)
+    moves_the_same(done)
     assert said in b"".join(done.files.values()).decode("ascii")
 
 
@@ -89,17 +78,13 @@ def test_speeds_that_a_rapid_program_changes(routines: str, body: str, said: str
 def test_speeds_that_a_melfa_program_changes(body: str) -> None:
     end = "" if "Return" in body else "End\n"
     text = f"{body}\n{end}P1=(354,0,300,180,0,180)(7,0)\nP2=(354,90,300,180,0,180)(7,0)\n"
-    done = crossed(text, "melfa-basic-6", "rapid")
-    assert done.ok, [f"{f.code} {f.message}" for f in done.findings]
-    assert done.motion is not None and done.motion.found is not None and done.motion.found.visits
+    moves_the_same(crossed(text, "melfa-basic-6", "rapid", runs=2))
 
 
 def test_arms_that_move_together_meet_and_move_each_by_itself() -> None:
     tasks = 'PERS tasks arms{1}:=[["T_ROB1"]];\nVAR syncident begins;\nVAR syncident ends;\n'
     body = "SyncMoveOn begins,arms;\nMoveL p10\\ID:=1,v50,fine,tool0;\nSyncMoveOff ends;"
-    done = crossed(
-        f"{HEAD}{tasks}PROC main()\n{body}\nENDPROC\nENDMODULE\n", "rapid", "melfa-basic-6"
-    )
+    done = crossed_module(HEAD, f"{tasks}PROC main()\n{body}\nENDPROC")
     levels = {row.text.split()[0]: row.level for row in done.rows}
     assert levels["SyncMoveOn"] == levels["MoveL"] == levels["SyncMoveOff"] == "partial"
 
@@ -107,12 +92,12 @@ def test_arms_that_move_together_meet_and_move_each_by_itself() -> None:
 def test_a_tool_that_is_nowhere_stops_nothing_where_no_move_has_it() -> None:
     lost = "PERS tooldata lost:=[TRUE,[[6E7,0,0],[1,0,0,0]],[1,[0,0,1],[1,0,0,0],0,0,0]];\n"
     for tool, ok in (("tool0", True), ("lost", False)):
-        text = f"{HEAD}{lost}PROC main()\nMoveL p10,v50,fine,{tool};\nENDPROC\nENDMODULE\n"
-        assert crossed(text, "rapid", "melfa-basic-6").ok == ok
+        body = f"PROC main()\nMoveL p10,v50,fine,{tool};\nENDPROC"
+        assert crossed_module(HEAD, f"{lost}{body}").ok == ok
 
 
 def test_the_most_that_an_arm_can_is_told_of() -> None:
     body = "slow:=v50;\nslow.v_tcp:=MaxRobSpeed()/100*i;\nMoveL p10,slow,fine,tool0;"
-    done = crossed(f"{HEAD}PROC main()\n{body}\nENDPROC\nENDMODULE\n", "rapid", "melfa-basic-6")
+    done = crossed_module(HEAD, f"PROC main()\n{body}\nENDPROC", runs=2)
     assert [f.code for f in done.findings].count("RA379") == 1
     assert all(row.level != "not" for row in done.rows)

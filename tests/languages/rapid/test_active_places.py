@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import pytest
 
-from assistant.compiler import Translation, translate
-from assistant.compiler.loading import load_text
-from assistant.compiler.motion import Proving
-from assistant.program.text import SourceText
+from tests.compiler.proven import crossed_module, moves_the_same
 
 HEAD = """MODULE Cell
   CONST robtarget p10:=[[400,0,300],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
@@ -21,6 +20,7 @@ HEAD = """MODULE Cell
     MoveL here,v100,fine,tGrip;
   ENDPROC
 """
+crossed = partial(crossed_module, HEAD)
 CASES = {
     "called behind moves of several tools": """PROC main()
       MoveL p10,v100,fine,tGrip\\WObj:=wBox;
@@ -52,16 +52,10 @@ CASES = {
 }
 
 
-def crossed(body: str) -> Translation:
-    loaded = load_text(SourceText(f"{HEAD}{body}\nENDMODULE\n"), language="rapid")
-    return translate(loaded, to="melfa-basic-6", proving=Proving(runs=1, seconds=2.0))
-
-
 @pytest.mark.parametrize("name", CASES)
 def test_they_are_those_of_the_move_before(name: str) -> None:
     done = crossed(CASES[name])
-    assert done.ok, [f"{f.code} {f.message}" for f in done.findings]
-    assert done.motion is not None and done.motion.found is not None and done.motion.found.visits
+    moves_the_same(done)
     assert any(f.code == "RA362" for f in done.findings) == (name == "before the first move")
 
 

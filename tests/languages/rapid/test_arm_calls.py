@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from assistant.compiler import translate
-from assistant.compiler.motion import Proving
+from tests.compiler.proven import crossed_module, moves_the_same
 
 HEAD = """MODULE Cell
   CONST jointtarget j1:=[[10,20,10,5,40,30],[9E9,9E9,9E9,9E9,9E9,9E9]];
@@ -36,15 +35,11 @@ CASES = {
       MoveL CalcRobT(there,tGrip\\WObj:=wBox),v100,fine,tGrip\\WObj:=wBox;
     ENDPROC""",
 }
+VISITS = {"there and back": 2, "with a tool and a displacement that change": 6}  # in three cycles
 
 
 @pytest.mark.parametrize("name", CASES)
 def test_they_give_the_same_places(tmp_path: Path, name: str) -> None:
-    (tmp_path / "cell.mod").write_text(f"{HEAD}{CASES[name]}\nENDMODULE\n", encoding="utf-8")
     cell = tmp_path / "cell.toml"
     cell.write_text('[arms.taught_on]\narm = "same"\n', encoding="utf-8")
-    proving = Proving(runs=1, seconds=2.0)
-    done = translate(tmp_path / "cell.mod", to="melfa-basic-6", cell=cell, proving=proving)
-    assert done.ok, [f"{f.code} {f.message}" for f in done.findings]
-    assert done.motion is not None and done.motion.found is not None
-    assert done.motion.found.visits in (2, 6)  # two in each of the cycles that are run
+    assert moves_the_same(crossed_module(HEAD, CASES[name], cell=cell)) == VISITS[name]

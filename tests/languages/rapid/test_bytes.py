@@ -7,11 +7,8 @@ from __future__ import annotations
 
 import pytest
 
-from assistant.compiler import translate
-from assistant.compiler.loading import load_text
-from assistant.compiler.motion import Proving
-from assistant.compiler.translating import Translation
-from assistant.program.text import SourceText
+from assistant.compiler import Translation
+from tests.compiler.proven import crossed_module, moves_the_same
 
 HEAD = r"""MODULE Cell
 RECORD head
@@ -77,16 +74,13 @@ CASES = {
 
 def crossed(body: str) -> Translation:
     local = "VAR rawbytes b;\nVAR rawbytes two{2};\nVAR message one;\nVAR message two_of;\n"
-    text = f"{HEAD}VAR message all;\nPROC main()\n{local}VAR num x;\nVAR string t;\n{body}\nENDPROC"
-    loaded = load_text(SourceText(f"{text}\nENDMODULE\n"), language="rapid")
-    return translate(loaded, to="melfa-basic-6", proving=Proving(runs=2, seconds=20.0))
+    head = f"{HEAD}VAR message all;\nPROC main()\n{local}VAR num x;\nVAR string t;\n"
+    return crossed_module(head, f"{body}\nENDPROC", runs=2, seconds=20.0)
 
 
 @pytest.mark.parametrize("name", CASES)
 def test_bytes_are_the_same_in_the_other_language(name: str) -> None:
-    done = crossed(CASES[name])
-    assert done.ok, [f"{f.code} {f.message}" for f in done.findings]
-    assert done.motion is not None and done.motion.found is not None and done.motion.found.visits
+    moves_the_same(crossed(CASES[name]))
 
 
 def test_bytes_begin_empty_at_each_call() -> None:

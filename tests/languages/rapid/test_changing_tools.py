@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import pytest
 
-from assistant.compiler import Translation, translate
-from assistant.compiler.loading import load_text
-from assistant.compiler.motion import Proving
-from assistant.program.text import SourceText
+from tests.compiler.proven import crossed_module, moves_the_same
 
 HEAD = """MODULE Cell
   CONST robtarget p10:=[[400,0,300],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
@@ -20,6 +18,7 @@ HEAD = """MODULE Cell
   PERS wobjdata wBelt:=[FALSE,TRUE,"",[[0,0,0],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];
   VAR robtarget here;
 """
+crossed = partial(crossed_module, HEAD)
 CASES = {
     "parts and wholes of a work object": """PROC main()
       VAR pose shift;
@@ -75,16 +74,9 @@ CASES = {
 }
 
 
-def crossed(body: str) -> Translation:
-    loaded = load_text(SourceText(f"{HEAD}{body}\nENDMODULE\n"), language="rapid")
-    return translate(loaded, to="melfa-basic-6", proving=Proving(runs=1, seconds=2.0))
-
-
 @pytest.mark.parametrize("name", CASES)
 def test_they_move_the_robot_as_they_did(name: str) -> None:
-    done = crossed(CASES[name])
-    assert done.ok, [f"{f.code} {f.message}" for f in done.findings]
-    assert done.motion is not None and done.motion.found is not None and done.motion.found.visits
+    moves_the_same(crossed(CASES[name]))
 
 
 @pytest.mark.parametrize(
@@ -123,14 +115,10 @@ ENDPROC"""
 
 
 def test_what_a_mechanical_unit_carries_stands_where_the_cell_says(tmp_path: Path) -> None:
-    (tmp_path / "cell.mod").write_text(f"{HEAD}{CARRIED}\nENDMODULE\n", encoding="utf-8")
     cell = tmp_path / "cell.toml"
     cell.write_text("[frames.STN1_stands]\nposition = [50, 20, 5]\n", encoding="utf-8")
-    proving = Proving(runs=1, seconds=2.0)
-    done = translate(tmp_path / "cell.mod", to="melfa-basic-6", cell=cell, proving=proving)
-    assert done.ok, [f"{f.code} {f.message}" for f in done.findings]
-    assert done.motion is not None and done.motion.found is not None
-    assert done.motion.found.visits == 12  # four in each of three cycles
+    done = crossed_module(HEAD, CARRIED, cell=cell)
+    assert moves_the_same(done) == 12  # four in each of three cycles
     assert [row.level for row in done.rows if '"STN1"' in row.text] == ["partial", "partial"]
     assert any(f.code == "RA361" for f in done.findings)
 

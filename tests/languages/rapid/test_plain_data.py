@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import random
+from functools import partial
 
 import pytest
 
-from assistant.compiler import translate
-from assistant.compiler.loading import load_text
-from assistant.compiler.motion import Proving
-from assistant.compiler.translating import Translation
-from assistant.program.text import SourceText
+from tests.compiler.proven import crossed_module, moves_the_same
 
 HEAD = """MODULE Cell
 RECORD size
@@ -33,6 +30,7 @@ PROC go(num x,num y,num z)
   MoveL Offs(p10,x,y,z),v100,fine,tGrip;
 ENDPROC
 """
+crossed = partial(crossed_module, HEAD, runs=2)
 
 CASES = {
     "components": """VAR box one:=[[7,8],"x",TRUE];
@@ -236,18 +234,9 @@ CASES = {
 }
 
 
-def crossed(body: str, **options: object) -> Translation:
-    text = f"{HEAD}{body}\nENDMODULE\n"
-    loaded = load_text(SourceText(text), language="rapid")
-    proving = Proving(runs=2, seconds=2.0)
-    return translate(loaded, to="melfa-basic-6", proving=proving, **options)  # type: ignore[arg-type]
-
-
 @pytest.mark.parametrize("name", CASES)
 def test_records_do_the_same_in_the_other_language(name: str) -> None:
-    done = crossed(CASES[name])
-    assert done.ok, [f"{f.code} {f.message}" for f in done.findings]
-    assert done.motion is not None and done.motion.found is not None and done.motion.found.visits
+    moves_the_same(crossed(CASES[name]))
 
 
 def test_what_nothing_reads_is_left_out_and_told() -> None:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import pytest
 
-from assistant.compiler import translate
-from assistant.compiler.loading import load_text
-from assistant.compiler.motion import Proving
-from assistant.compiler.translating import Translation
-from assistant.program.text import SourceText
+from tests.compiler.proven import crossed_module, moves_the_same
 
 HEAD = """MODULE Cell
 CONST robtarget p10:=[[354,0,300],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
@@ -20,11 +18,7 @@ VAR pace all;
 VAR speeddata slow;
 VAR zonedata near;
 """
-
-
-def crossed(body: str) -> Translation:
-    loaded = load_text(SourceText(f"{HEAD}{body}\nENDMODULE\n"), language="rapid")
-    return translate(loaded, to="melfa-basic-6", proving=Proving(runs=2, seconds=2.0))
+crossed = partial(crossed_module, HEAD, runs=2)
 
 
 def test_a_speed_that_is_given_one_value_is_that_value() -> None:
@@ -39,8 +33,7 @@ def test_a_speed_that_is_given_one_value_is_that_value() -> None:
       ! behind the speed
       all.zone:=z20;
     ENDPROC""")
-    assert done.ok, [f"{f.code} {f.message}" for f in done.findings]
-    assert done.motion is not None and done.motion.found is not None and done.motion.found.visits
+    moves_the_same(done)
     text = b"".join(done.files.values()).decode("ascii")
     assert ("Spd 120" in text, "Cnt 1,20,20" in text, "Spd 150" in text) == (True, True, True)
     told = [row.text for row in done.rows if any(f.code == "RA345" for f in row.reasons)]
