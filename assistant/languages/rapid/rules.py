@@ -183,6 +183,12 @@ UNCALLED: Final = warning(
     "nothing calls `{name}`, which is left out: what it works with is given by those that call it",
     "keep it in the source for programs that call it",
 )
+UNREAD_CALLERS: Final = warning(
+    "RA347",
+    "nothing that was read calls `{name}`: what it is given is {names} here, data of the program",
+    "set them before each call, and name signals and lines in the cell file; if it is called in "
+    "another way too, copy it",
+)
 IDLE: Final = info("RA344", "this is left out: nothing reads what it assigns", "none is needed")
 SETTLED: Final = warning(
     "RA345",

@@ -126,3 +126,59 @@ def test_a_routine_that_is_called_by_a_worked_out_name_stays_beside_its_copies(
     done = translated(tmp_path, 'place tGrip; %"place"% tSuck;', PLACE)
     assert not done.ok
     assert [row.level for row in done.rows if row.text.startswith("PROC place")] == ["not"]
+
+
+LIBRARY = """MODULE Library
+CONST robtarget p10:=[[400,0,300],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+PROC pick(robtarget p,PERS tooldata t,VAR signaldo do1\\PERS wobjdata w\\VAR signaldo other)
+  MoveL p,v100,fine,t\\WObj?w;
+  IF Present(other) THEN
+    SetDO other,1;
+  ENDIF
+  lengthen t;
+  close do1\\twice;
+ENDPROC
+PROC lengthen(PERS tooldata t)
+  t.tframe.trans.z:=t.tframe.trans.z+9;
+ENDPROC
+PROC close(VAR signaldo o\\switch twice)
+  SetDO o,1;
+  IF Present(twice) SetDO o,0;
+ENDPROC
+PROC main_of_test()
+  {calls}
+ENDPROC
+ENDMODULE
+"""
+
+
+def _library(folder: Path, calls: str) -> Translation:
+    (folder / "cell.toml").write_text(CELL, encoding="utf-8")
+    file = folder / "library.mod"
+    file.write_text(LIBRARY.format(calls=calls), encoding="utf-8", newline="\n")
+    return translate(file, to="melfa-basic-6", cell=folder / "cell.toml", entry="main_of_test")
+
+
+def test_a_routine_that_nothing_calls_in_a_library_has_data_of_the_program(tmp_path: Path) -> None:
+    done = _library(tmp_path, "MoveL p10,v100,fine,tool0;")
+    assert done.ok, [f.message for row in done.rows for f in row.reasons]
+    (told,) = [f.message for row in done.rows for f in row.reasons if f.code == "RA347"]
+    assert "`t`, `do1`, `w`, never `\\other`" in told
+    made = b"".join(done.files.values()).decode("ascii")
+    assert made.count("M_Out(1)=") == 2
+    assert "Function V pick(" in made
+
+
+def test_a_routine_of_a_library_that_is_called_has_what_it_is_given(tmp_path: Path) -> None:
+    done = _library(tmp_path, "close do1; close do2;")
+    names = {q.name for q in done.compiled.program.procedures}
+    assert {"close_do1", "close_do2"} < names
+    told = [f.message for row in done.rows for f in row.reasons if f.code == "RA347"]
+    assert len(told) == 1
+    assert "`pick`" in told[0]
+
+
+def test_a_routine_that_nothing_calls_is_left_out_of_a_program(tmp_path: Path) -> None:
+    done = translated(tmp_path, "MoveL p10,v100,fine,tool0;", PLACE)
+    assert done.ok
+    assert "RA346" in [f.code for row in done.rows for f in row.reasons]

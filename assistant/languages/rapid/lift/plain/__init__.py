@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.local_names import with_own_names
 from assistant.languages.rapid.lift.plain.arm_calls import with_arm_calls
 from assistant.languages.rapid.lift.plain.arrays import with_shared_arrays
@@ -82,8 +81,8 @@ def _plain(files: Sequence[s.File], apart: frozenset[str]) -> Plain | None:
     read, of_names = with_named_data(with_told_states(with_traps(chosen.modules)))
     whole = with_library(with_bytes(read))
     layouts = Layouts(whole, apart)
-    idle: list[tuple[int, s.Routine]] = []
-    copied = with_copies(with_shared_arrays(whole, layouts), layouts, idle)
+    uncalled: list[tuple[int, Diagnostic]] = []
+    copied = with_copies(with_shared_arrays(whole, layouts), layouts, uncalled)
     copied = with_settled(copied, layouts, ())
     name = Fresh(copied)
     required = with_required(copied, layouts, name)
@@ -101,9 +100,8 @@ def _plain(files: Sequence[s.File], apart: frozenset[str]) -> Plain | None:
         program.outside.clear()
         remarks.append((*program.remarks, *(one for told in early for one in told[at])))
         program.remarks.clear()
-    for at, one in idle:
-        if one.span is not None:
-            remarks[at] += (rules.UNCALLED(name=one.name, span=one.span),)
+    for at, finding in uncalled:
+        remarks[at] += (finding,)
     made = with_wholes(made, program.moving.values())
     if whole is not read:
         made = without_uncalled(made, read)

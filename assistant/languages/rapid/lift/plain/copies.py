@@ -13,16 +13,27 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import Any, Final
 
-from assistant.languages.rapid.lift.plain.changing import Changes, assigned, calls_of, reaches
+from assistant.languages.rapid import rules
+from assistant.languages.rapid.lift.plain.called import Called, Given, Handed
+from assistant.languages.rapid.lift.plain.callers import STARTS, Callers
+from assistant.languages.rapid.lift.plain.changing import Changes, calls_of, reaches
 from assistant.languages.rapid.lift.plain.layouts import SETTINGS, Layouts
-from assistant.languages.rapid.lift.plain.substituting import sound, substituted, told
-from assistant.languages.rapid.text.printer import expression as printed
+from assistant.languages.rapid.lift.plain.substituting import (
+    begun_with,
+    is_literal,
+    is_row,
+    renamed,
+    sound,
+    substituted,
+    told,
+    way_of,
+)
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.gather import literal_number
 from assistant.languages.rapid.tree.walk import inner_names, nodes, root
+from assistant.program.diagnostics import Diagnostic
 from assistant.program.program import TakenNames, identifier
 from assistant.program.rewriting import rewrite
 
@@ -31,68 +42,26 @@ MOST_COPIES: Final = 60
 """Of one routine; more is no program that anybody reads."""
 _NAMING: Final = (s.Data, s.Routine, s.Record, s.Alias, s.ParameterNode)
 
-Given = tuple[s.Expression | None, ...]
-"""What a call gives for the parameters that a copy has not, in their order; None for nothing."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Parameter:
-    """One of a routine. place: among the required ones, -1 of an optional one."""
-
-    node: s.ParameterNode
-    place: int
-
-    @property
-    def key(self) -> str:
-        return self.node.name.lower()
-
-    @property
-    def is_copied(self) -> bool:
-        """Whether it is an array by its value."""
-        return bool(self.node.dimensions) and not self.node.mode
-
-
-@dataclass(slots=True)
-class _Routine:
-    """A routine that copies are made of. ways: what it is called with, and the name of the copy.
-
-    stays: somebody calls it in a way that no copy is for. hidden: names of its own, and changed:
-    those that it assigns to, in lower case. runs: it has moves in columns, whose settings are
-    names.
-    """
-
-    node: s.Routine
-    parameters: tuple[_Parameter, ...]
-    ways: dict[tuple[str | None, ...], tuple[str, Given]] = field(default_factory=dict)
-    stays: bool = False
-    hidden: frozenset[str] = frozenset()
-    changed: frozenset[str] = frozenset()
-    runs: bool = False
-
-    @staticmethod
-    def of(node: s.Routine, parameters: tuple[_Parameter, ...]) -> _Routine:
-        hidden = frozenset(name.lower() for name in inner_names((node,)))
-        runs = any(isinstance(inner, s.MoveRunNode) for inner in nodes(node))
-        changed = frozenset(assigned(node))
-        return _Routine(node, parameters, hidden=hidden, changed=changed, runs=runs)
-
 
 def with_copies(
-    modules: Sequence[s.Module], layouts: Layouts, left: list[tuple[int, s.Routine]]
+    modules: Sequence[s.Module], layouts: Layouts, findings: list[tuple[int, Diagnostic]]
 ) -> Sequence[s.Module]:
     """The modules with such copies; themselves if no routine needs any.
 
-    left: gets routines for sockets, files and the like that a program with a start never calls,
-    each with the place of its module.
+    findings: gets those on routines that nothing calls, each with the place of its module. They
+    are left out of a program with a start; a library has data in the place of their callers'.
     """
-    return _Copies(modules, layouts, left).modules()
+    return _Copies(modules, layouts, findings).modules()
 
 
 class _Copies:
     def __init__(
-        self, modules: Sequence[s.Module], layouts: Layouts, left: list[tuple[int, s.Routine]]
+        self,
+        modules: Sequence[s.Module],
+        layouts: Layouts,
+        findings: list[tuple[int, Diagnostic]],
     ) -> None:
-        self.all, self.layouts, self.left = modules, layouts, left
+        self.all, self.layouts, self.findings = modules, layouts, findings
         items = [item for module in modules for item in module.items]
         found: dict[str, list[s.Routine]] = {}
         for item in items:
@@ -100,7 +69,7 @@ class _Copies:
                 found.setdefault(item.name.lower(), []).append(item)
         self.calls = calls_of(found)
         self.routines = {
-            name: _Routine.of(own[0], parameters)
+            name: Called.of(own[0], parameters)
             for name, own in found.items()
             if len(own) == 1 and (parameters := self._parameters(own[0]))
         }
@@ -114,6 +83,9 @@ class _Copies:
         written = (root(one.target) for one in every if isinstance(one, s.Assignment))
         self.written = {one.name.lower() for one in written if one is not None}
         self.starts = START in found
+        self.callers = Callers(items, self.layouts, self.taken)
+        self.free: dict[str, list[str]] = {}
+        """By routine in lower case that nobody calls, what it is given."""
         self.changes = Changes(found)
         declared = [item for item in items if isinstance(item, s.Data)]
         names = Counter(item.name.lower() for item in declared)
@@ -128,19 +100,19 @@ class _Copies:
             if isinstance(one, s.ProcedureCall | s.FunctionCall) and isinstance(one.name, str):
                 self.written |= self.changes.by(one)
 
-    def _parameters(self, routine: s.Routine) -> tuple[_Parameter, ...]:
+    def _parameters(self, routine: s.Routine) -> tuple[Handed, ...]:
         """Those that copies have not; none if one of the routine cannot be told."""
         if routine.kind == "TRAP":
             return ()
         again = reaches(self.calls, routine.name.lower())
-        found: list[_Parameter] = []
+        found: list[Handed] = []
         place = 0
         for group in routine.parameters:
             for one in group.alternatives:
                 if isinstance(one, s.Placeholder):
                     return ()
                 if self._is_named(one) or (one.dimensions > 0 and not again):
-                    found.append(_Parameter(one, -1 if group.optional else place))
+                    found.append(Handed(one, -1 if group.optional else place))
             place += not group.optional
         return tuple(found)
 
@@ -162,7 +134,7 @@ class _Copies:
         copies: dict[str, list[s.Routine]] = {name: [] for name in self.routines}
         while self._more(copies, made):
             pass
-        renamed = {
+        names = {
             copies[name][0].name.lower(): one.node.name
             for name, one in self.routines.items()
             if len(copies[name]) == 1 and id(one.node) not in made
@@ -175,13 +147,15 @@ class _Copies:
                 kept = made.get(id(item), None if own else item)
                 if isinstance(item, s.Routine) and item.name.lower() in self.routines:
                     if self._is_idle(self.routines[item.name.lower()]):
-                        self.left.append((at, item))
+                        self.findings.append((at, rules.UNCALLED(name=item.name, span=item.span)))
                         continue
+                    if item.name.lower() in self.free:
+                        self.findings.append((at, self._freed(item)))
                 items += [] if kept is None else [kept]
                 if own and isinstance(item, s.Routine):
                     items += self.added.get(item.name.lower(), ())
                 items += own
-            items = [_renamed(item, renamed) for item in items] if renamed else items
+            items = [renamed(item, names) for item in items] if names else items
             same = len(items) == len(module.items)
             same = same and all(a is b for a, b in zip(items, module.items, strict=True))
             whole.append(module if same else replace(module, items=tuple(items)))
@@ -194,6 +168,8 @@ class _Copies:
             for new, given in list(one.ways.values())[len(copies[name]) :]:
                 copies[name].append(self._called(self._copy(one, new, given)))
         if sum(map(len, copies.values())) + len(made) == before:
+            if self._free(copies, made):
+                return True
             for one in self.routines.values():
                 if self._is_idle(one):
                     continue
@@ -201,10 +177,44 @@ class _Copies:
                     made[id(one.node)] = self._called(one.node)
         return sum(map(len, copies.values())) + len(made) > before
 
-    def _is_idle(self, one: _Routine) -> bool:
+    def _is_idle(self, one: Called) -> bool:
         """Whether a routine is for devices that nobody gives it: there is nothing to say of it."""
-        devices = any(self._is_device(q.node) and q.place >= 0 for q in one.parameters)
+        devices = any(self._is_free(q) and q.place >= 0 for q in one.parameters)
         return devices and self.starts and not (one.ways or one.stays or self.late)
+
+    def _is_free(self, q: Handed) -> bool:
+        """Whether only callers know what it is, and no value stands for it."""
+        return self._is_device(q.node) or self.layouts.base(q.node.type) in STARTS
+
+    def _free(self, copies: Mapping[str, Sequence[s.Routine]], made: Mapping[int, s.Item]) -> bool:
+        """Whether there were routines of a library that are left to programs which call them."""
+        if self.late or self.starts:
+            return False
+        left = {
+            name: own
+            for name, one in self.routines.items()
+            if not (copies[name] or one.stays or id(one.node) in made)
+            and (own := tuple(filter(self._is_free, one.parameters)))
+        }
+        called = {to for name in left for to in self.calls[name] if to != name}
+        for name in [name for name in left if name not in called] or list(left)[:1]:
+            one = self.routines[name] = Called.of(self.routines[name].node, left[name])
+            given = tuple(self.callers.of(one.node, q.node, q.place < 0) for q in one.parameters)
+            new = identifier(one.node.name, self.taken)
+            self.taken.add(new)
+            way = tuple(None if value is None else way_of(value) for value in given)
+            one.ways[way] = new, given
+            pairs = zip(one.parameters, given, strict=True)
+            self.free[name] = [
+                f"never `\\{q.node.name}`" if value is None else f"`{value.name}`"
+                for q, value in pairs
+            ]
+            self.added.setdefault(name, []).extend(self.callers.data.get(name, ()))
+        return bool(left)
+
+    def _freed(self, routine: s.Routine) -> Diagnostic:
+        names = ", ".join(self.free[routine.name.lower()])
+        return rules.UNREAD_CALLERS(name=routine.name, names=names, span=routine.span)
 
     # -------------------------------------------------------------------------------- calls
 
@@ -223,7 +233,7 @@ class _Copies:
         return made
 
     def _call(
-        self, node: s.ProcedureCall | s.FunctionCall, one: _Routine, own: set[str]
+        self, node: s.ProcedureCall | s.FunctionCall, one: Called, own: set[str]
     ) -> s.ProcedureCall | s.FunctionCall:
         """A call of a copy; the call itself, if there is none for it."""
         split = self._split(node, one, own)
@@ -231,7 +241,7 @@ class _Copies:
             one.stays = True
             return node
         given, left = split
-        way = tuple(None if value is None else _way(value) for value in given)
+        way = tuple(None if value is None else way_of(value) for value in given)
         if way not in one.ways:
             if len(one.ways) >= MOST_COPIES:
                 one.stays = True
@@ -244,7 +254,7 @@ class _Copies:
         return replace(node, name=name, arguments=left)
 
     def _split(
-        self, node: s.ProcedureCall | s.FunctionCall, one: _Routine, own: set[str]
+        self, node: s.ProcedureCall | s.FunctionCall, one: Called, own: set[str]
     ) -> tuple[Given, tuple[s.Argument, ...]] | None:
         """What a call gives for what a copy has not, and what is left; None if it is not known."""
         plain = [a for a in node.arguments if isinstance(a, s.Positional)]
@@ -276,14 +286,14 @@ class _Copies:
         ]
         return tuple(given), tuple(left)
 
-    def _fits(self, value: s.Expression, q: _Parameter, one: _Routine, own: set[str]) -> bool:
+    def _fits(self, value: s.Expression, q: Handed, one: Called, own: set[str]) -> bool:
         """Whether a copy may have a value in the place of a parameter."""
         found = root(value)
         if found is None and q.node.dimensions:
             return False
         if found is None:
             literal = isinstance(value, s.AggregateNode) and not q.node.mode
-            fits = literal and _is_literal(value) and not one.runs
+            fits = literal and is_literal(value) and not one.runs
             return fits and q.key not in one.changed
         low = found.name.lower()
         if low in own or low in one.hidden - {each.key for each in one.parameters}:
@@ -293,13 +303,13 @@ class _Copies:
             return (
                 value is found and array is not None and q.node.dimensions == len(array.dimensions)
             )
-        if value is not found and (one.runs or not _is_row(value)):
+        if value is not found and (one.runs or not is_row(value)):
             return False
         return bool(q.node.mode) or (low not in self.written and q.key not in one.changed)
 
     # ------------------------------------------------------------------------------- copies
 
-    def _copy(self, one: _Routine, name: str, given: Given) -> s.Routine:
+    def _copy(self, one: Called, name: str, given: Given) -> s.Routine:
         """A routine with what it is given in the place of its parameters."""
         values = {q.key: v for q, v in zip(one.parameters, given, strict=True)}
         first: list[s.StatementNode] = []
@@ -313,10 +323,10 @@ class _Copies:
         known: s.Routine = rewrite(one.node, lambda node: told(node, values), ())
         made: s.Routine = rewrite(known, lambda node: substituted(node, values), ())
         handlers = tuple(replace(h, body=sound(h.body)) for h in made.handlers)
-        body = _begun_with(first, sound(made.body))
+        body = begun_with(first, sound(made.body))
         return replace(made, name=name, parameters=groups, body=body, handlers=handlers)
 
-    def _may_change(self, one: _Routine, q: _Parameter, value: Any, given: Given) -> bool:
+    def _may_change(self, one: Called, q: Handed, value: Any, given: Given) -> bool:
         """Whether an array may be changed while a routine runs that is given it by its value."""
         low, changed = value.name.lower(), self.changes.of(one.node.name.lower())
         if changed is None or q.key in changed or low in changed:
@@ -327,7 +337,7 @@ class _Copies:
             for other, gives in others
         )
 
-    def _held(self, one: _Routine, q: _Parameter, value: Any) -> s.NameRef:
+    def _held(self, one: Called, q: Handed, value: Any) -> s.NameRef:
         """An array of the module that another is copied to."""
         array = self.arrays[value.name.lower()]
         name = identifier(f"{one.node.name}_{q.node.name}", self.taken)
@@ -343,52 +353,7 @@ def _names(value: s.Expression | None, low: str) -> bool:
     return found is not None and found.name.lower() == low
 
 
-def _begun_with(
-    first: Sequence[s.StatementNode], body: tuple[s.StatementNode, ...]
-) -> tuple[s.StatementNode, ...]:
-    """A body with statements behind its declarations."""
-    if not first:
-        return body
-    at = next(
-        (k for k, n in enumerate(body) if not isinstance(n, s.Data | s.CommentLine)), len(body)
-    )
-    return (*body[:at], *first, *body[at:])
-
-
-def _way(value: s.Expression) -> str:
-    """What tells the ways of calling a routine apart, and a copy's name from others."""
-    return value.name.lower() if isinstance(value, s.NameRef) else printed(value)
-
-
 def _one_of(group: s.ParameterGroup, keys: set[str]) -> bool:
     return any(
         isinstance(a, s.ParameterNode) and a.name.lower() in keys for a in group.alternatives
     )
-
-
-def _is_literal(node: s.Expression) -> bool:
-    if isinstance(node, s.AggregateNode):
-        return all(map(_is_literal, node.items))
-    return isinstance(node, s.BoolLiteral | s.StringLiteral) or literal_number(node) is not None
-
-
-def _is_row(value: s.Expression) -> bool:
-    """Whether a value is a row of a table by its number."""
-    if not isinstance(value, s.Element) or not isinstance(value.value, s.NameRef):
-        return False
-    numbers = (None if isinstance(i, s.Whole) else literal_number(i) for i in value.indices)
-    return all(isinstance(number, int) for number in numbers)
-
-
-def _renamed(item: s.Item, names: Mapping[str, str]) -> s.Item:
-    """An item with other names of routines, by lower-case name."""
-
-    def visit(node: Any) -> Any:
-        match node:
-            case s.Routine(name=name) | s.ProcedureCall(str(name)) | s.FunctionCall(name):
-                if name.lower() in names:
-                    return replace(node, name=names[name.lower()])
-        return node
-
-    made: s.Item = rewrite(item, visit, ())
-    return made

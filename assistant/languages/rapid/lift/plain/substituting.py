@@ -6,8 +6,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from assistant.languages.rapid.text.printer import expression as printed
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.gather import literal_number
 from assistant.languages.rapid.tree.runs import MotionNames
+from assistant.program.rewriting import rewrite
 
 
 def told(node: Any, values: Mapping[str, s.Expression | None]) -> Any:
@@ -82,3 +85,48 @@ def substituted(node: Any, named: Mapping[str, s.Expression | None]) -> Any:
 def _name(name: str, named: Mapping[str, s.Expression | None]) -> str:
     value = named.get(name.lower())
     return value.name if isinstance(value, s.NameRef) else name
+
+
+def begun_with(
+    first: Sequence[s.StatementNode], body: tuple[s.StatementNode, ...]
+) -> tuple[s.StatementNode, ...]:
+    """A body with statements behind its declarations."""
+    if not first:
+        return body
+    at = next(
+        (k for k, n in enumerate(body) if not isinstance(n, s.Data | s.CommentLine)), len(body)
+    )
+    return (*body[:at], *first, *body[at:])
+
+
+def renamed(item: s.Item, names: Mapping[str, str]) -> s.Item:
+    """An item with other names of routines, by lower-case name."""
+
+    def visit(node: Any) -> Any:
+        match node:
+            case s.Routine(name=name) | s.ProcedureCall(str(name)) | s.FunctionCall(name):
+                if name.lower() in names:
+                    return replace(node, name=names[name.lower()])
+        return node
+
+    made: s.Item = rewrite(item, visit, ())
+    return made
+
+
+def way_of(value: s.Expression) -> str:
+    """What tells the ways of calling a routine apart, and a copy's name from others."""
+    return value.name.lower() if isinstance(value, s.NameRef) else printed(value)
+
+
+def is_literal(node: s.Expression) -> bool:
+    if isinstance(node, s.AggregateNode):
+        return all(map(is_literal, node.items))
+    return isinstance(node, s.BoolLiteral | s.StringLiteral) or literal_number(node) is not None
+
+
+def is_row(value: s.Expression) -> bool:
+    """Whether a value is a row of a table by its number."""
+    if not isinstance(value, s.Element) or not isinstance(value.value, s.NameRef):
+        return False
+    numbers = (None if isinstance(i, s.Whole) else literal_number(i) for i in value.indices)
+    return all(isinstance(number, int) for number in numbers)
