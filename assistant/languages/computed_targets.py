@@ -60,7 +60,7 @@ class _Targets:
         made = Taken(node)
         used = 0
         elsewhere = _read_elsewhere(node)
-        goal = isinstance(node, p.Move) and isinstance(node.target, e.Apply)
+        along = _along(node)
 
         def visit(value: e.Expression) -> e.Expression:
             nonlocal used
@@ -74,7 +74,7 @@ class _Targets:
                 place = self.place("at", used)
                 made.before.append(p.Assign(place, value))
                 return place
-            parts, shift = _parts(value), _shift(value, goal)
+            parts, shift = _parts(value), _shift(value)
             if parts is not None:
                 used += 1
                 place = self.place("at", used)
@@ -113,7 +113,13 @@ class _Targets:
                     made.before += (p.Assign(copy, place), *_assigned(copy, axes))
                     made.statement = replace(node, target=place, value=copy)
                     return made
-        made.statement = map_head(node, visit)
+        if along is None:
+            made.statement = map_head(node, visit)
+            return made
+        move = map_head(replace(along[0], target=e.Aggregate(along[1:])), visit)
+        place, distance = move.target.items
+        still = e.Number(0)
+        made.statement = replace(move, target=e.Apply("relative", (place, still, still, distance)))
         return made
 
     def place(self, stem: str, number: int, type: ValueType = "position") -> e.Name:
@@ -151,11 +157,19 @@ Moved = tuple[e.TargetValue, dict[str, e.Expression]]
 """What a target is moved by in its tool: what is known of that, and the components that are not."""
 
 
-def _shift(value: e.Expression, in_move: bool) -> tuple[e.Expression, tuple[Moved, ...]] | None:
+def _along(node: p.Statement) -> tuple[p.Move, e.Expression, e.Expression] | None:
+    """A move to a target a distance along its tool, which has a form of its own, and the two."""
+    match node:
+        case p.Move(target=e.Apply("relative", (base, x, y, z, *turns))):
+            return (node, base, z) if all(map(_is_zero, (x, y, *turns))) else None
+    return None
+
+
+def _shift(value: e.Expression) -> tuple[e.Expression, tuple[Moved, ...]] | None:
     """Of a target that is moved in its tool: the target, and what it is moved by, one by one.
 
-    A distance along the tool alone has a form of its own in a move, and so has a shift that is
-    known and turns about one axis at most. Turns are about x, then the new y, then the new z.
+    A shift that is known and turns about one axis at most has a form of its own. Turns are about
+    x, then the new y, then the new z.
     """
     match value:
         case e.Apply("relative", (base, x, y, z, *turns)):
@@ -168,8 +182,7 @@ def _shift(value: e.Expression, in_move: bool) -> tuple[e.Expression, tuple[Move
     if None in angles:
         return base, tuple(_one_by_one((x, y, z), computed, given))
     known = [n or 0.0 for n in angles]
-    along = in_move and _is_zero(x) and _is_zero(y) and not any(known)
-    if along or (not computed and sum(a != 0.0 for a in known) <= 1):
+    if not computed and sum(a != 0.0 for a in known) <= 1:
         return None
     turn = rotations.from_euler(np.array(known), "XYZ")
     return base, ((_moved_by((x, y, z), turn), computed),)

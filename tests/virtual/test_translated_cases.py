@@ -66,6 +66,15 @@ PROC main()
   MoveL RelTool(pt,0,n,5\\Rx:=15\\Rz:=40),v100,fine,tGripper;
   MoveL RelTool(pt,1,2,3\\Rx:=15\\Rz:=40),v100,fine,tGripper;
 ENDPROC""",
+    "targets a distance along the tool, one within another": """VAR num n:=7;
+PROC main()
+  MoveL raised(RelTool(p10,0,0,-n)),v100,fine,tGripper;
+  MoveL RelTool(RelTool(p10,0,0,-n),0,0,n\\Rz:=0),v100,fine,tGripper;
+  MoveL RelTool(raised(RelTool(p10,0,0,n)),0,0,-2*n),v100,fine,tGripper;
+ENDPROC
+FUNC robtarget raised(robtarget place)
+  RETURN Offs(place,0,0,1);
+ENDFUNC""",
     "switches of routines": """VAR num n;
 PROC main()
   add 1\\twice;

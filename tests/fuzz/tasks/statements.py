@@ -88,7 +88,7 @@ class Statements(Values):
                 self.say(depth, f"{self.any('pos')}.{rng.choice('xyz')}:={self.small()};")
             case 2 if self.any("record"):
                 name, value = self.any("record"), self.small()
-                said = (f"number:={value}", f"good:={self.condition(1)}", f"size.y:={value}")
+                said = (f"number:={value}", f"good:={self.condition()}", f"size.y:={value}")
                 self.say(depth, f"{name}.{rng.choice(said)};")
             case 3 if self.any("record"):
                 one, other = self.any("record"), self.any("record")
@@ -114,7 +114,7 @@ class Statements(Values):
 
     def move(self, depth: int) -> None:
         word = self.rng.choice(("MoveL", "MoveL", "MoveJ"))
-        self.say(depth, f"{word} {self.place()},{self.how()};")
+        self.say(depth, f"{word} {self.value('robtarget')},{self.how()};")
 
     def other_move(self, depth: int) -> None:
         rng = self.rng
@@ -130,7 +130,7 @@ class Statements(Values):
                 at = f"[[{rng.randint(200, 400)},{rng.randint(-90, 90)},300],[0,0,1,0],[0,0,0,0]"
                 self.say(depth, f"MoveL [{at[1:]},{UNUSED}],{self.how()};")
             case 3:
-                self.say(depth, f"MoveLDO {self.place()},v100,fine,tGrip,doLamp,1;")
+                self.say(depth, f"MoveLDO {self.value('robtarget')},v100,fine,tGrip,doLamp,1;")
 
     def settings(self, depth: int) -> None:
         rng = self.rng

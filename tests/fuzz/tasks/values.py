@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from random import Random
 from typing import Final
@@ -10,6 +12,76 @@ LEAST_MARK: Final = 1001
 """The first of the numbers by which a statement is found again; no other number is as large."""
 UNUSED: Final = "[9E9,9E9,9E9,9E9,9E9,9E9]"
 DOWN: Final = ("[0,0,1,0]", "[0,0.991444861,0.130526192,0]", "[0,0.707106781,0.707106781,0]")
+
+
+FORMS: Final[Mapping[str, Mapping[str, float]]] = {
+    "small": {"{0..7}": 3, "(Abs({name int}) MOD 8)": 7},
+    "int": {
+        "{0..9}": 12,
+        "{name int}": 18,
+        "{small}+{small}": 12,
+        "({name int}-{small})": 6,
+        "{small}*{2..3}": 6,
+        "{small} DIV {2..4}": 6,
+        "Abs({name int}-{1..20})": 6,
+        "Trunc({num})": 6,
+        "Round({num})": 6,
+        "StrLen({name string})": 6,
+        "{element}": 6,
+        "{name record}.number": 6,
+        "{call int}": 6,
+        "Dim({row},1)": 6,
+    },
+    "num": {
+        "{1..9}.25": 5,
+        "{name num}": 5,
+        "{small}/4": 5,
+        "{name pos}.{x|y|z}": 5,
+        "{name robtarget}.trans.{x|y|z}": 5,
+        "{name num}/2": 4,
+        "Min({name num},20)": 1,
+        "Sqrt({4|9|16})": 5,
+    },
+    "bool": {"TRUE": 1, "FALSE": 1, "{condition}": 1},
+    "condition": {"{truth}": 6, "{truth} AND {truth}": 1, "{truth} OR {truth}": 1},
+    "truth": {
+        "{int}{=|<>|<|>|<=|>=}{int}": 4,
+        "{name bool}": 0.5,
+        "(NOT {name bool})": 0.5,
+        "{name bool}=TRUE": 1,
+        "diPart={0..1}": 1,
+        "DInput(diReady)={0..1}": 1,
+        "giOrder{=|>|<}{0..7}": 1,
+        "DOutput(doLamp)={0..1}": 1,
+        '{name string}="part {0..20}"': 1,
+    },
+    "string": {
+        '"part {0..20}"': 2,
+        'StrPart({name string}+"abcd",1,{1..3})': 1,
+        '"no "+NumToStr({small},0)': 1,
+        'ValToStr({small})+" parts"': 1,
+        'StrPart({name string}+"....",1,4)+"{1..99}"': 1,
+    },
+    "robtarget": {
+        "p1": 0,
+        "{name robtarget}": 2,
+        "Offs({name robtarget},{offsets})": 2,
+        "RelTool({name robtarget},{offsets})": 1,
+        "RelTool({name robtarget},{offsets}\\Rz:={-40..40})": 1,
+        "{call robtarget}": 1,
+    },
+    "offsets": {"{offset},{offset},{offset}": 1},
+    "offset": {"0": 1, "{-20..20}": 1, "{small}": 1},
+    "pos": {"[{small},{small},{0..90}]": 1},
+}
+"""Expressions of a type, and how often each is drawn; the first needs nothing that is declared.
+
+A whole number (`int`) stays below some thousands, a `small` one from 0 to 7; no move to a
+position leaves the reach of a middling arm. Fields: `{1..9}` a number, `{x|y}` one of these words,
+`{name T}` a name of that type, `{call T}` a call of a function of it, `{row}` an array, `{element}`
+an element of one, other words an expression of that row.
+"""
+FIELD: Final = re.compile(r"\{(.*?)\}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,140 +126,54 @@ class Values:
     def functions(self, result: str) -> list[Routine]:
         return [one for one in self.routines if one.result == result]
 
-    # ---------------------------------------------------------------------------- numbers
-
-    def whole(self, depth: int = 0) -> str:
-        """A whole number that stays below some thousands."""
-        rng = self.rng
-        draw = rng.random()
-        one = self.any("int")
-        if depth > 1 or draw < 0.3 or one is None:
-            return one if one is not None and rng.random() < 0.6 else str(rng.randint(0, 9))
-        match rng.randint(0, 11):
-            case 0 | 1:
-                return f"{self.small(depth + 1)}+{self.small(depth + 1)}"
-            case 2:
-                return f"{self.small(depth + 1)}*{rng.randint(2, 3)}"
-            case 3:
-                return f"{self.small(depth + 1)} DIV {rng.randint(2, 4)}"
-            case 4:
-                return f"Abs({one}-{rng.randint(1, 20)})"
-            case 5:
-                return f"Trunc({self.real()})"
-            case 6:
-                return f"Round({self.real()})"
-            case 7 if self.any("string"):
-                return f"StrLen({self.any('string')})"
-            case 8 if self.rows:
-                name, size = rng.choice(self.rows)
-                return f"{name}{{{rng.randint(1, size)}}}"
-            case 9 if self.any("record"):
-                return f"{self.any('record')}.number"
-            case 10 if self.functions("int"):
-                return self.called(rng.choice(self.functions("int")))
-            case 11 if self.rows:
-                return f"Dim({rng.choice(self.rows)[0]},1)"
-        return f"({one}-{self.small(depth + 1)})"
-
-    def small(self, depth: int = 0) -> str:
+    def small(self) -> str:
         """A whole number from 0 to 7."""
-        if depth > 1 or self.rng.random() < 0.3:
-            return str(self.rng.randint(0, 7))
-        return f"(Abs({self.any('int') or 5}) MOD 8)"
+        return self.value("small")
 
-    def real(self) -> str:
-        rng = self.rng
-        one = self.any("num") or "1.5"
-        place = self.any("pos")
-        match rng.randint(0, 6):
-            case 0:
-                return f"{self.small()}/4"
-            case 1:
-                return f"{rng.randint(1, 9)}.25"
-            case 2 if place:
-                return f"{place}.{rng.choice('xyz')}"
-            case 3 if self.any("robtarget"):
-                return f"{self.any('robtarget')}.trans.{rng.choice('xyz')}"
-            case 4:
-                return f"Min({one},20)" if rng.random() < 0.2 else f"{one}/2"
-            case 5:
-                return f"Sqrt({rng.choice((4, 9, 16))})"
-        return one
-
-    # ----------------------------------------------------------------------------- truths
-
-    def condition(self, depth: int = 0) -> str:
-        rng = self.rng
-        if depth < 1 and rng.random() < 0.25:
-            word = rng.choice((" AND ", " OR "))
-            return f"{self.condition(depth + 1)}{word}{self.condition(depth + 1)}"
-        match rng.randint(0, 9):
-            case 0 if self.any("bool"):
-                return rng.choice(("{}", "(NOT {})")).replace("{}", self.any("bool") or "")
-            case 1:
-                return f"diPart={rng.randint(0, 1)}"
-            case 2:
-                return f"DInput(diReady)={rng.randint(0, 1)}"
-            case 3:
-                return f"giOrder{rng.choice(('=', '>', '<'))}{rng.randint(0, 7)}"
-            case 4:
-                return f"DOutput(doLamp)={rng.randint(0, 1)}"
-            case 5 if self.any("string"):
-                return f'{self.any("string")}="part {rng.randint(0, 20)}"'
-            case 6 if self.any("bool"):
-                return f"{self.any('bool')}=TRUE"
-        relation = rng.choice(("=", "<>", "<", ">", "<=", ">="))
-        return f"{self.whole(1)}{relation}{self.whole(1)}"
-
-    # ------------------------------------------------------------------------------ others
-
-    def text(self) -> str:
-        rng = self.rng
-        one = self.any("string")
-        match rng.randint(0, 5):
-            case 0 if one:
-                return f'StrPart({one}+"abcd",1,{rng.randint(1, 3)})'
-            case 1:
-                return f'"no "+NumToStr({self.small()},0)'
-            case 2:
-                return f'ValToStr({self.small()})+" parts"'
-            case 3 if one:
-                return f'StrPart({one}+"....",1,4)+"{rng.randint(1, 99)}"'
-        return f'"part {rng.randint(0, 20)}"'
-
-    def place(self) -> str:
-        """A position, which no move to it leaves the reach of a middling arm."""
-        rng = self.rng
-        one = self.any("robtarget") or "p1"
-        offsets = ",".join(
-            rng.choice(("0", str(rng.randint(-20, 20)), self.small())) for _ in "xyz"
-        )
-        match rng.randint(0, 6):
-            case 0 | 1:
-                return f"Offs({one},{offsets})"
-            case 2:
-                return f"RelTool({one},{offsets})"
-            case 3:
-                return f"RelTool({one},{offsets}\\Rz:={rng.randint(-40, 40)})"
-            case 4 if self.functions("robtarget"):
-                return self.called(rng.choice(self.functions("robtarget")))
-        return one
+    def condition(self) -> str:
+        return self.value("condition")
 
     def value(self, kind: str) -> str:
-        match kind:
-            case "int":
-                return self.whole()
-            case "num":
-                return self.real()
-            case "bool":
-                return self.rng.choice(("TRUE", "FALSE", self.condition()))
-            case "string":
-                return self.text()
-            case "robtarget":
-                return self.place()
-            case "pos":
-                return f"[{self.small()},{self.small()},{self.rng.randint(0, 90)}]"
-        return self.any(kind) or ""
+        """An expression of a type, or of what `FORMS` has more; empty where there is none."""
+        if kind not in FORMS:
+            return self.any(kind) or ""
+        forms = FORMS[kind]
+        (drawn,) = self.rng.choices(tuple(forms), tuple(forms.values()))
+        said = self.filled(drawn)
+        return self.filled(next(iter(forms))) or "" if said is None else said
+
+    def filled(self, form: str) -> str | None:
+        """A form with what stands for its fields; None if there is nothing for one of them."""
+        parts = FIELD.split(form)
+        for place in range(1, len(parts), 2):
+            said = self.field(parts[place])
+            if said is None:
+                return None
+            parts[place] = said
+        return "".join(parts)
+
+    def field(self, field: str) -> str | None:
+        rng = self.rng
+        if ".." in field:
+            least, most = map(int, field.split(".."))
+            return str(rng.randint(least, most))
+        if "|" in field:
+            return rng.choice(field.split("|"))
+        word, _, kind = field.partition(" ")
+        match word:
+            case "name":
+                return self.any(kind)
+            case "call":
+                functions = self.functions(kind)
+                return self.called(rng.choice(functions)) if functions else None
+            case "row":
+                return rng.choice(self.rows)[0] if self.rows else None
+            case "element":
+                if not self.rows:
+                    return None
+                name, size = rng.choice(self.rows)
+                return f"{name}{{{rng.randint(1, size)}}}"
+        return self.value(word)
 
     def called(self, one: Routine) -> str:
         """A call of a function, without functions of its own in it."""
