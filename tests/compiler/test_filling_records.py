@@ -109,3 +109,33 @@ def test_uses_that_disagree_with_the_values_are_not_asked_for(tmp_path: Path) ->
 ENDMODULE
 """
     assert "records" not in neutral_cell(load(program(tmp_path, text)))
+
+
+OPEN = """MODULE Cell
+  RECORD box
+    num width;
+    num height;
+  ENDRECORD
+  VAR box one;
+  PROC main()
+    one.width:=3;
+    one.height:=one.width+1;
+    SetGO goSize,one.height;
+    SetDO doGrip,1;
+  ENDPROC
+ENDMODULE
+"""
+
+
+def test_a_draft_that_lacks_a_value_says_all_else_as_the_whole_program_does(
+    tmp_path: Path,
+) -> None:
+    """Records too: what is put in front of a program takes none of its data away."""
+    path = tmp_path / "cell.toml"
+    done = translate(program(tmp_path, OPEN), to="melfa-basic-6", cell=path)
+    assert [one.name for one in done.wanting] == ["doGrip", "goSize"]
+    assert done.draft
+    assert done.totals["not"] == 0, [row for row in done.rows if row.level == "not"]
+    (text,) = (data.decode() for data in done.files.values())
+    assert "DRAFT: not for production" in text
+    assert text.index("Hlt") < text.index("Mone_width=3") < text.index("Mone_height=")

@@ -15,7 +15,7 @@ from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic, Span
-from assistant.program.program import Program, Signal
+from assistant.program.program import Procedure, Program, Signal
 from assistant.program.rewriting import Body, map_bodies
 from assistant.program.text import starts_of
 
@@ -37,6 +37,7 @@ class _Told:
     gone: frozenset[str] = frozenset()
 
 
+_NOT_TOLD: Final = _Told((), None, ())
 _LAST: Final[list[_Told]] = []
 """The program that was told last: one translation asks several times."""
 
@@ -109,14 +110,16 @@ def _unread(files: tuple[s.File, ...], found: Plain) -> Iterator[Diagnostic]:
 
 
 def with_plain_data(program: Program) -> Adapted:
-    """The program with plain data, if it is still as it was lifted but for its cell."""
+    """The program with plain data, if it is still as it was lifted but for its cell and heads.
+
+    Heads are statements in front of those of a procedure, and comments behind those of the program.
+    """
     origin = program.origin
     if origin is None or origin.language != verbatim.LANGUAGE:
         return Adapted(program)
-    if program.procedures is not origin.lifted.procedures:
-        return Adapted(program)
-    told = _told(origin.trees)
-    if told.lifted is None:
+    heads = _heads(program, origin.lifted)
+    told = _NOT_TOLD if heads is None else _told(origin.trees)
+    if heads is None or told.lifted is None or not _has_all(told.lifted, heads):
         return Adapted(program)
     changed: dict[str, Any] = {}
     for table in _TABLES:
@@ -127,9 +130,43 @@ def with_plain_data(program: Program) -> Adapted:
     whole = replace(
         told.lifted,
         **changed,
+        procedures=_with_heads(told.lifted.procedures, heads),
+        comments=(*told.lifted.comments, *program.comments[len(origin.lifted.comments) :]),
         name=program.name,
         entry=program.entry,
         robot=program.robot,
         origin=origin,
     )
     return Adapted(whole, told.findings)
+
+
+def _heads(program: Program, lifted: Program) -> dict[str, Body] | None:
+    """What stands in front of the procedures now, by lower-case name; None for other changes."""
+    if program.procedures is lifted.procedures:
+        return {}
+    if len(program.procedures) != len(lifted.procedures):
+        return None
+    heads = dict[str, Body]()
+    for now, was in zip(program.procedures, lifted.procedures, strict=True):
+        if now is was:
+            continue
+        new = len(now.body) - len(was.body)
+        alike = new >= 0 and all(a is b for a, b in zip(now.body[new:], was.body, strict=True))
+        if not alike or replace(now, body=was.body) != was:
+            return None
+        heads[now.name.lower()] = now.body[:new]
+    return heads
+
+
+def _has_all(program: Program, heads: Mapping[str, Body]) -> bool:
+    return all(program.procedure(name) is not None for name in heads)
+
+
+def _with_heads(
+    procedures: tuple[Procedure, ...], heads: Mapping[str, Body]
+) -> tuple[Procedure, ...]:
+    if not heads:
+        return procedures
+    return tuple(
+        replace(one, body=(*heads.get(one.name.lower(), ()), *one.body)) for one in procedures
+    )
