@@ -13,15 +13,19 @@ from assistant.cli import deployments, on_arms, on_controllers, projects
 from assistant.cli.exchanges import exchange
 from assistant.cli.gateways import gateway
 from assistant.cli.options import (
+    DraftOption,
     EntryOption,
+    EveryOption,
     FindingFormatOption,
     FormatOption,
     FramesOption,
     FromLanguage,
     FromRobot,
     LanguageOption,
+    NamesOption,
     ProcessOption,
     ProveOption,
+    ReportOption,
     RobotOption,
     SeedOption,
     SignalsOption,
@@ -162,18 +166,10 @@ def translate(
         bool, typer.Option("--ask", help="Ask for what the file of --cell lacks.")
     ] = False,
     output: Annotated[str, typer.Option("--output", "-o", help="Folder for the files.")] = ".",
-    report: Annotated[
-        Path | None,
-        typer.Option(help="Write the report as well: .html, .md, .json, or text."),
-    ] = None,
-    every: Annotated[
-        bool,
-        typer.Option("--all", help="Tell of each statement, also of those that are said."),
-    ] = False,
-    draft: Annotated[
-        bool,
-        typer.Option("--draft", help="Write programs that are not whole: a stop for each gap."),
-    ] = False,
+    report: ReportOption = None,
+    names: NamesOption = None,
+    every: EveryOption = False,
+    draft: DraftOption = False,
     frames: FramesOption = FramesAs.BASE,
     from_language: FromLanguage = None,
     entry: EntryOption = None,
@@ -199,7 +195,14 @@ def translate(
         proving=proving(prove, signals, seed),
     )
     run = run_translate(
-        programs, options, output=output, report=report, format=format, ask=ask, every=every
+        programs,
+        options,
+        output=output,
+        report=report,
+        format=format,
+        names=names,
+        ask=ask,
+        every=every,
     )
     raise typer.Exit(run)
 

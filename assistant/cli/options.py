@@ -75,6 +75,19 @@ FramesOption = Annotated[
     FramesAs,
     typer.Option(help="Work objects in MELFA-BASIC: as Base, or as factors of the targets."),
 ]
+ReportOption = Annotated[
+    Path | None, typer.Option(help="Write the report as well: .html, .md, .json, or text.")
+]
+NamesOption = Annotated[
+    Path | None, typer.Option(help="Write a table of the old and the new names, as CSV.")
+]
+EveryOption = Annotated[
+    bool, typer.Option("--all", help="Tell of each statement, also of those that are said.")
+]
+DraftOption = Annotated[
+    bool,
+    typer.Option("--draft", help="Write programs that are not whole: a stop for each gap."),
+]
 TranslationFormatOption = Annotated[
     TranslationFormat,
     typer.Option("--format", help="For people, programs, code scanning or pull requests; markdown "

@@ -79,23 +79,29 @@ def run_translate(
     output: str,
     report: Path | None,
     format: TranslationFormat,
+    names: Path | None = None,
     ask: bool = False,
     every: bool = False,
 ) -> int:
     """0 if everything is said, 1 if something is not, 2 if a program cannot be read.
 
-    every: the text answer tells of each statement, not only of what most have in common.
+    names: file for the table of old and new names. every: the text answer tells of each
+    statement, not only of what most have in common.
     """
     from assistant.findings.formats import finding_record
     from assistant.report.markdown import findings_markdown
+    from assistant.report.names import names_csv
     from assistant.report.translation import markdown, record
+    from assistant.report.translation import written as reported
 
     if list(programs).count(STANDARD) > 1:
         raise Refused(TWICE(), exit_status=2)
     if output == STANDARD:
         raise Refused(NO_PRINTING(), exit_status=2)
-    if report is not None and not report.name:
-        raise Refused(NO_FILE_NAME(name=report), exit_status=2)
+    beside = [path for path in (report, names) if path is not None]
+    for path in beside:
+        if not path.name:
+            raise Refused(NO_FILE_NAME(name=path), exit_status=2)
     options.check()
     answers = Answers()
     tasks = _tasks(programs, options.from_language, answers)
@@ -110,11 +116,13 @@ def run_translate(
     status = max(answers.status, 0 if whole else 1)
     keep_sources(
         [file for task in tasks for file in task.files],
-        [*paths_of(files, folders, output), *([] if report is None else [report])],
+        [*paths_of(files, folders, output), *beside],
     )
     written = write_each(files, folders, output)
     if report is not None:
-        written += _reported(report, done)
+        written += _written(report, reported(done, report))
+    if names is not None:
+        written += _written(names, names_csv(done).encode("utf-8"))
     if options.cell is not None:
         written += _lacking(options.cell, done)
     if format is TranslationFormat.TEXT:
@@ -124,8 +132,8 @@ def run_translate(
         changed = any(row.level != "supported" for one in done for row in one.translation.rows)
         if changed and not every:
             say("each statement by itself: --all, or --report FILE")
-        for path in written:
-            say(f"wrote {path}")
+        for file in written:
+            say(f"wrote {file}")
     elif format is TranslationFormat.JSON:
         answer = {
             "ok": status == 0, "programs": list(map(record, done)), "written": written,
@@ -194,11 +202,10 @@ def _standard_input(options: Options) -> Loaded:
     return load_text(text, process=options.process, robot=arm, language=spoken)
 
 
-def _reported(report: Path, done: Sequence[Translated]) -> list[str]:
+def _written(path: Path, data: bytes) -> list[str]:
     from assistant.program.system.writing import write_files
-    from assistant.report.translation import written
 
-    return list(map(str, write_files({report.name: written(done, report)}, report.parent)))
+    return list(map(str, write_files({path.name: data}, path.parent)))
 
 
 def _all_translated(tasks: Sequence[Task], options: Options, answers: Answers) -> list[Translated]:

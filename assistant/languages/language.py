@@ -353,6 +353,13 @@ class Language(abc.ABC, Generic[T]):
         """Name of the file that holds a unit of an adapted program."""
         return (unit or program.name) + self.suffixes[0]
 
+    def spelled(self, program: Program) -> Callable[[str, str, str], str]:  # noqa: ARG002
+        """What something of an adapted program is called in its text, empty if it has no name.
+
+        Asked by its kind (`ONE_OF`, `parameter`, `label`), its procedure and its name.
+        """
+        return lambda kind, owner, name: name  # noqa: ARG005
+
     def kept_secret(self, tree: T) -> str:  # noqa: ARG002
         """The word of a file which keeps controllers from showing its text, "" without one."""
         return ""

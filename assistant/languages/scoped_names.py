@@ -83,6 +83,17 @@ class Naming:
         """The name of a variable, target or signal."""
         return self.get("values", self.get("signals", name))
 
+    def spelled(self, kind: str, owner: str, name: str) -> str:
+        """The name of something, see `Language.spelled`."""
+        low, own = name.lower(), owner.lower()
+        if kind == "label":
+            return self.labels.get(own, {}).get(low, name)
+        if owner:
+            return self.inner.get(own, {}).get(low, name)
+        if kind in ("target", "joint target", "variable"):
+            return self.value(name)
+        return self.get(f"{kind}s", name)
+
     def take(self, name: str) -> None:
         self.space.take(name)
         if (row := _ROW.fullmatch(name.lower())) is not None and len(row[2]) < 16:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import io
 import json
 from pathlib import Path
@@ -113,6 +114,49 @@ def test_a_page_holds_texts_as_texts(tmp_path: Path, capsys: Capture) -> None:
     run(capsys, "translate", source, "--to", "melfa-basic-6", "--report", report)
     assert "<script>" not in report.read_text()
     assert "&lt;script&gt;" in report.read_text()
+
+
+def test_names_are_written_as_a_table(tmp_path: Path, capsys: Capture) -> None:
+    module, table = tmp_path / "n.mod", tmp_path / "names.csv"
+    module.write_text(
+        """MODULE n
+  RECORD box
+    num width;
+  ENDRECORD
+  VAR box one;
+  VAR num nParts:=1;
+  VAR num nUnused:=2;
+  PROC main()
+    VAR num nParts:=4;
+    one.width:=nParts;
+    place_part one.width;
+  ENDPROC
+  PROC place_part(num nHow)
+    again:
+    nParts:=nParts+nHow;
+    IF nParts<9 GOTO again;
+  ENDPROC
+ENDMODULE
+"""
+    )
+    rows = {}
+    for level in ("4", "6"):
+        to = f"melfa-basic-{level}"
+        run(capsys, "translate", module, "--to", to, "-o", tmp_path / level, "--names", table)
+        (file,) = (tmp_path / level).iterdir()
+        with table.open() as lines:
+            for row in csv.DictReader(lines):
+                assert not row["new"] or row["new"] in file.read_text()
+                rows[level, row["kind"], row["routine"], row["old"]] = row["new"], row["line"]
+    assert rows["6", "procedure", "", "place_part"] == ("place_part", "13")
+    assert rows["4", "procedure", "", "place_part"] == ("PLACEPAR", "13")
+    assert rows["6", "parameter", "place_part", "nHow"] == ("MnHow", "")
+    assert rows["4", "parameter", "place_part", "nHow"][0].startswith("MPLACEPA"[:7])
+    assert rows["6", "variable", "", "nParts"] == ("MnParts", "6")
+    assert rows["6", "variable", "main", "nParts"] == ("MnParts2", "9")
+    assert rows["6", "data", "", "one"] == ("Mone_width", "5")
+    assert rows["6", "label", "place_part", "again"] == ("again", "")
+    assert rows["6", "procedure", "", "main"] == ("Main", "8")
 
 
 def test_standard_input(tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:

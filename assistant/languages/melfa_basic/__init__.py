@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from types import MappingProxyType
@@ -240,6 +240,11 @@ class MelfaBasic(Language["File"]):
         from assistant.languages.melfa_basic.lower.names import naming
 
         return naming(program, self.dialect).units[unit] + ".prg"
+
+    def spelled(self, program: Program) -> Callable[[str, str, str], str]:
+        from assistant.languages.melfa_basic.lower.names import spelled
+
+        return spelled(program, self.dialect)
 
     def called_files(self, tree: File) -> tuple[str, ...]:
         """A call that works out the program's name is left aside."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path as FilePath
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
@@ -185,6 +185,11 @@ class Rapid(Language["File"]):
         from assistant.languages.rapid.lower.program import module_name
 
         return module_name(program, unit) + ".mod"
+
+    def spelled(self, program: Program) -> Callable[[str, str, str], str]:
+        from assistant.languages.rapid.lower.names import NAMES
+
+        return NAMES.naming(program).spelled
 
     def called_files(self, tree: File) -> tuple[str, ...]:
         from assistant.languages.rapid.checks import loaded_files

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -130,6 +130,33 @@ def naming(program: Program, dialect: Dialect, products: bool = False) -> Names:
     numbers = (re.fullmatch(r"[PJ]([0-9]{1,8})", name) for name in taken)
     names.position = 1 + max((int(n.group(1)) for n in numbers if n), default=0)
     return names
+
+
+def spelled(program: Program, dialect: Dialect) -> Callable[[str, str, str], str]:
+    """What something is called in the text, see `Language.spelled`; signals have numbers."""
+    names = naming(program, dialect)
+    tables = {
+        "target": names.targets,
+        "joint target": names.joints,
+        "tool": names.tools,
+        "frame": names.frames,
+    }
+
+    def of(kind: str, owner: str, name: str) -> str:
+        key = name.lower()
+        if kind == "signal":
+            return str(program.signals[name].number or "")
+        if kind == "procedure":
+            first = name == program.entry
+            return (MAIN.title() if dialect.functions else "") if first else names.procedures[key]
+        if kind == "label":
+            return names.labels.get((owner.lower(), key), "")
+        if kind in tables:
+            return tables[kind].get(key, "")
+        short = names.variables.get((owner.lower(), key), "")
+        return short + mark(short)
+
+    return of
 
 
 _TIMER: Final = re.compile(r"M_TIMER\s*\(\s*([0-9]+)", re.IGNORECASE)

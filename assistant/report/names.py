@@ -1,0 +1,110 @@
+"""What each name of translated programs has become: a table of old and new names as CSV."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+from assistant.compiler.loading import language_of
+from assistant.compiler.source_map import Place, Places
+from assistant.compiler.translating import Translation
+from assistant.program.diagnostics import Span
+from assistant.program.program import Program, walk
+from assistant.program.statements import Label
+from assistant.program.subjects import ONE_OF
+from assistant.report.translation import Translated
+
+HEAD: Final = ("program", "kind", "routine", "old", "new", "file", "line")
+TABLES: Final = (
+    "variables", "targets", "joint_targets", "tools", "frames", "signals", "speeds", "blends",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Named:
+    """A name of a program. kind: see `ONE_OF`, or parameter or label. owner: its procedure."""
+
+    kind: str
+    owner: str
+    name: str
+    span: Span | None = field(default=None, compare=False)
+
+    @property
+    def key(self) -> tuple[str, str]:
+        return self.owner.lower(), self.name.lower()
+
+
+def names_csv(done: Sequence[Translated]) -> str:
+    """A line for each name of each program, with what it is in the files that were written.
+
+    Several lines for what has become several things; nothing is new where it is left out.
+    """
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(HEAD)
+    for one in done:
+        for old, new, place in renamed(one.translation):
+            where = ("", "") if place is None else (place.path or one.source, str(place.line))
+            table.writerow((one.source, old.kind, old.owner, old.name, new, *where))
+    return text.getvalue()
+
+
+def renamed(translation: Translation) -> Iterator[tuple[Named, str, Place | None]]:
+    """Each name of the source, what it is called now, and where it is declared."""
+    compiled = translation.compiled
+    source, places = compiled.source, compiled.places
+    target = language_of(compiled.language)
+    if source.origin is not None and language_of(source.origin.language).family == target.family:
+        yield from _converted(translation)
+        return
+    there: dict[tuple[str, str], list[Named]] = {}
+    made: dict[Span, list[Named]] = {}
+    written = translation.written.program if translation.files else Program("none")
+    for one in _names(written):
+        there.setdefault(one.key, []).append(one)
+        if one.span is not None:
+            made.setdefault(one.span, []).append(one)
+    spelled = target.spelled(written)
+    known = list(_names(source))
+    keys = {one.key for one in known}
+    spans = {(p.owner.lower(), p.name.lower()): p.span for p in places.parts() if p.name}
+    parts = (Named("data", p.owner, p.name, p.span) for p in places.parts() if p.name)
+    for old in dict.fromkeys([*known, *(one for one in parts if one.key not in keys)]):
+        span = old.span or spans.get(old.key)
+        found = there.get(old.key) or made.get(span or Span(-1, -1), [])
+        if old.kind == "parameter":  # of the program, where procedures have none
+            found = found or there.get(("", f"{old.owner}_{old.name}".lower()), [])
+        alike = [one for one in found if one.kind == old.kind] or found
+        place = None if span is None else places.of(span)
+        news = dict.fromkeys(spelled(one.kind, one.owner, one.name) for one in alike)
+        for new in news or [""]:
+            yield old, new, place
+
+
+def _converted(translation: Translation) -> Iterator[tuple[Named, str, Place | None]]:
+    """The same of a program in another dialect, whose data stand in the order of the source."""
+    places, back = translation.compiled.places, translation.written.proof.lifted
+    old = [part for part in places.parts() if part.name]
+    new = [part.name for part in Places(back).parts() if part.name] if back else []
+    if len(new) == len(old):
+        for part, name in zip(old, new, strict=True):
+            yield Named("data", part.owner, part.name or ""), name, places.of(part.span)
+
+
+def _names(program: Program) -> Iterator[Named]:
+    for procedure in program.procedures:
+        yield Named("procedure", "", procedure.name, procedure.span)
+        for parameter in procedure.parameters:
+            yield Named("parameter", procedure.name, parameter.name)
+        for name, variable in procedure.variables.items():
+            yield Named("variable", procedure.name, name, variable.span)
+        labels = (x.name for x in walk(procedure.body) if isinstance(x, Label))
+        yield from (Named("label", procedure.name, name) for name in dict.fromkeys(labels))
+    for table in TABLES:
+        held: Iterable[str] = getattr(program, table)
+        for name in held:
+            span = program.variables[name].span if table == "variables" else None
+            yield Named(ONE_OF[table], "", name, span)
