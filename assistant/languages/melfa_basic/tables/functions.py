@@ -27,3 +27,7 @@ ANALOG: Final = ("M_DIn", "M_DOut")
 """Registers of the network that an analog signal stands in: input, output."""
 FIRST_REGISTER: Final = 6000
 """Number of the first of them (CC-Link)."""
+FIRST_CHECK: Final = 900
+"""Number of the input that M_HndCq(1) reads (COSIROP: HOPEN)."""
+CHECKS: Final = 8
+"""Inputs that it reads, one after the other."""

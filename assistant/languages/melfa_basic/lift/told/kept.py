@@ -8,7 +8,9 @@ from typing import Final
 
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lift.told.signals import AnyNumber, Numbered
+from assistant.languages.melfa_basic.lift.told.supplied import Supplied
 from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS, TOLD
+from assistant.languages.melfa_basic.tables.library import library
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Findings
@@ -39,7 +41,8 @@ def with_told(program: Program, findings: Findings) -> Program:
         return program
     telling = _Telling(Numbered(program, findings), findings)
     procedures = tuple(map(telling.procedure, program.procedures))
-    return telling.numbered.added(replace(program, procedures=procedures))
+    program = telling.numbered.added(replace(program, procedures=procedures))
+    return telling.supplied.added(program)
 
 
 class _Telling:
@@ -47,6 +50,7 @@ class _Telling:
 
     def __init__(self, numbered: Numbered, findings: Findings) -> None:
         self.numbered, self.findings = numbered, findings
+        self.supplied = Supplied(numbered.free)
 
     def procedure(self, procedure: Procedure) -> Procedure:
         def told(x: e.Expression) -> e.Expression:
@@ -91,6 +95,8 @@ class _Telling:
     ) -> e.Expression:
         if key in SIGNALS:
             return self.numbered.read(key, given[0], procedure)
+        if key in library():
+            return e.Apply(self.supplied.name(key), given)
         what, value, loss, cure = STATES[key]
         self.findings.append(rules.LEFT_OUT(what=what, loss=loss, cure=cure))
         return value

@@ -58,7 +58,7 @@ class Numbered:
         self.possible = Possible(program)
         self.signals = dict(program.signals)
         self.taken = TakenNames(declared(program))
-        self.addressed = Addressed(self.signals, self._free)
+        self.addressed = Addressed(self.signals, self.free)
         self.choosers: dict[Any, _Chooser] = {}
 
     def read(self, key: str, number: e.Expression, procedure: Procedure) -> e.Expression:
@@ -92,7 +92,8 @@ class Numbered:
 
     # -------------------------------------------------------------------------- choosing
 
-    def _free(self, wanted: str) -> str:
+    def free(self, wanted: str) -> str:
+        """A name that nothing has yet, and that is taken then."""
         name = identifier(wanted, self.taken)
         self.taken.add(name.lower())
         return name
@@ -127,7 +128,7 @@ class Numbered:
         key = signal, write
         if key not in self.choosers:
             width = f"_{signal.bits}" if signal.kind == "group" else ""
-            self.choosers[key] = _Chooser(self._free(stem + width), signal, write)
+            self.choosers[key] = _Chooser(self.free(stem + width), signal, write)
         chooser = self.choosers[key]
         known = {
             one.number

@@ -22,6 +22,7 @@ from assistant.languages.melfa_basic.lift.values.operators import (
 )
 from assistant.languages.melfa_basic.lift.values.pallets import declared
 from assistant.languages.melfa_basic.lift.values.reasons import NUMBERED
+from assistant.languages.melfa_basic.lift.values.supplied import supplied
 from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS, STATES, TOLD, Unliftable
 from assistant.languages.melfa_basic.lift.values.timers import elapsed
 from assistant.languages.melfa_basic.lift.values.types import Types
@@ -41,7 +42,7 @@ from assistant.languages.melfa_basic.tree.positions import target_of
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program import expressions as e
 from assistant.program.channels import name_of
-from assistant.program.geometry import Target
+from assistant.program.geometry import BASE, FLANGE, Target
 from assistant.program.rewriting import records
 from assistant.program.timers import in_seconds
 
@@ -325,8 +326,11 @@ class Expressions(Types):
             return e.Binary("*", self.degrees(node), e.Number(DEGREE))
         if key == "INV" and (pose := fixed(node, self.m)) is not None:
             return e.TargetValue(Target(pose))
-        if (name := _PLAIN.get(key) or (_OF_ARM.get(key) if self.m.own else None)) is not None:
+        bare = self.m.own or (self.m.telling and self.m.placing == (FLANGE, BASE))
+        if (name := _PLAIN.get(key) or (_OF_ARM.get(key) if bare else None)) is not None:
             return e.Apply(name, tuple(self.number(v) for v in values))
+        if self.m.telling:
+            return supplied(key, values, self)
         raise Unliftable
 
     def rounded(self, node: s.Expression) -> e.Expression:

@@ -54,6 +54,8 @@ class Types:
         if (known_status := status(key)) is not None:
             bits = key in SIGNALS and SIGNALS[key][0] != "analog"
             return "integer" if bits else LETTERS[known_status.type]
+        if key in self.m.io and not self.m.is_shadowed(key):
+            return "integer"  # of inputs, whatever letter their name begins with
         return self.m.type_of_key(key)
 
     def is_truth(self, node: s.Expression) -> bool:

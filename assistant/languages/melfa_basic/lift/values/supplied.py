@@ -1,0 +1,53 @@
+"""Functions that only MELFA-BASIC has, as other languages are told them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+from assistant.languages.melfa_basic.lift.values.symbols import TOLD, Symbols, Unliftable
+from assistant.languages.melfa_basic.tables.functions import CHECKS, FIRST_CHECK
+from assistant.languages.melfa_basic.tables.library import NAMES, library
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.program import expressions as e
+
+
+class Lifting(Protocol):
+    """What lifts the expressions of a file."""
+
+    m: Symbols
+
+    def plain(self, node: s.Expression) -> e.Expression:
+        """Any value."""
+
+    def number(self, node: s.Expression) -> e.Expression:
+        """One that is no truth."""
+
+    def rounded(self, node: s.Expression) -> e.Expression:
+        """One that is whole."""
+
+
+def supplied(key: str, given: Sequence[s.Expression], lift: Lifting) -> e.Expression:
+    """What says a function: plain words, an input, or mostly a procedure of the library.
+
+    key: in upper case. Raises Unliftable where there is nothing.
+    """
+    match key, given:
+        case "LEFT", (whole, s.Number(count) as number) if count >= 1:
+            return e.Apply("part", (lift.plain(whole), e.Number(1), lift.rounded(number)))
+        case "RIGHT", (s.Variable(arguments=None) as whole, s.Number(count)) if count >= 1:
+            text, last = lift.plain(whole), round(count)
+            first = e.Binary("-", e.Apply("length", (text,)), e.Number(last - 1))
+            return e.Apply("part", (text, first, e.Number(last)))
+        case "M_HNDCQ", (hand,) if isinstance(known := lift.m.value(hand), float):
+            if 1 <= round(known) <= CHECKS:
+                return e.Name(lift.m.signal("M_IN", FIRST_CHECK - 1 + round(known)))
+    name = NAMES.get(key, {}).get(len(given))
+    if name is None:
+        raise Unliftable
+    kinds = (one.type for one in library()[name].parameters)
+    values = (
+        lift.rounded(value) if kind == "integer" else lift.number(value)
+        for kind, value in zip(kinds, given, strict=True)
+    )
+    return e.Apply(TOLD.format(name), tuple(values))
