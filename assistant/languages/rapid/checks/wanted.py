@@ -18,6 +18,7 @@ from assistant.languages.rapid.checks.wanted_records import Records, record_of
 from assistant.languages.rapid.tables import predefined
 from assistant.languages.rapid.tables.hands import hand_of
 from assistant.languages.rapid.tables.motions import BLENDS, SPEEDS
+from assistant.languages.rapid.tables.processes import MOVES, UNSAID
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tables.states import (
     OF_A_CELL,
@@ -179,10 +180,10 @@ class _Module:
         kind: str,
         result: str = "",
     ) -> None:
-        found = scope.find(name)
+        found, low = scope.find(name), name.lower()
         routine: Signature | None = None
         if found is None:
-            routine, low = signature(name), name.lower()
+            routine = signature(name)
             if low in STATES:
                 self._state(STATES[low])
             elif routine is None or routine.option in OPTIONS_OF_A_CELL or low in OF_A_CELL:
@@ -205,6 +206,8 @@ class _Module:
                 continue
             one = parameters[0] if parameters else None
             type = one.type if one is not None else ""
+            if low in MOVES and type in UNSAID:
+                continue
             changed = one is not None and one.mode in ("VAR", "INOUT") and type not in SIGNALS
             self._expression(
                 argument.value,

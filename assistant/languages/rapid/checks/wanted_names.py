@@ -78,7 +78,7 @@ def made(met: Met, types: Types, records: Mapping[str, Solved]) -> Wanted | None
         return Wanted(met.name, "data", type, size, uses=uses, assigned=True, nothing=nothing)
     type = type if types.kind(type) not in ("", "OTHER") else "num"
     if types.kind(type) == "DEVICE" or (
-        types.kind(type) == "RECORD" and not types.components(type)
+        types.kind(type) == "RECORD" and type not in _PLAIN and not types.components(type)
     ):
         return None  # of the controller's configuration, or of an option whose records nobody lists
     kind = OF_TYPE.get(type, "data") if not (met.extents or met.assigned) else "data"
@@ -95,6 +95,8 @@ _PLAIN: Final[Mapping[str, Plain]] = {
     "loaddata": (0.001, (0.0, 0.0, 0.001), _ORIENT, 0.0, 0.0, 0.0),
     "speeddata": (100.0, 500.0, 5000.0, 1000.0),
     "zonedata": (True, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+    "welddata": (100.0, 0.0, (0.0,) * 9, (0.0,) * 9),
+    "spotdata": (0.0,), "beaddata": ("",),
     "wobjdata": (False, True, "", (_ORIGIN, _ORIENT), (_ORIGIN, _ORIENT)),
 }  # fmt: skip
 

@@ -14,6 +14,7 @@ PASSES: Final = (
     "triggers",  # outputs that moves set on their way
     "paths",  # runs of targets and of moves through them
     "statements",
+    "processes",  # what moves with a process are given
     "kept_signals",  # signals that only kept texts name
     "ways",  # what kept texts do to what holds along the ways
     "places",  # where the position is read

@@ -26,7 +26,6 @@ from assistant.languages.rapid.lift.plain_data import with_plain_data, without_m
 from assistant.languages.rapid.lift.statements import lift_of
 from assistant.languages.rapid.lift.stopwatches import with_stopwatches
 from assistant.languages.rapid.lift.told.aliases import with_aliases
-from assistant.languages.rapid.lift.told.arc import weld_speeds
 from assistant.languages.rapid.lift.told.calls import call_of, is_text, lifted
 from assistant.languages.rapid.lift.told.declarations import with_needed_declarations
 from assistant.languages.rapid.lift.told.errors import with_errors
@@ -35,12 +34,13 @@ from assistant.languages.rapid.lift.told.interrupts import with_interrupts, with
 from assistant.languages.rapid.lift.told.left_out import INSTRUCTIONS
 from assistant.languages.rapid.lift.told.meeting import DUE, shared, task_lists
 from assistant.languages.rapid.lift.told.outputs import switched
+from assistant.languages.rapid.lift.told.processes import weld_speeds
 from assistant.languages.rapid.lift.told.statements import Telling, told
 from assistant.languages.rapid.lift.ways import options, steps
 from assistant.languages.rapid.tables.predefined import data as predefined
+from assistant.languages.rapid.tables.processes import DATA
 from assistant.languages.rapid.tables.signal_types import SIGNALS
 from assistant.languages.rapid.tables.states import BY_NAME as STATE_OF
-from assistant.languages.rapid.tables.welding import DATA
 from assistant.languages.rapid.tables.words import ELSEWHERE, VALUE_OF_TYPE
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from typing import Final
 
+from assistant.languages.rapid.lift.processes import signals_of
 from assistant.languages.rapid.tables.signatures import signature
-from assistant.languages.rapid.tables.welding import BURNS, MOVES, SIGNAL
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.calls import called
 from assistant.languages.rapid.tree.walk import nodes
 from assistant.program import statements as p
 from assistant.program.program import Signal
@@ -37,8 +38,8 @@ def signals_in(
 
 def _of(call: s.ProcedureCall) -> Iterator[tuple[str, Signal]]:
     found = signature(call.name) if isinstance(call.name, str) else None
-    if str(call.name).lower() in MOVES:
-        yield BURNS, SIGNAL
+    if isinstance(call.name, str) and (known := called(call)) is not None:
+        yield from signals_of(known)
     if found is None:
         return
     required = iter(found.required)

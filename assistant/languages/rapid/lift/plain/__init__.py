@@ -25,6 +25,7 @@ from assistant.languages.rapid.lift.plain.library import with_library, without_u
 from assistant.languages.rapid.lift.plain.mounted import with_wholes
 from assistant.languages.rapid.lift.plain.optional import with_required
 from assistant.languages.rapid.lift.plain.paces import changing
+from assistant.languages.rapid.lift.plain.process_data import with_process_data
 from assistant.languages.rapid.lift.plain.raw_bytes import with_bytes
 from assistant.languages.rapid.lift.plain.scopes import Fresh, Program
 from assistant.languages.rapid.lift.plain.settled import with_settled
@@ -35,7 +36,6 @@ from assistant.languages.rapid.lift.plain.still_axes import with_still_axes
 from assistant.languages.rapid.lift.plain.traps import with_traps
 from assistant.languages.rapid.lift.plain.unread import Unread, without_unread
 from assistant.languages.rapid.lift.plain.values import Values
-from assistant.languages.rapid.lift.plain.welds import with_weld_speeds
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.program import Signal
@@ -75,7 +75,7 @@ def _plain(files: Sequence[s.File], apart: frozenset[str]) -> Plain | None:
     """apart: see `Layouts`."""
     there = with_own_names([module for file in files for module in file.modules])
     named, of_calls = with_named_calls(there)
-    still, of_axes = with_still_axes(with_weld_speeds(named))
+    still, of_axes = with_still_axes(with_process_data(named))
     standing, of_units = with_standing_units(still)
     chosen = with_chosen_signals(standing)
     read, of_names = with_named_data(with_told_states(with_traps(chosen.modules)))

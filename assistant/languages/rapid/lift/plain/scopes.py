@@ -10,6 +10,7 @@ from assistant.languages.rapid.lift.plain.layouts import HELD, PACES, SETTINGS, 
 from assistant.languages.rapid.lift.plain.mounted import FRAME, Mounted, mounted, steady_types
 from assistant.languages.rapid.lift.plain.outside import only_works_out, unused_axes
 from assistant.languages.rapid.tables.predefined import data as predefined
+from assistant.languages.rapid.tables.processes import MOVES
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tables.words import UNUSED
 from assistant.languages.rapid.tree import syntax as s
@@ -225,7 +226,8 @@ class Uses:
     def _given(self, name: Any, arguments: Sequence[s.Argument]) -> None:
         own = self._own.get(name.lower()) if isinstance(name, str) else None
         known = signature(name) if isinstance(name, str) and own is None else None
-        slots = known.slots if known is not None and not known.open else None
+        listed = known is not None and (not known.open or name.lower() in MOVES)
+        slots = known.slots if known is not None and listed else None
         if own is not None:
             slots = _slots(own[0]) if len(own) == 1 else None
         required = iter(() if slots is None else [one for one in slots if not one.optional])

@@ -33,8 +33,8 @@ from assistant.languages.rapid.lift.plain.spreads import (
     single,
 )
 from assistant.languages.rapid.lift.plain.standard import most, standard, standard_part
+from assistant.languages.rapid.tables.processes import DATA
 from assistant.languages.rapid.tables.signatures import signature
-from assistant.languages.rapid.tables.welding import DATA
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
 

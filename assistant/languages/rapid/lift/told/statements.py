@@ -9,14 +9,14 @@ from typing import Final
 from assistant.languages.patterns import Called
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.instructions import Meaning, of_call
-from assistant.languages.rapid.lift.told import arc
+from assistant.languages.rapid.lift.told import processes
 from assistant.languages.rapid.lift.told.calls import call_of, lifted, without, word_of
 from assistant.languages.rapid.lift.told.late import by_name
 from assistant.languages.rapid.lift.told.left_out import OPTIONS
 from assistant.languages.rapid.lift.told.meeting import met, shared, together
 from assistant.languages.rapid.lift.told.outputs import delayed, inverted, pulse
 from assistant.languages.rapid.lift.told.waits import limited
-from assistant.languages.rapid.tables.welding import MOVES
+from assistant.languages.rapid.tables.processes import BRUSHES, MOVES
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import called
 from assistant.program import expressions as e
@@ -156,9 +156,7 @@ def _then(
     move = of_call(replace(call, word=_PLAIN[call.word.lower()[:5]]), telling.meaning)
     if then is None or not isinstance(move, p.MoveStatement):
         return
-    blend = meant(move.motion.blend, telling.program.blends)
-    if not (isinstance(blend, Blend) and blend.fine):
-        telling.lost(f"the place of {node.text.split()[0]}", *_MIDDLE)
+    _see_corner(telling, move, node)
     yield move
     yield then
 
@@ -200,18 +198,60 @@ def _is_within(program: Program, limit: float) -> bool:
     return all(isinstance(one, Speed) and one.tcp <= limit for one in known)
 
 
-def _weld(telling: Telling, call: Called[s.Expression], node: p.Opaque) -> Said:
-    said = [*arc.welded(call, telling.meaning, telling.welds)]
+def _process(telling: Telling, call: Called[s.Expression], node: p.Opaque) -> Said:
+    """A move with a process; what its equipment is told beside signals is told as left out."""
+    kind = "brush" if call.word.lower() == BRUSHES else MOVES[call.word.lower()].kind
+    said = [*_PROCESSES[kind](telling, call)]
     if said:
-        telling.lost(f"the data of {node.text.split()[0]}", *_SOURCE)
+        telling.lost(f"the data of {node.text.split()[0]}", *_EQUIPMENT[kind])
+    if kind == "bead" and isinstance(said[0], p.MoveStatement) and said[1:]:
+        _see_corner(telling, said[0], node)
     yield from said
 
 
-_SOURCE: Final = (
-    "the output `arc_on` lights the arc and puts it out, and its moves have the speed of the weld; "
-    "what the power source is told, weaving and tracking are not said",
-    "set the power source up for the weld, and give the output its number",
-)
+def _see_corner(telling: Telling, move: p.MoveStatement, node: p.Opaque) -> None:
+    """Tells where something is done behind a move that does not stop."""
+    blend = meant(move.motion.blend, telling.program.blends)
+    if not (isinstance(blend, Blend) and blend.fine):
+        telling.lost(f"the place of {node.text.split()[0]}", *_MIDDLE)
+
+
+_PROCESSES: Final[Mapping[str, Callable[[Telling, Called[s.Expression]], Said]]] = {
+    "arc": lambda telling, call: processes.welded(call, telling.meaning, telling.welds),
+    "spot": lambda telling, call: processes.spotted(
+        call, telling.meaning, processes.spot_programs(telling.program)
+    ),
+    "bead": lambda telling, call: processes.dispensed(
+        call, telling.meaning, processes.beads(telling.program)
+    ),
+    "paint": lambda telling, call: processes.painted(call, telling.meaning),
+    "brush": lambda telling, call: processes.brushed(call, telling.meaning),
+}
+_EQUIPMENT: Final[Mapping[str, tuple[str, str]]] = {
+    "arc": (
+        "the output `arc_on` lights the arc and puts it out, and its moves have the speed of the "
+        "weld; what the power source is told, weaving and tracking are not said",
+        "set the power source up for the weld, and give the output its number",
+    ),
+    "spot": (
+        "the gun is told the number of the weld and to start, and the program goes on when it is "
+        "ready; force, thickness and when the gun begins to close are not said",
+        "set gun and timer up by that number, so that ready also means that the gun is open",
+    ),
+    "bead": (
+        "the dispenser is told the number of the bead, and when to begin and to end; its flow is "
+        "not said",
+        "set the dispenser up for the numbers: beads count in the order of their declarations",
+    ),
+    **dict.fromkeys(
+        ("paint", "brush"),
+        (
+            "the brush is told by its number; what belongs to it is not said",
+            "set the brushes up in the equipment by these numbers",
+        ),
+    ),
+}
+"""By kind of process what its equipment is not told, and what to do about it."""
 
 
 def _meet(telling: Telling, call: Called[s.Expression], _: p.Opaque) -> Said:
@@ -250,7 +290,7 @@ _BETWEEN: Final = (
 )
 INSTRUCTIONS: Final[Mapping[str, Telled]] = {
     "waittestandset": _take,
-    **dict.fromkeys(MOVES, _weld),
+    **dict.fromkeys((*MOVES, BRUSHES), _process),
     "waitsynctask": _meet,
     **dict.fromkeys(("syncmoveon", "syncmoveoff"), _together),
     **dict.fromkeys(("movej", "movel", "movec"), _with_own_motion),
