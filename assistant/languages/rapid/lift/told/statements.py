@@ -204,8 +204,9 @@ def _process(telling: Telling, call: Called[s.Expression], node: p.Opaque) -> Sa
     said = [*_PROCESSES[kind](telling, call)]
     if said:
         telling.lost(f"the data of {node.text.split()[0]}", *_EQUIPMENT[kind])
-    if kind == "bead" and isinstance(said[0], p.MoveStatement) and said[1:]:
-        _see_corner(telling, said[0], node)
+    first = said[0] if said[1:] else None
+    if kind == "bead" and isinstance(first, p.MoveStatement):
+        _see_corner(telling, first, node)
     yield from said
 
 
