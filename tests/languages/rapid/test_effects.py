@@ -31,7 +31,7 @@ def does(*flags: str, reads: str = "", writes: str = "", calls: str = "") -> Eff
             r"SearchL\Stop,di1,found,p2,v50,tool0;",
             does("moves", reads="searchl di1 found p2 v50 tool0", writes="di1 found tool0"),
         ),
-        ("NutL p1,gun;", does("moves", reads="spotl p1 gun", writes="p1 gun")),
+        ("NutL p1,gun;", does("moves", reads="nutl p1 gun", writes="p1 gun")),
         (
             r"TriggIO gun,0.2\DOp:=do1,1;",
             does(reads="triggio gun do1", writes="gun do1"),
