@@ -80,10 +80,13 @@ MODES: Final = {
     "type_all": 0, "type_state": 1, "type_warn": 2, "type_err": 3,
 }  # fmt: skip
 """Constants of types symnum, iounit_state, busstate, errdomain and errtype (the same)."""
+CAPITALS: Final = "".join(map(chr, (*range(65, 91), *range(0xC0, 0xD7), *range(0xD8, 0xDF))))
+"""The letters of Latin-1 that have both cases."""
 ELSEWHERE: Final[Mapping[str, float | str]] = {
     **ANSWERS, **MODES, "pi": math.pi, "str_digit": "0123456789",
     "errstr_task": "TASK", "errstr_context": "CONTEXT", "errstr_unused": "", "errstr_empty": "",
     "stempty": "", "eof": "EOF", "eof_num": 9.998e36, "wait_max": 99999.0,
+    "str_upper": CAPITALS, "str_lower": CAPITALS.lower(),
 }  # fmt: skip
 """Constants that are values for other languages, by lower-case name (the same)."""
 

@@ -150,6 +150,8 @@ TABLE: Final[Mapping[str, Function]] = dict(
         takes("MotionSup", 0, _nothing, ANY),
         takes("CornerPathWarning", 1, _nothing),
         takes("GripLoad", 1, _nothing),
+        takes("ActUnit", 1, _nothing),
+        takes("DeactUnit", 1, _nothing),
         takes("PathAccLim", 2, _nothing, "accmax decelmax"),
         takes("WorldAccLim", 0, _nothing, ANY),
         takes("SoftAct", 2, _tunes("SoftAct"), "mechunit ramp"),

@@ -37,6 +37,11 @@ BY_TYPE: Final = {"num": "number_of_text", "bool": "truth_of_text"}
 """What reads a text as data of a type: StrToVal."""
 DIGITS: Final = {"hour": 1, "min": 4, "sec": 7}
 """By option of GetTime, where its two digits begin in the time of day."""
+DIGITS_OF: Final = {"hex": (16, 2), "okt": (8, 3), "bin": (2, 8)}
+"""By option of ByteToStr and StrToByte: the base, and how many digits a byte has (manual)."""
+MOST_OF_BYTE: Final = 255
+MOST_WHOLE: Final = 1 << 23
+"""Up to here a number of 32 bits has every whole one."""
 PART: Final = "part_of_turn"
 PRODUCT: Final = "turn_by"
 TURN: Final = "rot"
@@ -48,7 +53,7 @@ WHOLE: Final = frozenset(("robtarget", "pose"))
 _ASKING: Final = frozenset(
     (
         *SAME, *TO_PLACES, *BITS, "bitneg", "eulerzyx", "strtoval", "strfind", "distance",
-        "numtostr", "strtobyte", "bytetostr", "gettime",
+        "numtostr", "strtobyte", "bytetostr", "gettime", "dectohex", "hextodec",
     )
 )  # fmt: skip
 
@@ -197,9 +202,27 @@ def _with_options(
             return call_of("two_digits", s.FunctionCall("CTime", ()), s.NumberLiteral(str(first)))
         case "strtobyte", (text,), {"char": None, **rest} if not rest:
             return None if _is_first(text) else _code(text)
+        case "strtobyte", (text,), {**one} if len(one) == 1 and (form := _form(one)) is not None:
+            return _from_digits(text, form[0], MOST_OF_BYTE)
+        case "bytetostr", (value,), {**one} if len(one) == 1 and (form := _form(one)) is not None:
+            return _to_digits(value, *form)
         case "strfind", (text, first, characters), {"notinset": None, **rest} if not rest:
             return call_of("one_found", text, first, characters, s.BoolLiteral(True))
     return None
+
+
+def _form(options: Mapping[str, s.Expression | None]) -> tuple[int, int] | None:
+    """Base and digits of a byte that is written as an option says."""
+    ((word, value),) = options.items()
+    return DIGITS_OF.get(word) if value is None else None
+
+
+def _from_digits(text: s.Expression, base: int, most: int) -> s.Expression:
+    return call_of("number_of_digits", text, _number(base), _number(most))
+
+
+def _to_digits(value: s.Expression, base: int, places: int) -> s.Expression:
+    return call_of("digits_of_number", value, _number(base), _number(places))
 
 
 def _is_first(text: s.Expression) -> bool:
@@ -268,6 +291,10 @@ _PLAIN: Final[Mapping[str, Callable[[Typed, Given], s.Expression | None]]] = {
     "strtoval": _read,
     "numtostr": _fixed,
     "distance": _distance,
+    "strtobyte": lambda _, given: _from_digits(given[0], 10, MOST_OF_BYTE),
+    "bytetostr": lambda _, given: _to_digits(given[0], 10, 1),
+    "dectohex": lambda _, given: _to_digits(_from_digits(given[0], 10, MOST_WHOLE), 16, 1),
+    "hextodec": lambda _, given: _to_digits(_from_digits(given[0], 16, MOST_WHOLE), 10, 1),
     "valtostr": _shown,
     "strfind": lambda _, given: call_of("one_found", *given, s.BoolLiteral(False)),
     "bitneg": lambda _, given: s.Group(s.Infix("-", s.NumberLiteral("255"), s.Group(given[0]))),
