@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, Final
 from assistant.compiler.project import configured
 from assistant.languages.language import ARITHMETIC
 from assistant.program import expressions as e
+from assistant.program.contents import saying
 from assistant.program.diagnostics import Diagnostic, error, warning
-from assistant.program.program import Procedure, Program, walk
-from assistant.program.rewriting import head, records
+from assistant.program.program import Procedure, Program
 from assistant.program.wholes import Numbers
 
 if TYPE_CHECKING:
@@ -70,8 +70,8 @@ def _met(program: Program) -> Iterator[tuple[str, Any]]:
     """What matters in each statement, with its span."""
     numbers: Numbers | None = None
     for procedure in program.procedures:
-        for statement in walk(procedure.body):
-            asked = [part for part in records(head(statement)) if _asks(part)]
+        for statement, parts in saying(procedure, e.Binary, e.Apply):
+            asked = [part for part in parts if _asks(part)]
             if not asked:
                 continue
             numbers = numbers or Numbers(program)

@@ -19,6 +19,7 @@ from assistant.compiler.motion import MotionProof, Proving, prove_motion
 from assistant.compiler.motion_sides import Made
 from assistant.compiler.proof import SAYS_OTHERWISE, Proof, prove
 from assistant.compiler.source_map import Places, at_moves
+from assistant.program.contents import saying
 from assistant.program.diagnostics import (
     Diagnostic,
     Refused,
@@ -32,7 +33,6 @@ from assistant.program.diagnostics import (
 from assistant.program.expressions import Verbatim
 from assistant.program.passes.watching import passed
 from assistant.program.program import Origin, Program
-from assistant.program.rewriting import head, records
 from assistant.program.statements import Opaque
 from assistant.program.system.budgets import COMPILING, PRINTING, staged, within
 
@@ -285,10 +285,9 @@ def _explained(proof: Proof, program: Program) -> Iterator[Diagnostic]:
     """
     kept = {
         node.span: part.text
-        for node in program.statements()
+        for node, parts in saying(program, Verbatim)
         if node.span is not None
-        for part in records(head(node))
-        if isinstance(part, Verbatim)
+        for part in parts
     }
     cause, texts = _kept_move(program) or next(iter(kept.items()), None), _kept_texts(program)
     back = texts if proof.lifted is None else _kept_texts(proof.lifted)

@@ -5,18 +5,20 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.contents import everywhere, saying
 from assistant.program.diagnostics import Diagnostic, Rule, Span, error, warning
 from assistant.program.geometry import JointTarget, Target
 from assistant.program.kept import effect_of
 from assistant.program.path import Path, configuration_row
-from assistant.program.program import Declaration, Program, Variable, walk
-from assistant.program.rewriting import head, records, rewrite
+from assistant.program.program import Declaration, Program, Variable
+from assistant.program.rewriting import records, rewrite
 from assistant.program.subjects import Declared
 
 if TYPE_CHECKING:
@@ -130,7 +132,9 @@ def has_joints(program: Program) -> bool:
 def _named(program: Program) -> set[str]:
     """Names that the program uses, also in text that is kept, in lower case."""
     found: set[str] = set()
-    for part in records((program.procedures, program.declarations, program.variables)):
+    kinds = e.Name, p.Opaque, e.Verbatim
+    others = records((program.declarations, program.variables))
+    for part in chain(everywhere(program, *kinds), others):
         if isinstance(part, e.Name):
             found.add(part.name.lower())
         elif isinstance(part, p.Opaque | e.Verbatim | Declaration):
@@ -180,7 +184,8 @@ def unsaid(
             yield rule(name=name, span=span)
     elif source is not None and arm is not None and arm.name != source.name:
         names = {one.name for one in _stated(program)}
-        for part in records((program.procedures, program.declarations, program.variables)):
+        others = records((program.declarations, program.variables))
+        for part in chain(everywhere(program, p.Opaque, e.Verbatim), others):
             if isinstance(part, p.Opaque | e.Verbatim | Declaration):
                 spoken = language_of(part.language)
                 named = not names.isdisjoint(effect_of(part).names)
@@ -219,8 +224,8 @@ class _Stated:
 def _uses(program: Program) -> Uses:
     uses: dict[tuple[str, str], tuple[Span, ...]] = {}
     for procedure in program.procedures:
-        for statement in walk(procedure.body):
-            names = {x.name.lower() for x in records(head(statement)) if isinstance(x, e.Name)}
+        for statement, parts in saying(procedure, e.Name):
+            names = {part.name.lower() for part in parts}
             if statement.span is not None:
                 for name in names:
                     key = procedure.name.lower(), name
@@ -242,13 +247,12 @@ def _stated(program: Program) -> Iterator[_Stated]:
         for name, variable in procedure.variables.items():
             about = Declared(name, "variables", procedure.name, in_full=True)
             yield from _held(name, variable, about, alone)
-        for statement in walk(procedure.body):
+        for statement, parts in saying(procedure, JointTarget):
             where: dict[str, Any] = {"span": statement.span}
             if statement.span is None:
                 where = {"about": Declared(procedure.name, "procedures", in_full=True)}
-            for part in records(head(statement)):
-                if isinstance(part, JointTarget):
-                    yield _Stated("the move", part, where)
+            for part in parts:
+                yield _Stated("the move", part, where)
 
 
 def _held(
@@ -263,9 +267,9 @@ def _held(
 
 def _worked_out(program: Program) -> Iterator[tuple[str, Any]]:
     """What is called by a finding, and the span, of each statement that works with the angles."""
-    for statement in program.statements():
-        for part in records(head(statement)):
-            if isinstance(part, e.Member) and JOINT.fullmatch(part.field.lower()):
+    for statement, parts in saying(program, e.Member):
+        for part in parts:
+            if JOINT.fullmatch(part.field.lower()):
                 value = part.value
                 name = f"`{value.name}.{part.field}`" if isinstance(value, e.Name) else "it"
                 yield name, statement.span

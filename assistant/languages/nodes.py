@@ -64,8 +64,8 @@ def row(node: type[Any], named: str | None = None, **given: object) -> Method:
     of its type where nothing stands (of a truth: whether something does), and `_` is no field.
     given: of a field, what is made of a child that stands there, or the one value that it has.
     """
-    known = {field.name: field for field in fields(node) if field.name != "span"}
-    spanned = len(known) < len(fields(node))
+    known = {field.name: field for field in fields(node) if field.init}
+    spanned = known.pop("span", None) is not None
     marked = list(known) if named is None else named.split()
     steps: list[Callable[[Children], Any]] = [
         _listing(at, len(marked) - 1 - at) for at, name in enumerate(marked) if name[0] == "*"

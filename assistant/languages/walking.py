@@ -8,10 +8,15 @@ from typing import Any
 
 
 class Walk:
-    """Goes through trees of one language. is_node: whether a type is one of its nodes."""
+    """Goes through trees of one language.
 
-    def __init__(self, is_node: Callable[[type], bool]) -> None:
+    is_node: whether a type is one of its nodes. held: the type of those that keep in their `known`
+    what is inside them, None for no type.
+    """
+
+    def __init__(self, is_node: Callable[[type], bool], held: type | None = None) -> None:
         self._is_node = is_node
+        self._held = held
         self._inside: dict[type, tuple[str, ...] | None] = {}
 
     def inside(self, kind: type) -> tuple[str, ...] | None:
@@ -19,19 +24,27 @@ class Walk:
         if kind not in self._inside:
             found = None
             if self._is_node(kind):
-                found = tuple(f.name for f in reversed(fields(kind)) if f.name != "span")
+                said = (f.name for f in reversed(fields(kind)) if f.compare)
+                found = tuple(name for name in said if name != "span")
             self._inside[kind] = found
         return self._inside[kind]
 
     def nodes(self, root: Any) -> Iterator[Any]:
         """Every node in a node or a tuple of them, itself first, as they stand in the text."""
-        known = self._inside
+        known, held = self._inside, self._held
         pending = [root]
         while pending:
             item = pending.pop()
             kind = type(item)
             if kind is tuple:
                 pending.extend(item[::-1])
+                continue
+            if kind is held:
+                yield item
+                if not item.known:
+                    parts = reversed(self.inside(kind) or ())
+                    item.known.extend(self.nodes(tuple(getattr(item, part) for part in parts)))
+                yield from item.known
                 continue
             names = known[kind] if kind in known else self.inside(kind)
             if names is not None:

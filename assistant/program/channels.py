@@ -9,8 +9,9 @@ from typing import Any, Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.contents import saying
 from assistant.program.program import Program
-from assistant.program.rewriting import head, records, rewrite
+from assistant.program.rewriting import rewrite
 
 FUNCTIONS: Final = ("connected", *e.TAKING)
 """Functions of a channel, which they have by its name as a text."""
@@ -20,9 +21,8 @@ _NUMBERED: Final = re.compile(r"channel_([1-9][0-9]?)")
 def channels(program: Program) -> tuple[str, ...]:
     """Names as they are spelled first, in order of the text."""
     found: dict[str, str] = {}
-    for statement in program.statements():
-        names = sorted(name for part in records(head(statement)) if (name := named(part)))
-        for name in names:
+    for _, parts in saying(program, p.Attach, p.Detach, p.Send, e.Apply):
+        for name in sorted(name for part in parts if (name := named(part))):
             found.setdefault(name.lower(), name)
     return tuple(found.values())
 

@@ -162,6 +162,7 @@ class Procedure:
     unit: the program unit (module, program file) that holds it; None for the main one. A
     program longer than a controller takes is spread over units that are loaded when called.
     span: where in a source text it stood; not part of what it says.
+    known: what `contents` found in its body, empty until it was asked.
     """
 
     name: str
@@ -172,6 +173,7 @@ class Procedure:
     unit: str | None = None
     local: bool = False
     span: Span | None = field(default=None, compare=False, repr=False)
+    known: list[Any] = field(default_factory=list, init=False, compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True)

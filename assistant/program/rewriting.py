@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import replace
 from typing import Any, Final, TypeVar
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Span
+from assistant.program.parts import parts_of
 from assistant.program.path import Path
-from assistant.program.program import Procedure, Program, bodies
+from assistant.program.program import Procedure, Program, bodies, walk
 
 T = TypeVar("T")
 Body = tuple[p.Statement, ...]
@@ -51,8 +52,11 @@ def exchanged(program: Program, made: Callable[[p.Opaque], Iterable[p.Statement]
             for part in (made(node) if isinstance(node, p.Opaque) else (map_bodies(node, body),))
         )
 
-    procedures = (replace(q, body=body(q.body)) for q in program.procedures)
-    return replace(program, procedures=tuple(procedures))
+    def each(procedure: Procedure) -> Procedure:
+        kept = any(isinstance(node, p.Opaque) for node in walk(procedure.body))
+        return replace(procedure, body=body(procedure.body)) if kept else procedure
+
+    return replace(program, procedures=tuple(map(each, program.procedures)))
 
 
 def map_spans(body: Body, change: Callable[[Span], Span | None]) -> Body:
@@ -126,15 +130,18 @@ def records(value: Any) -> Iterator[Any]:
     pending = [value]
     while pending:
         item = pending.pop()
-        if isinstance(item, tuple):
+        kind = type(item)
+        if kind is tuple:
             pending += item
             continue
-        parts = _said(type(item))
+        parts = parts_of(kind)
         if parts is not None:
-            if not isinstance(item, Path):
+            if kind is not Path:
                 yield item
-                pending += [getattr(item, part) for part in parts]
-        elif _is_table(type(item)):
+                pending += parts.of(item)
+        elif issubclass(kind, tuple):
+            pending += item
+        elif _is_table(kind):
             pending += item.values()
 
 
@@ -152,16 +159,7 @@ _WHOLE: Final = (Path, p.Motion, e.TargetValue, e.JointValue, e.PoseValue)
 _LEAVES: Final = (float, int, str, type(None))
 
 
-_SAID: Final[dict[type, tuple[str, ...] | None]] = {}
 _TABLES: Final[dict[type, bool]] = {}
-
-
-def _said(kind: type) -> tuple[str, ...] | None:
-    """Fields of a kind of record but for where it came from; None for what is no record."""
-    if kind not in _SAID:
-        parts = fields(kind) if is_dataclass(kind) else None
-        _SAID[kind] = None if parts is None else tuple(f.name for f in parts if f.compare)
-    return _SAID[kind]
 
 
 def _is_table(kind: type) -> bool:
@@ -179,13 +177,13 @@ def _rewritten(value: Any, visit: Callable[[Any], Any], whole: tuple[type, ...])
     if _is_table(type(value)):
         table = {key: _rewritten(item, visit, whole) for key, item in value.items()}
         return value if all(table[key] is value[key] for key in table) else table
-    parts = _said(type(value))
+    parts = parts_of(type(value))
     if parts is None:
         return value
     if isinstance(value, whole):
         return visit(value)
     changed = {}
-    for part in parts:
+    for part in parts.names:
         before = getattr(value, part)
         after = _rewritten(before, visit, whole)
         if after is not before:

@@ -8,17 +8,15 @@ from typing import Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.kept import Kept
+from assistant.program.contents import keeping, saying
 from assistant.program.program import Program
-from assistant.program.rewriting import head, records
 
 
 def timers(program: Program) -> tuple[str, ...]:
     """Names as they are spelled first, in order of the text."""
     found: dict[str, str] = {}
-    for statement in program.statements():
-        names = sorted(part.timer for part in records(head(statement)) if isinstance(part, _TIMED))
-        for name in names:
+    for _, parts in saying(program, *_TIMED):
+        for name in sorted(part.timer for part in parts if isinstance(part, _TIMED)):
             found.setdefault(name.lower(), name)
     return tuple(found.values())
 
@@ -32,8 +30,7 @@ def numbered(
     Timers beyond the numbers have none. kept: finds the number of a timer in kept text.
     """
     texts = [declaration.text for declaration in program.declarations]
-    for statement in program.statements():
-        texts += [part.text for part in records(head(statement)) if isinstance(part, Kept)]
+    texts += [part.text for _, parts in keeping(program) for part in parts]
     taken = {int(n) for text in texts for n in kept.findall(text)}
     wanted = [name.lower() for name in timers(program)]
     said = ((name, _NUMBERED.fullmatch(name)) for name in wanted)

@@ -14,6 +14,7 @@ from assistant.program.analysis.dataflow import Dataflow
 from assistant.program.analysis.graph import EXIT, Graph
 from assistant.program.analysis.interrupts import interrupts
 from assistant.program.analysis.uses import base, indices_of, named
+from assistant.program.contents import all_of
 from assistant.program.kept import effect_of
 from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import head, records
@@ -79,7 +80,8 @@ class Assigning:
         return self._runs[key]
 
     def _written(self, procedure: Procedure) -> Iterator[str]:
-        for record in records(procedure.body):
+        kinds = p.Assign, p.For, p.Opaque, e.Verbatim, p.Call, e.Apply
+        for record in all_of(procedure, *kinds):
             match record:
                 case p.Assign(target):
                     yield base(target)

@@ -12,6 +12,7 @@ from typing import Any, Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.contents import all_of
 from assistant.program.diagnostics import Diagnostic, Rule
 from assistant.program.kept import effect_of
 from assistant.program.program import Procedure, Program
@@ -139,7 +140,7 @@ def _of_program(program: Program, names: Mapping[str, frozenset[str]]) -> dict[s
 
 def called(procedure: Procedure) -> Iterator[str]:
     """Procedures and functions that a body calls, in lower case."""
-    for record in records(procedure.body):
+    for record in all_of(procedure, p.Call, e.Apply):
         match record:
             case p.Call(name) | e.Apply(name):
                 yield name.lower()
@@ -262,7 +263,7 @@ def indices_of(place: e.Expression) -> tuple[e.Expression, ...]:
 
 def _changed(procedure: Procedure, procedures: Mapping[str, Procedure]) -> frozenset[str]:
     names = set()
-    for record in records(procedure.body):
+    for record in all_of(procedure, p.Assign, p.For, p.Call, e.Apply, p.Opaque):
         match record:
             case p.Assign(target):
                 names.add(base(target))
@@ -295,7 +296,7 @@ def _acts(procedure: Procedure, inputs: frozenset[str]) -> frozenset[str]:
 def named(procedure: Procedure) -> frozenset[str]:
     """Names that a procedure reads or changes, and every word of its kept text, in lower case."""
     names: set[str] = set()
-    for record in records(procedure.body):
+    for record in all_of(procedure, e.Name, p.For, p.Opaque, e.Verbatim):
         match record:
             case e.Name(name):
                 names.add(name.lower())

@@ -14,6 +14,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import declared
 from assistant.program.analysis.ways import FRAME, START, TOOL, UNKNOWN, Kept, Ways
+from assistant.program.contents import everywhere
 from assistant.program.diagnostics import Span
 from assistant.program.geometry import BASE, FLANGE, IDENTITY, Frame, Tool
 from assistant.program.passes.present_places import Said
@@ -34,7 +35,7 @@ def with_active_places(
 
     reads, said, kept: as `with_present_places` takes them. What no way tells stays.
     """
-    if not any(map(reads, records(program.procedures))):
+    if not any(map(reads, everywhere(program, p.Opaque, e.Verbatim))):
         return program, []
     return _Active(program, reads, said, kept).program()
 

@@ -16,6 +16,7 @@ import numpy as np
 from assistant.program import expressions as e
 from assistant.program import rotations
 from assistant.program import statements as p
+from assistant.program.contents import everywhere
 from assistant.program.passes.legalising import Legalising
 from assistant.program.program import Program
 from assistant.program.rewriting import (
@@ -114,6 +115,8 @@ def with_read_angles(program: Program) -> Program:
     For a language that stores angles as they are set: 200 degrees about z are read back as -160
     from an orientation. What nothing reads stays as it is set.
     """
+    if not any(map(_is_angle, everywhere(program, e.Member))):
+        return program
     said = rewrite(program.procedures, _without_copies)
     if not any(map(_is_angle, records(said))):
         return program

@@ -11,6 +11,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, Final
 
 from assistant.program import expressions as e
@@ -69,6 +70,8 @@ def counted(
 
 def apart(program: Program) -> Program:
     """A program of such a language, in which a loop that hides a name that is used has its own."""
+    if not any(isinstance(x, p.For) for x in program.statements()):
+        return program
     uses = _Uses(program)
     names = (*_globals(program), *(q.name for q in program.procedures))
     taken = TakenNames(n.lower() for n in names)
@@ -86,8 +89,6 @@ def apart(program: Program) -> Program:
             out.append(x)
         return tuple(out)
 
-    if not any(isinstance(x, p.For) for x in program.statements()):
-        return program
     procedures = tuple(replace(q, body=body(q.body, q)) for q in program.procedures)
     return replace(program, procedures=procedures)
 
@@ -157,9 +158,13 @@ class _Use:
 class _Uses:
     def __init__(self, program: Program) -> None:
         self.program = program
-        self.of = {id(q): _Use.of(q.body) for q in program.procedures}
         self.known = {n.lower() for n in _globals(program)}
         self.declared = {name for d in program.declarations for name in effect_of(d).names}
+
+    @cached_property
+    def of(self) -> dict[int, _Use]:
+        """By the identity of a procedure, what it uses."""
+        return {id(q): _Use.of(q.body) for q in self.program.procedures}
 
     def outside(self, x: p.For, procedure: Procedure, *, verbatim: bool) -> str:
         """What tells the loop's variable from one of the loop's own, empty if nothing does.

@@ -10,9 +10,9 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.assignment import Assigning
 from assistant.program.analysis.interrupts import interrupts
+from assistant.program.contents import all_of
 from assistant.program.passes.legalising import Legalising
 from assistant.program.program import Procedure, Program, identifier
-from assistant.program.rewriting import records
 from assistant.program.subjects import Declared
 
 CYCLE: Final = "cycle"
@@ -71,7 +71,7 @@ def _is_called(program: Program, entry: Procedure) -> bool:
         (isinstance(one, p.Call) and one.procedure.lower() == key)
         or (isinstance(one, e.Apply) and one.function.lower() == key)
         for procedure in program.procedures
-        for one in records(procedure.body)
+        for one in all_of(procedure, p.Call, e.Apply)
     )
 
 

@@ -11,10 +11,11 @@ from typing import Any, Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.contents import all_of
 from assistant.program.effects import unknown
 from assistant.program.passes.procedures import recursive
 from assistant.program.program import Procedure, Program
-from assistant.program.rewriting import head, records
+from assistant.program.rewriting import records
 
 HEAD: Final = 24
 """Of the words around the parameters, and those that a call stands in."""
@@ -59,8 +60,8 @@ def too_long(program: Program, widths: Widths) -> frozenset[str]:
     """
     known = {q.name.lower(): q for q in program.procedures if q.parameters}
     found = {name for name, q in known.items() if widths.head(q) > widths.most}
-    for statement in program.statements():
-        for part in records(head(statement)):
+    for procedure in program.procedures if known else ():
+        for part in all_of(procedure, p.Call, e.Apply):
             match part:
                 case p.Call(name, arguments) | e.Apply(name, arguments):
                     key = name.lower()

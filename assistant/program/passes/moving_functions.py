@@ -14,6 +14,7 @@ from typing import Final
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import along_calls
+from assistant.program.contents import all_of, everywhere, saying
 from assistant.program.passes.hoisting import Taken, hoisted
 from assistant.program.program import Procedure, Program, ValueType, Variable
 from assistant.program.rewriting import head, map_head, records
@@ -22,7 +23,7 @@ from assistant.program.rewriting import head, map_head, records
 def with_functions_before_moves(program: Program) -> Program:
     """The program with a variable for each value of a move that a moving function gives."""
     results = {q.name.lower(): q.result for q in program.procedures if q.result is not None}
-    counts = any(map(_is_of_arm, records(program.procedures)))
+    counts = any(map(_is_of_arm, everywhere(program, e.Apply)))
     if not results and not counts:
         return program
     sets = along_calls(program, {q.name.lower(): _sets(q) for q in program.procedures})
@@ -40,8 +41,8 @@ def with_functions_before_moves(program: Program) -> Program:
 def _sets(procedure: Procedure) -> frozenset[str]:
     """Whether a procedure moves, or reads where the robot stands, in a tool and a frame."""
     kinds = (*p.Moving.__args__, e.Here, p.Opaque)
-    every = records(procedure.body)
-    asks = any(isinstance(r, kinds) or _is_of_arm(r) for r in every)
+    asks = any(True for _ in saying(procedure, *kinds))
+    asks = asks or any(map(_is_of_arm, all_of(procedure, e.Apply)))
     return frozenset({"settings"} if asks else ())
 
 

@@ -10,10 +10,11 @@ from dataclasses import replace
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.contents import everywhere
 from assistant.program.passes.hoisting import Taken, hoisted
 from assistant.program.passes.legalising import Legalising
 from assistant.program.program import Procedure, Program, Variable
-from assistant.program.rewriting import map_head, records
+from assistant.program.rewriting import map_head
 
 STEM = "here"
 
@@ -21,7 +22,7 @@ STEM = "here"
 def with_named_places(job: Legalising) -> Program:
     """The program that gives the present position to a variable where a part of it is asked for."""
     program = job.program
-    if not any(map(_is_part, records(program.procedures))):
+    if not any(map(_is_part, everywhere(program, e.Member))):
         return program
     taken = {n.lower() for t in (program.variables, program.targets, program.signals) for n in t}
     taken |= {name.lower() for q in program.procedures for name in (q.name, *q.variables)}

@@ -13,8 +13,9 @@ from typing import Any
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.ways import Kept, Ways
+from assistant.program.contents import everywhere
 from assistant.program.program import Procedure, Program
-from assistant.program.rewriting import Body, map_bodies, map_head, records
+from assistant.program.rewriting import Body, map_bodies, map_head
 
 Said = Callable[[e.Expression, str | None, str | None], e.Expression]
 """What a text says that reads the position, with the active tool and frame as far as known."""
@@ -27,7 +28,7 @@ def with_present_places(
 
     reads: which records are such texts. kept: what kept texts do.
     """
-    if not any(map(reads, records(program.procedures))):
+    if not any(map(reads, everywhere(program, p.Opaque, e.Verbatim))):
         return program
     ways = Ways(program, reads, kept)
 

@@ -10,6 +10,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.assignment import Assigning
 from assistant.program.analysis.uses import called
+from assistant.program.contents import all_of
 from assistant.program.geometry import IDENTITY, Configuration, JointTarget, Target
 from assistant.program.passes.legalising import Legalising
 from assistant.program.program import (
@@ -17,7 +18,6 @@ from assistant.program.program import (
     Program,
     ValueType,
 )
-from assistant.program.rewriting import records
 from assistant.program.subjects import Declared
 
 NOTHING: Final[dict[ValueType, e.Expression]] = {
@@ -134,7 +134,7 @@ def recursive(program: Program) -> Iterator[Procedure]:
     shared = {name.lower() for name in program.variables}
     calls = {q.name.lower(): set(called(q)) for q in program.procedures}
     for procedure in program.procedures:
-        loops = (r.variable.lower() for r in records(procedure.body) if isinstance(r, p.For))
+        loops = (loop.variable.lower() for loop in all_of(procedure, p.For))
         own = procedure.variables or any(counter not in shared for counter in loops)
         if not has_form(procedure) and not own:
             continue

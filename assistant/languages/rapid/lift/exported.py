@@ -11,6 +11,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Mapping, Set
 from dataclasses import replace
+from itertools import chain
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.language import Adapted
@@ -49,6 +50,7 @@ from assistant.languages.records import frame_of, tool_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.signals import with_used
+from assistant.program.contents import everywhere, saying
 from assistant.program.diagnostics import Diagnostic, Findings
 from assistant.program.geometry import Frame, Tool
 from assistant.program.kept import effect_of
@@ -58,7 +60,7 @@ from assistant.program.passes.open_lines import with_open_lines
 from assistant.program.passes.stops import stopped, with_stops
 from assistant.program.passes.table_rows import Named, Table, with_table_rows
 from assistant.program.program import Declaration, Program, Variable
-from assistant.program.rewriting import exchanged, head, records, rewrite
+from assistant.program.rewriting import exchanged, records, rewrite
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
@@ -95,7 +97,7 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
     program = with_stopwatches(with_extents(without_marks(plain.program)), findings)
     if tables := _tables(program):
         program = with_table_rows(program, tables, _with_named_rows)
-    if any(is_text(record) for record in records(program.procedures)):
+    if any(map(is_text, everywhere(program, p.Opaque, e.Verbatim))):
         program = with_held_moves(with_aliases(program), findings)
         program = with_interrupts(program, findings)
         program = _with_other_words(program, findings)
@@ -127,9 +129,8 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
 
 def _signs(program: Program) -> Iterator[Diagnostic]:
     """Quaternions that are read where there are angles alone."""
-    for statement in program.statements():
-        asked = (r.function for r in records(head(statement)) if isinstance(r, e.Apply))
-        if statement.span is not None and PART in asked:
+    for statement, parts in saying(program, e.Apply):
+        if statement.span is not None and any(part.function == PART for part in parts):
             yield rules.SIGNS(span=statement.span)
 
 
@@ -137,8 +138,8 @@ def _states(program: Program) -> Iterator[Diagnostic]:
     """Where the cell says what the controller would tell of itself."""
     if not any(name.lower() in STATE_OF for name in program.variables):
         return
-    for statement in program.statements():
-        read = (r.name.lower() for r in records(head(statement)) if isinstance(r, e.Name))
+    for statement, parts in saying(program, e.Name):
+        read = (part.name.lower() for part in parts)
         for name in dict.fromkeys(one for one in read if one in STATE_OF):
             if statement.span is not None:
                 yield rules.STATED(name=name, span=statement.span)
@@ -183,7 +184,8 @@ def _without_unused(program: Program) -> Program:
     if not idle:
         return program
     named: set[str] = set()
-    for record in records((program.procedures, program.targets, program.variables)):
+    kinds = p.Opaque, e.Verbatim, e.Name, p.SetSignal, p.Trigger, p.WaitSignal
+    for record in chain(everywhere(program, *kinds), records(program.variables)):
         match record:
             case p.Opaque() | e.Verbatim():
                 named |= effect_of(record).names

@@ -337,7 +337,10 @@ class Handler(Node):
 
 @dataclass(frozen=True, slots=True)
 class Routine(Node):
-    """kind: `PROC`, `FUNC` or `TRAP`. type: what a FUNC gives back."""
+    """kind: `PROC`, `FUNC` or `TRAP`. type: what a FUNC gives back.
+
+    known: the nodes inside it, empty until somebody went through them.
+    """
 
     kind: str
     local: bool
@@ -346,6 +349,7 @@ class Routine(Node):
     type: str = ""
     parameters: tuple[ParameterGroup, ...] = ()
     handlers: tuple[Handler, ...] = ()
+    known: list[Node] = field(default_factory=list, init=False, compare=False, repr=False)
 
 
 StatementNode = (

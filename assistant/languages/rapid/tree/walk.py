@@ -11,7 +11,7 @@ from assistant.languages.rapid.tree.triggers import set_up
 from assistant.languages.walking import Walk
 from assistant.program.diagnostics import Span
 
-_WALK: Final = Walk(lambda kind: issubclass(kind, s.Node))
+_WALK: Final = Walk(lambda kind: issubclass(kind, s.Node), held=s.Routine)
 nodes: Final = _WALK.nodes
 inside: Final = _WALK.inside
 

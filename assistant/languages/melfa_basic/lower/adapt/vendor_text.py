@@ -14,9 +14,10 @@ from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.contents import keeping
 from assistant.program.diagnostics import Findings
-from assistant.program.program import Program, walk
-from assistant.program.rewriting import head, records
+from assistant.program.program import Program
+from assistant.program.rewriting import records
 
 
 def plain_verbatim(value: e.Verbatim, dialect: Dialect) -> e.Verbatim:
@@ -43,9 +44,9 @@ def _has_all(node: s.Expression, dialect: Dialect) -> bool:
 def check_names(program: Program, names: Names, findings: Findings) -> None:
     """Complains of vendor text whose variables and labels are written under other names."""
     for procedure in program.procedures:
-        for node in walk(procedure.body):
-            for kept in records(head(node)):
-                if isinstance(kept, p.Opaque | e.Verbatim) and kept.language in DIALECTS:
+        for node, parts in keeping(procedure):
+            for kept in parts:
+                if kept.language in DIALECTS:
                     read = statement if isinstance(kept, p.Opaque) else expression
                     renamed = sorted(set(_renamed(read(kept.text), procedure.name, names)))
                     if renamed:

@@ -99,6 +99,8 @@ class Program:
             (Index(item.run.names), item.run) for item in items if isinstance(item, s.TargetRunNode)
         ]
         self._declared = frozenset(declared)
+        self._elsewhere: set[str] = set()
+        """Names in lower case that no module declares data by."""
         self._parameters: dict[int, Datum] = {}
         self._results: dict[int, Mapping[Path, str]] = {}
 
@@ -106,11 +108,14 @@ class Program:
         """Data of the modules by its lower-case name, also a row of a table of targets."""
         if name in self.data:
             return self.data[name]
+        if name in self._elsewhere:
+            return None
         for index, run in self._tables:
             row = int(index.row(name)[0])
             if row >= 0:
                 datum = Datum(run.names.name(row), "robtarget", value=_of_row(run, row))
                 return self.data.setdefault(name, datum)
+        self._elsewhere.add(name)
         return None
 
     def only_works_out(self, name: str) -> bool:
