@@ -11,7 +11,7 @@ from hypothesis import given, settings
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.contents import all_names, all_of, everywhere, says, saying
+from assistant.program.contents import all_names, all_of, everywhere, saying, says
 from assistant.program.path import Path
 from assistant.program.program import Procedure, Program, Variable
 from assistant.program.rewriting import records
