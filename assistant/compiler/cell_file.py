@@ -51,7 +51,7 @@ def equipped(
     if others:
         findings.append(NOT_OF_PROGRAMS(keys=", ".join(others), path=path))
     program = with_signals(program, stated.signals)
-    program = _with_lines(program, stated.lines)
+    program = with_lines(program, stated.lines)
     for kind, given, there in _tables(program, stated):
         known = {name.lower() for name in there}
         findings += [
@@ -72,8 +72,8 @@ def with_signals(program: Program, stated: Mapping[str, Signal]) -> Program:
     return replace(program, signals=_with(program.signals, stated))
 
 
-def _with_lines(program: Program, lines: Mapping[int, Line]) -> Program:
-    """With what the cell knows of communication lines in place of their numbers."""
+def with_lines(program: Program, lines: Mapping[int, Line]) -> Program:
+    """A program with what the cell knows of communication lines in place of their numbers."""
 
     def stated(part: Any) -> Any:
         match part:

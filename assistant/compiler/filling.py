@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant import languages
 from assistant.compiler.cell_file import equipped, with_signals
+from assistant.compiler.controller_files import STATED
 from assistant.compiler.crossing import has_joints
 from assistant.compiler.loading import Loaded, language_of
 from assistant.program import statements as p
@@ -63,8 +64,6 @@ UNPROVEN: Final = warning(
     "what lacks values of its cell is not proven by motion",
     "write them in the cell file, then prove it",
 )
-STATED: Final = "cell values"
-"""Of the text of declarations that is made of a cell file."""
 GROUP_BITS: Final = {"input": 15, "output": 16}
 """Of a group of signals whose width nobody states; an input of 16 may be read as negative."""
 WIDTHS: Final = (8, 16, 32)
@@ -111,7 +110,7 @@ def in_cell(loaded: Loaded, cell: Cell, path: FilePath, *, taught: bool = False)
     program, unnumbered = _numbered(program, wanted)
     arm = Wanted(TAUGHT_ON, "arm")
     joints = not taught and program.robot is None and (has_joints(program) or has_joints(told))
-    stated = cell.value(arm) if joints else SAME_ARM
+    stated = (cell.value(arm) or loaded.arm) if joints else SAME_ARM
     return replace(
         loaded,
         program=program,

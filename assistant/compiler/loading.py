@@ -90,13 +90,17 @@ def load(
 
 def configured_beside(loaded: Loaded, language: Language[Any], file: FilePath) -> Loaded:
     """A program with what files of its controller state, which stand beside one of its own."""
-    if language.loading is None:
-        return loaded
-    from assistant.compiler.controller_files import as_configured
+    from assistant.compiler.controller_files import as_configured, configured
 
-    program, signals, found = as_configured(loaded.program, language.loading, file)
-    every = {**loaded.signals, **signals}
-    return replace(loaded, program=program, signals=every, findings=(*loaded.findings, *found))
+    given, found = configured(language, file)
+    placed = as_configured(loaded.program, language, given)
+    return replace(
+        loaded,
+        program=placed.program,
+        findings=(*loaded.findings, *found, *placed.findings),
+        arm=placed.arm or loaded.arm,
+        signals={**loaded.signals, **given.signals},
+    )
 
 
 def load_text(

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 
 from assistant.compiler.arms import Arms, in_arms, robot_of
 from assistant.compiler.compiling import Compiled, compile_program, proven_by_motion, told
+from assistant.compiler.controller_files import STATED
 from assistant.compiler.drafting import draft as drafted
 from assistant.compiler.entering import entered
-from assistant.compiler.filling import STATED, UNFILLED, UNPROVEN, as_draft, with_cell
+from assistant.compiler.filling import UNFILLED, UNPROVEN, as_draft, with_cell
 from assistant.compiler.loading import Loaded, language_of, load
 from assistant.compiler.motion import MotionProof, Proving
 from assistant.compiler.proof import Proof

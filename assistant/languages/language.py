@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import abc
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
@@ -12,7 +12,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Generic, Literal, Protocol, Self, TypeVar
 
 from assistant.languages.budgeted import budgeted
-from assistant.languages.tasks import Loading
+from assistant.languages.tasks import Loading, Surroundings
 from assistant.program.diagnostics import Diagnostic, Refused, Severity, Span
 from assistant.program.effects import Effect, KeptKind, unknown
 from assistant.program.lines import lines_of
@@ -20,7 +20,7 @@ from assistant.program.program import Origin, Program
 from assistant.program.text import SourceText, decode, encode, read_bytes
 
 if TYPE_CHECKING:
-    from assistant.program.wanted import Supplied, Wanted
+    from assistant.program.wanted import Supplied, Wanted, WantedKind
     from assistant.robots import Robot
 
 
@@ -166,6 +166,7 @@ class Language(abc.ABC, Generic[T]):
     """Whether its lines have step numbers."""
 
     loading: Loading | None = None
+    surroundings: Surroundings | None = None
     """How files of one task are told, None where each file is a program of its own."""
 
     def __init_subclass__(cls) -> None:
@@ -321,6 +322,14 @@ class Language(abc.ABC, Generic[T]):
     def wanted(self, trees: Sequence[T]) -> tuple[Wanted, ...]:  # noqa: ARG002
         """What the trees of one program use and none of them declares, in order of the uses."""
         return ()
+
+    def wanted_of(
+        self, trees: Sequence[T], values: Container[tuple[WantedKind, str]]
+    ) -> Iterator[Wanted]:
+        """Those that a controller holds values of, by their kind and lower-case name."""
+        for one in self.wanted(trees):
+            if (one.kind, one.name.lower()) in values:
+                yield one
 
     def supplied(self, given: Supplied, trees: Sequence[T]) -> str:  # noqa: ARG002
         """The text of a file that declares names beside these trees; None: without a value.

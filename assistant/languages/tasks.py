@@ -7,12 +7,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path as FilePath
-from typing import Final
+from typing import Final, Literal, TypeAlias
 
 from assistant.program import lines
+from assistant.program.diagnostics import Diagnostic
 from assistant.program.program import Signal
+from assistant.program.wanted import Value, WantedKind
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,8 +25,7 @@ class Loading:
     name the files of a task. shared: of a folder, as `program_of` gives it, whether every other
     task beside it loads its files as well. closed: whether a task there loads all files of its
     folders, and none from elsewhere but shared ones. loaded: of a file there, whether a task
-    loads it though its list does not name it. signals_beside: the file with the signals of the
-    controller that a file of a program belongs to. signals_of: those in its text.
+    loads it though its list does not name it.
     """
 
     entry: str
@@ -32,22 +33,60 @@ class Loading:
     shared: Callable[[FilePath], bool]
     closed: Callable[[FilePath], bool]
     loaded: Callable[[FilePath], bool]
-    signals_beside: Callable[[FilePath], FilePath | None]
-    signals_of: Callable[[str], Configured]
 
 
 @dataclass(frozen=True, slots=True)
 class Configured:
-    """Signals as the files of a controller state them, by their names.
+    """What the files of a controller state of its programs.
 
-    crossed: names in lower case of those that the controller sets from others. unread: what is
-    stated and cannot be used. known: whether the text looks like such a file at all.
+    signals: by their names. source: the file that states them. crossed: names in lower case of
+    those that the controller sets from others. unread: what is stated there and cannot be used.
+    known: whether the text looks like such a file at all. arm: the robot, by its name in the
+    catalogue; told: the same in its maker's words. entry: the procedure that the task begins
+    with, in lower case. values: of names that programs use and do not declare. lines:
+    communication lines by number, each with its role, port and address. findings: on the files.
     """
 
-    signals: Mapping[str, Signal]
+    signals: Mapping[str, Signal] = field(default_factory=dict)
     crossed: frozenset[str] = frozenset()
     unread: tuple[str, ...] = ()
     known: bool = True
+    arm: str | None = None
+    told: str = ""
+    entry: str | None = None
+    values: Mapping[tuple[WantedKind, str], Value] = field(default_factory=dict)
+    lines: Mapping[int, CommunicationLine] = field(default_factory=dict)
+    source: FilePath | None = None
+    findings: tuple[Diagnostic, ...] = ()
+
+
+CommunicationLine: TypeAlias = tuple[Literal["server", "client", "serial"], int, str]
+Texts: TypeAlias = Callable[[FilePath], str | None]
+"""Reads a file of a controller, None where that cannot be done."""
+Surroundings: TypeAlias = Callable[[FilePath, Texts], Configured]
+"""What the files beside one of a program state of its controller."""
+
+
+def file_named(folder: FilePath, name: str) -> FilePath | None:
+    """What stands in a folder under a name in lower case, whatever its own case."""
+    try:
+        return next((path for path in folder.iterdir() if path.name.lower() == name), None)
+    except OSError:
+        return None
+
+
+def catalogue_name(family: str, figures: frozenset[float]) -> str | None:
+    """The arm in the catalogue of a family, `irb1200`, with these figures behind its name."""
+    from assistant import robots
+
+    for name in robots.names():
+        first, *others = name.split("-")
+        if first == family and frozenset(map(float, filter(_FIGURE.fullmatch, others))) == figures:
+            return name
+    return None
+
+
+_FIGURE: Final = re.compile(r"[0-9]+(?:\.[0-9]+)?")
 
 
 _WORD: Final = r"[^\W\d]\w*"

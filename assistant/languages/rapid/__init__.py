@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.language import ARITHMETIC, Adapted, Language, Part, Precision
-from assistant.languages.rapid.reading.tasks import LOADING, program_of
+from assistant.languages.rapid.reading.tasks import LOADING, program_of, surroundings
 from assistant.lazy import offered
 from assistant.program.diagnostics import Diagnostic, has_errors
 from assistant.program.effects import Effect, KeptKind
@@ -54,6 +54,7 @@ class Rapid(Language["File"]):
     table = "rapid"
     settings = ARITHMETIC
     loading = LOADING
+    surroundings = staticmethod(surroundings)
 
     def recognises(self, data: bytes, suffix: str = "") -> bool:  # noqa: ARG002
         from assistant.languages.rapid.reading.files import recognises

@@ -206,6 +206,17 @@ STATED: Final = warning(
     "as it is while the program runs",
     "write its value in the cell file, and see that nothing depends on its changing",
 )
+BASE_FRAME: Final = warning(
+    "RA381",
+    "the robot stands at {where} in the world that its program counts from, as its system "
+    "parameters state; the other robot counts from its own base",
+    "put the other robot there in a world of its own, or state the work objects from its base",
+)
+OTHER_TASK: Final = info(
+    "RA382",
+    "the task `{task}` is {kind}: it runs by itself as long as the controller, beside the robot",
+    "have the other controller run its program in a slot of its own, always",
+)
 OPENED_ANEW: Final = warning(
     "RA392",
     "`{name}` is opened for writing alone, so that the file is empty: RAPID leaves what is in it "

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from assistant.languages.rapid.reading.signals import beside, configured
+from assistant.languages.rapid.reading.parameters import beside
+from assistant.languages.rapid.reading.signals import configured
 from assistant.program.program import Signal
 
 HEAD = "EIO:CFG_1.0:6:1::\n#\nEIO_SIGNAL:\n\n"

@@ -1,29 +1,20 @@
 """Signals of a controller, as its system parameters state them: `EIO.cfg`.
 
-    EIO_SIGNAL:
-
-          -Name "doGrip" -SignalType "DO" -Device "Board10" -DeviceMap "5"
-
-Format: the files of RobotWare 5 (`Unit`, `UnitMap`), 6 and 7 (`Device`, `DeviceMap`); an attribute
-is a word behind `-` with its value in quotes; a line goes on behind a backslash.
+RobotWare 5 says `Unit` and `UnitMap`, 6 and 7 say `Device` and `DeviceMap`.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from pathlib import Path as FilePath
 from typing import Final, Literal
 
+from assistant.languages.rapid.reading.parameter_rows import is_known, rows_of
 from assistant.languages.tasks import Configured
 from assistant.program.program import Signal
 
-FILE: Final = "eio.cfg"
-FOLDER: Final = "syspar"
-ABOVE: Final = 3
-"""Folders above a module in which the system parameters may stand: PROGMOD, TASKn, RAPID."""
 Kind = Literal["digital", "analog", "group"]
 TYPES: Final[dict[str, tuple[Kind, bool]]] = {
     "DI": ("digital", True),
@@ -36,32 +27,7 @@ TYPES: Final[dict[str, tuple[Kind, bool]]] = {
 """Types of signals: what they are, and whether they are inputs."""
 DEVICE_BITS: Final = 16
 """Bits of one device are counted from a multiple of this, behind those of the device before."""
-_SECTION: Final = re.compile(r"(?m)^([A-Z][A-Z0-9_]*):[ \t]*$")
-_HEADER: Final = re.compile(r"\s*EIO:CFG")
-_ATTRIBUTE: Final = re.compile(r'-(\w+)(?:[ \t]+"([^"\n]*)")?')
 _BITS: Final = re.compile(r"(\d{1,5})(?:-(\d{1,5}))?")
-
-
-def beside(module: FilePath) -> FilePath | None:
-    """The file with the signals of the controller that a module stands in a backup of.
-
-    `EIO.cfg` beside the module, or in `SYSPAR` of one of the folders above.
-    """
-    folders = [module.absolute().parent, *module.absolute().parent.parents[:ABOVE]]
-    for place, folder in enumerate(folders):
-        if place == 0 and (found := _named(folder, FILE)) is not None:
-            return found
-        inner = _named(folder, FOLDER)
-        if inner is not None and (found := _named(inner, FILE)) is not None:
-            return found
-    return None
-
-
-def _named(folder: FilePath, name: str) -> FilePath | None:
-    try:
-        return next((path for path in folder.iterdir() if path.name.lower() == name), None)
-    except OSError:
-        return None
 
 
 def configured(text: str) -> Configured:
@@ -69,9 +35,8 @@ def configured(text: str) -> Configured:
 
     Each device has its numbers behind those of the device before, as its map counts them.
     """
-    lines = text.replace("\r\n", "\n").replace("\\\n", " ")
     rows, unread = [], []
-    for row in _rows(lines, "EIO_SIGNAL"):
+    for row in rows_of(text, "EIO_SIGNAL"):
         name, kind = row.get("Name", ""), TYPES.get(row.get("SignalType", "").upper())
         if kind is None or not name:
             unread.append(name or "a signal without a name")
@@ -85,9 +50,8 @@ def configured(text: str) -> Configured:
         number = None if one.begin is None else starts[one.input, one.device] + one.begin
         bits = one.bits if one.kind == "group" else 1
         signals[one.name] = Signal(one.kind, "input" if one.input else "output", number, bits)
-    results = {row.get("Res", "").lower() for row in _rows(lines, "EIO_CROSS")} - {""}
-    known = bool(_SECTION.search(lines) or _HEADER.match(lines))
-    return Configured(signals, frozenset(results), tuple(unread), known)
+    results = {row.get("Res", "").lower() for row in rows_of(text, "EIO_CROSS")} - {""}
+    return Configured(signals, frozenset(results), tuple(unread), is_known(text))
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,16 +64,6 @@ class _Row:
     device: str
     begin: int | None
     bits: int
-
-
-def _rows(text: str, section: str) -> Iterator[dict[str, str]]:
-    """The attributes of each row of a section, once lines that go on are joined."""
-    pieces = _SECTION.split(text)
-    for name, body in zip(pieces[1::2], pieces[2::2], strict=False):
-        if name == section:
-            for line in body.split("\n"):
-                if line.lstrip().startswith("-"):
-                    yield dict(_ATTRIBUTE.findall(line))
 
 
 def _bits(written: str) -> tuple[int | None, int]:

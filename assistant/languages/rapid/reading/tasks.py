@@ -11,7 +11,7 @@ import re
 from pathlib import Path as FilePath
 from typing import Final
 
-from assistant.languages.tasks import Configured, Loading
+from assistant.languages.tasks import Configured, Loading, Texts
 
 TASK_FOLDERS: Final = frozenset(("PROGMOD", "SYSMOD"))
 SYSTEM_FOLDER: Final = "SYSMOD"
@@ -41,16 +41,10 @@ def loaded(path: FilePath) -> bool:
     return path.parent.name.upper() == SYSTEM_FOLDER or path.suffix.lower() in SYSTEM
 
 
-def _signals_beside(module: FilePath) -> FilePath | None:
-    from assistant.languages.rapid.reading.signals import beside
+def surroundings(module: FilePath, read: Texts) -> Configured:
+    from assistant.languages.rapid.reading.parameters import stated
 
-    return beside(module)
-
-
-def _signals_of(text: str) -> Configured:
-    from assistant.languages.rapid.reading.signals import configured
-
-    return configured(text)
+    return stated(module, read)
 
 
-LOADING: Final = Loading("main", (".pgf",), shared, closed, loaded, _signals_beside, _signals_of)
+LOADING: Final = Loading("main", (".pgf",), shared, closed, loaded)

@@ -1,0 +1,130 @@
+"""What system parameters beside a program say, so that nobody is asked for it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from assistant.compiler import Translation, translate
+from assistant.compiler.tasks import load_task, tasks_of
+
+EIO = """EIO:CFG_1.0:6:1::
+#
+EIO_SIGNAL:
+
+      -Name "doArc" -SignalType "DO" -DeviceMap "7"
+      -Name "doGrip" -SignalType "DO" -DeviceMap "5"
+"""
+SYS = """SYS:CFG_1.0:6:0::
+#
+CAB_TASKS:
+
+      -Name "T_ROB1" -Type "NORMAL" -MotionTask
+      -Name "T_WATCH" -Type "SEMISTATIC"\\
+      -Entry "watch"
+"""
+MOC = """MOC:CFG_1.0:6:1::
+#
+JOINT:
+
+      -name "rob1_1" -logical_axis 1 -kinematic_axis_number 1
+      -name "track" -logical_axis 7
+#
+ROBOT:
+
+      -name "ROB_1" -use_robot_type "ROB1_1200_0.9_5_TypeB" -base_frame_pos_z {height}\\
+      -base_frame_orient_u0 1
+"""
+PROC = """PROC:CFG_1.0:6:1::
+#
+ARC_EQUIP_IO_DO:
+
+      -name "stdIO_T_ROB1" -GasOn "doGas" -WeldOn "doArc"
+"""
+INFO = ">>SYSTEM_ID:\ncell\n\n>>TASK1: (T_ROB1,,)\nPROGMOD/m.mod @\n\n>>TASK2: (T_WATCH,,)\n"
+MODULE = """MODULE m
+    CONST robtarget p1:=[[400,0,300],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+    PERS seamdata s1:=[0,0,[0,0,0,0,0,0,0,0,0],0,0,0,0,0,[0,0,0,0,0,0,0,0,0],0,0,[0,0,0,0,0,0,0,0,0],
+        0,0,[0,0,0,0,0,0,0,0,0],0];
+    PERS welddata w1:=[10,0,[0,0,0,0,0,0,0,0,0],[0,0,0,0,0,0,0,0,0]];
+    CONST jointtarget home:=[[0,0,0,0,30,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+    PROC main()
+        MoveAbsJ home,v100,fine,tool0;
+        MoveL p1,v100,fine,tool0;
+        IF GetTaskName()="T_ROB1" THEN
+            SetDO doGrip,1;
+        ENDIF
+        ArcLStart Offs(p1,10,0,0),v100,s1,w1,fine,tool0;
+        ArcLEnd Offs(p1,20,0,0),v100,s1,w1,fine,tool0;
+    ENDPROC
+ENDMODULE
+"""
+WATCH = """MODULE w
+    PROC watch()
+        SetDO doGrip,0;
+    ENDPROC
+ENDMODULE
+"""
+
+
+def backup(folder: Path, height: float = 0) -> list[str]:
+    texts = {
+        "BACKINFO/backinfo.txt": INFO,
+        "SYSPAR/EIO.cfg": EIO,
+        "SYSPAR/SYS.cfg": SYS,
+        "SYSPAR/MOC.cfg": MOC.format(height=height),
+        "SYSPAR/PROC.cfg": PROC,
+        "RAPID/TASK1/PROGMOD/m.mod": MODULE,
+        "RAPID/TASK2/PROGMOD/w.mod": WATCH,
+    }
+    for name, text in texts.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    return [str(folder / name) for name in texts if name.endswith(".mod")]
+
+
+def translated(folder: Path, file: int, height: float = 0) -> Translation:
+    task = tasks_of(backup(folder, height))[file]
+    return translate(load_task(task), to="melfa-basic-6", robot="rv-7frl")
+
+
+def test_a_backup_says_its_task_its_arm_and_what_lights_the_arc(tmp_path: Path) -> None:
+    done = translated(tmp_path, 0)
+    assert done.ok, [(f.code, f.message) for f in done.whole if f.severity == "error"]
+    (text,) = (data.decode() for data in done.files.values())
+    assert "M_Out(5)=1" in text and "M_Out(7)=1" in text
+    told = [f.message for f in done.whole if f.code == "CO046"]
+    assert any("`controller_task`" in message for message in told)
+    assert any("irb1200-5-0.9" in message for message in told)
+    assert not any(f.code == "RA381" for f in done.whole)
+
+
+def test_a_task_begins_with_its_main_entry_and_runs_beside_the_robot(tmp_path: Path) -> None:
+    done = translated(tmp_path, 1)
+    assert done.ok, [(f.code, f.message) for f in done.whole]
+    codes = {f.code: f.message for f in done.whole}
+    assert "SEMISTATIC" in codes["RA382"]
+    assert any(f.code == "CO046" and "`watch`" in f.message for f in done.whole)
+    (text,) = (data.decode() for data in done.files.values())
+    assert "M_Out(5)=0" in text
+
+
+def test_a_robot_that_does_not_stand_at_the_origin_of_its_world_is_told(tmp_path: Path) -> None:
+    (found,) = (f for f in translated(tmp_path, 0, 0.5).whole if f.code == "RA381")
+    assert "(0, 0, 500) mm" in found.message
+
+
+@pytest.mark.parametrize(("places", "whole"), [("9E9,7,9", True), ("5,7,9", False)])
+def test_external_axes_that_the_controller_has_not_stand_still(
+    tmp_path: Path, places: str, whole: bool
+) -> None:
+    """It has `eax_a` alone: what targets say of others is left out, of that one it cannot be."""
+    files = backup(tmp_path)
+    module = MODULE.replace("0,0,0,0],[9E9,9E9,9E9,", f"0,0,0,0],[{places},", 1)
+    Path(files[0]).write_text(module, encoding="utf-8")
+    done = translate(load_task(tasks_of(files)[0]), to="melfa-basic-6", robot="rv-7frl")
+    assert done.ok
+    text = "".join(data.decode() for data in done.files.values())
+    assert ("L1" in text or ",+5.00" in text) != whole
