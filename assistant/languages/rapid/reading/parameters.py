@@ -19,8 +19,8 @@ import numpy as np
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.reading.parameter_rows import all_rows, is_known, rows_of
 from assistant.languages.rapid.reading.signals import configured
+from assistant.languages.rapid.tables.processes import BURNS
 from assistant.languages.rapid.tables.states import STATES
-from assistant.languages.rapid.tables.welding import BURNS
 from assistant.languages.rapid.tree.external_axes import AXES, place_of
 from assistant.languages.tasks import Configured, Texts, catalogue_name, file_named
 from assistant.program.geometry import Pose
