@@ -189,6 +189,11 @@ UNREAD_CALLERS: Final = warning(
     "set them before each call, and name signals and lines in the cell file; if it is called in "
     "another way too, copy it",
 )
+LONG_NUMBER: Final = warning(
+    "RA348",
+    "`{name}` is of the type dnum, and a number like any other here",
+    "see that it needs no more than the digits of a number there, and that its text is as long",
+)
 IDLE: Final = info("RA344", "this is left out: nothing reads what it assigns", "none is needed")
 SETTLED: Final = warning(
     "RA345",

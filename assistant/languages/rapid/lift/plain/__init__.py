@@ -22,6 +22,7 @@ from assistant.languages.rapid.lift.plain.displaced import with_displacements
 from assistant.languages.rapid.lift.plain.late_names import with_named_calls
 from assistant.languages.rapid.lift.plain.layouts import PACES, Layouts
 from assistant.languages.rapid.lift.plain.library import with_library, without_uncalled
+from assistant.languages.rapid.lift.plain.long_numbers import with_long_numbers
 from assistant.languages.rapid.lift.plain.mounted import with_wholes
 from assistant.languages.rapid.lift.plain.optional import with_required
 from assistant.languages.rapid.lift.plain.paces import changing
@@ -74,7 +75,8 @@ def plain(files: Sequence[s.File]) -> Plain | None:
 def _plain(files: Sequence[s.File], apart: frozenset[str]) -> Plain | None:
     """apart: see `Layouts`."""
     there = with_own_names([module for file in files for module in file.modules])
-    named, of_calls = with_named_calls(there)
+    short, of_numbers = with_long_numbers(there, files)
+    named, of_calls = with_named_calls(short)
     still, of_axes = with_still_axes(with_process_data(named))
     standing, of_units = with_standing_units(still)
     chosen = with_chosen_signals(standing)
@@ -93,7 +95,7 @@ def _plain(files: Sequence[s.File], apart: frozenset[str]) -> Plain | None:
     made: list[s.Module] = []
     outside: list[Outside] = []
     remarks: list[tuple[Diagnostic, ...]] = []
-    early = (of_calls, chosen.remarks, of_axes, of_units, of_names)
+    early = (of_numbers, of_calls, chosen.remarks, of_axes, of_units, of_names)
     for at, module in enumerate(modules):
         made.append(_module(program, module, kept))
         outside.append(tuple(program.outside))
