@@ -372,9 +372,9 @@ def _simple() -> st.SearchStrategy[Statement]:
         st.builds(Index, names().map(Name), several),
     )
     return st.one_of(
-        st.builds(Move, st.sampled_from(["joint", "linear"]), value, motions(), triggers),
-        st.builds(MoveCircular, value, value, motions(), triggers),
-        st.builds(MoveJoints, value, motions(), triggers),
+        st.builds(Move, st.sampled_from(["joint", "linear"]), value, motions(), triggers, maybe),
+        st.builds(MoveCircular, value, value, motions(), triggers, maybe),
+        st.builds(MoveJoints, value, motions(), triggers, maybe),
         st.builds(Follow, paths()),
         st.builds(Wait, value),
         st.builds(WaitSignal, names(), value, maybe),

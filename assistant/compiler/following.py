@@ -94,6 +94,8 @@ def _only_moves(program: Program, source: str) -> None:
             raise Refused(NOT_LED(path=source, what=type(statement).__name__))
         if getattr(statement, "triggers", ()):
             raise Refused(NOT_LED(path=source, what="a signal on the way"))
+        if getattr(statement, "until", None) is not None:
+            raise Refused(NOT_LED(path=source, what="what breaks a move off"))
 
 
 def _statements(program: Program) -> Iterator[Statement]:

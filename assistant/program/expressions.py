@@ -59,6 +59,7 @@ FUNCTIONS: Final[dict[str, str]] = {
     "connected": "1 where somebody is at the other end of a channel, by its name, else 0",
     "received": "the next text of a channel, by its name, up to a comma or the end of a line",
     "received_number": "the same as a number",
+    "broken_off": "1 where the last move with an `until` was broken off, else 0",
     "elapsed": "seconds since a timer was started",
 }
 """The functions of the pseudo-program; a call of another name is a call of the user's own."""

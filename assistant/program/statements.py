@@ -64,31 +64,38 @@ class Trigger:
 
 @dataclass(frozen=True, slots=True)
 class Move(Spanned):
-    """To a Cartesian target: `joint` interpolated or `linear`."""
+    """To a Cartesian target: `joint` interpolated or `linear`.
+
+    until: breaks the move off as soon as it holds, at its start too: the arm stops on its way, and
+    the program goes on with the next statement. `broken_off` tells whether that happened.
+    """
 
     kind: Literal["joint", "linear"]
     target: Expression
     motion: Motion
     triggers: tuple[Trigger, ...] = ()
+    until: Expression | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class MoveCircular(Spanned):
-    """On the arc from the present position through `via` to `target`."""
+    """On the arc from the present position through `via` to `target`. until: see `Move`."""
 
     via: Expression
     target: Expression
     motion: Motion
     triggers: tuple[Trigger, ...] = ()
+    until: Expression | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class MoveJoints(Spanned):
-    """To a joint target, every axis on its own way (MoveAbsJ)."""
+    """To a joint target, every axis on its own way (MoveAbsJ). until: see `Move`."""
 
     target: Expression
     motion: Motion
     triggers: tuple[Trigger, ...] = ()
+    until: Expression | None = None
 
 
 @dataclass(frozen=True, slots=True)

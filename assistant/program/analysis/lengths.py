@@ -46,6 +46,8 @@ def _body(
 
 
 def _after(node: p.Statement, here: Place, targets: Mapping[str, Target]) -> Place:
+    if isinstance(node, p.MoveStatement) and node.until is not None:
+        return None
     match node:
         case p.Move(target=value, motion=motion) | p.MoveCircular(target=value, motion=motion):
             target = value.target if isinstance(value, e.TargetValue) else None

@@ -18,6 +18,8 @@ def with_conditions(statement: p.Statement, known: Kinds) -> p.Statement:
         case p.Interrupt(ends=ends) if ends is not None:
             inner = condition(statement.condition, known), condition(ends, known)
             return replace(statement, condition=inner[0], ends=inner[1])
+        case p.Move() | p.MoveCircular() | p.MoveJoints() if statement.until is not None:
+            return replace(statement, until=condition(statement.until, known))
         case p.While() | p.WaitUntil() | p.Interrupt():
             return replace(statement, condition=condition(statement.condition, known))
     return statement

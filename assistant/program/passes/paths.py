@@ -82,10 +82,10 @@ class _Gatherer:
                 p.COMPUTED in motion.fixed
             ):
                 return None
-            case p.Move(_, e.Name(name), triggers=()):
+            case p.Move(_, e.Name(name), triggers=(), until=None):
                 row = self.row(name)
                 return None if row is None else (row[0], row[1], row[1])
-            case p.MoveCircular(e.Name(via), e.Name(end), triggers=()):
+            case p.MoveCircular(e.Name(via), e.Name(end), triggers=(), until=None):
                 one, two = self.row(via), self.row(end)
                 if one is not None and two is not None and (one[0], one[1] + 1) == two:
                     return one[0], one[1], two[1]

@@ -154,6 +154,7 @@ _SLOTS: Final[dict[str, _Slot]] = {
     "pulse": _optional(" pulse ", " s"),
     "timeout": _wrapped(" timeout ", " s"),
     "ends": _wrapped(" ends where ", ""),
+    "until": _wrapped(" until ", ""),
     "ahead": _wrapped(" ahead ", " s"),
     "triggers": _Slot(
         lambda triggers: "".join(f" {trigger_text(one)}" for one in triggers), _read_triggers
@@ -200,9 +201,12 @@ class _Form:
 
 
 _FORMS: Final = (
-    _Form(Move, "move {kind:word} {target} {motion:motion}{triggers:triggers}"),
-    _Form(MoveCircular, "move circular via {via} to {target} {motion:motion}{triggers:triggers}"),
-    _Form(MoveJoints, "move absolute {target} {motion:motion}{triggers:triggers}"),
+    _Form(Move, "move {kind:word} {target} {motion:motion}{triggers:triggers}{until:until}"),
+    _Form(
+        MoveCircular,
+        "move circular via {via} to {target} {motion:motion}{triggers:triggers}{until:until}",
+    ),
+    _Form(MoveJoints, "move absolute {target} {motion:motion}{triggers:triggers}{until:until}"),
     _Form(Wait, "wait {seconds} s"),
     _Form(WaitSignal, "wait for {signal:name} = {value:side}{timeout:timeout}"),
     _Form(WaitUntil, "wait until {condition}{timeout:timeout}"),

@@ -228,6 +228,8 @@ def _apply(m: Machine, name: str, arguments: tuple[e.Expression, ...]) -> Value:
         return evaluate(m, e.Elapsed(_name(arguments[0])))
     if key == "joints_here":
         return joints_here(m)
+    if key == "broken_off" and not arguments:
+        return float(m.broken_off)
     if key in CLOCK and not arguments:
         return format(dates.at(m.task.kernel.now), CLOCK[key])
     values = [evaluate(m, one) for one in arguments]

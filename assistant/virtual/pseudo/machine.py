@@ -34,7 +34,7 @@ class Machine:
     text: that the program was read from, None if there is none. shared: its variables, targets and
     joint targets by name in lower case. set: signals that it sets. flange, joints: where the
     latest motion leads, None while that is not known. override, acceleration, deceleration:
-    factors. interrupts: set once it runs.
+    factors. interrupts: set once it runs. broken_off: whether the last move with an `until` was.
     """
 
     task: Task
@@ -51,6 +51,7 @@ class Machine:
     acceleration: float = 1.0
     deceleration: float = 1.0
     interrupts: Interrupts | None = None
+    broken_off: bool = False
     tables: _Tables = field(init=False)
 
     def __post_init__(self) -> None:

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Final, Literal
 
 import numpy as np
 
+from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool
 from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.path import UNSTATED, Kind, Path, configuration_row
+from assistant.program.rewriting import records
 from assistant.robots.configurations import BACK
 from assistant.robots.motion.run import to_flange
+from assistant.virtual.breaking import broken_off
 from assistant.virtual.events import How, Moved, OnWay, Switched
 from assistant.virtual.on_way import told
 from assistant.virtual.pseudo.ends import Fault, NotRun
@@ -46,7 +49,7 @@ def move(m: Machine, node: p.Move | p.MoveCircular) -> None:
         via=via,
         configuration=configuration_row(target.configuration),
     )
-    _go(m, moved, node.triggers)
+    _go(m, moved, node)
 
 
 KINDS_BY_NAME: Final[dict[str, Way]] = {way: way for way in KINDS.values()}
@@ -61,7 +64,7 @@ def move_joints(m: Machine, node: p.MoveJoints) -> None:
     pace = _pace(m, node.motion)
     flange = flange_at(m, joints)
     moved = _moved(m, "joint", flange, (tool, frame), pace, joints=joints)
-    _go(m, moved, node.triggers)
+    _go(m, moved, node)
 
 
 def follow(m: Machine, path: Path) -> Iterator[None]:
@@ -86,7 +89,7 @@ def follow(m: Machine, path: Path) -> Iterator[None]:
         stated = tuple(path.configurations[row].tolist())
         moved = _moved(m, KINDS[kind], flange, mount, pace, via=via, configuration=stated)
         via = None
-        _go(m, moved, ())
+        _go(m, moved)
 
 
 def flange_at(m: Machine, joints: tuple[float, ...]) -> Pose | None:
@@ -184,11 +187,24 @@ def _moved(
     )
 
 
-def _go(m: Machine, moved: Moved, triggers: Sequence[p.Trigger]) -> None:
+def _go(m: Machine, moved: Moved, node: p.MoveStatement | None = None) -> None:
+    triggers, until = ((), None) if node is None else (node.triggers, node.until)
     changes = [change for one in triggers for change in _changes(m, one)]
-    before = m.flange
-    m.flange, m.joints = moved.flange, moved.joints
-    m.task.kernel.motion.go(m.task, moved, told(moved, before, changes))
+    before, motion = m.flange, m.task.kernel.motion
+
+    def go() -> None:
+        m.flange, m.joints = moved.flange, moved.joints
+        motion.go(m.task, moved, told(moved, before, changes))
+
+    if until is None:
+        go()
+        return
+    asks = until
+    timed = any(isinstance(part, e.Elapsed | e.Here) for part in records(asks))
+    m.broken_off = broken_off(m.task, lambda: condition(m, asks), go, timed=timed)
+    standing = motion.where() if m.broken_off else None
+    if standing is not None:
+        m.flange, m.joints = standing
 
 
 def _changes(m: Machine, trigger: p.Trigger) -> Iterator[Switched]:

@@ -101,7 +101,7 @@ def test_postures_of_the_start(direction: int) -> None:
         ("Def Plt 1,PS,PA,PB,,MQ,3,2", ""),
         ("Def Plt 1,PS,PA,PB,,4,3,2", "PB.X=3\n"),
         ("Def Plt 1,PS,PA,PB,,4,3,2", "Def Plt 1,PS,PA,PB,,5,3,2\n"),
-        ("Def Plt 1,PS,PA,PB,,4,3,2", "Mvs (Plt 1,4) WthIf M_In(5)=1,Skip\n"),
+        ("Def Plt 1,PS,PA,PB,,4,3,2", "Mvs (Plt 1,4) WthIf M_In(5)=1,Hlt\n"),
         ("Def Plt 1,PS,PA,P_B,,4,3,2", ""),
     ],
 )

@@ -31,15 +31,15 @@ if TYPE_CHECKING:
 def move(w: Writer, node: p.Move) -> None:
     target = _destination(w, node.target, node.motion.frame)
     _setting(w, node.motion)
-    append = appended(w, node.triggers)
+    append = appended(w, node)
     w.add(s.Motion("Mov" if node.kind == "joint" else "Mvs", target, append=append))
-    _remember(w, target, node.motion)
+    _remember(w, target, node)
 
 
 def move_joints(w: Writer, node: p.MoveJoints) -> None:
     target = w.expressions.target(node.target)
     _setting(w, node.motion)
-    w.add(s.Motion("Mov", (target,), append=appended(w, node.triggers)))
+    w.add(s.Motion("Mov", (target,), append=appended(w, node)))
     w.previous = None
 
 
@@ -49,8 +49,8 @@ def move_circular(w: Writer, node: p.MoveCircular) -> None:
     _setting(w, node.motion)
     start = _arc_start(w, node.motion.tool, frame)
     points = start, _placed(w, via, frame), _placed(w, target, frame)
-    w.add(s.Motion("Mvr", points, append=appended(w, node.triggers)))
-    _remember(w, (target,), node.motion)
+    w.add(s.Motion("Mvr", points, append=appended(w, node)))
+    _remember(w, (target,), node)
 
 
 def follow(w: Writer, node: p.Follow) -> None:
@@ -107,9 +107,11 @@ def _destination(w: Writer, value: e.Expression, frame: str) -> tuple[s.Expressi
     return (_placed(w, w.expressions.target(value), frame),)
 
 
-def _remember(w: Writer, target: tuple[s.Expression, ...], motion: p.Motion) -> None:
+def _remember(w: Writer, target: tuple[s.Expression, ...], node: p.Move | p.MoveCircular) -> None:
     """Where the robot stands, if the next arc may name it."""
-    w.previous = None
+    w.previous, motion = None, node.motion
+    if node.until is not None:
+        return
     match target:
         case (s.Binary("*", s.Variable(), inner),) if _placed(w, inner, motion.frame) == target[0]:
             target = (inner,)

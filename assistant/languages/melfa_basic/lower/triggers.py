@@ -1,4 +1,4 @@
-"""Outputs that moves set on their way, as what is appended to a motion."""
+"""Outputs that moves set on their way, and what breaks them off, as appended to a motion."""
 
 from __future__ import annotations
 
@@ -20,8 +20,16 @@ WORDS: Final = {measure: name for name, (measure, _) in PLACES.items()}
 """The status variable of each measure that has one."""
 
 
-def appended(w: Writer, triggers: tuple[p.Trigger, ...]) -> s.Append | None:
-    """`Wth` or `WthIf` for what a move sets on its way, None if that is nothing."""
+def appended(w: Writer, move: p.MoveStatement) -> s.Append | None:
+    """`Wth` or `WthIf` for what a move sets on its way or ends at, None if that is nothing."""
+    triggers = move.triggers
+    if move.until is not None:
+        if triggers:
+            raise Unsayable(
+                f"that `{triggers[0].signal}` is set on the way of a move that may be broken off",
+                "set it before or behind the move",
+            )
+        return s.Append(s.Command("Skip"), w.expressions.of(move.until))
     if not triggers:
         return None
     if len(triggers) > 1:

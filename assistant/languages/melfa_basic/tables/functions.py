@@ -11,7 +11,8 @@ PLAIN: Final = {
 }  # fmt: skip
 """Functions that take and give the same units."""
 OF_CONTROLLER: Final = {
-    "joints_here": "J_Curr", "date_today": "C_Date", "time_of_day": "C_Time",
+    "joints_here": "J_Curr", "broken_off": "M_SkipCq",
+    "date_today": "C_Date", "time_of_day": "C_Time",
 }  # fmt: skip
 """Functions without arguments, which are status variables."""
 OF_ARM: Final = {"flange_at": "JtoP", "joints_at": "PtoJ"}

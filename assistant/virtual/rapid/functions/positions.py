@@ -55,7 +55,8 @@ def _standing(given: Given) -> Standing | None:
     return standing
 
 
-def _target(given: Given) -> Record:
+def present_target(given: Given) -> Record:
+    """CRobT: in the tool and work object of its options."""
     arm, machine, standing = given.machine.arm, given.machine, _standing(given)
     joints = arm.joints if standing is None else standing[1]
     configuration = arm.configuration
@@ -148,7 +149,7 @@ def _frame(given: Given) -> Record:
 
 TABLE: Final[Mapping[str, Function]] = dict(
     (
-        takes("CRobT", 0, _target, "tool wobj"),
+        takes("CRobT", 0, present_target, "tool wobj"),
         takes("CPos", 0, lambda given: pos(_here(given).position), "tool wobj"),
         takes("CJointT", 0, _joints),
         takes("CTool", 0, _tool),

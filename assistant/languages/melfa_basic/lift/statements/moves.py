@@ -40,14 +40,23 @@ class Moves:
         self.expressions, self.runs = expressions, runs
 
     def move(self, node: s.Motion, values: Values) -> list[p.Statement]:
-        set_on_way = triggers(node.append, self.expressions, self.runs)
+        until = self.until(node.append)
+        on_way = () if until else triggers(node.append, self.expressions, self.runs)
         made = self.plain(replace(node, append=None), values)
-        if not set_on_way:
+        if until is None and not on_way:
             return made
         match made:
             case [p.Move() | p.MoveCircular() | p.MoveJoints() as move]:
-                return [replace(move, triggers=set_on_way)]
+                self.runs.previous = None if until else self.runs.previous
+                return [replace(move, triggers=on_way, until=until)]
         raise Unliftable  # it goes to the start of an arc before
+
+    def until(self, append: s.Append | None) -> e.Expression | None:
+        """What breaks a move off, by `WthIf …, Skip`."""
+        match append:
+            case s.Append(s.Command(word), condition) if word.upper() == "SKIP" and condition:
+                return self.expressions.condition(condition)
+        return None
 
     def plain(self, node: s.Motion, values: Values) -> list[p.Statement]:
         """A move without what is appended to it."""

@@ -53,9 +53,7 @@ _PLAIN: Final = {melfa.upper(): name for name, melfa in PLAIN.items()}
 _OF_ANGLE: Final = {melfa.upper(): name for name, melfa in OF_ANGLE.items()}
 _OF_ARM: Final = {melfa.upper(): name for name, melfa in OF_ARM.items()}
 _TO_ANGLE: Final = {melfa.upper(): name for name, melfa in TO_ANGLE.items()}
-_CLOCK: Final = {
-    melfa.upper(): name for name, melfa in OF_CONTROLLER.items() if melfa.startswith("C_")
-}
+_CLOCK: Final = {melfa.upper(): name for name, melfa in OF_CONTROLLER.items() if melfa != "J_Curr"}
 _PLACES: Final = frozenset(("position", "pose"))
 """Types of what stands somewhere, of which a product is one that stands in another."""
 _ANGLES: Final = {melfa: name for name, melfa in ANGLES.items()}

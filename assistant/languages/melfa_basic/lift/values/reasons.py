@@ -100,13 +100,13 @@ _NODES: Final[dict[type, Reason]] = {
 
 def reason_for(node: s.Statement, found: Reason | None) -> Reason:
     """Why a statement stays as its text. found: what the reader of it said."""
+    if found is not None:
+        return found
     if isinstance(node, s.Motion) and node.append:
         return Reason(
             "something happens while the robot moves, by `Wth` or `WthIf`",
             "put the statement above or below the move",
         )
-    if found is not None:
-        return found
     if isinstance(node, s.Motion | s.Command):
         return _BY_WORD.get(node.keyword.split()[0], kept.PLAIN)
     if isinstance(node, s.If) and node.then is not None:

@@ -77,11 +77,11 @@ class _Interrupts:
 
     def declarations(self) -> Iterator[Declaration]:
         for variable, *_ in self.names.values():
-            yield _declaration(f"VAR intnum {variable};")
+            yield declaration(f"VAR intnum {variable};")
 
     def traps(self) -> Iterator[Declaration]:
         for _, _, answer, trap in self.names.values():
-            yield _declaration(f"TRAP {trap}\n{answer};\nENDTRAP")
+            yield declaration(f"TRAP {trap}\n{answer};\nENDTRAP")
 
     def body(self, body: Body) -> Body:
         made: list[p.Statement] = []
@@ -112,17 +112,17 @@ class _Interrupts:
                     f"the interrupt `{node.name}`", f"a trap routine {self.asked(node)}",
                     "see on the robot where it comes, and how soon",
                 )  # fmt: skip
-                yield _text(f"IDelete {variable};")
-                yield _text(f"CONNECT {variable} WITH {trap};")
-                yield _text(f"{self.order(node, variable)};")
-                yield _text(f"ISleep {variable};")
+                yield kept(f"IDelete {variable};")
+                yield kept(f"CONNECT {variable} WITH {trap};")
+                yield kept(f"{self.order(node, variable)};")
+                yield kept(f"ISleep {variable};")
                 yield p.Assign(e.Name(flag), e.Truth(False))
             elif node.state == "on":
-                yield _text(f"IWatch {variable};")
+                yield kept(f"IWatch {variable};")
                 yield p.Assign(e.Name(flag), e.Truth(True))
                 yield p.Call(answer)
             else:
-                yield _text(f"ISleep {variable};")
+                yield kept(f"ISleep {variable};")
                 yield p.Assign(e.Name(flag), e.Truth(False))
 
     def signal(self, node: p.Interrupt) -> tuple[str, int] | None:
@@ -151,8 +151,8 @@ class _Interrupts:
         """The procedure that answers an interrupt while its condition holds."""
         _, flag, answer, _ = self.names[node.name.lower()]
         holds = e.Binary("and", e.Name(flag), node.condition)
-        stop, clear, start = (_text(f"{word};") for word in ("StopMove", "ClearPath", "StartMove"))
-        leave: Body = (clear, start, _text("ExitCycle;"))
+        stop, clear, start = (kept(f"{word};") for word in ("StopMove", "ClearPath", "StartMove"))
+        leave: Body = (clear, start, kept("ExitCycle;"))
         body: Body
         if node.ends == e.Truth(True):
             left = (p.Branch(holds, (stop, clear, start, node.call, leave[-1])),)
@@ -161,7 +161,7 @@ class _Interrupts:
             ends = () if node.ends is None else (p.If((p.Branch(node.ends, leave),)),)
             inner: Body = (node.call,)
             if self.moves(node.call.procedure):
-                inner = (_text("StorePath;"), node.call, _text("RestoPath;"))
+                inner = (kept("StorePath;"), node.call, kept("RestoPath;"))
             body = (p.While(holds, (stop, *inner, *ends, start)),)
         if any(isinstance(one, e.Here) for one in records(node.condition)):
             cure = "ask for it in the program"
@@ -178,16 +178,18 @@ class _Interrupts:
                 seen.add(key)
                 pending += called(procedure)
                 for node in walk(procedure.body):
-                    kept = isinstance(node, p.Opaque) and effect_of(node).moves
-                    if kept or isinstance(node, p.Moving):
+                    moves = isinstance(node, p.Opaque) and effect_of(node).moves
+                    if moves or isinstance(node, p.Moving):
                         return True
         return False
 
 
-def _text(text: str) -> p.Opaque:
+def kept(text: str) -> p.Opaque:
+    """A statement of RAPID alone."""
     return p.Opaque(verbatim.LANGUAGE, text, effect=effects.of_text(text, "statement"))
 
 
-def _declaration(text: str) -> Declaration:
+def declaration(text: str) -> Declaration:
+    """A declaration of RAPID alone."""
     (item,) = verbatim.items(text)
     return Declaration(verbatim.LANGUAGE, verbatim.of_node(item, "items"))

@@ -11,6 +11,7 @@ from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.data import fixed_target
 from assistant.languages.rapid.lift.dates import with_own_dates
 from assistant.languages.rapid.lift.places import with_places
+from assistant.languages.rapid.lower.adapt.breaking import with_breaks
 from assistant.languages.rapid.lower.adapt.channels import with_channels
 from assistant.languages.rapid.lower.adapt.data import POSITIONS
 from assistant.languages.rapid.lower.adapt.interrupts import with_interrupts
@@ -124,6 +125,7 @@ PASSES: Final[tuple[Pass, ...]] = (
     pure(with_one_kind_of_numbers),
     sayable,
     with_channels,
+    with_breaks,
     with_interrupts,
     pure(with_own_dates),
     pure(with_places),

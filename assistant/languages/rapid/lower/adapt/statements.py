@@ -19,11 +19,13 @@ from assistant.program import statements as p
 from assistant.program.analysis.kinds import is_position, is_truth
 from assistant.program.diagnostics import Refused, has_errors
 from assistant.program.geometry import Target
+from assistant.program.motion import FINE
 from assistant.program.passes.accelerations import one_acceleration
 from assistant.program.passes.comments import plain_comment
 from assistant.program.passes.conditions import as_truth, compared, with_conditions
 from assistant.program.passes.legalising import Legalising
 from assistant.program.passes.messages import short_messages
+from assistant.program.passes.motions import meant
 from assistant.program.passes.plain_expressions import floor, in_pairs, shifted
 from assistant.program.passes.points import move_at
 from assistant.program.passes.rewording import Rewording
@@ -128,7 +130,19 @@ Changed = list[p.Statement]
 
 def _motion(a: StatementAdapter, x: Any) -> Changed:
     triggers = tuple(replace(one, value=_bit(one.value)) for one in x.triggers)
-    return [replace(x, motion=a.motions.motion(x.motion), triggers=triggers)]
+    motion = a.motions.motion(_standing(a, x) if x.until is not None else x.motion)
+    return [replace(x, motion=motion, triggers=triggers)]
+
+
+def _standing(a: StatementAdapter, x: p.MoveStatement) -> p.Motion:
+    """The motion of a move that is broken off, which the program has to wait for."""
+    if meant(x.motion.blend, a.program.blends) == FINE:
+        return x.motion
+    a.job.changed(
+        "a corner behind a move that may be broken off", "a stop there",
+        "let the robot stop at its end",
+    )  # fmt: skip
+    return replace(x.motion, blend=FINE)
 
 
 def _follow(a: StatementAdapter, x: p.Follow) -> Changed:

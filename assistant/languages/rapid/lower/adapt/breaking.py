@@ -1,0 +1,199 @@
+r"""Moves that are broken off, by trap routines that end them where the arm is.
+
+RAPID has no condition beside a move. `ISignalDI \Single` interrupts as the signal changes; the trap
+routine stops the arm, clears what is left of its way and lets the program go on behind the move. A
+condition of more than one signal is asked for by a timer. What holds before the move is asked for
+there: the move is not begun then.
+
+Reference manual of instructions: ISignalDI, ITimer, StopMove, ClearPath, StartMove, IDelete.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any, Final
+
+from assistant.languages.rapid.lower.adapt.interrupts import EVERY, declaration, kept
+from assistant.languages.rapid.lower.names import NAMES
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.analysis.interrupts import interrupts
+from assistant.program.analysis.uses import called, declared, locals_of
+from assistant.program.passes.legalising import Legalising
+from assistant.program.program import (
+    Declaration,
+    Procedure,
+    Program,
+    TakenNames,
+    Variable,
+    identifier,
+)
+from assistant.program.rewriting import Body, map_bodies, map_expressions, records
+
+FLAG: Final = "broken_off"
+ENDED: Final = ("StopMove;", "ClearPath;", "StartMove;")
+
+
+def with_breaks(job: Legalising) -> Program:
+    """The program with what RAPID has for its moves that are broken off."""
+    program = job.program
+    found = [one for one in program.statements() if _until(one) is not None]
+    if not found and not any(map(_asks, records(program.procedures))):
+        return program
+    return _Breaks(job).said()
+
+
+def _until(node: p.Statement) -> e.Expression | None:
+    return node.until if isinstance(node, p.MoveStatement) else None
+
+
+def _asks(part: Any) -> bool:
+    return isinstance(part, e.Apply) and part.function.lower() == FLAG
+
+
+class _Breaks:
+    """traps: by condition, the variable of its interrupt and its trap routine. flag: tells whether
+    the last move was broken off, None where nothing asks for it.
+    """
+
+    def __init__(self, job: Legalising) -> None:
+        self.job, program = job, job.program
+        self.naming = NAMES.naming(program)
+        self.taken = TakenNames(declared(program))
+        self.signals = {name.lower(): one for name, one in program.signals.items()}
+        self.traps: dict[e.Expression, tuple[str, str]] = {}
+        self.procedures: list[Procedure] = []
+        self.declared: list[Declaration] = []
+        asked = any(map(_asks, records(program.procedures)))
+        self.flag = e.Name(self._free(FLAG)) if asked else None
+        self.inside = _inside(program)
+
+    def _free(self, name: str) -> str:
+        made = identifier(name, self.taken)
+        self.taken.add(made)
+        return made
+
+    def said(self) -> Program:
+        program = self.job.program
+        procedures = [
+            replace(q, body=self.body(q, q.body)) for q in program.procedures
+        ] + self.procedures
+        variables = dict(program.variables)
+        if self.flag is not None:
+            variables[self.flag.name] = Variable("number", e.Number(0))
+        numbers = (declaration(f"VAR intnum {variable};") for variable, _ in self.traps.values())
+        return replace(
+            program,
+            procedures=tuple(procedures),
+            variables=variables,
+            declarations=(*numbers, *program.declarations, *self.declared),
+        )
+
+    def body(self, owner: Procedure, body: Body) -> Body:
+        made: list[p.Statement] = []
+        for node in body:
+            if self.flag is not None:
+                node = map_expressions(node, self.read)
+            until = _until(node)
+            if until is None or not isinstance(node, p.MoveStatement):
+                made.append(map_bodies(node, lambda inner: self.body(owner, inner)))
+                continue
+            with self.job.findings.at(node.span):
+                said = tuple(self.move(owner, replace(node, until=None), until))
+            made += (one if one.span else replace(one, span=node.span) for one in said)
+        return tuple(made)
+
+    def read(self, x: e.Expression) -> e.Expression:
+        return self.flag if _asks(x) and self.flag is not None else x
+
+    def move(
+        self, owner: Procedure, move: p.MoveStatement, until: e.Expression
+    ) -> Iterator[p.Statement]:
+        if owner.name.lower() in self.inside:
+            cure = "break it off in the program itself"
+            self.job.cannot("that a move of an interrupt is broken off", cure)
+        order = self.order(owner, until)
+        variable, trap = self.trap(until, move)
+        yield kept(f"IDelete {variable};")
+        yield kept(f"CONNECT {variable} WITH {trap};")
+        yield kept(f"{order},{variable};")
+        if self.flag is None:
+            yield p.If((p.Branch(_not(until), (move,)),))
+        else:
+            came = p.Branch(until, (p.Assign(self.flag, e.Number(1)),))
+            yield p.If((came,), (p.Assign(self.flag, e.Number(0)), move))
+        yield kept(f"IDelete {variable};")
+
+    def order(self, owner: Procedure, until: e.Expression) -> str:
+        """What interrupts, but for its variable."""
+        found = self.signal(until)
+        if found is not None:
+            name, value = found
+            word = "ISignalDI" if self.signals[name.lower()].direction == "input" else "ISignalDO"
+            return rf"{word}\Single,{self.naming.get('signals', name)},{value}"
+        names = {one.name.lower() for one in records(until) if isinstance(one, e.Name)}
+        if own := sorted(names & locals_of(owner)):
+            cure = "keep that in a variable of the program"
+            self.job.cannot(f"a move that `{own[0]}` of `{owner.name}` breaks off", cure)
+        return f"ITimer {EVERY:g}"
+
+    def signal(self, until: e.Expression) -> tuple[str, int] | None:
+        """The digital signal whose value alone is asked for, and that value."""
+        match until:
+            case e.Binary("=", e.Name(name), e.Number(0 | 1 as value)):
+                signal = self.signals.get(name.lower())
+                if signal is not None and signal.kind == "digital":
+                    return name, int(value)
+        return None
+
+    def trap(self, until: e.Expression, move: p.MoveStatement) -> tuple[str, str]:
+        """The variable and the trap routine of a condition, made where it is met first."""
+        if until not in self.traps:
+            names = self._free("break_move"), self._free("break_move_trap")
+            self.traps[until] = names
+            self.make(until, names[1], move)
+        return self.traps[until]
+
+    def make(self, until: e.Expression, trap: str, move: p.MoveStatement) -> None:
+        plain = self.signal(until) is not None
+        how = "as the signal changes" if plain else f"that asks for it every {EVERY:g} s"
+        self.job.changed(
+            "a move that is broken off", f"a trap routine {how}",
+            "see on the robot how far it comes",
+        )  # fmt: skip
+        if plain:
+            lines = [*ENDED]
+            if self.flag is not None:
+                lines.append(f"{self.flag.name}:=1;")
+        else:
+            answer = self._free("break_move_now")
+            told = () if self.flag is None else (p.Assign(self.flag, e.Number(1)),)
+            branch = p.Branch(until, (*map(kept, ENDED), *told))
+            self.procedures.append(Procedure(answer, (p.If((branch,)),), span=move.span))
+            lines = [f"{answer};"]
+        text = "\n".join((f"TRAP {trap}", *lines, "ENDTRAP"))
+        self.declared.append(declaration(text))
+
+
+def _not(x: e.Expression) -> e.Expression:
+    match x:
+        case e.Binary("=", left, right):
+            return e.Binary("<>", left, right)
+        case e.Binary("<>", left, right):
+            return e.Binary("=", left, right)
+        case e.Unary("not", operand):
+            return operand
+    return e.Unary("not", x)
+
+
+def _inside(program: Program) -> set[str]:
+    """The procedures that interrupts call, with those that these call, in lower case."""
+    known = {q.name.lower(): q for q in program.procedures}
+    pending, found = [one.call.procedure.lower() for one in interrupts(program)], set[str]()
+    while pending:
+        key = pending.pop()
+        if key in known and key not in found:
+            found.add(key)
+            pending += called(known[key])
+    return found
