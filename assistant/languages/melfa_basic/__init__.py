@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from types import MappingProxyType
@@ -30,9 +30,12 @@ from assistant.program.program import Program
 from assistant.program.text import SourceText
 
 if TYPE_CHECKING:
+    from pathlib import Path as FilePath
+
     from assistant.languages.melfa_basic.tree import syntax
     from assistant.languages.melfa_basic.tree.syntax import File
-    from assistant.program.wanted import Supplied, Wanted
+    from assistant.languages.tasks import Configured, Texts
+    from assistant.program.wanted import Supplied, Wanted, WantedKind
     from assistant.robots import Robot
 
 __all__ = ["MelfaBasic", "language", "syntax"]
@@ -57,6 +60,12 @@ SETTINGS_OF: Final = {"name-length": "longest", "step-length": "line"}
 __getattr__ = offered(__name__, {"syntax": ("assistant.languages.melfa_basic.tree.syntax", None)})
 
 
+def _surroundings(program: FilePath, read: Texts) -> Configured:
+    from assistant.languages.melfa_basic.reading.parameters import surroundings
+
+    return surroundings(program, read)
+
+
 class MelfaBasic(Language["File"]):
     """One dialect of MELFA-BASIC."""
 
@@ -72,6 +81,7 @@ class MelfaBasic(Language["File"]):
     fixed = ("MB0", "MB2", "MB5")
     restated = MappingProxyType({"CK101": "MB703", "CK102": "MB703"})
     steps = True
+    surroundings = staticmethod(_surroundings)
     joint_percent = True
     frames: Frames = "base"
     table = "melfa-basic"
@@ -167,6 +177,15 @@ class MelfaBasic(Language["File"]):
         from assistant.languages.melfa_basic.checks.wanted import wanted
 
         return wanted(trees)
+
+    def wanted_of(
+        self, trees: Sequence[File], values: Container[tuple[WantedKind, str]]
+    ) -> Iterator[Wanted]:
+        """Also the tool and the base that are kept for a program which sets none."""
+        from assistant.languages.melfa_basic.checks.wanted import kept
+
+        yield from super().wanted_of(trees, values)
+        yield from (one for one in kept(trees) if (one.kind, one.name.lower()) in values)
 
     def with_supplied(self, trees: Sequence[File], given: Supplied, path: str) -> list[File]:
         from assistant.languages.melfa_basic.lower.supplied import with_supplied

@@ -226,6 +226,10 @@ RENAMED_IN_TEXT = error(
     "use a name in the source that stays: P, J, M or C in front, letters and digits only, short",
 )  # fmt: skip
 
+SLOT = info(
+    "MB288", "the list of slots has `{name}` in slot {number}: {how}",
+    "have the other controller start and repeat it that way",
+)  # fmt: skip
 SETTING_KEPT = warning(
     "MB233", "nothing sets the {what} of this move, which `{word}` set last is kept for: it is "
     "written {how}",

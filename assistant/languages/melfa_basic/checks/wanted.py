@@ -17,12 +17,12 @@ from assistant.languages.melfa_basic.checks.undefined import is_call
 from assistant.languages.melfa_basic.checks.variables_of import Known, known
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
-from assistant.languages.melfa_basic.tables.variables import PARAMETERS, kept_as
+from assistant.languages.melfa_basic.tables.variables import KEPT, PARAMETERS, STATUS, kept_as
 from assistant.languages.melfa_basic.tree import outside
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MVR, MoveRows
 from assistant.languages.melfa_basic.tree.positions import Positions
-from assistant.languages.melfa_basic.tree.walk import literal
+from assistant.languages.melfa_basic.tree.walk import literal, nodes
 from assistant.languages.runs.names import Names
 from assistant.program.diagnostics import Span
 from assistant.program.wanted import STATE, Argument, Plain, Wanted, WantedKind
@@ -157,6 +157,25 @@ def _parameters(look: Look) -> Iterator[Wanted]:
             name = known_as.format(number=round(number))
             if positions.constant(kept_as(name)) is None:
                 yield Wanted(name, kind, uses=(_place(look, line.span),))
+
+
+def kept(trees: Sequence[s.File]) -> Iterator[Wanted]:
+    """The tool and the base that parameters keep, where none of the programs sets another one."""
+    for word, name in KEPT.items():
+        kind: WantedKind = "tool" if word == "Tool" else "frame"
+        if trees and not any(_sets(tree, word) for tree in trees):
+            yield Wanted(name, kind)
+
+
+def _sets(tree: s.File, word: str) -> bool:
+    for item in tree.items:
+        for node in nodes(item.statement if isinstance(item, s.Line) else None):
+            match node:
+                case s.Command(keyword=keyword) if keyword == word:
+                    return True
+                case s.Assign(target=target) if target.key == STATUS[word]:
+                    return True
+    return False
 
 
 def _outside(look: Look) -> Iterator[Wanted]:

@@ -12,10 +12,11 @@ from assistant.languages.melfa_basic.checks.file_view import program_name
 from assistant.languages.melfa_basic.lower.supplied_functions import with_functions
 from assistant.languages.melfa_basic.reading.parser import parse
 from assistant.languages.melfa_basic.tables import poses
-from assistant.languages.melfa_basic.tables.variables import kept_as
+from assistant.languages.melfa_basic.tables.variables import KEPT, kept_as
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import outside
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.columnar import PositionRows
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool
 from assistant.program.path import configuration_row
@@ -53,11 +54,35 @@ def with_supplied(
             name = outside.data_of(name) if outside.is_state(name.upper()) else name
             lines[name.upper()] = _line(name, value)
         there = _with_lines(tree, lines, dialect) if lines else tree
+        there = _beginning(there, [one.name for one, _ in given]) if at == 0 else there
         there = _with_calls(there, routines) if routines else there
         functions = [pair for pair in others if _is_of(pair[0], tree)]
         made.append(with_functions(there, functions, trees, dialect) if functions else there)
     made += [_routine(one, value, dialect, folder) for one, value in routines.values()]
     return made
+
+
+def _beginning(tree: s.File, names: Sequence[str]) -> s.File:
+    """The tree whose first statement sets the tool and the base that parameters keep."""
+    words = [word for word, name in KEPT.items() if name in names]
+    at = next((n for n, item in enumerate(tree.items) if _acts(item)), None)
+    if not words or at is None:
+        return tree
+    lines = (s.Line(statement=s.Command(w, (s.Variable(kept_as(KEPT[w])),))) for w in words)
+    return replace(tree, items=(*tree.items[:at], *lines, *tree.items[at:]))
+
+
+def _acts(item: s.Item) -> bool:
+    """Whether a line is the first one that may do something."""
+    if not isinstance(item, s.Line):
+        return not isinstance(item, s.Data | PositionRows | s.Blank)
+    return item.label is not None or not isinstance(item.statement, _DECLARING)
+
+
+_DECLARING: Final = (
+    type(None), s.Function, s.FPrm, s.Dim, s.DefNames, s.DefIo, s.DefFunction, s.DefOther,
+    s.DefAct, s.Include, s.Const, s.Static,
+)  # fmt: skip
 
 
 def commands_of(trees: Sequence[s.File]) -> set[str]:

@@ -71,6 +71,12 @@ PARAMETERS: Final = {"Tool": "MEXTL{number}", "Base": "WK{number}CORD"}
 """Parameters that hold the tool and the work coordinates of a number (manual CR1D: Tool, Base)."""
 
 
+KEPT: Final = {"Tool": "MEXTL", "Base": "MEXBS"}
+"""Parameters that hold the tool and the base which a program was given last, by the statement."""
+STATUS: Final = {"Tool": "M_TOOL", "Base": "M_BSNO"}
+"""The status variable that sets the same as a statement."""
+
+
 def kept_as(parameter: str) -> str:
     """The position of a program's list that says what a parameter of its cell holds."""
     return f"P{parameter}"
