@@ -16,6 +16,7 @@ from datetime import datetime
 from pathlib import Path as FilePath
 from typing import Final, Literal, Self
 
+from assistant import languages
 from assistant.virtual.cr.commands import execute
 from assistant.virtual.cr.data_lines import DATA_LINK, DataLines, Descriptor
 from assistant.virtual.cr.error_log import level_of
@@ -41,6 +42,10 @@ PARITIES: Final[Mapping[str, Literal["even", "odd", "none"]]] = {
 MOST_CONNECTIONS: Final = 9
 """Lines OPT11 to OPT19 of a controller, one client each."""
 ENCODING: Final = "latin-1"
+FIRST_LINE: Final = "10 END"
+"""Is read when a controller starts: a client waits for the answer to its first program only so
+long, and not for the grammar as well.
+"""
 
 
 class VirtualCr:
@@ -139,6 +144,7 @@ class VirtualCr:
 
     def start(self) -> None:
         """Listens; raises OSError if the port is taken, or the serial port is not there."""
+        languages.get(self.state.language).parse(FIRST_LINE)
         self._server = _Server(self._place, self._converse)
         try:
             self._start_serial()

@@ -6,6 +6,7 @@ import socket
 import struct
 import threading
 from contextlib import contextmanager
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
@@ -23,7 +24,10 @@ from assistant.virtual.irc5.egm import CYCLE, NO_DATA, Guidance, VirtualEgm
 HERE = (0.0, 10.0, -20.0, 0.0, 30.0, 0.0)
 POSE = (400.0, 0.0, 600.0, 1.0, 0.0, 0.0, 0.0)
 LIMITS = Limits((120.0,) * 6, (800.0,) * 6)
-QUICK = Settings(opening=20.0, settle=0.3, timeout=0.8, softness=1.0, real_time=False, wait="block")
+QUICK = Settings(
+    opening=20.0, settle=0.3, timeout=10.0, softness=1.0, real_time=False, wait="block"
+)
+"""No time-out that a busy computer could reach."""
 SPEEDS = (200.0,) * 6
 
 
@@ -46,10 +50,14 @@ def controller(port, **settings):
 
 
 def guided(trajectory, limits=LIMITS, settings=QUICK, **more):
-    """A guidance in the foreground, and the virtual controller that it leads."""
+    """A guidance in the foreground, and the virtual controller that it leads.
+
+    The controller waits long for the next packet while there is to be one, and then not.
+    """
     port = free_port()
-    with controller(port, **more) as virtual:
+    with controller(port, comm_timeout=60.0, **more) as virtual:
         report = guide("127.0.0.1", trajectory, limits, port=port, settings=settings)
+        virtual.guidance.comm_timeout = 0.3
         assert virtual.wait(20)
         return report, virtual
 
@@ -141,7 +149,7 @@ def test_numbers_that_are_none_are_no_place():
 
 def test_an_arm_follows_a_trajectory(tmp_path):
     """When nothing more is sent, the controller sees that as its time-out."""
-    report, virtual = guided(to(6.0, 3.0), comm_timeout=1.0)
+    report, virtual = guided(to(6.0, 3.0))
     assert report.done == report.rows > 20
     assert virtual.guidance.ended == "silent" and virtual.events == [NO_DATA]
     assert virtual.guidance.values == pytest.approx((3.0, *HERE[1:]), abs=1e-3)
@@ -166,9 +174,7 @@ def test_a_tool_is_led_along_poses():
     turned = (math.cos(math.radians(5)), 0.0, 0.0, math.sin(math.radians(5)))
     way = Trajectory.of_poses([POSE[:3], (410.0, 5.0, 600.0)], [POSE[3:], turned])
     limits = Limits((250.0, 90.0), (2000.0, 500.0))
-    report, virtual = guided(
-        way, limits, kind="poses", values=POSE, speeds=(500.0, 180.0), comm_timeout=0.3
-    )
+    report, virtual = guided(way, limits, kind="poses", values=POSE, speeds=(500.0, 180.0))
     assert report.done == report.rows and virtual.guidance.ended == "silent"
     assert virtual.guidance.values == pytest.approx((410.0, 5.0, 600.0, *turned), abs=1e-3)
 
@@ -197,7 +203,7 @@ def test_an_emergency_stop_ends_it():
 
 
 def test_a_controller_that_falls_silent_ends_it():
-    done, _ = faulty(to(40.0), lambda virtual, _: virtual.stop())
+    done, _ = faulty(to(40.0), lambda virtual, _: virtual.stop(), replace(QUICK, timeout=0.8))
     assert done.code == "CN712" and 0 < done.done < done.fields["rows"]
 
 
@@ -217,9 +223,8 @@ def test_a_controller_that_converges_on_the_way_has_not_followed():
 
 
 def test_a_controller_that_never_begins_is_told_of():
-    quick = Settings(opening=0.2)
-    assert led(free_port(), to(1.0), settings=quick).code == "CN711"
-    done, virtual = faulty(to(1.0), settings=quick, waiting=60.0)
+    assert led(free_port(), to(1.0), settings=Settings(opening=0.1)).code == "CN711"
+    done, virtual = faulty(to(1.0), settings=Settings(opening=0.5), waiting=60.0)
     assert done.code == "CN711" and "does not run" in done.fields["reason"]
     assert {row[0] for row in virtual.track} == {0.0}
 
@@ -263,7 +268,7 @@ def test_garbage_moves_nothing():
     thread = threading.Thread(target=chatter)
     thread.start()
     try:
-        done = led(port, to(1.0), settings=Settings(opening=0.2))
+        done = led(port, to(1.0), settings=Settings(opening=0.5))
     finally:
         over.set()
         thread.join()
