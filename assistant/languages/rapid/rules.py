@@ -256,6 +256,6 @@ STILL_AXIS: Final = warning(
 )
 NAMED_LATE: Final = warning(
     "RA394",
-    "`{name}` is called here whichever module the text names: only one has a routine of that name",
+    "`{name}` is called here whichever module the text names: only one has a routine that it fits",
     "see that the text never names another module, for which RAPID would raise an error",
 )

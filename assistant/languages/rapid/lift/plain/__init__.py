@@ -25,6 +25,7 @@ from assistant.languages.rapid.lift.plain.library import with_library, without_u
 from assistant.languages.rapid.lift.plain.long_numbers import with_long_numbers
 from assistant.languages.rapid.lift.plain.mounted import with_wholes
 from assistant.languages.rapid.lift.plain.optional import with_required
+from assistant.languages.rapid.lift.plain.own_routines import with_own_routines
 from assistant.languages.rapid.lift.plain.paces import changing
 from assistant.languages.rapid.lift.plain.process_data import with_process_data
 from assistant.languages.rapid.lift.plain.raw_bytes import with_bytes
@@ -76,7 +77,7 @@ def _plain(files: Sequence[s.File], apart: frozenset[str]) -> Plain | None:
     """apart: see `Layouts`."""
     there = with_own_names([module for file in files for module in file.modules])
     short, of_numbers = with_long_numbers(there, files)
-    named, of_calls = with_named_calls(short)
+    named, of_calls = with_named_calls(*with_own_routines(short))
     still, of_axes = with_still_axes(with_process_data(named))
     standing, of_units = with_standing_units(still)
     chosen = with_chosen_signals(standing)

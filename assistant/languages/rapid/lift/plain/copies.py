@@ -20,6 +20,7 @@ from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.plain.called import Called, Given, Handed
 from assistant.languages.rapid.lift.plain.callers import STARTS, Callers
 from assistant.languages.rapid.lift.plain.changing import Changes, calls_of, reaches
+from assistant.languages.rapid.lift.plain.late_names import takes
 from assistant.languages.rapid.lift.plain.layouts import SETTINGS, Layouts
 from assistant.languages.rapid.lift.plain.substituting import (
     begun_with,
@@ -77,9 +78,11 @@ class _Copies:
             return
         every = list(nodes(tuple(modules)))
         self.taken = TakenNames(one.name for one in every if isinstance(one, _NAMING))
-        self.late = any(
-            isinstance(one, s.ProcedureCall) and not isinstance(one.name, str) for one in every
-        )
+        self.late = [
+            one
+            for one in every
+            if isinstance(one, s.ProcedureCall) and not isinstance(one.name, str)
+        ]
         written = (root(one.target) for one in every if isinstance(one, s.Assignment))
         self.written = {one.name.lower() for one in written if one is not None}
         self.starts = START in found
@@ -173,14 +176,18 @@ class _Copies:
             for one in self.routines.values():
                 if self._is_idle(one):
                     continue
-                if (one.stays or self.late or not one.ways) and id(one.node) not in made:
+                if (one.stays or self._is_late(one) or not one.ways) and id(one.node) not in made:
                     made[id(one.node)] = self._called(one.node)
         return sum(map(len, copies.values())) + len(made) > before
 
     def _is_idle(self, one: Called) -> bool:
         """Whether a routine is for devices that nobody gives it: there is nothing to say of it."""
         devices = any(self._is_free(q) and q.place >= 0 for q in one.parameters)
-        return devices and self.starts and not (one.ways or one.stays or self.late)
+        return devices and self.starts and not (one.ways or one.stays or self._is_late(one))
+
+    def _is_late(self, one: Called) -> bool:
+        """Whether a call by a text may be one of a routine; functions are never called so."""
+        return one.node.kind == "PROC" and any(takes(one.node, call) for call in self.late)
 
     def _is_free(self, q: Handed) -> bool:
         """Whether only callers know what it is, and no value stands for it."""
@@ -188,12 +195,12 @@ class _Copies:
 
     def _free(self, copies: Mapping[str, Sequence[s.Routine]], made: Mapping[int, s.Item]) -> bool:
         """Whether there were routines of a library that are left to programs which call them."""
-        if self.late or self.starts:
+        if self.starts:
             return False
         left = {
             name: own
             for name, one in self.routines.items()
-            if not (copies[name] or one.stays or id(one.node) in made)
+            if not (copies[name] or one.stays or id(one.node) in made or self._is_late(one))
             and (own := tuple(filter(self._is_free, one.parameters)))
         }
         called = {to for name in left for to in self.calls[name] if to != name}

@@ -19,15 +19,21 @@ from assistant.program.rewriting import rewrite
 Remarks = Sequence[tuple[Diagnostic, ...]]
 
 
-def with_named_calls(modules: Sequence[s.Module]) -> tuple[Sequence[s.Module], Remarks]:
-    """The modules with such calls by name, and what is found in each."""
+def with_named_calls(
+    modules: Sequence[s.Module], before: Mapping[str, str]
+) -> tuple[Sequence[s.Module], Remarks]:
+    """The modules with such calls by name, and what is found in each.
+
+    before: the names that texts know routines by which have others now, in lower case.
+    """
     if not any(_is_late(node) for node in nodes(tuple(modules))):
         return modules, ((),) * len(modules)
-    owners: dict[str, list[str]] = {}
+    owners: dict[str, list[tuple[str, s.Routine]]] = {}
     for module in modules:
         for item in module.items:
             if isinstance(item, s.Routine) and item.kind == "PROC":
-                owners.setdefault(item.name.lower(), []).append(module.name.lower())
+                low = item.name.lower()
+                owners.setdefault(before.get(low, low), []).append((module.name.lower(), item))
     made: list[s.Module] = []
     remarks: list[tuple[Diagnostic, ...]] = []
     for module in modules:
@@ -41,17 +47,40 @@ def _is_late(node: Any) -> bool:
     return isinstance(node, s.ProcedureCall) and isinstance(node.name, s.Infix)
 
 
-def _named(owners: Mapping[str, Sequence[str]], found: list[Diagnostic], node: Any) -> Any:
+def _named(
+    owners: Mapping[str, Sequence[tuple[str, s.Routine]]], found: list[Diagnostic], node: Any
+) -> Any:
     if not _is_late(node):
         return node
     start, end = _parts(node.name)
     before, colon, name = end.rpartition(":")
-    own = owners.get(name.lower(), ())
-    if len(own) != 1 or (start and not colon) or (not start and colon and before.lower() != own[0]):
+    if start and not colon:
+        return node
+    own = [
+        routine
+        for module, routine in owners.get(name.lower(), ())
+        if takes(routine, node) and (start or not colon or before.lower() == module)
+    ]
+    if len(own) != 1:
         return node
     if start and node.span is not None:
         found.append(rules.NAMED_LATE(name=name, span=node.span))
-    return replace(node, name=name)
+    return replace(node, name=own[0].name)
+
+
+def takes(routine: s.Routine, call: s.ProcedureCall) -> bool:
+    """Whether a routine may be given what a call gives: any other would be an error."""
+    required = sum(not group.optional for group in routine.parameters)
+    options = {
+        one.name.lower()
+        for group in routine.parameters
+        if group.optional
+        for one in group.alternatives
+        if isinstance(one, s.ParameterNode)
+    }
+    given = [one for one in call.arguments if isinstance(one, s.Positional)]
+    named = {one.name.lower() for one in call.arguments if not isinstance(one, s.Positional)}
+    return len(given) == required and named <= options
 
 
 def _parts(value: Any) -> tuple[bool, str]:

@@ -36,8 +36,18 @@ def by_name(node: p.Opaque, program: Program, meaning: Meaning) -> Iterator[p.St
         case (s.ProcedureCall(name=name) as call,) if not isinstance(name, str):
             given = _given(call, meaning)
             said = meaning.expression(name)
-            if given is not None and is_repeatable(said):
+            if given is not None and is_repeatable(said) and not _names_module(said):
                 yield from _chosen(said, given, _called_so(said, program, len(given)))
+
+
+def _names_module(text: e.Expression) -> bool:
+    """Whether a text has a part that tells a module: its routines have no such names here."""
+    match text:
+        case e.Text(value):
+            return ":" in value
+        case e.Binary("+", left, right):
+            return _names_module(left) or _names_module(right)
+    return False
 
 
 def _given(call: s.ProcedureCall, meaning: Meaning) -> tuple[e.Expression, ...] | None:
