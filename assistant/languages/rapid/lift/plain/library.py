@@ -202,9 +202,9 @@ def _with_options(
             return call_of("two_digits", s.FunctionCall("CTime", ()), s.NumberLiteral(str(first)))
         case "strtobyte", (text,), {"char": None, **rest} if not rest:
             return None if _is_first(text) else _code(text)
-        case "strtobyte", (text,), {**one} if len(one) == 1 and (form := _form(one)) is not None:
+        case "strtobyte", (text,), _ if (form := _form(options)) is not None:
             return _from_digits(text, form[0], MOST_OF_BYTE)
-        case "bytetostr", (value,), {**one} if len(one) == 1 and (form := _form(one)) is not None:
+        case "bytetostr", (value,), _ if (form := _form(options)) is not None:
             return _to_digits(value, *form)
         case "strfind", (text, first, characters), {"notinset": None, **rest} if not rest:
             return call_of("one_found", text, first, characters, s.BoolLiteral(True))
@@ -213,8 +213,8 @@ def _with_options(
 
 def _form(options: Mapping[str, s.Expression | None]) -> tuple[int, int] | None:
     """Base and digits of a byte that is written as an option says."""
-    ((word, value),) = options.items()
-    return DIGITS_OF.get(word) if value is None else None
+    words = [DIGITS_OF.get(word) for word, value in options.items() if value is None]
+    return words[0] if len(words) == len(options) == 1 else None
 
 
 def _from_digits(text: s.Expression, base: int, most: int) -> s.Expression:
