@@ -129,6 +129,8 @@ class Aggregate:
 
 ANGLES: Final = ("about_x", "about_y", "about_z")
 """Components of a position that are angles, see `Member`."""
+EXTERNAL: Final = tuple(f"external_{number}" for number in range(1, 7))
+"""Components of targets and joints that are places of external axes, see `Member`."""
 NEVER_GIVEN: Final = Aggregate(())
 """A position of an array's first value that is none: to use it before it is set is an error."""
 
@@ -139,6 +141,8 @@ class Member:
 
     `about_x about_y about_z` are the degrees that a position is turned about z, then about the new
     y, then about the new x. To read them gives -180 to 180, and -90 to 90 for y.
+    `external_1` … `external_6` are the places of external axes, of targets and joints: mm, or
+    degrees of one that turns.
     """
 
     value: Expression

@@ -166,6 +166,16 @@ class _Comparing:
                 return None if abs(one.seconds - two.seconds) <= TIME else "another delay"
         return None if one == two else "another event"
 
+    def _external(self, one: Moved, two: Moved) -> bool:
+        """Whether external axes stand alike that both motions state a place of."""
+        most = JOINT if self.rounding is None else 2.0 * self.rounding.joint
+        stated = (
+            (a, b)
+            for a, b in zip(one.external, two.external, strict=False)
+            if a is not None and b is not None
+        )
+        return all(abs(a - b) <= most for a, b in stated)
+
     def _motion(self, one: Moved, two: Moved) -> str | None:
         if one.kind != two.kind:
             return "another kind of motion"
@@ -179,6 +189,8 @@ class _Comparing:
                 return "other joints"
         elif wrong := self._tips(one, two, allowed):
             return wrong
+        if not self._external(one, two):
+            return "other places of external axes"
         if (one.via is None) != (two.via is None):
             return "no place on the way"
         if one.via is not None and two.via is not None:

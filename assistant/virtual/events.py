@@ -44,7 +44,8 @@ class Moved:
     the motion names them. speed: of the tool in mm/s where the motion states one, percent of the
     axes' own where it states that. blend: mm, 0 for a motion that ends at its target. frame: in the
     base, what the target is told in: where a program says it does not change what the robot does,
-    but how far the place is off if the frame is rounded.
+    but how far the place is off if the frame is rounded. external: where external axes stand at the
+    end, mm or degrees, None for those that the motion states no place of.
     """
 
     kind: Literal["joint", "linear", "circular"]
@@ -57,6 +58,7 @@ class Moved:
     blend: float = 0.0
     frame: Pose = field(default=Pose(), compare=False)
     how: How = field(default=PLAIN, compare=False, repr=False)
+    external: tuple[float | None, ...] = field(default=(), compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True)

@@ -275,6 +275,12 @@ UNSIGNED = warning(
     "may read one of {bits} signals whose highest is on as negative",
     "none is needed where that signal stays off",
 )  # fmt: skip
+SLIDES = warning(
+    "MB286",
+    "the place of an additional axis is read or set as mm, which it is if the axis slides; "
+    "of one that turns the controller counts in radian",
+    "none is needed for an axis that slides; of one that turns, write degrees instead",
+)  # fmt: skip
 JOINTS_UNTOLD = error(
     "MB252", "nothing says what the joints `{name}` are before they may be read: others would "
     "begin with all axes at 0, and move there",

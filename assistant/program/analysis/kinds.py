@@ -12,7 +12,9 @@ from assistant.program.program import Procedure, Program, ValueType, walk
 Kinds = Mapping[str, str]
 """Lower-case names of values and functions: `text`, or anything else for other values."""
 
-COMPONENTS: Final = frozenset(("x", "y", "z", *e.ANGLES, *(f"j{axis}" for axis in range(1, 7))))
+COMPONENTS: Final = frozenset(
+    ("x", "y", "z", *e.ANGLES, *e.EXTERNAL, *(f"j{axis}" for axis in range(1, 7)))
+)
 """Of positions and joints, which are numbers; other members are a record's own."""
 
 _TEXTS: Final = (

@@ -23,6 +23,8 @@ from assistant.virtual.melfa.values import Bare, Joints, Position, Value, positi
 if TYPE_CHECKING:
     from assistant.virtual.melfa.machine import Machine
 
+AXES: Final = 6
+"""Places of the arm's own in a position or joint position; behind them additional axes stand."""
 SAME_RADIUS: Final = 0.01
 """mm by which the two radii of Mvr3 may differ (COSIROP: MVR3)."""
 
@@ -62,14 +64,14 @@ def _joint(m: Machine, node: s.Motion) -> None:
         _to_joints(m, goal)
     else:
         flange = _flange(m, goal)
-        _go(m, _moved(m, "joint", flange), goal.flags)
+        _go(m, _moved(m, "joint", flange, at=goal), goal.flags)
 
 
 def _to_joints(m: Machine, goal: Joints) -> None:
     arm, joints = m.world.arm, _axes(goal)
     before = arm.flange
     arm.at_joints(joints)
-    m.world.go(_moved(m, "joint", arm.flange, joints=joints), before)
+    m.world.go(_moved(m, "joint", arm.flange, joints=joints[:AXES], at=goal), before)
 
 
 def _axes(goal: Joints) -> tuple[float, ...]:
@@ -106,7 +108,7 @@ def _straight(m: Machine, goal: Position, agree: bool = True) -> None:
     if agree:
         _same_posture(m.world.arm.flags[0], goal.flags[0])
     flange = _flange(m, goal)
-    _go(m, _moved(m, "linear", flange), goal.flags)
+    _go(m, _moved(m, "linear", flange, at=goal), goal.flags)
 
 
 def _same_posture(one: int | None, other: int | None) -> None:
@@ -162,8 +164,9 @@ def _moved(
     flange: Pose | None,
     via: Pose | None = None,
     joints: tuple[float, ...] | None = None,
+    at: Position | Joints | None = None,
 ) -> Moved:
-    """The event of a motion with the speed and the corner that hold."""
+    """The event of a motion with the speed and the corner that hold. at: where it ends."""
     arm, held = m.world.arm, m.world.settings
     speed = percent = None
     if kind == "joint":
@@ -185,6 +188,7 @@ def _moved(
             deceleration=held.acceleration[1] / 100.0,
             mass=0.0 if arm.tip == IDENTITY else None,
         ),
+        external=() if at is None else tuple(at.values[AXES:]),
     )
     return made
 
@@ -292,7 +296,7 @@ def _arc_by(m: Machine, middle: Floats, end: Position) -> None:
 
 def _arc(m: Machine, via: Pose, end: Position) -> None:
     flange = _flange(m, end)
-    _go(m, _moved(m, "circular", flange, via), end.flags)
+    _go(m, _moved(m, "circular", flange, via, at=end), end.flags)
 
 
 KINDS: Final[Mapping[str, Callable[[Machine, s.Motion], None]]] = {

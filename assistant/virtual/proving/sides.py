@@ -155,6 +155,7 @@ def _begin_melfa(side: Side, kernel: Kernel) -> None:
     from assistant.virtual.melfa.options import Options
 
     names = [PurePath((tree.source and tree.source.path) or "").stem for tree in side.trees]
+    options = Options(slides=True)  # what is written here is the same if they turn
     start_slot(
         kernel,
         list(side.trees),
@@ -162,7 +163,7 @@ def _begin_melfa(side: Side, kernel: Kernel) -> None:
         start=side.start,
         joints=side.joints,
         names=names,
-        options=Options(unset="zero", signed=False) if side.lenient else None,
+        options=replace(options, unset="zero", signed=False) if side.lenient else options,
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Final
@@ -9,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from assistant.program import rotations
-from assistant.program.expressions import ANGLES
+from assistant.program.expressions import ANGLES, EXTERNAL
 from assistant.program.geometry import JointTarget, Pose, Target
 from assistant.program.program import Procedure, ValueType, Variable
 from assistant.program.statements import Statement
@@ -119,6 +120,11 @@ def _component(value: Value, name: str) -> float:
             return _angles(pose)[name]
         case JointTarget(joints=joints) if (at := _joint(name, len(joints))) is not None:
             return joints[at]
+        case Target(external=places) | JointTarget(external=places) if name in EXTERNAL:
+            place = places[EXTERNAL.index(name)]
+            if math.isnan(place):
+                raise Fault(f"no place of an external axis is stated: `{name}`")
+            return place
     raise NotRun(f"the component `{name}` of {kind_of(value)}")
 
 
@@ -135,6 +141,9 @@ def _with_component(value: Value, name: str, given: Value) -> Value:
             return turned(value, {name: number})
         case JointTarget(joints=joints) if (at := _joint(name, len(joints))) is not None:
             return replace(value, joints=(*joints[:at], number, *joints[at + 1 :]))
+        case Target(external=places) | JointTarget(external=places) if name in EXTERNAL:
+            at = EXTERNAL.index(name)
+            return replace(value, external=(*places[:at], number, *places[at + 1 :]))
     raise NotRun(f"the component `{name}` of {kind_of(value)}")
 
 

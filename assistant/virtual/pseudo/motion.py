@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Final, Literal
 
 import numpy as np
@@ -48,6 +49,7 @@ def move(m: Machine, node: p.Move | p.MoveCircular) -> None:
         _pace(m, node.motion),
         via=via,
         configuration=configuration_row(target.configuration),
+        external=target.external,
     )
     _go(m, moved, node)
 
@@ -63,7 +65,7 @@ def move_joints(m: Machine, node: p.MoveJoints) -> None:
     joints = tuple(0.0 if math.isnan(j) else j for j in target.joints)
     pace = _pace(m, node.motion)
     flange = flange_at(m, joints)
-    moved = _moved(m, "joint", flange, (tool, frame), pace, joints=joints)
+    moved = _moved(m, "joint", flange, (tool, frame), pace, joints=joints, external=target.external)
     _go(m, moved, node)
 
 
@@ -88,6 +90,8 @@ def follow(m: Machine, path: Path) -> Iterator[None]:
         mount = tools[path.tool[row]], frames[path.frame[row]]
         stated = tuple(path.configurations[row].tolist())
         moved = _moved(m, KINDS[kind], flange, mount, pace, via=via, configuration=stated)
+        places = tuple(path.external[row].tolist())
+        moved = replace(moved, external=_stated(places))
         via = None
         _go(m, moved)
 
@@ -160,6 +164,7 @@ def _moved(
     via: Pose | None = None,
     joints: tuple[float, ...] | None = None,
     configuration: tuple[int, ...] | None = None,
+    external: tuple[float, ...] = (),
 ) -> Moved:
     (tool, frame), (speed, blend) = mount, pace
     held = tool.held and not frame.held
@@ -184,7 +189,12 @@ def _moved(
             behind=blend.exit,
             mass=None if tool.load is None else tool.load.mass,
         ),
+        external=_stated(external),
     )
+
+
+def _stated(external: tuple[float, ...]) -> tuple[float | None, ...]:
+    return tuple(None if math.isnan(place) else place for place in external)
 
 
 def _go(m: Machine, moved: Moved, node: p.MoveStatement | None = None) -> None:

@@ -17,7 +17,7 @@ from assistant.virtual.rapid.ends import Fault
 from assistant.virtual.rapid.expressions import evaluate
 from assistant.virtual.rapid.given import Given
 from assistant.virtual.rapid.machine import Machine
-from assistant.virtual.rapid.poses import joints_of, number, pose_of, record, truth
+from assistant.virtual.rapid.poses import axes_of, joints_of, number, pose_of, record, truth
 from assistant.virtual.rapid.predefined import wobj0
 from assistant.virtual.rapid.scopes import Place
 from assistant.virtual.rapid.values import Record, Shape, copied
@@ -51,7 +51,7 @@ def absolute(given: Given) -> None:
     moved = Moved(
         "joint", arm.flange, carried(tool), joints=arm.joints, speed=speed, blend=blend, how=how
     )
-    given.machine.go(moved, before)
+    given.machine.go(replace(moved, external=tuple(axes_of(arm.external))), before)
 
 
 def flange_of(machine: Machine, joints: tuple[float, ...]) -> Pose | None:
@@ -80,7 +80,8 @@ def _to_target(
     place = work_object(frame, tool) @ arm.displacement
     how = replace(_how(given, first + 1), configuration=_configuration(arm, kind))
     moved = Moved(kind, flange, carried(tool), between, speed=speed, blend=blend, how=how)
-    given.machine.go(replace(moved, frame=place), before)
+    external = tuple(axes_of(arm.external))
+    given.machine.go(replace(moved, frame=place, external=external), before)
 
 
 def _how(given: Given, index: int) -> How:

@@ -62,6 +62,8 @@ def assign(w: Writer, node: p.Assign) -> None:
     target = w.expressions.place(node.target)
     if poses.is_angle(target.component, w.expressions.robot):
         value = w.expressions.angle(node.value)
+    elif isinstance(node.target, e.Member) and node.target.field.lower() in poses.ADDITIONAL:
+        value = w.expressions.additional(node.value, node.target.field)
     else:
         value = w.expressions.of(node.value)
     w.add(s.Assign(target, value))

@@ -22,7 +22,7 @@ from assistant.languages.melfa_basic.tables.vocabulary.timers import MILLISECOND
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.timers import timer
 from assistant.program import expressions as e
-from assistant.program.analysis.kinds import COMPONENTS
+from assistant.program.analysis.kinds import COMPONENTS, kinds
 from assistant.program.geometry import JointTarget, Target
 from assistant.program.program import Procedure, Program, Signal
 
@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
 
 
+FARTHEST: Final = 1e6
+"""mm or degrees: a larger number says elsewhere that an axis is not there."""
 MOST_TEXT: Final = 127
 """Characters of a text."""
 
@@ -40,6 +42,8 @@ class Inline:
 
     positions: list[tuple[int, Target]] = field(default_factory=list)
     joints: list[tuple[int, JointTarget]] = field(default_factory=list)
+    units: int = 0
+    """Number of `poses.UNITS` among them, 0 for none."""
 
 
 @dataclass(slots=True)
@@ -97,6 +101,9 @@ class Expressions:
                 return self.name(name)
             case e.TargetValue() | e.JointValue() | e.PoseValue():
                 return self.constant(value)
+            case e.Member(field=component) if component.lower() in poses.ADDITIONAL:
+                place = self.component(value.value, component)
+                return s.Binary("/", place, self.unit(component))
             case e.Member(value=inner, field=component):
                 whole = self.component(inner, component)
                 angle = poses.is_angle(whole.component, self.robot)
@@ -280,9 +287,38 @@ class Expressions:
             raise Unsayable("an angle of a position of an arm of five axes", "state it as a whole")
         if not isinstance(base, s.Variable) or base.component:
             raise Unsayable("a component of an expression", "assign the expression first")
+        if component.lower() in poses.ADDITIONAL:
+            joints = self.type_of(inner) == "joints"
+            name = poses.ADDITIONAL[component.lower()][joints]
+            return s.Variable(base.name, base.suffix, base.arguments, name)
         if component.lower() not in COMPONENTS:
             raise Unsayable(f"the component `{component}`", "use x, y, z, angles or j1 to j6")
         return s.Variable(base.name, base.suffix, base.arguments, name)
+
+    def type_of(self, value: e.Expression) -> str | None:
+        """What the program says of a variable or an element of one."""
+        if isinstance(value, e.Index):
+            return self.type_of(value.value)
+        if not isinstance(value, e.Name):
+            return None
+        procedure = self.procedure or Procedure("", ())
+        return kinds(self.program, procedure).get(value.name.lower())
+
+    def unit(self, component: str) -> s.Variable:
+        """One mm or degree of an additional axis, as the controller keeps it."""
+        if not self.inline.units:
+            self.inline.units = self.next_number()
+            self.inline.positions.append((self.inline.units, poses.UNITS))
+        return s.Variable(f"P{self.inline.units}", "", None, poses.ADDITIONAL[component.lower()][0])
+
+    def additional(self, value: e.Expression, component: str) -> s.Expression:
+        """The place of an additional axis as the controller keeps it."""
+        match value:
+            case e.Member(inner, name) if name.lower() in poses.ADDITIONAL:
+                return self.component(inner, name)
+            case e.Number(number) if abs(number) >= FARTHEST:
+                raise Unsayable("that an axis is not there", "state a place of it")
+        return s.Binary("*", self.of(value), self.unit(component))
 
     def angle(self, value: e.Expression) -> s.Expression:
         """Degrees as the controller keeps them, in radian."""

@@ -13,12 +13,20 @@ from numpy.typing import NDArray
 
 from assistant.program import rotations
 from assistant.program.arrays import Floats, Ints
-from assistant.program.geometry import Pose
+from assistant.program.geometry import NO_EXTERNAL, Pose, Target
 from assistant.robots.configurations import FLIP, from_flags, to_flags
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
 
+
+ADDITIONAL: Final = {"external_1": ("L1", "J7"), "external_2": ("L2", "J8")}
+"""Components of a position and of a joint position that additional axes have.
+
+They are mm, or radian of an axis that turns, which no program tells.
+"""
+UNITS: Final = Target(Pose(), None, (1.0, 1.0, *NO_EXTERNAL[2:]))
+"""A position with additional axes at 1 mm or degree: what others are told in, whichever it is."""
 
 PLACES: Final = 2
 """Decimals of a position line."""
@@ -86,6 +94,11 @@ def rounded_configurations(
     return configurations_of(flags_of(configurations, robot), robot)
 
 
+def is_units(target: Target) -> bool:
+    """Whether a position is `UNITS`."""
+    return target.pose == UNITS.pose and target.external[:2] == UNITS.external[:2]
+
+
 def is_length(component: str, robot: Robot | None) -> bool:
     """Whether a component is in mm: X, Y, Z, and of a joint position an axis that slides."""
     if robot is None or component not in robot.axes:
@@ -97,7 +110,7 @@ def is_angle(component: str, robot: Robot | None) -> bool:
     """Whether a component is that of an axis that turns, which the controller has in radian."""
     if component in ANGLES.values():
         return robot is None or not robot.five_axis
-    return component[:1] == "J" and not is_length(component, robot)
+    return component in JOINTS and not is_length(component, robot)
 
 
 def plain_values(pose: Pose) -> tuple[float, ...]:

@@ -11,6 +11,7 @@ import math
 from collections.abc import Mapping
 from typing import Final
 
+from assistant.program.expressions import EXTERNAL
 from assistant.program.motion import Blend, Speed
 from assistant.program.program import ValueType
 
@@ -152,5 +153,6 @@ VALUE_OF_TYPE: Final[Mapping[str, ValueType]] = {t: v for v, t in TYPE_OF_VALUE.
 COMPONENTS: Final[Mapping[str, tuple[str, str]]] = {
     **{axis: ("trans", axis) for axis in "xyz"},
     **{f"j{i}": ("robax", f"rax_{i}") for i in range(1, 7)},
+    **{name: ("extax", f"eax_{axis}") for name, axis in zip(EXTERNAL, "abcdef", strict=True)},
 }
 """Components of positions and joints: pseudo-program → RAPID."""

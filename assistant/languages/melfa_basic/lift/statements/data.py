@@ -7,9 +7,9 @@ from dataclasses import replace
 from typing import Any, Final
 
 from assistant.languages.melfa_basic.lift.statements.paths import Runs
-from assistant.languages.melfa_basic.lift.values.expressions import Expressions
+from assistant.languages.melfa_basic.lift.values.expressions import ADDITIONAL, Expressions
 from assistant.languages.melfa_basic.lift.values.operators import is_comparison
-from assistant.languages.melfa_basic.lift.values.reasons import DELAYED
+from assistant.languages.melfa_basic.lift.values.reasons import DELAYED, SLIDING
 from assistant.languages.melfa_basic.lift.values.symbols import IO_BITS, SIGNALS, Unliftable
 from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tables.variables import VALUES
@@ -82,6 +82,14 @@ def _component(node: s.Assign, lift: Expressions) -> p.Assign:
     whole = lift.variable(s.Variable(target.name, target.suffix, target.arguments))
     if not isinstance(whole, e.Name | e.Index):
         raise Unliftable
+    if target.component in ADDITIONAL:
+        place = e.Member(whole, ADDITIONAL[target.component])
+        if not (lift.m.own or lift.m.telling):
+            raise Unliftable(SLIDING)
+        match node.value:
+            case s.Binary("*", value, unit) if lift.is_unit(unit):
+                return p.Assign(place, lift.of(value))
+        return p.Assign(place, lift.of(node.value))
     member = e.Member(whole, _ANGLES.get(target.component, target.component.lower()))
     if poses.is_length(target.component, lift.m.robot):
         return p.Assign(member, lift.of(node.value))

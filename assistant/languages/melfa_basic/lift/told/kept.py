@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Final
+from typing import Any, Final
 
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lift.told.signals import AnyNumber, Numbered
@@ -15,7 +15,14 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Findings
 from assistant.program.program import Procedure, Program
-from assistant.program.rewriting import Body, map_bodies, map_expressions, map_head, records
+from assistant.program.rewriting import (
+    Body,
+    head,
+    map_bodies,
+    map_expressions,
+    map_head,
+    records,
+)
 
 STATES: Final[Mapping[str, tuple[str, e.Expression, str, str]]] = {
     "M_SVO": (
@@ -74,6 +81,8 @@ class _Telling:
                     made = tuple(whole(one, node, told) for one in made)
                 except AnyNumber:
                     made = (node,)
+                if any(map(_counts_axis, made)):
+                    self.findings.append(rules.SLIDES())
                 return tuple(map_bodies(one, body) for one in made)
 
         def whole(
@@ -100,3 +109,14 @@ class _Telling:
         what, value, loss, cure = STATES[key]
         self.findings.append(rules.LEFT_OUT(what=what, loss=loss, cure=cure))
         return value
+
+
+def _counts_axis(statement: p.Statement) -> bool:
+    """Whether a place of an additional axis is more than copied: in mm, or in radian."""
+    if isinstance(statement, p.Assign) and _is_axis(statement.value):
+        return False
+    return any(map(_is_axis, records(head(statement))))
+
+
+def _is_axis(record: Any) -> bool:
+    return isinstance(record, e.Member) and record.field in e.EXTERNAL

@@ -21,11 +21,12 @@ from assistant.languages.melfa_basic.lift.values.operators import (
     operator_name,
 )
 from assistant.languages.melfa_basic.lift.values.pallets import declared
-from assistant.languages.melfa_basic.lift.values.reasons import NUMBERED
+from assistant.languages.melfa_basic.lift.values.reasons import NUMBERED, SLIDING
 from assistant.languages.melfa_basic.lift.values.supplied import supplied
 from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS, STATES, TOLD, Unliftable
 from assistant.languages.melfa_basic.lift.values.timers import elapsed
 from assistant.languages.melfa_basic.lift.values.types import Types
+from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tables.channels import CONNECTED, NUMBERS
 from assistant.languages.melfa_basic.tables.functions import (
     OF_ANGLE,
@@ -34,7 +35,13 @@ from assistant.languages.melfa_basic.tables.functions import (
     PLAIN,
     TO_ANGLE,
 )
-from assistant.languages.melfa_basic.tables.poses import ANGLES, JOINTS, is_angle, is_length
+from assistant.languages.melfa_basic.tables.poses import (
+    ANGLES,
+    JOINTS,
+    is_angle,
+    is_length,
+    is_units,
+)
 from assistant.languages.melfa_basic.tables.vocabulary.timers import MILLISECONDS
 from assistant.languages.melfa_basic.text import effects, printer
 from assistant.languages.melfa_basic.tree import syntax as s
@@ -57,6 +64,7 @@ _CLOCK: Final = {melfa.upper(): name for name, melfa in OF_CONTROLLER.items() if
 _PLACES: Final = frozenset(("position", "pose"))
 """Types of what stands somewhere, of which a product is one that stands in another."""
 _ANGLES: Final = {melfa: name for name, melfa in ANGLES.items()}
+ADDITIONAL: Final = {melfa: name for name, written in poses.ADDITIONAL.items() for melfa in written}
 _NUMBERS: Final = {
     "M_ON": e.Number(1),
     "M_OFF": e.Number(0),
@@ -156,6 +164,8 @@ class Expressions(Types):
         group = self.group(operator, left, right)
         if group is not None:
             return group
+        if operator == "/" and self.is_unit(right):
+            return self.plain(left)
         kinds = self.type_of(left), self.type_of(right)
         if not _PLACES.isdisjoint(kinds) or isinstance(right, s.Constant):
             return self.placed(operator, left, right)
@@ -282,6 +292,10 @@ class Expressions(Types):
     def component(self, node: s.Variable) -> e.Expression:
         """X, Y, Z in mm, as axes that slide; joints that turn are read in radian."""
         whole = s.Variable(node.name, node.suffix, node.arguments)
+        if node.component in ADDITIONAL:
+            if not (self.m.own or self.m.telling):
+                raise Unliftable(SLIDING)
+            return e.Member(self.variable(whole), ADDITIONAL[node.component])
         if is_length(node.component, self.m.robot):
             return e.Member(self.variable(whole), node.component.lower())
         if is_angle(node.component, self.m.robot) and not self.m.own:
@@ -337,6 +351,14 @@ class Expressions(Types):
         if self.m.own or self.type_of(node) == "integer":
             return value
         return e.Apply("round", (value,))
+
+    def is_unit(self, node: s.Expression) -> bool:
+        """Whether it is one mm or degree of an additional axis, in a text that was written here."""
+        match node:
+            case s.Variable(component=component) if self.m.own and component in ADDITIONAL:
+                whole = self.variable(s.Variable(node.name, node.suffix, node.arguments))
+                return isinstance(whole, e.TargetValue) and is_units(whole.target)
+        return False
 
     # ----------------------------------------------------------------------------- angles
 

@@ -31,6 +31,10 @@ NO_SUBROUTINE: Final = Reason(
 NUMBERED: Final = Reason(
     "which input or output it is is worked out while the program runs", "write its number"
 )
+SLIDING: Final = Reason(
+    "no program tells whether an additional axis turns or slides",
+    "copy its place from another position, or state it in the position's own line",
+)
 DELAYED: Final = Reason("the assignment comes late, by `Dly`", "put Dly above a plain assignment")
 _HANDS: Final = Reason(
     "it drives a hand of the maker's with its own motor",

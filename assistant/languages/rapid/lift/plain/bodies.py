@@ -225,7 +225,7 @@ class Bodies:
                 return
             yield from by_elements(replace(node, target=variable, value=said), kind, self._variable)
             return
-        if self._both_stay(target) and self._both_stay(value):
+        if kind[0] != "extjoint" and self._both_stay(target) and self._both_stay(value):
             yield node
             return
         places = self.values.spread(target, kind)
