@@ -136,6 +136,11 @@ def likeness(
     return comparing.found(0, f"{_end(first)}, and {_end(second)}")
 
 
+_BY_SPEED: Final = {("time", "end"), ("end", "end")}
+"""What a place on the way is measured by, in the first run and in the second, where the speed tells
+that it is the same."""
+
+
 class _Comparing:
     """Compares one event of either run after the other, and keeps how far they were apart."""
 
@@ -144,6 +149,7 @@ class _Comparing:
         self.visits = self.changes = 0
         self.apart = self.turned = 0.0
         self.place = POSITION
+        self.speed: float | None = None
 
     def found(
         self, event: int = 0, what: str = "", one: Logged | None = None, two: Logged | None = None
@@ -181,6 +187,7 @@ class _Comparing:
             return "another kind of motion"
         allowed = self._allowed(two)
         self.place = 2.0 * allowed.tip
+        self.speed = None if one.kind == "joint" else one.speed
         if one.flange is None or two.flange is None:
             if one.joints is None or two.joints is None:
                 return "joints, and a position"
@@ -232,14 +239,19 @@ class _Comparing:
         )
 
     def _same_place(self, one: OnWay | None, two: OnWay | None) -> bool:
+        """What is set at the very end of a move with a corner may be set behind it, and what is set
+        by time at the place that the programmed speed makes of it.
+        """
         if one is None or two is None:
-            return one is two
+            return one is two or (two is None and one == OnWay("end", 0.0))
         near = TIME if one.measure == "time" else self.place
-        return (
-            one.measure == two.measure
-            and abs(one.amount - two.amount) <= near
-            and abs(one.ahead - two.ahead) <= TIME
-        )
+        if one.measure == two.measure and abs(one.ahead - two.ahead) <= TIME:
+            return abs(one.amount - two.amount) <= near
+        if self.speed is None or two.ahead or (one.measure, two.measure) not in _BY_SPEED:
+            return False
+        seconds = one.ahead + (one.amount if one.measure == "time" else 0.0)
+        before = one.amount if one.measure == "end" else 0.0
+        return abs(before + seconds * self.speed - two.amount) <= self.place
 
 
 def _end_alike(first: Why, second: Why) -> bool:

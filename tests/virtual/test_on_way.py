@@ -126,6 +126,11 @@ SAID = {
     "set up once": "TriggIO gunon,20\\DOp:=do1,1;\nTriggIO gunoff,10\\DOp:=do1,0;\n"
     "TriggL q2,v100,gunon,fine,tGripper;\nTriggL q1,v100,gunoff,fine,tGripper;\n"
     "TriggL q2,v100,gunon,fine,tGripper;",
+    "a time before the end": "TriggIO gunon,0.2\\Time\\DOp:=do1,1;\n"
+    "TriggL q2,v100,gunon,fine,tGripper;",
+    "ahead for an equipment": "TriggEquip gunon,20,0.1\\DOp:=do1,1;\n"
+    "TriggL q2,v100,gunon,fine,tGripper;",
+    "at the end in a corner": "TriggIO gunon,0\\DOp:=do1,1;\nTriggL q2,v100,gunon,z10,tGripper;",
     "by a constant": "TriggIO gunon,five\\DOp:=do1,1;\nTriggL q2,v100,gunon,fine,tGripper;",
     "by a move that calls a function": "TriggIO gunon,20\\DOp:=do1,1;\n"
     "TriggL Offs(q2,0,0,fPlain()),v100,gunon,fine,tGripper;\nTriggIO gunon,9\\DOp:=do1,0;\n"
@@ -147,9 +152,10 @@ REFUSED = {
     "MB209": {
         "several": "TriggIO gunon,20\\DOp:=do1,1;\nTriggIO gunoff,10\\DOp:=do1,0;\n"
         "TriggL q2,v100,gunon\\T2:=gunoff,fine,tGripper;",
-        "a time": "TriggIO gunon,0.2\\Time\\DOp:=do1,1;\nTriggL q2,v100,gunon,fine,tGripper;",
-        "a delay": "TriggEquip gunon,20,0.1\\DOp:=do1,1;\nTriggL q2,v100,gunon,fine,tGripper;",
-        "the end in a corner": "TriggIO gunon,0\\DOp:=do1,1;\nTriggL q2,v100,gunon,z10,tGripper;",
+        "a time of a joint move": "TriggIO gunon,0.2\\Time\\DOp:=do1,1;\n"
+        "TriggJ q2,v100,gunon,fine,tGripper;",
+        "a delay beyond the end": "TriggEquip gunon,5,-0.1\\DOp:=do1,1;\n"
+        "TriggL q2,v100,gunon,fine,tGripper;",
         "behind the start of an unknown way": "IF di1=1 MoveL q2,v100,fine,tGripper;\n"
         "TriggIO gunon,9\\Start\\DOp:=do1,1;\nTriggL q2,v100,gunon,fine,tGripper;",
         "a port of a process": "TriggIO gunon,9\\ProcID:=2,1;\nTriggL q2,v100,gunon,fine,tGripper;",

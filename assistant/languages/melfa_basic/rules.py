@@ -249,6 +249,10 @@ PLACE_UNLIKE = warning(
     "MB238", "`{name}` is set on the way of {what}, which controllers may count differently",
     "see on the robot where it is set, or measure it on a straight move, before its corner",
 )  # fmt: skip
+BY_SPEED = warning(
+    "MB241", "`{name}`, which is set {when} a place on the way, is set where the robot is then at "
+    "{speed} mm/s", "see that it is set in time where the robot is slower, or stops",
+)  # fmt: skip
 BEHIND = info(
     "MB239", "`{name}`, which is set at the very end of a move, is set behind the move",
     "none is needed: the robot stops there",

@@ -254,7 +254,9 @@ class Outputs:
     measures: what it measures places by. known: whether that is what the pseudo-program means by
     them on every way. unlike: tells of one (name) on the way of a move (what) that others may count
     otherwise. pulse: of one (name) that may be on when a pulse begins. behind: of one (name) that
-    is set behind a move which stops there, None where it can be set at its very end.
+    is set behind a move which stops there, None where it can be set at its very end. timed: of one
+    (name) that is set a time before or behind a place (when), and is where a robot of a speed in
+    mm/s is then; None where times can be told.
     """
 
     measures: frozenset[Measure]
@@ -262,6 +264,7 @@ class Outputs:
     unlike: Rule
     pulse: Rule
     behind: Rule | None = None
+    timed: Rule | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Set
+from collections.abc import Container, Iterator, Mapping, Set
 from dataclasses import replace
 from typing import Final
 
@@ -10,7 +10,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.lengths import lengths
 from assistant.program.analysis.pulses import doubtful_pulses
-from assistant.program.motion import Blend
+from assistant.program.motion import Blend, Speed
 from assistant.program.passes.legalising import Legalising, Outputs
 from assistant.program.passes.motions import meant
 from assistant.program.program import Procedure, Program
@@ -92,17 +92,62 @@ def plain_trigger(x: p.Trigger, numbers: Mapping[str, e.Number]) -> p.Trigger:
 
 
 def with_ends_behind(job: Legalising, move: p.MoveStatement) -> Iterator[p.Statement]:
-    """The move; behind it what it sets at its very end, if it stops there."""
+    """The move; behind it what it sets at its very end.
+
+    Where it does not stop there, that is a place which others may count otherwise, see
+    `with_measured_places`.
+    """
     blend, can = move.motion.blend, job.can.outputs
     told = None if can is None else can.behind
-    if told is None or not isinstance(blend, Blend) or not blend.fine:
+    if told is None:
         yield move
         return
+    stops = isinstance(blend, Blend) and blend.fine
     behind = [one for one in move.triggers if one.ahead is None and _is_at_end(one)]
     yield replace(move, triggers=tuple(one for one in move.triggers if one not in behind))
     for one in behind:
-        job.findings.append(told(name=one.signal))
+        if stops:
+            job.findings.append(told(name=one.signal))
         yield p.SetSignal(one.signal, one.value, one.pulse, span=move.span)
+
+
+def is_steady(value: e.Expression, signals: Container[str] = ()) -> bool:
+    """Whether a value is the same as long as no statement changes it: of variables and numbers.
+
+    signals: names in lower case that are none of variables.
+    """
+    match value:
+        case e.Number():
+            return True
+        case e.Name(name):
+            return name.lower() not in signals
+        case e.Unary("-", operand):
+            return is_steady(operand, signals)
+        case e.Binary("+" | "-" | "*" | "/", left, right):
+            return is_steady(left, signals) and is_steady(right, signals)
+    return False
+
+
+def by_speed(job: Legalising, x: p.Trigger, speed: Speed | None) -> p.Trigger:
+    """A trigger at a time, as the mm that a robot of that speed goes in it.
+
+    speed: of the move, None where it is not known, or not of the tool. What a language tells by
+    time stays, and so does what would be behind the end of the way.
+    """
+    can, ahead = job.can.outputs, ZERO if x.ahead is None else x.ahead
+    if can is None or can.timed is None or speed is None or speed.tcp <= 0:
+        return x
+    if not isinstance(x.amount, e.Number) or not isinstance(ahead, e.Number):
+        return x
+    seconds = ahead.value + (x.amount.value if x.measure == "time" else 0.0)
+    if x.measure not in ("end", "time") or not seconds:
+        return x
+    length = seconds * speed.tcp + (x.amount.value if x.measure == "end" else 0.0)
+    if length < 0:
+        return x
+    when = f"{abs(seconds):g} s {'before' if seconds > 0 else 'behind'}"
+    job.findings.append(can.timed(name=x.signal, when=when, speed=f"{speed.tcp:g}"))
+    return replace(x, measure="end", amount=e.Number(round(length, DECIMALS)), ahead=None)
 
 
 def _is_at_end(x: p.Trigger) -> bool:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -91,6 +91,10 @@ State = Mapping[str, SetUp]
 """By name of data, what set them up on every way to a place."""
 
 
+_STILL: Final = (p.Move, p.MoveCircular, p.MoveJoints, p.Follow, p.SetSignal, p.Wait)
+"""Statements that change no variable."""
+
+
 class _Setting:
     """told, becomes: by identity of kept texts, what each is, and the statement in its place.
 
@@ -149,13 +153,15 @@ class _Setting:
                 state = self._ran(part, state)
 
     def _ran(self, part: Any, state: State) -> State:
-        """Behind a statement or a value; numbers that may change hold for what is next only."""
+        """Behind a statement or a value; what may change holds up to what may change it."""
         if isinstance(part, p.Comment):
             return state
         state = self._left(part, state)
         one = self.told.get(id(part))
         if isinstance(one, SetUp):
             return {**state, one.name: one}
+        if isinstance(part, _STILL):
+            return state
         return {name: setup for name, setup in state.items() if setup.fixed}
 
     def _left(self, part: Any, state: State) -> State:

@@ -32,7 +32,11 @@ READS: Final = frozenset(
 """The same of an input."""
 SET_UP: Final = frozenset(("triggio", "triggequip"))
 """Instructions whose options name an output that motions set on their way."""
-CORNER: Final = {"movejdo": 4, "moveldo": 4, "movecdo": 5}
+CORNER: Final = {
+    f"move{letter}{kind}": place
+    for letter, place in (("j", 4), ("l", 4), ("c", 5))
+    for kind in ("do", "ao", "go")
+}
 """Motions that set an output, and which argument it is."""
 ALIAS: Final = "aliasio"
 """Gives data of a signal the one that its first argument is, or names in text."""

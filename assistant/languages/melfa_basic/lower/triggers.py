@@ -11,7 +11,8 @@ from assistant.languages.melfa_basic.tables.triggers import PLACES
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.passes.places import ZERO
+from assistant.program.motion import Blend
+from assistant.program.passes.places import ZERO, is_steady
 
 if TYPE_CHECKING:
     from assistant.languages.melfa_basic.lower.writer import Writer
@@ -22,7 +23,7 @@ WORDS: Final = {measure: name for name, (measure, _) in PLACES.items()}
 
 def appended(w: Writer, move: p.MoveStatement) -> s.Append | None:
     """`Wth` or `WthIf` for what a move sets on its way or ends at, None if that is nothing."""
-    triggers = move.triggers
+    triggers, blend = move.triggers, move.motion.blend
     if move.until is not None:
         if triggers:
             raise Unsayable(
@@ -39,7 +40,10 @@ def appended(w: Writer, move: p.MoveStatement) -> s.Append | None:
             "divide the move, or set all but one before or behind it",
         )
     (one,) = triggers
-    for what, cure in _unsayable(one):
+    stops, at = isinstance(blend, Blend) and blend.fine, one.amount
+    given = all(isinstance(x, e.Number) for x in (one.value, one.pulse or ZERO))
+    steady = isinstance(at, e.Number) or (stops and is_steady(at, w.expressions.signals))
+    for what, cure in _unsayable(one, given and steady):
         raise Unsayable(what, cure)
     pulse = None if one.pulse is None else w.expressions.of(one.pulse)
     assignment = assigned(w, one, pulse)
@@ -50,16 +54,20 @@ def appended(w: Writer, move: p.MoveStatement) -> s.Append | None:
     return s.Append(assignment, s.Binary(operator, place, w.expressions.of(one.amount)))
 
 
-def _unsayable(x: p.Trigger) -> Iterator[tuple[str, str]]:
-    """What `Wth` and `WthIf` have no form for, and what to do instead."""
+def _unsayable(x: p.Trigger, steady: bool) -> Iterator[tuple[str, str]]:
+    """What `Wth` and `WthIf` have no form for, and what to do instead.
+
+    steady: what it sets is a number, and so is its place, or the move stops and the place stays as
+    it is until then.
+    """
     name = f"`{x.signal}`"
     if x.ahead is not None:
         yield f"a delay of what {name} sets on the way", "give the place where it is to be set"
     if x.measure == "time":
         yield f"that {name} is set a time before the end of a move", "give mm before the end"
-    numbers = (x.value, x.amount, x.pulse or ZERO)
-    if not all(isinstance(number, e.Number) for number in numbers):
-        yield f"what {name} is set to, or where, by more than numbers", "write numbers"
+    if not steady:
+        cure = "write numbers, or let the move end with `fine`"
+        yield f"what {name} is set to, or where, by more than numbers", cure
     if x.measure == "start" and not is_at_start(x):
         yield (
             f"that {name} is set mm behind the start of a way of unknown length",

@@ -58,6 +58,7 @@ OUTPUTS: Final = Outputs(
     unlike=rules.PLACE_UNLIKE,
     pulse=rules.PULSE_UNLIKE,
     behind=rules.BEHIND,
+    timed=rules.BY_SPEED,
 )
 FIVE_AXES: Final = FiveAxes(
     unreachable=rules.UNREACHABLE, over_the_back=rules.OVER_THE_BACK, to_base=rules.TO_BASE

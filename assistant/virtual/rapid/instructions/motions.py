@@ -13,6 +13,7 @@ from assistant.virtual.rapid.expressions import place, signal
 from assistant.virtual.rapid.given import Given, takes
 from assistant.virtual.rapid.machine import Function, Machine
 from assistant.virtual.rapid.operators import whole
+from assistant.virtual.rapid.statements import call_late
 from assistant.virtual.rapid.values import Trigger
 
 
@@ -22,6 +23,27 @@ def _and_set(move: Callable[[Given], None], value: int) -> Callable[[Given], Non
     def does(given: Given) -> None:
         move(given)
         given.machine.signals.set(given.signal(value - 1), given.number(value))
+
+    return does
+
+
+def _and_set_group(move: Callable[[Given], None], place: int) -> Callable[[Given], None]:
+    r"""A motion that sets a group by `\Value` in its corner; place: of the signal."""
+
+    def does(given: Given) -> None:
+        move(given)
+        value = given.optional_number("value")
+        given.machine.signals.set(given.signal(place), 0.0 if value is None else value)
+
+    return does
+
+
+def _and_call(move: Callable[[Given], None], place: int) -> Callable[[Given], None]:
+    """A motion that calls a procedure in its corner; place: of its name."""
+
+    def does(given: Given) -> None:
+        move(given)
+        call_late(given.machine, given.text(place), ())
 
     return does
 
@@ -127,6 +149,9 @@ def _tunes(name: str) -> Callable[[Given], None]:
     return lambda given: given.machine.task.kernel.note(f"{name} has no effect on this run")
 
 
+_KINDS: Final = (("J", motion.joint, 0), ("L", motion.linear, 0), ("C", motion.circular, 1))
+_GROUP: Final = f"{motion.OPTIONS} value"
+
 TABLE: Final[Mapping[str, Function]] = dict(
     (
         takes("MoveJ", 4, motion.joint, motion.OPTIONS),
@@ -136,6 +161,15 @@ TABLE: Final[Mapping[str, Function]] = dict(
         takes("MoveJDO", 6, _and_set(motion.joint, 5), motion.OPTIONS),
         takes("MoveLDO", 6, _and_set(motion.linear, 5), motion.OPTIONS),
         takes("MoveCDO", 7, _and_set(motion.circular, 6), motion.OPTIONS),
+        *(
+            row
+            for letter, move, more in _KINDS
+            for row in (
+                takes(f"Move{letter}AO", 6 + more, _and_set(move, 5 + more), motion.OPTIONS),
+                takes(f"Move{letter}GO", 5 + more, _and_set_group(move, 4 + more), _GROUP),
+                takes(f"Move{letter}Sync", 5 + more, _and_call(move, 4 + more), motion.OPTIONS),
+            )
+        ),
         takes("TriggJ", 5, _on_way(motion.joint, 2), ON_WAY),
         takes("TriggL", 5, _on_way(motion.linear, 2), ON_WAY),
         takes("TriggC", 6, _on_way(motion.circular, 3), ON_WAY),

@@ -10,8 +10,10 @@ from assistant.languages.melfa_basic.lift.values.expressions import Expressions
 from assistant.languages.melfa_basic.lift.values.symbols import Unliftable
 from assistant.languages.melfa_basic.tables.triggers import PLACES
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.passes.places import is_steady
 
 _PLACES: Final = {name.upper(): place for name, place in PLACES.items()}
 _TURNED: Final = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "=<": ">=", "=>": "<="}
@@ -32,7 +34,7 @@ def triggers(append: s.Append | None, lift: Expressions, runs: Runs) -> tuple[p.
     raise Unliftable
 
 
-def _place(condition: s.Expression | None, lift: Expressions) -> tuple[p.Measure, e.Number]:
+def _place(condition: s.Expression | None, lift: Expressions) -> tuple[p.Measure, e.Expression]:
     match condition:
         case None:
             return "start", e.Number(0)
@@ -41,9 +43,15 @@ def _place(condition: s.Expression | None, lift: Expressions) -> tuple[p.Measure
         case s.Binary(operator, s.Variable(arguments=None, component="") as place, bound):
             measure, reached = _PLACES.get(place.key, (None, ""))
             amount = lift.of(bound)
-            if measure is not None and operator[:1] == reached[:1] and isinstance(amount, e.Number):
+            if measure is not None and operator[:1] == reached[:1] and _is_steady(bound, amount):
                 return measure, amount
     raise Unliftable
+
+
+def _is_steady(bound: s.Expression, amount: e.Expression) -> bool:
+    """Whether a bound stays as it is while the robot moves: no input, timer or state is in it."""
+    read = (x.key for x in nodes(bound) if isinstance(x, s.Variable))
+    return is_steady(amount) and not any(key.startswith("M_") for key in read)
 
 
 def _is_place(x: s.Expression) -> bool:

@@ -21,12 +21,17 @@ from assistant.languages.positions import Written
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.geometry import BASE
-from assistant.program.motion import FINE, Blend
+from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.passes.comments import as_comment, plain_comment
 from assistant.program.passes.endings import end_for_good
 from assistant.program.passes.legalising import Legalising
 from assistant.program.passes.motions import ByValue
-from assistant.program.passes.places import constants, plain_trigger, with_ends_behind
+from assistant.program.passes.places import (
+    by_speed,
+    constants,
+    plain_trigger,
+    with_ends_behind,
+)
 from assistant.program.passes.plain_expressions import fixed, of_numbers, shifted
 from assistant.program.passes.rewording import Changes, Rewording
 from assistant.program.passes.switches import plain_switch
@@ -133,6 +138,8 @@ class Plain(Rewording):
         joint = isinstance(node, p.MoveJoints) or getattr(node, "kind", "") == "joint"
         triggers = tuple(plain_trigger(one, self.constants) for one in node.triggers)
         motion = self.motions.motion(node.motion, joint)
+        speed = motion.speed if isinstance(motion.speed, Speed) and not joint else None
+        triggers = tuple(by_speed(self.job, one, speed) for one in triggers)
         for one in triggers:
             fit(self, one.signal, one.value)
         said = replace(node, motion=motion, triggers=triggers)
