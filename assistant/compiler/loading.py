@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -234,9 +235,13 @@ def whole_programs(files: Sequence[str], language: str | None = None) -> list[st
     that cannot be read stays as well, to be refused by itself.
     """
     calls: dict[str, list[str]] = {}
+    folders = Counter(FilePath(file).parent for file in files)
     for file in files:
         path = FilePath(file)
         names: tuple[str, ...] = ()
+        if folders[path.parent] == 1:  # nothing else that it may call
+            calls[file] = []
+            continue
         with suppress(Exception):  # it is refused, or fails, when its turn comes
             spoken = _spoken(path, read_bytes(path), language)
             names = spoken.called_files(spoken.parse(spoken.read(path))) if spoken else ()
