@@ -182,3 +182,31 @@ def test_a_routine_that_nothing_calls_is_left_out_of_a_program(tmp_path: Path) -
     done = translated(tmp_path, "MoveL p10,v100,fine,tool0;", PLACE)
     assert done.ok
     assert "RA346" in [f.code for row in done.rows for f in row.reasons]
+
+
+PARTS = """FUNC num reach(tooldata t,num more)
+  RETURN inner(t)+more;
+ENDFUNC
+FUNC num inner(tooldata t)
+  RETURN t.tframe.trans.z;
+ENDFUNC
+PROC longer(INOUT tooldata t,num by)
+  t.tframe.trans.z:=t.tframe.trans.z+by;
+ENDPROC
+PROC go(num z)
+  MoveL Offs(p10,0,0,z),v100,fine,tGrip;
+ENDPROC"""
+
+
+def test_a_routine_takes_the_parts_of_a_tool_that_no_move_has(tmp_path: Path) -> None:
+    main = """VAR tooldata own;
+own:=tSuck;
+own.tframe.trans.x:=30;
+longer own,7;
+go reach(own,2);
+longer tGrip,20;
+go reach(tGrip,3);"""
+    done = translated(tmp_path, main, PARTS)
+    assert done.ok, [f.message for row in done.rows for f in row.reasons]
+    assert done.motion is not None and done.motion.holds
+    assert done.motion.found is not None and done.motion.found.visits >= 2

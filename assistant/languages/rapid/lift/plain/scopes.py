@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from typing import Any, Final
 
 from assistant.languages.rapid.lift.plain.layouts import HELD, PACES, SETTINGS, Layouts, Path
 from assistant.languages.rapid.lift.plain.mounted import FRAME, Mounted, mounted, steady_types
 from assistant.languages.rapid.lift.plain.outside import only_works_out, unused_axes
+from assistant.languages.rapid.lift.plain.parted import parted_parameters
 from assistant.languages.rapid.tables.predefined import data as predefined
 from assistant.languages.rapid.tables.processes import MOVES
 from assistant.languages.rapid.tables.signatures import signature
@@ -73,7 +74,6 @@ class Program:
         self, modules: Sequence[s.Module], layouts: Layouts, name: Fresh, displaced: str = ""
     ) -> None:
         self.layouts, self.name, self.displaced = layouts, name, displaced
-        self.uses = Uses(modules)
         self.steady = steady_types(modules, layouts)
         self.moving: dict[str, Mounted] = {}
         self.unused = unused_axes(modules)
@@ -87,6 +87,8 @@ class Program:
                 routines.setdefault(item.name.lower(), []).append(item)
         self.routines = {name: own[0] for name, own in routines.items() if len(own) == 1}
         self.own = frozenset(routines)
+        self.parted = parted_parameters(self.routines, layouts)
+        self.uses = Uses(modules, self.parted)
         declared: dict[str, list[s.Data]] = {}
         for item in items:
             if isinstance(item, s.Data):
@@ -131,7 +133,7 @@ class Program:
         """
         type, moves, steady = self.layouts.base(node.type), False, False
         if isinstance(node, s.ParameterNode):
-            apart = type not in SETTINGS or type in PACES
+            apart = type not in SETTINGS or type in PACES or id(node) in self.parted
             value, dimensions = None, node.dimensions
             sizes: tuple[s.Expression, ...] = ()
         else:
@@ -193,10 +195,12 @@ class Uses:
     """How names are used anywhere, whatever they mean there, in lower case.
 
     written: may be changed. named: given to a routine or a move by their names. parted: a
-    component is asked for. read: used in any other way.
+    component is asked for. read: used in any other way, as where a routine of the program takes
+    the parts. parted: see `parted_parameters`.
     """
 
-    def __init__(self, modules: Sequence[s.Module]) -> None:
+    def __init__(self, modules: Sequence[s.Module], parted: Set[int]) -> None:
+        self._parts = parted
         self.written: set[str] = set()
         self.named: set[str] = set()
         self.parted: set[str] = set()
@@ -236,12 +240,25 @@ class Uses:
         if own is not None:
             slots = _slots(own[0]) if len(own) == 1 else None
         required = iter(() if slots is None else [one for one in slots if not one.optional])
+        apart = () if own is None or len(own) > 1 else _apart(own[0], arguments, self._parts)
         for argument in arguments:
             value = argument.variable if isinstance(argument, s.Conditional) else argument.value
-            if not isinstance(value, s.Component):
+            if any(argument is one for one in apart):
+                self._add(self.read, value)
+            elif not isinstance(value, s.Component):
                 self._add(self.named, value)
             if slots is None or _changes(argument, slots, required, own is None):
                 self._add(self.written, value)
+
+
+def _apart(
+    routine: s.Routine, arguments: Sequence[s.Argument], parted: Set[int]
+) -> Sequence[s.Argument]:
+    """Arguments of which a routine takes the parts."""
+    groups = (group for group in routine.parameters if not group.optional)
+    given = (one for one in arguments if isinstance(one, s.Positional))
+    pairs = zip(groups, given, strict=False)
+    return [one for group, one in pairs if id(group.alternatives[0]) in parted]
 
 
 def _slots(routine: s.Routine) -> tuple[Slot, ...]:
