@@ -125,3 +125,55 @@ def test_several_conditions_end_a_move(language: str) -> None:
     found = told(ran(language, STRAIGHT, "part = 1 and door = 0", 1.0))
     assert [value for _, value, _ in found] == [1.0, 1.0, 1.0]
     assert found[0][2] in (1.0, 1.1)
+
+
+SEARCH = r"""MODULE Cell
+CONST robtarget a:=[[400,-150,400],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+CONST robtarget b:=[[400,150,400],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+VAR robtarget found;
+PROC main()
+ConfL\Off;
+MoveL a,v100,fine,tool0;
+SearchL{search},found,b,v100,tool0;
+SetAO aoPlace,found.trans.y;
+ERROR
+IF ERRNO=ERR_WHLSEARCH SetAO aoPlace,1000;
+IF ERRNO=ERR_SIGSUPSEARCH SetAO aoPlace,2000;
+RETURN;
+ENDPROC
+ENDMODULE
+"""
+
+
+@pytest.mark.parametrize(
+    ("search", "place", "time"),
+    [
+        # 100 mm behind the start at 1 s, 200 mm at 2 s; the whole way of 300 mm takes 3 s.
+        (r"\Stop,part", -50, 1.0),
+        (r"\PStop,part\PosFlank", -50, 1.0),
+        (r"\SStop,part\NegFlank", 50, 2.0),
+        (r"\SStop,part\Flanks", -50, 1.0),
+        (r"\SStop,part\HighLevel", -50, 1.0),
+        (r"\SStop,part\LowLevel", -150, 0.0),
+        (" part", -50, 3.0),
+        (r"\Sup,part", -50, 3.0),
+        (r"\Sup,part\Flanks", 1000, 3.0),
+        (r"\Stop,door", 2000, 0.0),
+        (r"\Stop,door\PosFlank", 1000, 3.0),
+        (r"\Stop,door\HighLevel", -150, 0.0),
+    ],
+)
+def test_what_a_search_finds(search: str, place: float, time: float) -> None:
+    """The part is there from 1 s to 2 s, the door is open."""
+    arm = robots.get(ARMS["rapid"])
+    tree = languages.get("rapid").parse(SEARCH.replace("{search}", search))
+    assert tree.findings == ()
+    start = arm.joints_of([[400, -150, 400]], [[0, 0, 1, 0]], [[-128, 0, 0, 0, 0, 0]])[0]
+    kernel = Kernel(motion=Timed(arm, joints=start))
+    kernel.board.inputs.set("door", 1.0)
+    for at, value in ((1.0, 1.0), (2.0, 0.0)):
+        kernel.at(at, lambda value=value: kernel.board.inputs.set("part", value))
+    start_task(kernel, (tree,), robot=arm)
+    ((signal, found, when),) = told(kernel.run())
+    assert (signal, when) == ("aoplace", pytest.approx(time, abs=0.1))
+    assert found == pytest.approx(place, abs=2.0)
