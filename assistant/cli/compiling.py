@@ -130,7 +130,7 @@ def load_given(
     """
     from assistant.compiler.arms import robot_of
     from assistant.compiler.entering import entered
-    from assistant.compiler.loading import load
+    from assistant.compiler.opening import load
 
     arm = robot_of(robot)
     given = _input(source, from_language, robot, process, unit) or load(
@@ -148,7 +148,8 @@ def _input(
 ) -> Loaded | None:
     """The program on standard input if the source says so, or a file of a named language."""
     from assistant.compiler.arms import robot_of
-    from assistant.compiler.loading import load, load_text
+    from assistant.compiler.loading import load_text
+    from assistant.compiler.opening import load
     from assistant.sources.lengths import unit_stated
 
     if source != STANDARD:

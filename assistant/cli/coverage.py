@@ -52,7 +52,8 @@ def run_coverage(paths: Sequence[str], language: str | None, format: Format) -> 
 
 def _programs(path: str, language: str | None) -> Iterator[tuple[str, Language[Any], SourceText]]:
     """Name, language and text of each program that a path stands for."""
-    from assistant.compiler.formatting import programs_in, read_program
+    from assistant.compiler.folders import programs_in
+    from assistant.compiler.formatting import read_program
     from assistant.compiler.loading import language_of
 
     if path != STANDARD:

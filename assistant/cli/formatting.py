@@ -90,7 +90,7 @@ def _numbering(text: str) -> tuple[int, int]:
 
 def _files(path: str, language: str | None) -> Iterator[str | Refused]:
     """The files that a path stands for, and why there is none or no more."""
-    from assistant.compiler.formatting import programs_in
+    from assistant.compiler.folders import programs_in
 
     if path == STANDARD:
         yield path

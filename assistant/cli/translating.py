@@ -151,7 +151,7 @@ def run_translate(
 
 def _tasks(programs: Sequence[str], language: str | None, answers: Answers) -> tuple[Task, ...]:
     """What of the files, and of those in folders, is one program each."""
-    from assistant.compiler.formatting import programs_in
+    from assistant.compiler.folders import programs_in
     from assistant.compiler.tasks import tasks_of
 
     found: dict[str, None] = {}
@@ -160,7 +160,7 @@ def _tasks(programs: Sequence[str], language: str | None, answers: Answers) -> t
             found[program] = None
         else:
             with answers.of(program):
-                found |= dict.fromkeys(programs_in(program, language))
+                found |= dict.fromkeys(programs_in(program, language, answers.refusals.append))
     return tasks_of(list(found), language)
 
 

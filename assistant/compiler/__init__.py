@@ -9,7 +9,8 @@ from assistant.lazy import offered
 if TYPE_CHECKING:
     from assistant.compiler.checking import Checked, check_files
     from assistant.compiler.compiling import Compiled, compile
-    from assistant.compiler.loading import Loaded, load
+    from assistant.compiler.loading import Loaded
+    from assistant.compiler.opening import load
     from assistant.compiler.proof import Proof
     from assistant.compiler.translating import Translation, translate
 
@@ -21,7 +22,7 @@ _LAZY: Final = {
     "Translation": ("assistant.compiler.translating", "Translation"),
     "check_files": ("assistant.compiler.checking", "check_files"),
     "compile": ("assistant.compiler.compiling", "compile"),
-    "load": ("assistant.compiler.loading", "load"),
+    "load": ("assistant.compiler.opening", "load"),
     "translate": ("assistant.compiler.translating", "translate"),
 }
 

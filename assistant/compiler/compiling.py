@@ -14,9 +14,10 @@ from assistant.compiler.arms import Arms, in_arms, known_robot, robot_of, taught
 from assistant.compiler.crossing import for_arm, unsaid, without_unused
 from assistant.compiler.entering import entered
 from assistant.compiler.joint_speeds import at_a_speed, at_the_pace
-from assistant.compiler.loading import Loaded, language_of, load
+from assistant.compiler.loading import Loaded, language_of
 from assistant.compiler.motion import MotionProof, Proving, prove_motion
 from assistant.compiler.motion_sides import Made
+from assistant.compiler.opening import load
 from assistant.compiler.proof import SAYS_OTHERWISE, Proof, prove
 from assistant.compiler.source_map import Places, at_moves
 from assistant.program.contents import saying

@@ -145,8 +145,10 @@ def _told(program: Program, language: Language[Any]) -> Program:
 def neutral_cell(loaded: Loaded) -> str:
     """A cell file for a program, with the values that say least: the flange, the base, 100 mm/s.
 
-    Signals are numbered from 1. Routines that were not read are stops.
+    Signals are numbered from 1. Routines that were not read are stops. Joint angles are those of
+    the arm that runs the program, whichever it was written for.
     """
+    loaded = replace(loaded, arm=None)
     wanting = in_cell(loaded, NO_CELL, FilePath("cell.toml")).wanting
     origin = loaded.program.origin
     percents = origin is not None and language_of(origin.language).joint_percent

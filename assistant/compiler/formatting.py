@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from typing import Any, Final
 
 from assistant import languages
-from assistant.compiler.loading import files_in, language_of
+from assistant.compiler.loading import language_of
 from assistant.languages import Language
-from assistant.program.diagnostics import Diagnostic, Refused, Unreadable, error, has_errors
+from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors
 from assistant.program.system.writing import write_all
-from assistant.program.text import SourceText, comments, encode, is_folder, read_bytes
+from assistant.program.text import SourceText, comments, encode, read_bytes
 
 NOT_THE_SAME: Final = error(
     "CO401",
@@ -21,11 +20,6 @@ NOT_THE_SAME: Final = error(
 )
 NO_LANGUAGE: Final = error(
     "CO402", "`{name}` does not look like a robot program", "name its language with --from"
-)
-NO_PROGRAMS: Final = error(
-    "CO403",
-    "the folder `{name}` holds no robot programs",
-    "name the files, and their language with --from",
 )
 NO_STEPS: Final = error(
     "CO404",
@@ -139,33 +133,6 @@ def rewrite(formatted: Formatted) -> None:
     """
     assert formatted.source.path is not None
     write_all({FilePath(formatted.source.path): formatted.encoded()})
-
-
-def programs_in(path: str, language: str | None = None) -> Iterator[str]:
-    """The file itself, or the robot programs of a folder and the folders in it.
-
-    Hidden folders are left aside, and files that do not look like a program. Raises Refused if
-    there is none.
-    """
-    if not is_folder(path):
-        yield path
-        return
-    spoken = [language_of(language)] if language else list(map(languages.get, languages.names()))
-    suffixes = {suffix for one in spoken for suffix in one.suffixes}
-    there = False
-    for file in files_in(path, suffixes):
-        if language or _looks_like_program(file):
-            there = True
-            yield file
-    if not there:
-        raise Refused(NO_PROGRAMS(path=path, name=path), exit_status=2)
-
-
-def _looks_like_program(file: str) -> bool:
-    try:
-        return languages.of_file(file, read_bytes(file, allow_empty=True)) is not None
-    except Unreadable:
-        return True  # to be said when it is read
 
 
 def _comments(text: str, mark: str) -> list[str]:

@@ -11,7 +11,7 @@ from assistant import languages, sources
 from assistant.compiler.arms import Arms, taught_on
 from assistant.compiler.crossing import for_arm
 from assistant.compiler.entering import entered
-from assistant.compiler.formatting import programs_in
+from assistant.compiler.folders import programs_in
 from assistant.compiler.loading import (
     language_of,
     load,

@@ -14,8 +14,9 @@ from assistant.compiler.controller_files import STATED
 from assistant.compiler.drafting import draft as drafted
 from assistant.compiler.entering import entered
 from assistant.compiler.filling import UNFILLED, UNPROVEN, as_draft, with_cell
-from assistant.compiler.loading import Loaded, language_of, load
+from assistant.compiler.loading import Loaded, language_of
 from assistant.compiler.motion import MotionProof, Proving
+from assistant.compiler.opening import load
 from assistant.compiler.proof import Proof
 from assistant.compiler.source_map import Place, Places, Trace
 from assistant.program import statements as p

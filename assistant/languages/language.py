@@ -399,6 +399,10 @@ class Language(abc.ABC, Generic[T]):
         made.stated = {key: str(settings[key]) for key in ARITHMETIC if key in settings}
         return made
 
+    def is_copy(self, path: FilePath) -> bool:  # noqa: ARG002
+        """Whether a project keeps a file as a copy of a program that it has elsewhere as well."""
+        return False
+
     def program_of(self, path: FilePath) -> FilePath:
         """What a file is a part of: files with the same answer are checked as one program.
 

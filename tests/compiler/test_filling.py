@@ -243,3 +243,19 @@ def test_data_of_the_cell_stands_before_its_routines(tmp_path: Path) -> None:
     text = f"MODULE Cell\nPROC main()\n{moves},v100,fine,tGrip;\nENDPROC\nENDMODULE\n"
     loaded = in_neutral_cell(load(program(tmp_path, text)))
     assert translate(loaded, to="melfa-basic-6").ok
+
+
+def test_a_neutral_cell_names_no_arm_though_the_files_of_the_controller_do(tmp_path: Path) -> None:
+    path = program(
+        tmp_path,
+        "MODULE Cell\nCONST jointtarget home:=[[0,0,0,0,30,0],[9E9,9E9,9E9,9E9,9E9,9E9]];\n"
+        "PROC main()\nMoveAbsJ home,v100,fine,tool0;\nENDPROC\nENDMODULE\n",
+    )
+    (tmp_path / "SYSPAR").mkdir()
+    (tmp_path / "SYSPAR" / "MOC.cfg").write_text(
+        'MOC:CFG_1.0:6:1::\nROBOT:\n      -name "ROB_1" -use_robot_type "ROB1_1200_0.9_5_TypeB"\n'
+    )
+    loaded = load(path)
+    assert loaded.arm == "irb1200-5-0.9"
+    done = translate(in_neutral_cell(loaded), to="melfa-basic-6")
+    assert done.ok, [f.message for f in done.findings]

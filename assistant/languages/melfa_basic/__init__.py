@@ -265,6 +265,11 @@ class MelfaBasic(Language["File"]):
 
         return spelled(program, self.dialect)
 
+    def is_copy(self, path: FilePath) -> bool:
+        from assistant.languages.melfa_basic.reading.parameters import is_copy
+
+        return is_copy(path)
+
     def called_files(self, tree: File) -> tuple[str, ...]:
         """A call that works out the program's name is left aside."""
         from assistant.languages.melfa_basic.tree.walk import awaited

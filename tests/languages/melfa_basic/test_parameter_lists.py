@@ -88,3 +88,13 @@ def test_how_a_slot_runs_the_program_is_told(tmp_path: Path) -> None:
     assert [f.message for f in done.whole if f.code == "MB288"] == [
         "the list of slots has `PICK` in slot 2: REP ALWAYS"
     ]
+
+
+def test_a_cell_file_that_says_the_rest_takes_the_tool_not_away(tmp_path: Path) -> None:
+    program, cell = project(tmp_path, "Spd 50\nMvs P1\nMvs P2\nEnd\n"), tmp_path / "cell.toml"
+    cell.write_text("[positions.P2]\nposition = [400, 50, 300]\nquaternion = [0, 0, 1, 0]\n")
+    done = translate(program, **RAPID, cell=cell)
+    (text,) = (data.decode() for data in done.files.values())
+    assert done.ok, [(f.code, f.message) for f in done.whole]
+    assert text.count("PMEXTL") >= 3
+    assert "[0,0,150]" in text

@@ -12,7 +12,7 @@ from assistant.languages.melfa_basic.checks.file_view import program_name
 from assistant.languages.melfa_basic.lower.supplied_functions import with_functions
 from assistant.languages.melfa_basic.reading.parser import parse
 from assistant.languages.melfa_basic.tables import poses
-from assistant.languages.melfa_basic.tables.variables import KEPT, kept_as
+from assistant.languages.melfa_basic.tables.variables import KEPT, PLAIN, kept_as
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import outside
 from assistant.languages.melfa_basic.tree import syntax as s
@@ -25,6 +25,7 @@ from assistant.program.text import SourceText
 from assistant.program.wanted import Supplied, Value, Wanted
 
 NO_FLAGS: Final = (0, 0)
+NOTHING: Final = (Tool(), Frame())
 
 
 def with_supplied(
@@ -49,12 +50,14 @@ def with_supplied(
             own = own and _is_of(wanted, tree)
             if value is None or wanted.kind == "routine" or not (shared or own):
                 continue
+            if wanted.name in KEPT.values() and value in NOTHING:
+                continue
             name = wanted.name if external else wanted.name[len(before) :]
             name = kept_as(wanted.name) if shared else name
             name = outside.data_of(name) if outside.is_state(name.upper()) else name
             lines[name.upper()] = _line(name, value)
-        there = _with_lines(tree, lines, dialect) if lines else tree
-        there = _beginning(there, [one.name for one, _ in given]) if at == 0 else there
+        there = _with_lines(tree, lines, dialect) if lines else _as_read(tree)
+        there = _beginning(there, tree, given) if at == 0 else there
         there = _with_calls(there, routines) if routines else there
         functions = [pair for pair in others if _is_of(pair[0], tree)]
         made.append(with_functions(there, functions, trees, dialect) if functions else there)
@@ -62,14 +65,30 @@ def with_supplied(
     return made
 
 
-def _beginning(tree: s.File, names: Sequence[str]) -> s.File:
-    """The tree whose first statement sets the tool and the base that parameters keep."""
-    words = [word for word, name in KEPT.items() if name in names]
-    at = next((n for n, item in enumerate(tree.items) if _acts(item)), None)
-    if not words or at is None:
+def _beginning(tree: s.File, before: s.File, given: Supplied) -> s.File:
+    """The tree whose first statement sets the tool and the base that parameters keep.
+
+    before: the same without the lines that it has got.
+    """
+    values = {one.name: value for one, value in given}
+    lines = [  # those that were set before have no place in a text either
+        *(item for item in before.items if isinstance(item, s.Line) and item.span is None),
+    ]
+    lines += [
+        s.Line(statement=s.Command(word, (s.Variable(at),)))
+        for word, name in KEPT.items()
+        if name in values
+        for at in (PLAIN[word] if values[name] in NOTHING else kept_as(name),)
+    ]
+    first = next((n for n, item in enumerate(tree.items) if _acts(item)), None)
+    if not lines or first is None:
         return tree
-    lines = (s.Line(statement=s.Command(w, (s.Variable(kept_as(KEPT[w])),))) for w in words)
-    return replace(tree, items=(*tree.items[:at], *lines, *tree.items[at:]))
+    return replace(tree, items=(*tree.items[:first], *lines, *tree.items[first:]))
+
+
+def _as_read(tree: s.File) -> s.File:
+    items = tuple(x for x in tree.items if not isinstance(x, s.Line) or x.span is not None)
+    return tree if len(items) == len(tree.items) else replace(tree, items=items)
 
 
 def _acts(item: s.Item) -> bool:

@@ -30,6 +30,7 @@ PROGRAMS: Final = "program"
 """Folder of the programs in a project."""
 HELD: Final = ("corespace online", "paramofflineedit", "corespace")
 """Folders of a project with parameters, the surest first; backups come before them."""
+COPIES: Final = frozenset({"backup", "robosim", *HELD})
 _ROW: Final = re.compile(r"(?m)^([A-Z][A-Z0-9_]{0,15})=[UM][a-z],(.*?);[ \t]*$")
 _VALUE: Final = re.compile(r'"([^"]*)"|([^,]+)')
 _RADIANS: Final = "%r"
@@ -76,6 +77,15 @@ def _folders(folder: FilePath) -> Iterator[FilePath]:
         for name in HELD:
             if (held := file_named(folder.parent, name)) is not None:
                 yield held
+
+
+def is_copy(path: FilePath) -> bool:
+    """Whether a file stands in a project's backups, or what it holds of a controller."""
+    for folder in path.absolute().parents:
+        if folder.name.lower() in COPIES:
+            programs = file_named(folder.parent, PROGRAMS)
+            return programs is not None and programs.is_dir()
+    return False
 
 
 def _lists(folder: FilePath) -> list[FilePath]:

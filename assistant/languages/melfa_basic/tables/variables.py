@@ -73,6 +73,8 @@ PARAMETERS: Final = {"Tool": "MEXTL{number}", "Base": "WK{number}CORD"}
 
 KEPT: Final = {"Tool": "MEXTL", "Base": "MEXBS"}
 """Parameters that hold the tool and the base which a program was given last, by the statement."""
+PLAIN: Final = {"Tool": "P_NTool", "Base": "P_NBase"}
+"""What a statement is given to set none."""
 STATUS: Final = {"Tool": "M_TOOL", "Base": "M_BSNO"}
 """The status variable that sets the same as a statement."""
 

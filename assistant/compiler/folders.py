@@ -1,0 +1,81 @@
+"""Folders: the robot programs in them, and what of them is left out and why."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path as FilePath
+from typing import Any, Final
+
+from assistant import languages
+from assistant.compiler.loading import files_in, language_of
+from assistant.languages import Language
+from assistant.program.diagnostics import Diagnostic, Refused, Unreadable, error, info
+from assistant.program.text import is_folder, read_bytes
+
+NO_PROGRAMS: Final = error(
+    "CO403",
+    "the folder `{name}` holds no robot programs",
+    "name the files, and their language with --from",
+)
+LEFT_OUT: Final = info(
+    "CO308", "left out, as {why}: {files}", "name a file by itself if it is meant"
+)
+EMPTY: Final = "empty"
+STRANGE: Final = "nothing that looks like a robot program"
+COPY: Final = "what a project keeps as a copy of a program"
+NO_TEXT: Final = "what a controller makes of a program, which is no text"
+MOST_NAMED: Final = 3
+"""Files of one reason that are named."""
+
+Told = Callable[[Diagnostic], None]
+
+
+def programs_in(path: str, language: str | None = None, told: Told | None = None) -> Iterator[str]:
+    """The file itself, or the robot programs of a folder and the folders in it.
+
+    Hidden folders are left aside, files that do not look like a program, and in a folder with
+    texts of programs copies of them; told: is given a finding for each reason. Raises Refused if
+    there is none.
+    """
+    if not is_folder(path):
+        yield path
+        return
+    spoken = [language_of(language)] if language else list(map(languages.get, languages.names()))
+    suffixes = {suffix for one in spoken for suffix in one.suffixes}
+    found, left = list[str](), dict[str, str]()
+    for file in files_in(path, suffixes):
+        why = "" if language else _why_not(file, spoken)
+        if why:
+            left[file] = why
+        else:
+            found.append(file)
+    if not found:
+        found = [file for file, why in left.items() if why in (COPY, NO_TEXT)]
+        left = {file: why for file, why in left.items() if file not in found}
+    for why in dict.fromkeys(left.values()):
+        if told is not None:
+            told(LEFT_OUT(why=why, files=_shown(path, left, why), path=path))
+    if not found:
+        raise Refused(NO_PROGRAMS(path=path, name=path), exit_status=2)
+    yield from found
+
+
+def _shown(folder: str, left: Mapping[str, str], why: str) -> str:
+    files = [FilePath(file).relative_to(folder) for file, one in left.items() if one == why]
+    shown = ", ".join(f"`{file.as_posix()}`" for file in files[:MOST_NAMED])
+    more = len(files) - MOST_NAMED
+    return f"{shown} and {more} more" if more > 0 else shown
+
+
+def _why_not(file: str, spoken: list[Language[Any]]) -> str:
+    """Why a file of a folder is no program of it, empty if it is one."""
+    try:
+        data = read_bytes(file, allow_empty=True)
+    except Unreadable:
+        return ""  # to be said when it is read
+    language = languages.of_file(file, data)
+    if language is None:
+        return STRANGE if data.strip() else EMPTY
+    if any(one.begins and data.startswith(one.begins) for one in spoken):
+        return NO_TEXT
+    return COPY if language.is_copy(FilePath(file)) else ""
