@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -10,6 +10,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.assignment import Assigning
 from assistant.program.analysis.interrupts import interrupts
+from assistant.program.analysis.left_settings import Setting, left_settings
 from assistant.program.contents import all_of
 from assistant.program.passes.legalising import Legalising
 from assistant.program.program import Procedure, Program, identifier
@@ -20,13 +21,18 @@ CYCLE: Final = "cycle"
 FOR_EVER: Final = e.Number(1)
 MOST_TOLD: Final = 5
 """Names that a finding tells."""
+_TOLD: Final[Mapping[type[Setting], str]] = {
+    p.SetOverride: "the override of speeds",
+    p.SetAcceleration: "the acceleration",
+}
 
 
 def with_kept_values(job: Legalising) -> Program:
     """The program with a loop without end around its cycle, where one leaves values to the next.
 
     Such a controller gives variables their first values at the first line, to which it goes back
-    behind each cycle. A program of the same kin has no such values, and nothing becomes of it.
+    behind each cycle, and moves as fast as usual again. A program of the same kin has no such
+    values, and nothing becomes of it.
     """
     program, can = job.program, job.can.variables
     entry = program.procedure(program.entry) if program.entry else None
@@ -44,11 +50,12 @@ def with_kept_values(job: Legalising) -> Program:
         and name.lower() in run.read & assigning.written
         and not can.external(name, variable)
     ]
-    if not left or not run.ends:
+    told = [_TOLD[type(one)] for one in left_settings(program, entry)]
+    if not (left or told) or not run.ends:
         return program
     with job.findings.at(entry.span):
         about = Declared(entry.name, "procedures")
-        job.findings.append(can.repeated(names=_listed(left), about=about))
+        job.findings.append(can.repeated(names=_listed(left, told), about=about))
     taken = {*(q.name for q in program.procedures), *program.variables, *program.targets}
     cycle = replace(entry, name=identifier(CYCLE, taken))
     loop = Procedure(entry.name, (p.While(FOR_EVER, (p.Call(cycle.name),)),), span=entry.span)
@@ -75,7 +82,7 @@ def _is_called(program: Program, entry: Procedure) -> bool:
     )
 
 
-def _listed(names: Sequence[str]) -> str:
-    told = ", ".join(f"`{name}`" for name in names[:MOST_TOLD])
-    more = len(names) - MOST_TOLD
-    return told if more <= 0 else f"{told} and {more} more"
+def _listed(names: Sequence[str], more: Sequence[str]) -> str:
+    told = [f"`{name}`" for name in names[:MOST_TOLD]] + list(more)
+    others = len(names) - MOST_TOLD
+    return ", ".join(told) if others <= 0 else f"{', '.join(told)} and {others} more"

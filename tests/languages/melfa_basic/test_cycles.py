@@ -11,6 +11,7 @@ from assistant.compiler import Translation, translate
 from assistant.compiler.motion import Proving
 from assistant.virtual import melfa, rapid
 from assistant.virtual.comparing import difference
+from assistant.virtual.events import Moved
 
 MELFA = ("melfa-basic-4", "melfa-basic-5", "melfa-basic-6")
 
@@ -35,11 +36,16 @@ def said(translation: Translation) -> list[str]:
 
 def code(translation: Translation) -> list[str]:
     (text,) = translation.files.values()
-    lines = (line.split(" ", 1)[1].strip() for line in text.decode().splitlines())
+    steps = (line.partition(" ") for line in text.decode().splitlines())
+    lines = (line.strip() for step, _, line in steps if step.isdecimal())
     return [line for line in lines if not line.startswith("'")]
 
 
 N = "VAR num n:=2;"
+P1 = "CONST robtarget p1:=[[400,0,300],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];"
+MOVES = "/ENDPROC/PROC move()/MoveL p1,v100,fine,tool0;/"
+SLOW = "ENDPROC/PROC slow()/AccSet 20,100;"
+FULL = "VelSet 100,5000;"
 CARRIED: dict[str, tuple[str, str]] = {
     "counted": (N, "n:=n+1;"),
     "without a value": ("VAR num n;", "n:=n+1;"),
@@ -55,6 +61,9 @@ CARRIED: dict[str, tuple[str, str]] = {
     "handed over to be changed": (N, "sub n;/ENDPROC/PROC sub(INOUT num x)/x:=x+1;"),
     "a list": ("VAR num n{2}:=[1,2];", "WaitTime n{1};/n{1}:=3;"),
     "in a loop that is left": (N, "WHILE TRUE DO/n:=n+1;/IF n>5 RETURN;/ENDWHILE"),
+    "an override": (P1, "move;/VelSet 30,5000;" + MOVES),
+    "an acceleration of a routine": (P1, "move;/slow;" + MOVES + SLOW),
+    "an override of some ways": (P1, "move;/VelSet 30,5000;/IF di1=1 " + FULL + MOVES),
 }  # fmt: skip
 
 
@@ -113,6 +122,9 @@ NOT_CARRIED: dict[str, tuple[str, str]] = {
         N, "sub;/ENDPROC/PROC sub()/IF di1=1 sub;/n:=1;/n:=n+1;",
     ),
     "behind an end for good": (N, "n:=n+1;/WHILE TRUE DO/Stop;/ENDWHILE"),
+    "an override before all moves": (P1, "VelSet 30,5000;/move;" + MOVES),
+    "an override that is taken back": (P1, "move;/VelSet 30,5000;/move;/" + FULL + MOVES),
+    "an override of 100 percent": (P1, "move;/VelSet 100,5000;" + MOVES),
 }  # fmt: skip
 
 
@@ -134,6 +146,18 @@ def test_a_variable_without_value_begins_with_that_of_its_type(tmp_path: Path, t
 
 def test_a_variable_of_main_begins_anew_in_each_cycle(tmp_path: Path) -> None:
     assert code(translated(tmp_path, "", "VAR num n;/n:=n+1;"))[:2] == ["MN=0", "MN=MN+1"]
+
+
+def test_a_cycle_of_melfa_begins_with_the_usual_speed(tmp_path: Path) -> None:
+    """`End` sets the override and the acceleration back; RAPID keeps both in the next cycle."""
+    file = tmp_path / "SLOW.prg"
+    place = "PA=(+350.00,+0.00,+400.00,+180.00,+0.00,+180.00)(7,0)"
+    file.write_text(f"1 Spd 80\n2 Mvs PA\n3 Ovrd 50\n4 Accel 30,30\n5 Mvs PA\n6 End\n{place}\n")
+    (text,) = translate(file, to="rapid").files.values()
+    main = text.decode().partition("PROC main()")[2].split()
+    assert [word for word in main if word.endswith("Set")] == ["VelSet", "AccSet"] * 2
+    run = rapid.run(languages.get("rapid").parse(text.decode()), most_cycles=2)
+    assert [one.speed for one in run.events if isinstance(one, Moved)] == [80, 40, 80, 40]
 
 
 def test_a_variable_of_melfa_keeps_what_it_has() -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Any, Final
 
 from assistant.languages.language import Adapted
@@ -17,6 +18,7 @@ from assistant.languages.melfa_basic.reading.line import statement as read_state
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.left_settings import left_settings
 from assistant.program.diagnostics import Diagnostic, Findings
 from assistant.program.kept import effect_of
 from assistant.program.program import Declaration, Program, walk
@@ -76,7 +78,7 @@ def exported(program: Program) -> Adapted:
     findings = Findings()
     findings += _uncalled(program)
     findings += _unsigned(program)
-    program = with_told(program, findings)
+    program = _as_each_begins(with_told(program, findings))
     texts = [record.text for record in records(program) if _is_text(record)]
     if not texts:
         return Adapted(program, tuple(findings))
@@ -96,6 +98,20 @@ def exported(program: Program) -> Adapted:
             yield p.Stop(end=True, span=node.span)
 
     return Adapted(exchanged(program, told), tuple(findings))
+
+
+def _as_each_begins(program: Program) -> Program:
+    """With the settings at the top that a cycle ends with, as other controllers keep them then.
+
+    The end of a program in MELFA-BASIC sets speeds and accelerations back (COSIROP: END).
+    """
+    entry = program.procedure(program.entry) if program.entry else None
+    settings = left_settings(program, entry) if entry is not None else ()
+    if entry is None or not settings:
+        return program
+    begun = replace(entry, body=(*settings, *entry.body))
+    procedures = tuple(begun if one is entry else one for one in program.procedures)
+    return replace(program, procedures=procedures)
 
 
 def _uncalled(program: Program) -> Iterator[Diagnostic]:
