@@ -32,7 +32,12 @@ from assistant.languages.rapid.lift.told.declarations import with_needed_declara
 from assistant.languages.rapid.lift.told.errors import with_errors
 from assistant.languages.rapid.lift.told.held import with_held_moves
 from assistant.languages.rapid.lift.told.interrupts import with_interrupts, with_own_waits
-from assistant.languages.rapid.lift.told.left_out import INSTRUCTIONS
+from assistant.languages.rapid.lift.told.left_out import (
+    INSTRUCTIONS,
+    NO_AXES,
+    Loss,
+    has_external_axes,
+)
 from assistant.languages.rapid.lift.told.meeting import DUE, shared, task_lists
 from assistant.languages.rapid.lift.told.outputs import switched
 from assistant.languages.rapid.lift.told.processes import weld_speeds
@@ -111,7 +116,10 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
         stop = _always_stopping(findings)
         program = with_stops(program, steps, _besides_standing, IN_CORNER, stop)
         nothing = NOTHING | {word for word, moves in _ENDED.items() if not _says(program, moves)}
-        program = exchanged(program, lambda node: _told(node, nothing, findings))
+        losses = dict(INSTRUCTIONS)
+        if "eoffsoff" not in nothing and not has_external_axes(program):
+            losses |= dict.fromkeys(("eoffsset", "eoffson", "eoffsoff"), NO_AXES)
+        program = exchanged(program, lambda node: _told(node, nothing, losses, findings))
         program, early = with_active(program)
         findings += [rules.BEFORE_MOVES(span=span) for span in dict.fromkeys(early)]
     program = _without_unused(with_needed_declarations(program, findings))
@@ -220,11 +228,13 @@ def _says(program: Program, words: re.Pattern[str]) -> bool:
     return any(map(words.search, texts))
 
 
-def _told(node: p.Opaque, nothing: Set[str], findings: Findings) -> Iterator[p.Statement]:
+def _told(
+    node: p.Opaque, nothing: Set[str], losses: Mapping[str, Loss], findings: Findings
+) -> Iterator[p.Statement]:
     """What another language is told of a text: nothing, or the text."""
     call = call_of(node)
     key = "" if call is None else _key(call)
-    loss = INSTRUCTIONS.get(key) or INSTRUCTIONS.get(key.split(" ")[0])
+    loss = losses.get(key) or losses.get(key.split(" ")[0])
     if key in nothing:
         return
     if loss is None:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from assistant.languages.rapid import rules
+from assistant.languages.rapid.lift.plain.assembling import ASSEMBLED, assembled
 from assistant.languages.rapid.lift.plain.assigning import (
     by_elements,
     has_other_size,
@@ -20,7 +21,6 @@ from assistant.languages.rapid.lift.plain.layouts import SETTINGS, Path
 from assistant.languages.rapid.lift.plain.library import (
     QUATERNION,
     TURN,
-    WHOLE,
     angles_of,
     call_of,
     is_written_out,
@@ -208,7 +208,7 @@ class Bodies:
         if (place := self.values.whole_turn(target)) is not None:
             yield self._turned(node, s.Component(place, TURN), value)
             return
-        if kind is not None and kind[0] in WHOLE and isinstance(value, s.AggregateNode):
+        if kind is not None and kind[0] in ASSEMBLED and isinstance(value, s.AggregateNode):
             if not is_written_out(value):
                 yield from self._put_together(node, target, kind[0], value)
                 return
@@ -276,26 +276,15 @@ class Bodies:
         self, node: s.Assignment, target: Any, type: str, value: s.AggregateNode
     ) -> Iterator[s.StatementNode]:
         """A target or pose that is worked out, part by part."""
-        items = dict(zip(("trans", TURN, "robconf", "extax"), value.items, strict=False))
-        if len(items) != (2 if type == "pose" else 4):
-            raise Unsaid("it has another number of components")
-        outer = [items[name] for name in ("robconf", "extax") if name in items]
         place: s.NameRef | s.Component | s.Element = self.values.plain(target)
         own = names_in(place)
         if own & names_in(value):
             place = self._variable("new", type)
-        match outer:
-            case [s.Component(one, "robconf"), s.Component(two, "extax")] if one == two:
-                yield from self._assigned(node, place, one)
-            case _ if all(map(is_written_out, outer)):
-                first = s.AggregateNode(tuple(map(_numbers, ((0, 0, 0), (1, 0, 0, 0)))))
-                whole = replace(first, items=(*first.items, *outer))
-                yield replace(node, target=place, value=whole)
-            case _:
-                raise Unsaid("its configuration is worked out")
-        for name in ("trans", TURN):
-            part = s.Component(place, name)
-            yield from self._assigned(replace(node, target=part), part, items[name])
+        for part, given in assembled(type, place, value):
+            if part is place and is_written_out(given):
+                yield replace(node, target=place, value=given)
+            else:
+                yield from self._assigned(replace(node, target=part), part, given)
         if own & names_in(value):
             yield replace(node, target=self.values.plain(target), value=place)
 
@@ -394,10 +383,6 @@ class Bodies:
         here = replace(call, name="CRobT", arguments=self.values.arguments("CRobT", call.arguments))
         self.before.append(s.Assignment(held, here))
         return {(axis,): s.Component(s.Component(held, "trans"), axis) for axis in "xyz"}
-
-
-def _numbers(values: Sequence[float]) -> s.AggregateNode:
-    return s.AggregateNode(tuple(s.NumberLiteral(f"{value:g}") for value in values))
 
 
 def _at(made: s.StatementNode, node: s.StatementNode) -> s.StatementNode:

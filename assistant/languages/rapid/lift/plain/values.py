@@ -8,6 +8,7 @@ from functools import reduce
 from typing import Any, Final
 
 from assistant.languages.rapid import rules
+from assistant.languages.rapid.lift.plain.assembling import ASSEMBLED
 from assistant.languages.rapid.lift.plain.kinds import ORIENT, POS, Kind, Kinds
 from assistant.languages.rapid.lift.plain.layouts import PACES, Part, Path
 from assistant.languages.rapid.lift.plain.library import (
@@ -173,7 +174,7 @@ class Values(Kinds):
                     value
                 ):
                     made.append(argument)
-                case s.Positional(s.AggregateNode() as value) if type in WHOLE and (
+                case s.Positional(s.AggregateNode() as value) if type in ASSEMBLED and (
                     not is_written_out(value)
                 ):
                     made.append(replace(argument, value=self.built(type, value)))

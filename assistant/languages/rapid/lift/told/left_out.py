@@ -2,8 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Final
+
+import numpy as np
+
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.geometry import JointTarget, Target
+from assistant.program.program import Program
+from assistant.program.rewriting import records
 
 Loss = tuple[str, str]
 """What is lost, and what to do about it."""
@@ -37,6 +46,8 @@ _ZONE: Final = (
     "set the zone in the other controller, among the areas that it watches, before the first run",
 )
 
+NO_AXES: Final = ("no target states a place of an external axis that it would move", _NONE)
+"""What is lost of an offset of external axes where there are none."""
 INSTRUCTIONS: Final[Mapping[str, Loss]] = {
     "tperase": ("what stands on the teach pendant stays there", _NONE),
     "tpshow tp_latest": ("the teach pendant shows what it shows", _NONE),
@@ -117,3 +128,24 @@ OPTIONS: Final[Mapping[str, Mapping[str, Loss]]] = {
     "setdo": {"sync": _SYNC},
 }
 """Options of instructions that can go, by instruction and option; without words nothing is lost."""
+
+
+def has_external_axes(program: Program) -> bool:
+    """Whether any target or path of a program states a place of an external axis."""
+    given: list[Target | JointTarget] = [*program.targets.values()]
+    given += program.joint_targets.values()
+    if any(map(_stated, given)):
+        return True
+    for record in records((program.procedures, tuple(program.variables.values()))):
+        match record:
+            case e.TargetValue(target) | e.JointValue(target):
+                if _stated(target):
+                    return True
+            case p.Follow(path):
+                if np.isfinite(path.external).any():
+                    return True
+    return False
+
+
+def _stated(target: Target | JointTarget) -> bool:
+    return any(map(math.isfinite, target.external))
