@@ -58,6 +58,24 @@ def test_units_and_networks_are_as_the_cell_says(tmp_path: Path) -> None:
     assert done.motion.holds
 
 
+def test_texts_of_the_system_and_constants_of_its_types(tmp_path: Path) -> None:
+    asking = (
+        'IF GetSysInfo(\\SerialNo)="14-21858" SetDO doAuto,0;\n'
+        "IF StrLen(GetSysInfo(\\CtrlLang))=2 SetDO doAuto,1;\n"
+        "state:=DINT*10+iconWarning+UINT; SetDO doAuto,0; WaitTime 0.2;\n"
+        "MoveL Offs(p10,0,state,0),v100,fine,tool0;"
+    )
+    loaded = load(file(tmp_path, asking))
+    cell = tmp_path / "cell.toml"
+    text = neutral_cell(loaded)
+    assert '[data.controller_serial_number]\ntype = "string"\nvalue = "14-21858"' in text
+    cell.write_text(text, encoding="utf-8")
+    done = translate(with_cell(loaded, cell), to="melfa-basic-6", proving=Proving(seconds=5))
+    assert done.totals["not"] == 0, [f.message for row in done.rows for f in row.reasons]
+    assert done.motion is not None
+    assert done.motion.holds
+
+
 def test_without_a_cell_it_is_not_said(tmp_path: Path) -> None:
     done = translate(load(file(tmp_path)), to="melfa-basic-6")
     assert "the function `gettaskname`" in " ".join(f.message for f in done.findings)

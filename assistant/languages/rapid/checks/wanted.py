@@ -23,8 +23,8 @@ from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tables.states import (
     OF_A_CELL,
     OPTIONS_OF_A_CELL,
-    STATES,
     State,
+    state_of,
 )
 from assistant.languages.rapid.tables.words import ZONES
 from assistant.languages.rapid.tree import syntax as s
@@ -184,8 +184,9 @@ class _Module:
         routine: Signature | None = None
         if found is None:
             routine = signature(name)
-            if low in STATES:
-                self._state(STATES[low])
+            options = [one.name for one in node.arguments if isinstance(one, s.Option)]
+            if (state := state_of(low, options)) is not None:
+                self._state(state)
             elif routine is None or routine.option in OPTIONS_OF_A_CELL or low in OF_A_CELL:
                 self._unread(node, name, scope, kind, result)
                 return

@@ -1,14 +1,14 @@
 """Functions of RAPID that tell about the controller itself, which another one cannot know.
 
 What they give is the cell's to say: data of the cell file, which a program asks instead.
-Reference manual of functions: GetTaskName, RobOS, OpMode, RunMode, MaxRobSpeed, CSpeedOverride,
-IOUnitState, UIClientExist; of instructions: IOBusState; application manual of the Production
-Manager: PMgrTaskName.
+Reference manual of functions: GetTaskName, GetSysInfo, RobOS, OpMode, RunMode, MaxRobSpeed,
+CSpeedOverride, IOUnitState, UIClientExist; of instructions: IOBusState; application manual of the
+Production Manager: PMgrTaskName.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -47,7 +47,36 @@ STATES: Final[Mapping[str, State]] = {
 Numbers are those of `OP_AUTO`, `RUN_CONT_CYCLE`, `IOUNIT_PHYS_STATE_RUNNING` and `BUSSTATE_RUN`,
 see `words.ELSEWHERE`.
 """
-BY_NAME: Final[Mapping[str, State]] = {one.name: one for one in STATES.values()}
+_SYSTEM: Final = "getsysinfo"
+OF_SYSTEM: Final[Mapping[str, State]] = {
+    "serialno": State("controller_serial_number", "string", "14-21858"),
+    "swversion": State("controller_version", "string", "6.08.00.00"),
+    "swversionname": State("controller_version_name", "string", "6.08"),
+    "robottype": State("controller_robot_type", "string", "2400-10/1.5 Type A"),
+    "ctrlid": State("controller_name", "string", "My controller"),
+    "lanip": State("controller_address", "string", "192.168.8.103"),
+    "ctrllang": State("controller_language", "string", "en"),
+    "systemname": State("controller_system", "string", "MYSYSTEM"),
+}
+"""What `GetSysInfo` tells, by its switch in lower case; the texts are made up like those of its
+examples."""
+OF_OPTIONS: Final = frozenset(one.name for one in OF_SYSTEM.values())
+"""Names of what an option chooses."""
+BY_NAME: Final[Mapping[str, State]] = {
+    one.name: one for one in (*STATES.values(), *OF_SYSTEM.values())
+}
+
+
+def state_of(word: str, options: Collection[str]) -> State | None:
+    """What a function or instruction gives, None of one that tells nothing of the controller.
+
+    options: the names of its options.
+    """
+    if word.lower() != _SYSTEM:
+        return STATES.get(word.lower())
+    (option,) = options if len(options) == 1 else ("",)
+    return OF_SYSTEM.get(option.lower())
+
 
 OPTIONS_OF_A_CELL: Final = frozenset({"Production Manager", "SmarTac", "SmartGripper"})
 """Options of RobotWare whose routines drive equipment of one make, or answer another program."""

@@ -71,6 +71,24 @@ READS: Final = (
     *("GInputDnum", "GOutputDnum"),
 )
 
+SYSTEM: Final = {
+    "serialno": "14-21858",
+    "swversion": "6.08.00.00",
+    "swversionname": "6.08",
+    "robottype": "2400-10/1.5 Type A",
+    "ctrlid": "My controller",
+    "lanip": "192.168.8.103",
+    "ctrllang": "en",
+    "systemname": "MYSYSTEM",
+}
+"""What GetSysInfo tells of this controller, by its switch."""
+
+
+def _of_system(given: Given) -> str:
+    (option,) = given.options
+    return SYSTEM[option]
+
+
 TABLE: Final[Mapping[str, Function]] = dict(
     (
         takes("Present", 1, _present),
@@ -80,6 +98,7 @@ TABLE: Final[Mapping[str, Function]] = dict(
         takes("TestDI", 1, _test),
         *(takes(name, 1, _signal) for name in READS),
         takes("RobOS", 0, lambda _: False),
+        takes("GetSysInfo", 0, _of_system, " ".join(SYSTEM)),
         takes("OpMode", 0, lambda _: AUTOMATIC),
         takes("RunMode", 0, lambda _: CONTINUOUS, "main"),
         takes("IOUnitState", 1, lambda _: RUNNING, "phys logic"),

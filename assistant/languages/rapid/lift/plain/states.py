@@ -6,10 +6,10 @@ controller has no tasks of such names, no RobotWare and no operating mode of its
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from typing import Any
 
-from assistant.languages.rapid.tables.states import BY_NAME, STATES
+from assistant.languages.rapid.tables.states import BY_NAME, OF_OPTIONS, state_of
 from assistant.languages.rapid.tables.words import CELL_MODULE
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import called
@@ -32,21 +32,24 @@ def with_told_states(modules: Sequence[s.Module]) -> Sequence[s.Module]:
     def visit(node: Any) -> Any:
         match node:
             case s.FunctionCall(str(name)) | s.ProcedureCall(str(name)):
-                state = STATES.get(name.lower())
-                if state is None or state.name not in known or name.lower() in own:
-                    return node
-                return _asked(node) or node
+                return node if name.lower() in own else _asked(node, known) or node
         return node
 
     return tuple(rewrite(module, visit, ()) for module in modules)
 
 
-def _asked(node: s.FunctionCall | s.ProcedureCall) -> s.Expression | s.StatementNode | None:
-    """What a call gives, None for one that does more."""
-    call, state = called(node), STATES[str(node.name).lower()]
+def _asked(
+    node: s.FunctionCall | s.ProcedureCall, known: Set[str]
+) -> s.Expression | s.StatementNode | None:
+    """What a call gives of what is known, None for any other one, and for one that does more."""
+    options = [one.name for one in node.arguments if isinstance(one, s.Option)]
+    state = state_of(str(node.name), options)
+    if state is None or state.name not in known:
+        return None
+    call = called(node)
     if call is None or len(call.given) != state.arguments or None in call.given:
         return None
-    if not state.options.issuperset(call.options):
+    if state.name not in OF_OPTIONS and not state.options.issuperset(call.options):
         return None
     value = s.NameRef(state.name)
     if isinstance(node, s.FunctionCall):
