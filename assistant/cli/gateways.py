@@ -20,6 +20,11 @@ NO_PLACE: Final = error(
 NOT_STARTED: Final = error(
     "CL292", "the gateway cannot listen at port {port}: {reason}", "name another port"
 )
+NO_LINE: Final = error(
+    "CL293",
+    "the gateway connects to one place, but {named}",
+    "name the controller's line, or with `--to` the other end of a line that connects to here",
+)
 PORTS: Final = range(1, 65536)
 
 
@@ -31,7 +36,12 @@ def gateway(
         ),
     ] = "",
     listen: Annotated[
-        int, typer.Option(help="Port here: of the other end, or with --to of the line.")
+        int,
+        typer.Option(
+            help="Port here: of the other end, or with --to of the line; 0 for any free one.",
+            min=0,
+            max=PORTS.stop - 1,
+        ),
     ] = 0,
     to: Annotated[
         str,
@@ -45,7 +55,8 @@ def gateway(
 ) -> None:
     """Hand bytes on between a socket and a controller whose lines carry texts alone."""
     if bool(line) == bool(to):
-        raise Refused(NO_PLACE(text=line or to), exit_status=2)
+        named = f"`{line}` and `{to}` are named" if line else "none is named"
+        raise Refused(NO_LINE(named=named), exit_status=2)
     raise typer.Exit(run_gateway((host, listen), _place(line or to), bool(to)))
 
 

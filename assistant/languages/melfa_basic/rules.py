@@ -110,7 +110,8 @@ NO_CALL = warning(
 # ---------------------------------------------------------------------------- adapting
 NO_NUMBER = error(
     "MB201", "the signal `{name}` has no number, which MELFA-BASIC addresses signals by",
-    "give `number = …` for the signal in the process file", misses=True,
+    "give `number = …` for the signal in the process file; `translate --cell FILE` lists them all",
+    misses=True,
 )  # fmt: skip
 NO_CONFIGURATION = warning(
     "MB202", "{count} targets state no arm configuration and get the flags (7,0)",

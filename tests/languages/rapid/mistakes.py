@@ -121,6 +121,7 @@ FURTHER: Final = {
     ),
     "write `(` in front of the parameters": ("FUNC num q¦ num a)\n  RETURN a;\nENDFUNC",),
     "delete one of the two": (
+        "MoveL Offs(¦(p10,0,0,50),v100,fine,tool0;",
         "VAR num ¦num a := 0;",
         "PROC ¦PROC q()\n  b;\nENDPROC",
     ),

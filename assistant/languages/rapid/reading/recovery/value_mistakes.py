@@ -220,7 +220,11 @@ VALUES: Final = (
         repair=r"hole",
     ),
     Mistake(
-        "write decimals with a point: `1.5`", "a := 1¦,5;", before=r"\d", after=r",\s*\d", here=True
+        "write decimals with a point: `1.5`",
+        "a := 1¦,5;",
+        before=r"(?<![\w.])\d+",
+        after=r",\s*\d",
+        here=True,
     ),
     Mistake(
         "begin a comment with `!`", "¦// note", after=r"//|#|/\*|--|\(\*|'[^'\r\n]*(?:[\r\n]|\Z)"
