@@ -20,13 +20,15 @@ from tests.cli.test_commands import run
         ("gateway here:1 --listen 65536", "", "--listen"),
     ],
 )
-def test_places_that_are_none_are_refused(capsys, command: str, code: str, said: str) -> None:
+def test_places_that_are_none_are_refused(
+    capsys: pytest.CaptureFixture[str], command: str, code: str, said: str
+) -> None:
     status, _, told = run(capsys, *command.split())
     assert status == 2
     assert code in told and said in told
 
 
-def test_a_port_that_is_taken_is_told(capsys) -> None:
+def test_a_port_that_is_taken_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         port = taken.getsockname()[1]
