@@ -105,9 +105,10 @@ class Computed:
 
 @dataclass(frozen=True, slots=True)
 class Changes:
-    """A line changes variables. names: None for any that there are."""
+    """A line changes variables. names: None for any that there are but for some."""
 
     names: frozenset[str] | None
+    but: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,7 +124,8 @@ class Calls:
     """A line calls these, in an order that nobody knows.
 
     called: procedures by their number; of what is not known, the settings that it may change.
-    inside: whether what is not known is lines of the program.
+    inside: whether what is not known is lines of the program. What a setting is worked out of is
+    the caller's: within what is called, and behind it, names may stand for other variables.
     """
 
     called: tuple[int | frozenset[int], ...]
@@ -342,8 +344,8 @@ class Flow:
                 case Sets(setting, value):
                     made = Held(value, Places.of((at,)))
                     behind = (*behind[:setting], made, *behind[setting + 1 :])
-                case Changes(names):
-                    behind = tuple(_outlived(held, names) for held in behind)
+                case Changes(names, but):
+                    behind = tuple(_outlived(held, names, but) for held in behind)
                 case MaySet(setting, by):
                     held = behind[setting]
                     held = self._by_any_line[setting] if held.is_inherited else held
@@ -351,7 +353,8 @@ class Flow:
                     behind = (*behind[:setting], made, *behind[setting + 1 :])
                 case Calls(called, inside):
                     before = self._between(called, behind)
-                    met += [(one, before) for one in called if isinstance(one, int)]
+                    inner = tuple(_outlived(held, None) for held in before)
+                    met += [(one, inner) for one in called if isinstance(one, int)]
                     left = [self._left_by(one, before, inside) for one in called]
                     behind = _any_of(left, every=True)
                 case Either(branches):
@@ -376,7 +379,9 @@ class Flow:
         """
         if isinstance(called, int):
             end = self.exits[called]
-            return None if end is None else resolved(end, state)
+            if end is None:
+                return None
+            return resolved(tuple(_outlived(held, None) for held in end), state)
         return tuple(
             Held(UNKNOWN, before=held.needed | (self.lost[k].before if inside else NOWHERE))
             if k in called
@@ -385,10 +390,12 @@ class Flow:
         )
 
 
-def _outlived(held: Held, names: frozenset[str] | None) -> Held:
+def _outlived(held: Held, names: frozenset[str] | None, but: frozenset[str] = frozenset()) -> Held:
     """What is left of a setting where variables change: what was worked out of them is unknown."""
     value = held.value.value if isinstance(held.value, OrInherited) else held.value
-    if isinstance(value, Computed) and (names is None or not value.names.isdisjoint(names)):
+    if not isinstance(value, Computed) or value.names <= but:
+        return held
+    if names is None or not value.names.isdisjoint(names):
         return replace(held, value=UNKNOWN)
     return held
 

@@ -45,6 +45,7 @@ from assistant.languages.settings.interrupts import with_interrupts
 from assistant.program.arrays import Ints
 from assistant.program.program import identifier
 
+NONE: Final = frozenset[str]()
 _WAITS: Final = re.compile(r"W\d+Z?", re.IGNORECASE)
 """Labels that are read together with the lines around them."""
 
@@ -83,7 +84,7 @@ def lines_of(
     by_label = {region.label: k for k, region in enumerate(regions) if region.label}
     by_name = {r.function.name.upper(): k for k, r in enumerate(regions) if r.function}
 
-    def called(statement: s.Statement) -> Iterator[int | frozenset[int]]:
+    def called(statement: s.Statement | None) -> Iterator[int | frozenset[int]]:
         match statement:
             case s.CallP(program=s.String(value=name)):
                 yield touched.get(identifier(name).upper(), ALL_SETTINGS)
@@ -101,14 +102,17 @@ def lines_of(
 
     watched = _watched(code, settings)
 
-    def steps(statement: s.Statement | s.Target | None) -> Steps:
+    def steps(statement: s.Statement | s.Target | None, own: frozenset[str] = NONE) -> Steps:
+        """own: variables of its function alone, which nothing that it calls can change."""
         if statement is None or isinstance(statement, s.Target):
             return ()
         made = does(statement)
         if not watched or (len(made) == 1 and isinstance(made[0], Sets)):
             return made
         if any(True for _ in calls_in(made)):
-            return (Changes(None), *made, Changes(None))
+            named = frozenset(x.key for x in nodes(statement) if isinstance(x, s.Variable))
+            any_other = Changes(None, own - named)
+            return (any_other, *made, any_other)
         names = watched.intersection(changed(statement, settings.constants.kept))
         return (*made, Changes(frozenset(names))) if names else made
 
@@ -128,6 +132,19 @@ def lines_of(
         return before
 
     places = [region.places() for region in regions]
+    calls = {
+        k: {one for at in inside for one in called(statement_of(code[at]))}
+        for k, inside in enumerate(places if watched else ())
+    }
+
+    def own(number: int) -> frozenset[str]:
+        """Parameters of a function by value, while it does not run twice at once."""
+        function, names = regions[number].function, NONE
+        if watched and function is not None and number not in _reached(number, calls):
+            given = function.parameters or ()
+            names = watched & {f"{q.name}{q.suffix}".upper() for q in given if q.mode == "ByVal"}
+        return names
+
     loose = {
         at for at, item in enumerate(code)
         if is_word(statement_of(item)) and at not in blocks.words
@@ -144,7 +161,12 @@ def lines_of(
         len(ALL_SETTINGS),
         places,
         [graph_of(code, inside, blocks).after for inside in places],
-        {at: made for inside in places for at in inside if (made := steps(statement_of(code[at])))},
+        {
+            at: made
+            for inside, kept in zip(places, map(own, range(len(places))), strict=True)
+            for at in inside
+            if (made := steps(statement_of(code[at]), kept))
+        },
         lambda at: _used(code[at]),
         lambda at: exits_of(statement_of(code[at])).on,
         frozenset(labels.values()),
@@ -155,6 +177,19 @@ def lines_of(
     answering = {region.label: k for k, region in enumerate(regions) if region.answers}
     found = interrupts_of(code, entries, {label: k for label, k in answering.items() if label})
     return with_interrupts(lines, found, elsewhere)
+
+
+def _reached(number: int, calls: Mapping[int, set[int | frozenset[int]]]) -> set[int]:
+    """What a procedure calls, with all that this calls; everything where that is not known."""
+    pending, found = [*calls[number]], set[int]()
+    while pending:
+        one = pending.pop()
+        if not isinstance(one, int):
+            return set(calls)
+        if one not in found:
+            found.add(one)
+            pending += calls[one]
+    return found
 
 
 def _watched(code: Code, settings: Settings) -> frozenset[str]:
