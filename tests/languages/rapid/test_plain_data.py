@@ -114,6 +114,23 @@ CASES = {
       z:=tGrip.tframe.trans.z/10;
       go z,tGrip.tload.mass,tool0.tframe.trans.x;
     ENDPROC""",
+    "a configuration that is taken from another target, or stated": """VAR extjoint outside;
+    VAR robtarget many{2};
+    PROC main()
+      VAR robtarget a;
+      VAR num n:=5;
+      a:=p10;
+      a.trans.z:=a.trans.z+n;
+      many{2}:=a;
+      many{2}.robconf:=p10.robconf;
+      MoveL many{2},v100,fine,tGrip;
+      a.robconf:=[0,0,0,0];
+      MoveL a,v100,fine,tGrip;
+      a:=[[350+n,n,300],[0,0,1,0],p10.robconf,outside];
+      MoveL a,v100,fine,tGrip;
+      a:=[[350,n,300],[0,0,1,0],[0,0,0,0],outside];
+      MoveL a,v100,fine,tGrip;
+    ENDPROC""",
     "aliases": """ALIAS num count;
     ALIAS size format;
     VAR count n:=3;

@@ -21,6 +21,9 @@ _PARTS: Final = {
 ASSEMBLED: Final = frozenset(_PARTS)
 """Types whose values in brackets other languages are told part by part."""
 _NOWHERE: Final = {"trans": (0, 0, 0), TURN: (1, 0, 0, 0)}
+_CONF: Final = "robconf"
+OUTSIDE_ALL: Final = s.AggregateNode((s.NumberLiteral("9E9"),) * 6)
+"""The places of external axes that there are none of."""
 _AXES: Final = tuple(f"rax_{axis}" for axis in range(1, 7))
 
 
@@ -39,6 +42,8 @@ def assembled(type: str, place: Any, value: s.AggregateNode) -> Iterator[tuple[A
     match outer:
         case [s.Component(one, "robconf"), s.Component(two, "extax")] if one == two:
             yield place, one
+        case [s.Component(one, "robconf"), outside] if outside == OUTSIDE_ALL:
+            yield place, one
         case _ if all(map(is_written_out, outer)):
             first = (_numbers(_NOWHERE[name]) for name in ("trans", TURN))
             yield place, s.AggregateNode((*first, *outer))
@@ -46,6 +51,33 @@ def assembled(type: str, place: Any, value: s.AggregateNode) -> Iterator[tuple[A
             raise Unsaid("its configuration is worked out")
     for name in ("trans", TURN):
         yield s.Component(place, name), items[name]
+
+
+def is_configured(target: Any, value: Any) -> bool:
+    """Whether a target takes the configuration of another, or one that is written out."""
+    match target, value:
+        case s.Component(_, name), s.Component(_, other):
+            return (name.lower(), other.lower()) == (_CONF, _CONF)
+        case s.Component(_, name), s.AggregateNode():
+            return name.lower() == _CONF and is_written_out(value)
+    return False
+
+
+def configured(
+    target: s.Component, value: s.Expression, held: s.NameRef
+) -> Iterator[tuple[Any, s.Expression]]:
+    """What is assigned then, and to what; external axes are not kept.
+
+    held: a variable for a target.
+    """
+    if isinstance(value, s.Component):
+        yield held, value.value
+    else:
+        first = (_numbers(_NOWHERE[name]) for name in ("trans", TURN))
+        yield held, s.AggregateNode((*first, value, OUTSIDE_ALL))
+    for name in ("trans", TURN):
+        yield s.Component(held, name), s.Component(target.value, name)
+    yield target.value, held
 
 
 def _joints(place: Any, items: dict[str, s.Expression]) -> Iterator[tuple[Any, s.Expression]]:

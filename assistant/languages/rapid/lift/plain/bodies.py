@@ -7,7 +7,13 @@ from dataclasses import replace
 from typing import Any
 
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.lift.plain.assembling import ASSEMBLED, assembled
+from assistant.languages.rapid.lift.plain.assembling import (
+    ASSEMBLED,
+    OUTSIDE_ALL,
+    assembled,
+    configured,
+    is_configured,
+)
 from assistant.languages.rapid.lift.plain.assigning import (
     by_elements,
     has_other_size,
@@ -19,7 +25,6 @@ from assistant.languages.rapid.lift.plain.declaring import declared
 from assistant.languages.rapid.lift.plain.kinds import Kind
 from assistant.languages.rapid.lift.plain.layouts import SETTINGS, Path
 from assistant.languages.rapid.lift.plain.library import (
-    QUATERNION,
     TURN,
     angles_of,
     call_of,
@@ -30,6 +35,7 @@ from assistant.languages.rapid.lift.plain.outside import OUTSIDE
 from assistant.languages.rapid.lift.plain.paces import is_computed, single_moves
 from assistant.languages.rapid.lift.plain.scopes import Datum, Program, parameters
 from assistant.languages.rapid.lift.plain.spreads import Spread, Unsaid
+from assistant.languages.rapid.lift.plain.turns import joined_turns
 from assistant.languages.rapid.lift.plain.values import PLACE, Values
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
@@ -81,35 +87,9 @@ class Bodies:
                 yield group
 
     def block(self, body: Sequence[s.StatementNode]) -> Nodes:
-        return tuple(said for node in self._joined(body) for said in self._statement(node))
-
-    def _joined(self, body: Sequence[s.StatementNode]) -> Iterator[s.StatementNode]:
-        """The statements; the four parts of a quaternion that are set one by one as a whole."""
-        at = 0
-        while at < len(body):
-            group = body[at : at + len(QUATERNION)]
-            whole = self._quaternion(group)
-            yield body[at] if whole is None else whole
-            at += 1 if whole is None else len(group)
-
-    def _quaternion(self, group: Sequence[s.StatementNode]) -> s.StatementNode | None:
-        values: dict[str, s.Expression] = {}
-        turns: list[s.Expression] = []
-        for node in group:
-            match node:
-                case s.Assignment(s.Component(s.Component(_, turn) as whole, name), value) if (
-                    turn.lower() == TURN
-                ):
-                    values[name.lower()] = value
-                    turns.append(whole)
-        if sorted(values) != list(QUATERNION) or any(one != turns[0] for one in turns):
-            return None
-        if self.values.whole_turn(turns[0]) is None:
-            return None
-        if any(names_in(turns[0]) & names_in(value) for value in values.values()):
-            return None
-        aggregate = s.AggregateNode(tuple(values[name] for name in QUATERNION))
-        return s.Assignment(turns[0], aggregate, span=group[0].span)  # type: ignore[arg-type]
+        return tuple(
+            said for node in joined_turns(self.values, body) for said in self._statement(node)
+        )
 
     def _statement(self, node: s.StatementNode) -> list[s.StatementNode]:
         before, self.before = self.before, []
@@ -225,12 +205,22 @@ class Bodies:
                 return
             yield from by_elements(replace(node, target=variable, value=said), kind, self._variable)
             return
+        if (made := self._configured(target, value)) is not None:
+            for part, given in made:
+                yield from self._assigned(replace(node, target=part), part, given)
+            return
         if kind[0] != "extjoint" and self._both_stay(target) and self._both_stay(value):
             yield node
             return
         places = self.values.spread(target, kind)
         self.alone = value
         yield from self._copied(node, places, self.values.spread(value, kind), kind)
+
+    def _configured(self, target: Any, value: Any) -> list[tuple[Any, s.Expression]] | None:
+        """What is assigned where a target takes a configuration, None of any other assignment."""
+        if self.program.has_axes or not is_configured(target, value):
+            return None
+        return list(configured(target, value, self._variable("configured", "robtarget")))
 
     def _never_fits(self, node: s.Assignment) -> bool:
         """Whether an array is given values in brackets that are too many or too few, with why."""
@@ -277,6 +267,7 @@ class Bodies:
     ) -> Iterator[s.StatementNode]:
         """A target or pose that is worked out, part by part."""
         place: s.NameRef | s.Component | s.Element = self.values.plain(target)
+        value = self._without_axes(type, value)
         own = names_in(place)
         if own & names_in(value):
             place = self._variable("new", type)
@@ -287,6 +278,15 @@ class Bodies:
                 yield from self._assigned(replace(node, target=part), part, given)
         if own & names_in(value):
             yield replace(node, target=self.values.plain(target), value=place)
+
+    def _without_axes(self, type: str, value: s.AggregateNode) -> s.AggregateNode:
+        """A target in brackets without the places of external axes that there are none of."""
+        match value.items:
+            case (trans, turn, conf, extax) if type == "robtarget" and not self.program.has_axes:
+                if isinstance(extax, s.NameRef | s.Component):
+                    self.program.outside.append((self.program.at, "extax"))
+                    return replace(value, items=(trans, turn, conf, OUTSIDE_ALL))
+        return value
 
     def _both_stay(self, node: Any) -> bool:
         """Whether a variable is a component of data that is not taken apart."""

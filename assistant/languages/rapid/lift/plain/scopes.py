@@ -15,6 +15,7 @@ from assistant.languages.rapid.tables.processes import MOVES
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tables.words import UNUSED
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.external_axes import AXES
 from assistant.languages.rapid.tree.runs import TargetRun
 from assistant.languages.rapid.tree.walk import nodes, root
 from assistant.languages.runs.names import Index
@@ -105,6 +106,11 @@ class Program:
         """Names in lower case that no module declares data by."""
         self._parameters: dict[int, Datum] = {}
         self._results: dict[int, Mapping[Path, str]] = {}
+
+    @property
+    def has_axes(self) -> bool:
+        """Whether anything states the place of an external axis."""
+        return not self.unused.issuperset(AXES)
 
     def data_of(self, name: str) -> Datum | None:
         """Data of the modules by its lower-case name, also a row of a table of targets."""
