@@ -7,7 +7,9 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.compiler.project import configured
-from assistant.languages.language import ARITHMETIC
+from assistant.languages.answers import (
+    ARITHMETIC,
+)
 from assistant.program import expressions as e
 from assistant.program.contents import saying
 from assistant.program.diagnostics import Diagnostic, error, warning

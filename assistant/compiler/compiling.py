@@ -39,7 +39,10 @@ from assistant.program.system.budgets import COMPILING, PRINTING, staged, within
 
 if TYPE_CHECKING:
     from assistant.languages import Language
-    from assistant.languages.language import Conversion, Frames
+    from assistant.languages.answers import (
+        Conversion,
+        Frames,
+    )
     from assistant.robots import Robot
 
 OTHER_MAKER = warning(

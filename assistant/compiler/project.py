@@ -10,7 +10,9 @@ from collections.abc import Mapping
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
-from assistant.languages.language import Choice
+from assistant.languages.answers import (
+    Choice,
+)
 from assistant.program.diagnostics import Diagnostic, Refused, error
 from assistant.sources.project import Project, project_of
 

@@ -7,7 +7,9 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 from assistant.compiler.loading import language_of
-from assistant.languages.language import Part
+from assistant.languages.answers import (
+    Part,
+)
 from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.program import Program, bodies, walk

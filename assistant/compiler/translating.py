@@ -29,7 +29,9 @@ from assistant.program.without_gc import uncollected
 from assistant.sources.cell import said
 
 if TYPE_CHECKING:
-    from assistant.languages.language import Frames
+    from assistant.languages.answers import (
+        Frames,
+    )
     from assistant.program.wanted import Wanted
     from assistant.robots import Robot
 

@@ -7,7 +7,12 @@ from functools import cache
 from pathlib import Path as FilePath
 from typing import Any, Final
 
-from assistant.languages.language import Adapted, Language, Precision, Tree
+from assistant.languages.answers import (
+    Adapted,
+    Precision,
+    Tree,
+)
+from assistant.languages.language import Language
 from assistant.program.effects import Effect
 from assistant.program.kept import Kept, kind_of
 

@@ -5,7 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TypeVar
 
-from assistant.languages.language import Adapted, Language, Tree
+from assistant.languages.answers import (
+    Adapted,
+    Tree,
+)
+from assistant.languages.language import Language
 from assistant.program.diagnostics import Findings, Refused
 from assistant.program.passes.legalising import Capabilities, Legalising, Pass, legalised
 from assistant.program.program import Program

@@ -16,7 +16,9 @@ from assistant.controllers import Named, controllers_of
 from assistant.controllers.address import without_password
 from assistant.controllers.controller import LANGUAGES
 from assistant.controllers.named import ROBOT_FILES, SECRET
-from assistant.languages.language import Frames
+from assistant.languages.answers import (
+    Frames,
+)
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
 from assistant.program.text import is_file, is_folder
 from assistant.project import rules

@@ -14,7 +14,9 @@ from assistant.compiler.loading import PSEUDO_ENCODINGS, lift, parse_pseudo
 from assistant.compiler.teaching import branch_words, number_list
 from assistant.deploy import PlannedFile
 from assistant.languages import Language
-from assistant.languages.language import Precision
+from assistant.languages.answers import (
+    Precision,
+)
 from assistant.program import pseudo, rotations
 from assistant.program.diagnostics import Refused
 from assistant.program.geometry import JointTarget, Target

@@ -9,7 +9,10 @@ from typing import Final
 from assistant import languages
 from assistant.controllers.named import NAME as CONTROLLER_NAME
 from assistant.findings.severity import LEVELS, TABLE
-from assistant.languages.language import Choice, Setting
+from assistant.languages.answers import (
+    Choice,
+    Setting,
+)
 from assistant.project.tables import CONTROLLER, DEPLOYING, NAME, PROGRAM, TARGET, Key
 from assistant.sources.project import CONTROLLERS, DEPLOY, PROGRAMS, TARGETS
 

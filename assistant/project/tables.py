@@ -24,7 +24,9 @@ from typing import Any, Final, get_args
 
 from assistant import languages
 from assistant.controllers.named import LONGEST_TIMEOUT, keys
-from assistant.languages.language import Frames
+from assistant.languages.answers import (
+    Frames,
+)
 from assistant.sources.lengths import UNITS
 from assistant.sources.process import values
 from assistant.sources.process.values import Read, Wrong

@@ -9,7 +9,9 @@ import pytest
 
 from assistant import languages
 from assistant.compiler import compile, translate
-from assistant.languages.language import Frames
+from assistant.languages.answers import (
+    Frames,
+)
 from assistant.program.diagnostics import Refused
 
 PLACE = "[[500,0,500],[0,1,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]"

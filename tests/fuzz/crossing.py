@@ -9,7 +9,9 @@ from typing import Final
 import assistant
 from assistant import languages
 from assistant.compiler.loading import load_text
-from assistant.languages.language import Frames
+from assistant.languages.answers import (
+    Frames,
+)
 from assistant.program.diagnostics import has_errors
 from assistant.program.text import SourceText
 from tests.fuzz import programs

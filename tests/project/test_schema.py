@@ -8,7 +8,9 @@ import jsonschema
 import pytest
 
 from assistant import languages
-from assistant.languages.language import Choice
+from assistant.languages.answers import (
+    Choice,
+)
 from assistant.project.schema import schema, schema_text
 from assistant.project.tables import CONTROLLER, DEPLOYING, PROGRAM, TARGET
 from assistant.resources import resource

@@ -6,7 +6,9 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import islice
 
-from assistant.languages.language import Tree
+from assistant.languages.answers import (
+    Tree,
+)
 from assistant.program.diagnostics import Diagnostic, Severity
 from assistant.program.text import SourceText
 

@@ -9,16 +9,16 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-from assistant.languages.language import (
+from assistant.languages.answers import (
     ARITHMETIC,
     Adapted,
     Conversion,
     Frames,
-    Language,
     Part,
     Precision,
     Setting,
 )
+from assistant.languages.language import Language
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.reading.files import TOKENISED
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS

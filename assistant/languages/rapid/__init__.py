@@ -8,7 +8,13 @@ from pathlib import Path as FilePath
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-from assistant.languages.language import ARITHMETIC, Adapted, Language, Part, Precision
+from assistant.languages.answers import (
+    ARITHMETIC,
+    Adapted,
+    Part,
+    Precision,
+)
+from assistant.languages.language import Language
 from assistant.languages.rapid.reading.tasks import LOADING, program_of, surroundings
 from assistant.lazy import offered
 from assistant.program.diagnostics import Diagnostic, has_errors

@@ -9,7 +9,9 @@ import pytest
 from assistant import languages
 from assistant.compiler.joint_speeds import at_a_speed
 from assistant.compiler.proof import prove
-from assistant.languages.language import Frames
+from assistant.languages.answers import (
+    Frames,
+)
 from assistant.program.diagnostics import Severity
 from assistant.program.program import Program, Signal
 

@@ -10,7 +10,9 @@ from hypothesis import HealthCheck, Phase, assume, given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
-from assistant.languages.language import Frames
+from assistant.languages.answers import (
+    Frames,
+)
 from assistant.program import rotations
 from assistant.program import statements as p
 from assistant.program.diagnostics import Severity

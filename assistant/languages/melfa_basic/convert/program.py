@@ -8,7 +8,9 @@ from dataclasses import replace
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, Final
 
-from assistant.languages.language import Conversion
+from assistant.languages.answers import (
+    Conversion,
+)
 from assistant.languages.melfa_basic.convert import lines, names, original_names, words
 from assistant.languages.melfa_basic.convert.conversion import convert
 from assistant.languages.melfa_basic.convert.original_names import Memory

@@ -11,7 +11,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any, Final
 
-from assistant.languages.language import Adapted
+from assistant.languages.answers import (
+    Adapted,
+)
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lift.told.kept import with_told
 from assistant.languages.melfa_basic.reading.line import statement as read_statement

@@ -14,7 +14,9 @@ from dataclasses import replace
 from itertools import chain
 from typing import TYPE_CHECKING, Any, Final
 
-from assistant.languages.language import Adapted
+from assistant.languages.answers import (
+    Adapted,
+)
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.channels import with_channels
 from assistant.languages.rapid.lift.dates import with_others_dates

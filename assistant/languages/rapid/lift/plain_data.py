@@ -6,7 +6,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Final, TypeGuard
 
-from assistant.languages.language import Adapted
+from assistant.languages.answers import (
+    Adapted,
+)
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.plain import Plain, plain
 from assistant.languages.rapid.lift.plain.unread import LEFT_OUT

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import Any, Final
 
-from assistant.languages.language import Part
+from assistant.languages.answers import (
+    Part,
+)
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.triggers import set_up
 from assistant.languages.walking import Walk

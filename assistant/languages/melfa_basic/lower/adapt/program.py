@@ -7,8 +7,10 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Final
 
+from assistant.languages.answers import (
+    Adapted,
+)
 from assistant.languages.computed_targets import with_computed_targets
-from assistant.languages.language import Adapted
 from assistant.languages.line_steps import steps_in
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lower.adapt.channels import with_channels

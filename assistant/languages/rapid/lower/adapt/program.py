@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Final
 
-from assistant.languages.language import Adapted
+from assistant.languages.answers import (
+    Adapted,
+)
 from assistant.languages.positions import Written
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.data import fixed_target

@@ -1,0 +1,117 @@
+"""What a language answers, as data: trees and their parts, settings, programs as it says them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any, Final, Generic, Literal, Protocol, TypeVar
+
+from assistant.program.diagnostics import Diagnostic, Span
+from assistant.program.program import Program
+from assistant.program.text import SourceText
+
+
+class Tree(Protocol):
+    """A parsed or built file of a vendor language."""
+
+    @property
+    def findings(self) -> tuple[Diagnostic, ...]: ...
+
+    @property
+    def source(self) -> SourceText | None:
+        """The text that it was read from, None if it was built."""
+
+
+T = TypeVar("T", bound=Tree)
+
+
+@dataclass(frozen=True, slots=True)
+class Precision:
+    """What printing may change: half a unit of the last printed decimal, and a little float."""
+
+    position: float
+    """mm, per component."""
+    angle: float
+    """degrees, of the whole rotation."""
+    number: float = 1e-6
+    """relative, of other numbers."""
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A declaration or statement as it stands in a text.
+
+    name: of what is declared. count: rows of a table, 1 for anything else. owner: the procedure
+    whose own it is, empty for the program's. within: what it is said with, of a statement that has
+    no place of its own in a program: what becomes of that becomes of it.
+    """
+
+    span: Span
+    name: str | None = None
+    count: int = 1
+    owner: str = ""
+    within: Span | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Conversion(Generic[T]):
+    """A program in another dialect of its own language, statement for statement.
+
+    files: trees by the names of their files, empty if a finding forbids it. compared: of the
+    trees that were read back from those files, the two programs that must be the same.
+    """
+
+    files: Mapping[str, T]
+    compared: Callable[[Sequence[T]], tuple[Program, Program]]
+    findings: tuple[Diagnostic, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """A limit of a controller that a project may state: a whole number. meaning: one sentence."""
+
+    least: int
+    most: int
+    meaning: str
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """A way of a controller that a project may state: one of the words. meaning: one sentence."""
+
+    words: tuple[str, ...]
+    meaning: str
+
+
+ARITHMETIC: Final[Mapping[str, Choice]] = MappingProxyType(
+    {
+        "halves": Choice(
+            ("away", "even", "up"),
+            "say how a number that ends in .5 is rounded: away from zero, to the even one, or up",
+        ),
+        "remainder": Choice(
+            ("dividend", "divisor"),
+            "say whose sign the remainder of a division has",
+        ),
+    }
+)
+"""What manuals leave open, for every language alike; the first word counts unless one is stated."""
+
+
+@dataclass(frozen=True, slots=True)
+class Adapted:
+    """A program as one language will say it, with a finding for everything that changed.
+
+    trees: of its units, where they were built to see whether that can be done. wanting: errors
+    that follow from others alone: of names whose declarations cannot be said.
+    """
+
+    program: Program
+    findings: tuple[Diagnostic, ...] = ()
+    trees: Mapping[str | None, Any] = field(default_factory=dict)
+    wanting: tuple[Diagnostic, ...] = ()
+
+
+Frames = Literal["base", "product"]
+"""How a language without work objects says what frame a target is in."""
