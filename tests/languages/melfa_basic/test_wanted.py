@@ -139,7 +139,7 @@ def test_force_control_is_said_by_routines_of_the_cell(
     assert [reason.code for reason in state.reasons] == ["MB258"]
     written = "".join(data.decode() for data in found.files.values())
     assert written.count("Stop;") == stops
-    assert '%"FSCON"%' in written
+    assert " FSCON " in written and "PROC FSCON(" in written
 
 
 def test_force_control_without_a_cell_stays_as_it_is(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ PASSES: Final = (
     "local_names",  # data that only one module has, apart from that of others
     "plain",  # records as plain data, for other languages
     "expressions",
+    "modules",  # calls between modules that one task holds
     "data",  # declared tools, work objects, speeds, zones, targets, variables
     "instructions",  # calls that the pseudo-program has a statement for
     "triggers",  # outputs that moves set on their way

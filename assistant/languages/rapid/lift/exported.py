@@ -22,6 +22,7 @@ from assistant.languages.rapid.lift.channels import with_channels
 from assistant.languages.rapid.lift.dates import with_others_dates
 from assistant.languages.rapid.lift.extents import with_extents
 from assistant.languages.rapid.lift.instructions import Meaning
+from assistant.languages.rapid.lift.modules import as_one
 from assistant.languages.rapid.lift.operator import with_operator
 from assistant.languages.rapid.lift.places import with_active
 from assistant.languages.rapid.lift.plain.library import PART
@@ -101,7 +102,8 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
     findings = Findings()
     plain = with_plain_data(program)
     findings += plain.findings
-    program = with_stopwatches(with_extents(without_marks(plain.program)), findings)
+    program = as_one(without_marks(plain.program))
+    program = with_stopwatches(with_extents(program), findings)
     if tables := _tables(program):
         program = with_table_rows(program, tables, _with_named_rows)
     if any(map(is_text, everywhere(program, p.Opaque, e.Verbatim))):

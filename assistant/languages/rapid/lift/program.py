@@ -13,6 +13,7 @@ from assistant.languages.rapid.lift.data import DataLift
 from assistant.languages.rapid.lift.instructions import Meaning
 from assistant.languages.rapid.lift.kept_signals import signals_in
 from assistant.languages.rapid.lift.local_names import with_own_names
+from assistant.languages.rapid.lift.modules import with_calls_between
 from assistant.languages.rapid.lift.paths import PathLift
 from assistant.languages.rapid.lift.places import with_places
 from assistant.languages.rapid.lift.plain.chosen_signals import chosen_signals
@@ -156,6 +157,8 @@ class _Lift:
             variables=self.data.variables,
             declarations=tuple(self.declarations),
         )
+        if any(header.resident for header in self.headers):
+            program = with_calls_between(program)
         triggers = Triggers(self.meaning, self.own.__contains__)
         program, set_on_way = with_triggers(program, triggers.told, FUNCTIONS.__contains__, REASONS)
         declared = {n: v for h in self.headers for n, v in h.signals.items()}

@@ -7,6 +7,7 @@ from typing import Any
 
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lower.data import data, variable_node
+from assistant.languages.rapid.lower.modules import resident, with_own_places
 from assistant.languages.rapid.lower.motions import path_targets
 from assistant.languages.rapid.lower.names import NAMES
 from assistant.languages.rapid.lower.statements import Body
@@ -25,11 +26,13 @@ def build(program: Program, unit: str | None = None) -> s.File:
     """The tree of one unit of an adapted program; raises Refused for what RAPID cannot say."""
     names = NAMES.naming(program)
     here = [q for q in program.procedures if q.unit == unit]
-    items: list[Any] = [s.CommentLine(x) for x in header_lines(program, unit, names.changed)]
+    held = resident(program)
+    head = header_lines(program, unit, names.changed, resident=unit in held)
+    items: list[Any] = [s.CommentLine(x) for x in head]
     declared = _declared(program) if unit is None else []
     items += [i for i in declared if isinstance(i, s.Record | s.Alias)]
-    if unit is None:
-        items += data(program, names)
+    if unit is None or unit in held:
+        items += data(with_own_places(program, unit, held), names)
     items += [i for i in declared if not isinstance(i, s.Record | s.Alias | s.Routine)]
     for procedure in here:
         items += _targets(procedure, names)

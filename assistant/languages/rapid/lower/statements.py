@@ -9,6 +9,7 @@ from typing import Any, Final
 from assistant.languages.patterns import Slot, Write
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lower.expressions import Expressions, cannot
+from assistant.languages.rapid.lower.modules import resident
 from assistant.languages.rapid.lower.motions import blend_in, frame_in, path_moves, speed_in
 from assistant.languages.rapid.lower.triggers import set_up, with_triggers
 from assistant.languages.rapid.tables.hands import signal_of
@@ -58,6 +59,7 @@ class Body:
         self.writing = replace(self.expressions.writing, kinds=writers)
         self.known = kinds(program, procedure)
         self.signals = {n.lower(): g for n, g in program.signals.items()}
+        self.resident = resident(program)
         self.findings = Findings()
 
     def statements(self, body: tuple[p.Statement, ...]) -> Iterator[s.StatementNode]:
@@ -169,7 +171,7 @@ def _check_pulse(b: Body, x: p.SetSignal, seconds: e.Expression) -> None:
 def _call(b: Body, x: p.Call) -> Lowered:
     name = b.names.get("procedures", x.procedure)
     given = tuple(s.Positional(b.lower(a)) for a in x.arguments)
-    if x.unit is None:
+    if x.unit is None or x.unit in b.resident:
         yield s.ProcedureCall(name, given)
         return
     file = s.StringLiteral(LOADED_FROM + b.names.get("modules", x.unit) + ".mod")

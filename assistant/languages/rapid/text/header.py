@@ -1,6 +1,7 @@
 """The comment lines that open a module: what RAPID itself has no words for.
 
-One item a line: `program: NAME`, `robot: NAME`, `entry: NAME`, `unit of: NAME`,
+One item a line: `program: NAME`, `robot: NAME`, `entry: NAME`, `unit of: NAME` of a module that is
+loaded when it is called, `module of: NAME` of one that its task holds beside the main one,
 `signal: NAME digital output [number [bits]]`, `name: SHORT = original`. Anything else is a
 comment; one that looks like an item is written with `: ` before it. Names are written in ASCII,
 for a module is.
@@ -21,7 +22,7 @@ _ITEM: Final = re.compile(
     rf"program: (?P<program>{NAME})"
     r"|robot: (?P<robot>[A-Za-z0-9][A-Za-z0-9_.-]*)"
     rf"|entry: (?P<entry>{NAME})"
-    rf"|unit of: (?P<unit>{NAME})"
+    rf"|(?P<kept>unit|module) of: (?P<unit>{NAME})"
     rf"|signal: (?P<signal>{NAME}) (?P<kind>digital|analog|group) (?P<direction>input|output)"
     r"(?: (?P<number>[0-9]{1,9})?(?: x(?P<bits>[0-9]{1,3}))?)?"
     rf"|name: (?P<short>{NAME}) = (?P<original>{NAME})",
@@ -32,12 +33,16 @@ _QUOTED: Final = ": "
 
 @dataclass(slots=True)
 class Header:
-    """What the opening comments say. names: short → original. unit: of the program it is of."""
+    """What the opening comments say. names: short → original. unit: of the program it is of.
+
+    resident: the task holds the unit, so that nobody loads it.
+    """
 
     program: str = ""
     robot: str | None = None
     entry: str | None = None
     unit: str = ""
+    resident: bool = False
     signals: dict[str, Signal] = field(default_factory=dict)
     names: dict[str, str] = field(default_factory=dict)
     comments: list[str] = field(default_factory=list)
@@ -49,8 +54,14 @@ class Header:
         return single + len(self.signals) + len(self.names) + len(self.comments)
 
 
-def header_lines(program: Program, unit: str | None, names: Sequence[tuple[str, str]]) -> list[str]:
-    """The lines of a module's header. names: (short, original) each."""
+def header_lines(
+    program: Program,
+    unit: str | None,
+    names: Sequence[tuple[str, str]],
+    *,
+    resident: bool = False,
+) -> list[str]:
+    """The lines of a module's header. names: (short, original) each. resident: see `Header`."""
     if unit is None:
         lines = [f"program: {in_ascii(program.name)}"]
         if program.robot:
@@ -59,7 +70,7 @@ def header_lines(program: Program, unit: str | None, names: Sequence[tuple[str, 
             lines.append(f"entry: {in_ascii(program.entry)}")
         lines += [_signal(name, signal) for name, signal in program.signals.items()]
     else:
-        lines = [f"unit of: {in_ascii(program.name)}"]
+        lines = [f"{'module' if resident else 'unit'} of: {in_ascii(program.name)}"]
     lines += [f"name: {short} = {in_ascii(original)}" for short, original in names]
     if unit is None:
         lines += [
@@ -91,7 +102,7 @@ def read_header(comments: Sequence[str]) -> Header:
         elif match["entry"]:
             header.entry = from_ascii(match["entry"])
         elif match["unit"]:
-            header.unit = from_ascii(match["unit"])
+            header.unit, header.resident = from_ascii(match["unit"]), match["kept"] == "module"
         elif match["signal"]:
             number = int(match["number"]) if match["number"] else None
             header.signals[from_ascii(match["signal"])] = Signal(
