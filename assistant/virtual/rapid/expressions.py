@@ -15,7 +15,7 @@ from assistant.virtual.rapid.operators import infix, prefix, whole
 from assistant.virtual.rapid.poses import number, truth
 from assistant.virtual.rapid.precision import Double, Exact, single
 from assistant.virtual.rapid.scopes import Absent, Cell, Known, Place, Signal
-from assistant.virtual.rapid.types import SIGNALS
+from assistant.virtual.rapid.types import ALL, FIRST, SIGNALS
 from assistant.virtual.rapid.values import Array, Handle, Record, Shape, Value, copied, kind_of
 
 Indices = tuple[s.Expression | s.Whole, ...]
@@ -246,6 +246,10 @@ def _aggregate(machine: Machine, node: s.AggregateNode, wanted: Shape | None) ->
         for i, item in enumerate(node.items):
             Place(array, i, element, "VAR").set(evaluate(machine, item, element))
         return array
+    if machine.types.is_unlisted(wanted.type):
+        first = node.items[0] if node.items else None
+        number = evaluate(machine, first) if isinstance(first, s.NumberLiteral) else 0.0
+        return Record(wanted.type, {FIRST: number, ALL: repr(node.items)})
     parts = machine.types.components(wanted.type)
     if parts is None:
         raise Fault(f"an aggregate where {wanted.type} is wanted")

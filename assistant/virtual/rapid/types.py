@@ -21,6 +21,10 @@ SIGNALS: Final = (*INPUTS, *OUTPUTS)
 """Types of data that stands for a signal once AliasIO says which one."""
 
 
+FIRST, ALL = "<first>", "<all>"
+"""What is kept of a record whose components are not known: its first number, and all as text."""
+
+
 @dataclass(slots=True)
 class Types:
     """Records by name in lower case, each its components' types; aliases of types.
@@ -61,6 +65,12 @@ class Types:
             return None
         return {of.lower(): kind.lower() for of, kind in known.components.items()}
 
+    def is_unlisted(self, type: str) -> bool:
+        """Whether it is a record of an option whose components are not known here."""
+        known = predefined.types().get(type)
+        unknown = known is not None and known.kind == "RECORD" and known.components is None
+        return unknown and type not in self.records
+
     def component(self, type: str, name: str) -> Shape | None:
         parts = self.components(type)
         of = None if parts is None else parts.get(name)
@@ -100,6 +110,8 @@ class Types:
         known = predefined.types().get(shape.type)
         if known is not None and (known.kind == "HANDLE" or shape.type in SIGNALS):
             return Handle(shape.type)
+        if self.is_unlisted(shape.type):
+            return Record(shape.type, {FIRST: 0.0, ALL: ""})
         parts = self.components(shape.type)
         if parts is None:
             raise NotSimulated(f"data of type {shape.type}")

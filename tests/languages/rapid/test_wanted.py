@@ -78,6 +78,12 @@ def test_calls_tell_the_parameters_of_a_routine() -> None:
     ]  # fmt: skip
 
 
+def test_what_guns_do_comes_from_the_cell_but_for_their_welds() -> None:
+    found = wanted("PROC main()\nSpotL p1,v100,gun1,spot1,tool0;\nSetForce gun1,spot1;\nENDPROC")
+    assert sorted(found) == ["SetForce", "gun1", "p1", "spot1"]
+    assert found["spot1"].type == "spotdata"
+
+
 def test_routines_of_a_make_of_hand_come_from_the_cell() -> None:
     found = wanted("PROC main()\ng_GripIn;\ng_MoveTo 10;\nSoftAct 1,20;\nENDPROC")
     assert sorted(found) == ["g_GripIn", "g_MoveTo"]

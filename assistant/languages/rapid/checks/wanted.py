@@ -187,7 +187,7 @@ class _Module:
             options = [one.name for one in node.arguments if isinstance(one, s.Option)]
             if (state := state_of(low, options)) is not None:
                 self._state(state)
-            elif routine is None or routine.option in OPTIONS_OF_A_CELL or low in OF_A_CELL:
+            elif routine is None or _is_of_a_cell(low, routine):
                 self._unread(node, name, scope, kind, result)
                 return
         elif isinstance(found.node, s.Routine):
@@ -363,6 +363,13 @@ class _Module:
         if self.place:
             met.uses.setdefault(self.place)
         return met
+
+
+def _is_of_a_cell(low: str, routine: Signature) -> bool:
+    """Whether what a routine of the controller does is the cell's, by its name in lower case."""
+    if low in MOVES:
+        return False
+    return routine.option in OPTIONS_OF_A_CELL or low in OF_A_CELL
 
 
 def _type(kind: Any) -> str | None:

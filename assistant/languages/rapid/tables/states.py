@@ -78,7 +78,9 @@ def state_of(word: str, options: Collection[str]) -> State | None:
     return OF_SYSTEM.get(option.lower())
 
 
-OPTIONS_OF_A_CELL: Final = frozenset({"Production Manager", "SmarTac", "SmartGripper"})
+OPTIONS_OF_A_CELL: Final = frozenset(
+    {"Production Manager", "SmarTac", "SmartGripper", "Servo Tool", "Spot Welding", "Tool Change"}
+)
 """Options of RobotWare whose routines drive equipment of one make, or answer another program."""
 OF_A_CELL: Final = frozenset(
     {"fitcircle", "mtoolrotcalib", "mtooltcpcalib", "textget", "texttabget"}

@@ -98,11 +98,6 @@ def _several(given: Given) -> Iterator[tuple[str, s.Expression]]:
 def _program(given: Given, spot: s.Expression) -> float:
     if isinstance(spot, s.AggregateNode) and spot.items:
         return number(evaluate(given.machine, spot.items[0]))
-    known = given.machine.meaning(spot.name) if isinstance(spot, s.NameRef) else None
-    if isinstance(known, Cell) and known.pending is not None:  # of components nobody told
-        match known.pending.node.value:
-            case s.AggregateNode(items=(first, *_)):
-                return number(evaluate(given.machine, first))
     value = evaluate(given.machine, spot)
     if not isinstance(value, Record) or not value.parts:
         raise NotSimulated("data of a spot whose components are not known")
