@@ -4,147 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from functools import cache
 from random import Random
 from typing import Final
 
-from assistant.languages.melfa_basic.tables import vocabulary
-from assistant.languages.melfa_basic.tables.vocabulary import Function, Statement, Status
-
-DEEPEST: Final = 2
-FORMS: Final[dict[str, tuple[str, ...]]] = {
-    "Accel": ("", "50,50", "80,80,100,100", "{v},{v}"),
-    "Base": ("{p}", "P_NBase", "{c}"),
-    "Cnt": ("0", "1", "1,5,5", "1,10"),
-    "Fine": ("100", "0", "30,1", "0.5,P"),
-    "JOvrd": ("50", "100", "{v}"),
-    "JRC": ("1,1", "+1", "-1", "+1,2"),
-    "LoadSet": ("1", "1,1", "0,0"),
-    "MvTune": ("1", "2"),
-    "Mxt": ("1,1", "2,0,50"),
-    "Oadl": ("On", "Off"),
-    "Ovrd": ("50", "100", "{v}", "80,50"),
-    "Prec": ("On", "Off"),
-    "Servo": ("On", "Off", "On,1"),
-    "Spd": ("100", "{v}", "M_NSpd", "250.5"),
-    "SpdOpt": ("On", "Off"),
-    "Tool": ("{p}", "P_NTool", "{c}"),
-    "Torq": ("1,50", "4,10"),
-    "CavChk": ("On", "Off", "On,1"),
-    "Cmp": ("Off", "Pos,&B1", "Tool,&B11", "Jnt,&B100011"),
-    "CmpG": ("", "1,1,1", ",,0.5"),
-    "ColChk": ("On", "Off", "On,NoErr"),
-    "ColLvl": ("", "100,80", ",80"),
-    "HClose": ("1", "{h}"),
-    "HOpen": ("1", "2", "1,30,20,0.5"),
-    "EHMov": ("1,{p}", "1,10"),
-    "EHServo": ("On,1", "Off,1"),
-    "Fsc": ("On,0,1,1", "Off"),
-    "FsHndEst": ("On", "Off"),
-    "FsLog": ("On,1", "Off"),
-    "FsTest": ("On", "Off"),
-    "FsGChg": ("1,2,1", "0,10,101"),
-    "Act": ("1=1", "1=0", "0=1"),
-    "Dly": ("0.1", "1", "{v}"),
-    "Error": ("9000", "9100"),
-    "GetM": ("1",),
-    "RelM": ("",),
-    "Priority": ("1", "3,2"),
-    "Wait": ("{q}", "M_In(1)=1", "{q} And {q}"),
-    "XClr": ("2",),
-    "XLoad": ('2,"JOB"',),
-    "XRst": ("2",),
-    "XRun": ("2", '2,"JOB"', '3,"JOB",1'),
-    "XStp": ("2",),
-    "ChrSrch": ('C1$,"a",3',),
-    "Clr": ("1", "0"),
-    "GpsChk": ("On,1", "Off,1"),
-    "Trk": ("On,{p}", "Off"),
-    "TrkMv": ("On,{p}", "Off"),
-    "TrkFine": ("On,1", "Off"),
-    "Title": ('"job"',),
-}
-"""Word → arguments that it may have: {m} number, {v} numeric variable, {p} position variable,
-{c} position constant, {q} condition, {h} hand, {a} three points of an arc."""
-LEFT_OUT: Final = frozenset(
-    *(("While", "WEnd", "Break", "Default", "Else", "EndIf", "End", "FEnd", "Return", "Skip"),)
-)
-MOTIONS: Final = {
-    "Mov": ("{t}", "{t},{d}", "{j}", "{t}"),
-    "Mvs": ("{t}", "{t},{d}", ",{d}", "{t}"),
-    "Mvr": ("{a}",),
-    "EMvr": ("{a}",),
-    "EMvr2": ("{a}",),
-    "EMvr3": ("{a}",),
-    "EMvc": ("{a}",),
-    "EMvSpl": ("{p},50,2",),
-    "EMvs": ("{p}",),
-    "MvSpl": ("{p},50,2",),
-    "Mvr2": ("{a}",),
-    "Mvr3": ("{a}",),
-    "Mvc": ("{a}",),
-    "Mva": ("{p},1", "{p}"),
-}
-OPERATORS: Final = ("+", "-", "*", "/", " Mod ", "\\", "^", " And ", " Or ", " Xor ", "<<", ">>")
-RELATIONS: Final = ("=", "<>", "<", ">", "<=", ">=", "><", "=<", "=>")
-POSITIONS: Final = ("P1", "P2", "P10", "P11", "PA", "PHOME")
-JOINTS: Final = ("J1", "JA")
-NUMBERS: Final = ("M1", "M2", "M10", "MA", "MCOUNT")
-TEXTS: Final = ("C1$", "C2$", "CA$")
+from tests.fuzz.valid.melfa_values import DEEPEST, JOINTS, POSITIONS, Values, variables
+from tests.fuzz.valid.melfa_words import FORMS, MOTIONS, commands, motions
 
 
-@cache
-def commands(level: int) -> tuple[Statement, ...]:
-    return tuple(
-        one
-        for one in vocabulary.statements().values()
-        if one.role == "command" and level in one.dialects and one.word not in LEFT_OUT
-    )
-
-
-@cache
-def motions(level: int) -> tuple[Statement, ...]:
-    return tuple(
-        one
-        for one in vocabulary.statements().values()
-        if one.role == "motion" and level in one.dialects
-    )
-
-
-@cache
-def functions(level: int, type: str) -> tuple[Function, ...]:
-    return tuple(
-        one
-        for one in vocabulary.functions().values()
-        if level in one.dialects and type in one.result
-    )
-
-
-@cache
-def variables(level: int, type: str, *, writable: bool = False) -> tuple[Status, ...]:
-    return tuple(
-        one
-        for one in vocabulary.variables().values()
-        if level in one.dialects
-        and one.type == type
-        and (one.writable if writable else one.readable)
-    )
-
-
-class Melfa:
-    def __init__(self, rng: Random, level: int) -> None:
-        self.rng, self.level = rng, level
-        self.reached: set[str] = set()
-        self.lines: list[str] = []
-        self.labels: list[str] = []
-        self.behind: list[str] = []
-        self.count = 0
-        self.loops = 0
-        self.formulas: list[str] = []
-        self.arrays = False
-        self.subs: list[str] = []
-        self.in_function = False
-
+class Melfa(Values):
     # ------------------------------------------------------------------------- the whole
 
     def program(self) -> str:
@@ -291,9 +158,6 @@ class Melfa:
                 parts[0] = rng.choice(one.words)
             given = ",".join(parts)
         self.add(f"{one.word} {self.filled(given)}".rstrip())
-
-    def filled(self, text: str) -> str:
-        return re.sub(r"\{(\w)\}", lambda m: PARTS[m[1]](self), text)
 
     def motion(self, depth: int) -> None:
         rng = self.rng
@@ -487,128 +351,7 @@ class Melfa:
         text = made[0]
         return text if "\n" not in text and "Title" not in text else "Hlt"
 
-    # ----------------------------------------------------------------------- expressions
 
-    def expression(self, type: str, depth: int = 0) -> str:
-        rng = self.rng
-        draw = rng.random()
-        if depth >= DEEPEST or draw < 0.35:
-            return self.leaf(type)
-        if type == "M":
-            if draw < 0.6:
-                sign = rng.choice(OPERATORS)
-                return f"{self.term('M', depth)}{sign}{self.term('M', depth)}"
-            if draw < 0.65:
-                return f"-{self.term('M', depth)}"
-        if type == "P" and draw < 0.6:
-            right = self.leaf("P") if draw < 0.5 else self.constant_or()
-            return f"{self.leaf('P')}{rng.choice('+*-/')}{right}"
-        if type == "P" and draw < 0.64 and self.level:
-            return f"(Plt 1,{self.leaf('M')})"
-        if type == "J" and draw < 0.6:
-            return f"{self.leaf('J')}{rng.choice('+-')}{self.leaf('J')}"
-        if type == "C" and draw < 0.6:
-            return f"{self.leaf('C')}+{self.leaf('C')}"
-        found = functions(self.level, type)
-        if found and draw < 0.9:
-            return self.called(rng.choice(found), depth)
-        if self.formulas and type == "M":
-            return f"FNMSUM({self.leaf('M')})"
-        known = variables(self.level, type)
-        return self.status(rng.choice(known)) if known else self.leaf(type)
-
-    def constant_or(self) -> str:
-        return self.rng.choice((self.constant(), "(0,0,10,0,0,0)", "(0,0,-5.5,0,0,0)(0,0)"))
-
-    def called(self, one: Function, depth: int) -> str:
-        rng = self.rng
-        self.reached.add(one.name.lower())
-        given = []
-        for argument in one.arguments:
-            if argument.optional and rng.random() < 0.3:
-                break
-            type = rng.choice(argument.types.replace("?", "M") or "M")
-            if argument.assigned:
-                given.append(self.variable(type))
-            else:
-                given.append(self.expression(type, depth + 1))
-        if one.open and rng.random() < 0.4:
-            given.append(self.leaf("M" if one.result == "M" else "P"))
-        return f"{one.name}({','.join(given)})"
-
-    def status(self, one: Status) -> str:
-        self.reached.add(one.name.lower())
-        index = [self.rng.choice(("1", "2")) for part in one.index if part != "-"]
-        needs = any(word in ("input", "output", "register", "file", "timer") for word in one.index)
-        if not index or (not needs and self.rng.random() < 0.5 and len(index) == 1):
-            return one.name if not needs else f"{one.name}({','.join(index)})"
-        return f"{one.name}({','.join(index)})"
-
-    def term(self, type: str, depth: int) -> str:
-        text = self.expression(type, depth + 1)
-        return text if re.fullmatch(r"\w+|[\w$]+\([\w,]*\)", text) else f"({text})"
-
-    def variable(self, type: str) -> str:
-        rng = self.rng
-        if self.arrays and type in "MP" and rng.random() < 0.3:
-            return f"{'MB' if type == 'M' else 'PB'}({rng.choice(('1', '2', 'M1', 'M1+1'))})"
-        return rng.choice({"M": NUMBERS, "P": POSITIONS, "C": TEXTS, "J": JOINTS}[type])
-
-    def leaf(self, type: str) -> str:
-        rng = self.rng
-        draw = rng.random()
-        if type == "M":
-            if draw < 0.4:
-                return rng.choice(
-                    ("0", "1", "2", "3", "10", "0.5", "12.25", "&HF", "&B101", "1E2", "7")
-                )
-            if draw < 0.5:
-                return rng.choice(
-                    ("M_In(1)", "M_Inb(8)", "P1.X", "P2.Z", "M_PI", "J1.J1", "M_Timer(1)")
-                )
-        if type == "C" and draw < 0.5:
-            return rng.choice(('"abc"', '""', '"a\'b"', '"*x"'))
-        if type == "P" and draw < 0.1:
-            return rng.choice(("P_Curr", "P_NTool", "P_Zero"))
-        return self.variable(type)
-
-    def condition(self) -> str:
-        rng = self.rng
-        draw = rng.random()
-        if draw < 0.3:
-            return f"M_In({rng.randint(1, 9)})={rng.randrange(2)}"
-        if draw < 0.45:
-            return f"{self.condition()} {rng.choice(('And', 'Or'))} {self.condition()}"
-        if draw < 0.55:
-            return f'{self.leaf("C")}{rng.choice(("=", "<>"))}"x"'
-        if draw < 0.62:
-            return f"Not ({self.condition()})"
-        return f"{self.term('M', 1)}{rng.choice(RELATIONS)}{self.term('M', 1)}"
-
-    def constant(self) -> str:
-        rng = self.rng
-        x, y, z = rng.randint(150, 300), rng.randint(-100, 100), rng.choice((200, 300.5, 250.25))
-        flags = rng.choice(("(7,0)", "(7,0)", "(7,1048576)", "(7,15728640)"))
-        turns = rng.choice(("180,0,180", "0,0,180", "-179.5,10,45.5", "180,10,0"))
-        return f"({x},{y},{z},{turns}){flags}"
-
-    def joints(self) -> str:
-        rng = self.rng
-        return "(" + ",".join(str(rng.choice((0, 10, -20.5, 90))) for _ in range(6)) + ")"
-
-
-PARTS: Final[dict[str, Callable[[Melfa], str]]] = {
-    "m": lambda w: w.leaf("M"),
-    "v": lambda w: w.variable("M"),
-    "p": lambda w: w.variable("P"),
-    "a": lambda w: ",".join(w.rng.sample(("P1", "P2", "P10", "P11"), 3)),
-    "c": lambda w: w.constant(),
-    "t": lambda w: w.expression("P", 1),
-    "j": lambda w: w.variable("J"),
-    "q": lambda w: w.condition(),
-    "d": lambda w: w.rng.choice(("-20", "10", "-50.5", "M1")),
-    "h": lambda w: str(w.rng.randint(1, 3)),
-}
 Draw = Callable[[Melfa, int], None]
 PLAIN: Final[tuple[tuple[Draw, int], ...]] = (
     (Melfa.command, 14),
