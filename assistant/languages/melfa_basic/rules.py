@@ -246,6 +246,11 @@ PULSE_UNLIKE = warning(
     "`{name}` may be on when its pulse begins: `Dly` leaves it as it was, the other language off",
     "set it to 0 before the pulse if it shall be off behind it",
 )
+PULSE_WAITS = warning(
+    "MB291", "the pulse of `{name}` begins when that of `{before}` has ended, as no more than "
+    "{most} run at a time: the program waits for that",
+    "none is needed if there is time; else set some of the outputs and set them back",
+)  # fmt: skip
 PLACE_UNLIKE = warning(
     "MB238", "`{name}` is set on the way of {what}, which controllers may count differently",
     "see on the robot where it is set, or measure it on a straight move, before its corner",

@@ -256,7 +256,8 @@ class Outputs:
     otherwise. pulse: of one (name) that may be on when a pulse begins. behind: of one (name) that
     is set behind a move which stops there, None where it can be set at its very end. timed: of one
     (name) that is set a time before or behind a place (when), and is where a robot of a speed in
-    mm/s is then; None where times can be told.
+    mm/s is then; None where times can be told. most_pulses: that may run at a time, None for any
+    number. waiting: tells of one (name) that waits for another one (before), as no more run.
     """
 
     measures: frozenset[Measure]
@@ -265,6 +266,8 @@ class Outputs:
     pulse: Rule
     behind: Rule | None = None
     timed: Rule | None = None
+    most_pulses: int | None = None
+    waiting: Rule | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,6 +8,7 @@ from assistant.languages.checks.registry import Found
 from assistant.languages.melfa_basic.checks import motion_rules as rules
 from assistant.languages.melfa_basic.checks import value_rules
 from assistant.languages.melfa_basic.checks.file_view import Look
+from assistant.languages.melfa_basic.tables.words import MOST_PULSES
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import is_word
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
@@ -64,10 +65,6 @@ def _sets_tool(look: Look) -> bool:
         for tree in look.calls.trees
         for _, command in lines_with(tree.items, s.Command)
     ) or any(use.variable.key == "M_TOOL" and use.role == "written" for _, use in look.uses)
-
-
-MOST_PULSES: Final = 4
-"""Pulses that run at a time; one more is an error (COSIROP help: DLY)."""
 
 
 def at_a_time(look: Look) -> Found:

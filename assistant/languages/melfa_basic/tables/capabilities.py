@@ -11,6 +11,7 @@ from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, LAST_STEP, Dialect
 from assistant.languages.melfa_basic.tables.triggers import PLACES
 from assistant.languages.melfa_basic.tables.variables import is_external
+from assistant.languages.melfa_basic.tables.words import MOST_PULSES
 from assistant.program.passes.legalising import (
     Arrays,
     Capabilities,
@@ -59,6 +60,8 @@ OUTPUTS: Final = Outputs(
     pulse=rules.PULSE_UNLIKE,
     behind=rules.BEHIND,
     timed=rules.BY_SPEED,
+    most_pulses=MOST_PULSES,
+    waiting=rules.PULSE_WAITS,
 )
 FIVE_AXES: Final = FiveAxes(
     unreachable=rules.UNREACHABLE, over_the_back=rules.OVER_THE_BACK, to_base=rules.TO_BASE

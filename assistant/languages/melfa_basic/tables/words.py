@@ -7,6 +7,9 @@ from typing import Final
 from assistant.languages.melfa_basic.tables.vocabulary import functions, statement, statements
 from assistant.program.program import TakenNames
 
+MOST_PULSES: Final = 4
+"""Pulses that run at a time; one more is an error (COSIROP help: DLY)."""
+
 
 def spelled(word: str) -> str:
     """A keyword of any case as the tools spell it; words that are not listed stay."""

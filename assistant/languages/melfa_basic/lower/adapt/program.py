@@ -41,6 +41,7 @@ from assistant.program.passes.first_values import with_first_values
 from assistant.program.passes.interrupts import with_interrupts_first
 from assistant.program.passes.legalising import Legalising, Pass, legalised, pure
 from assistant.program.passes.long_sums import with_short_sums
+from assistant.program.passes.many_pulses import with_few_pulses
 from assistant.program.passes.moving_functions import with_functions_before_moves
 from assistant.program.passes.outputs import with_checked_outputs
 from assistant.program.passes.parameters import with_sayable_procedures
@@ -103,6 +104,7 @@ FIRST: Final[tuple[Pass, ...]] = (
     pure(with_entry_first),
     with_kept_values,
     with_first_values,
+    with_few_pulses,
     with_interrupts_first,
     with_array_parameters,
     with_checked_outputs,

@@ -20,6 +20,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.interrupts import interrupts
 from assistant.program.analysis.uses import called, declared, locals_of
+from assistant.program.contents import everywhere
 from assistant.program.passes.legalising import Legalising
 from assistant.program.program import (
     Declaration,
@@ -38,13 +39,17 @@ ENDED: Final = ("StopMove;", "ClearPath;", "StartMove;")
 def with_breaks(job: Legalising) -> Program:
     """The program with what RAPID has for its moves that are broken off."""
     program = job.program
-    found = [one for one in program.statements() if _until(one) is not None]
-    if not found and not any(map(_asks, records(program.procedures))):
-        return program
-    return _Breaks(job).said()
+    moves = everywhere(program, p.Move, p.MoveCircular, p.MoveJoints)
+    if any(_until(one) is not None for one in moves) or any(map(_asks, _applied(program))):
+        return _Breaks(job).said()
+    return program
 
 
-def _until(node: p.Statement) -> e.Expression | None:
+def _applied(program: Program) -> Iterator[e.Apply]:
+    return everywhere(program, e.Apply)
+
+
+def _until(node: object) -> e.Expression | None:
     return node.until if isinstance(node, p.MoveStatement) else None
 
 
@@ -65,7 +70,7 @@ class _Breaks:
         self.traps: dict[e.Expression, tuple[str, str]] = {}
         self.procedures: list[Procedure] = []
         self.declared: list[Declaration] = []
-        asked = any(map(_asks, records(program.procedures)))
+        asked = any(map(_asks, _applied(program)))
         self.flag = e.Name(self._free(FLAG)) if asked else None
         self.inside = _inside(program)
 
