@@ -168,7 +168,7 @@ def test_what_is_lost_is_told(body: str, told: bool, tmp_path: FilePath) -> None
 @pytest.mark.parametrize(
     "body",
     [
-        "EOffsSet [1,0,0,0,0,0];\nMoveAbsJ [[0,0,0,0,30,0],[9E9,9E9,9E9,9E9,9E9,9E9]]\\NoEOffs,"
+        "EOffsSet [1,0,0,0,0,0];\nMoveAbsJ [[0,0,0,0,30,0],[5,9E9,9E9,9E9,9E9,9E9]]\\NoEOffs,"
         "v100,fine,tGripper;",
         "MoveL p10,v100\\T:=5,fine,tGripper;",
         "SetDO\\SDelay:=0.5,do1,reg1;",
