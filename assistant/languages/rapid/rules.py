@@ -194,6 +194,12 @@ LONG_NUMBER: Final = warning(
     "`{name}` is of the type dnum, and a number like any other here",
     "see that it needs no more than the digits of a number there, and that its text is as long",
 )
+COMPARED: Final = warning(
+    "RA349",
+    "targets are compared by where they are and the angles of their orientation: configurations, "
+    "and signs of quaternions, may differ",
+    "none is needed where a program asks whether the arm stands at a target",
+)
 IDLE: Final = info("RA344", "this is left out: nothing reads what it assigns", "none is needed")
 SETTLED: Final = warning(
     "RA345",

@@ -131,6 +131,23 @@ CASES = {
       a:=[[350,n,300],[0,0,1,0],[0,0,0,0],outside];
       MoveL a,v100,fine,tGrip;
     ENDPROC""",
+    "targets that are compared": """VAR robtarget many{2};
+    PROC main()
+      VAR robtarget a;
+      VAR pose at:=[[1,2,3],[1,0,0,0]];
+      VAR pose other:=[[1,2,3],[0.70710678,0.70710678,0,0]];
+      a:=p10;
+      many{1}:=a;
+      IF a=p10 go 1,0,0;
+      many{1}.trans.y:=9;
+      IF a<>many{1} go 2,0,0;
+      IF a=many{1} OR at=other go 3,0,0;
+      other:=at;
+      WHILE at=other DO
+        go 4,0,0;
+        other.trans.x:=2;
+      ENDWHILE
+    ENDPROC""",
     "aliases": """ALIAS num count;
     ALIAS size format;
     VAR count n:=3;

@@ -93,7 +93,7 @@ class Bodies:
 
     def _statement(self, node: s.StatementNode) -> list[s.StatementNode]:
         before, self.before = self.before, []
-        self.program.at = node.span
+        around, self.program.at = self.program.at, node.span
         try:
             made = list(self._said(node))
             return [_at(one, node) for one in self.before] + made
@@ -101,7 +101,7 @@ class Bodies:
             self.kept[id(node)] = unsaid.why
             return [node]
         finally:
-            self.before = before
+            self.before, self.program.at = before, around
 
     def _said(self, node: s.StatementNode) -> Iterator[s.StatementNode]:
         plain = self.values.plain
@@ -281,12 +281,12 @@ class Bodies:
 
     def _without_axes(self, type: str, value: s.AggregateNode) -> s.AggregateNode:
         """A target in brackets without the places of external axes that there are none of."""
-        match value.items:
-            case (trans, turn, conf, extax) if type == "robtarget" and not self.program.has_axes:
-                if isinstance(extax, s.NameRef | s.Component):
-                    self.program.outside.append((self.program.at, "extax"))
-                    return replace(value, items=(trans, turn, conf, OUTSIDE_ALL))
-        return value
+        *rest, extax = value.items
+        named = isinstance(extax, s.NameRef | s.Component)
+        if type == "pose" or self.program.has_axes or not named:
+            return value
+        self.program.outside.append((self.program.at, "extax"))
+        return replace(value, items=(*rest, OUTSIDE_ALL))
 
     def _both_stay(self, node: Any) -> bool:
         """Whether a variable is a component of data that is not taken apart."""

@@ -9,6 +9,7 @@ from typing import Any, Final
 
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.plain.assembling import ASSEMBLED
+from assistant.languages.rapid.lift.plain.comparing import COMPARED, EQUAL, compared
 from assistant.languages.rapid.lift.plain.kinds import ORIENT, POS, Kind, Kinds
 from assistant.languages.rapid.lift.plain.layouts import PACES, Part, Path
 from assistant.languages.rapid.lift.plain.library import (
@@ -39,7 +40,6 @@ from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
 
-EQUAL: Final = {"=": "AND", "<>": "OR"}
 PLACE: Final = "cpos"
 TASKS: Final = "tasks"
 """The type of lists of tasks, which stay as they are."""
@@ -91,8 +91,8 @@ class Values(Kinds):
             case s.Infix(operator, left, right):
                 if operator in EQUAL:
                     kind = self.kind(left) or self.kind(right)
-                    if kind is not None and self.is_record(kind):
-                        return self._compared(operator, left, right, kind)
+                    if kind is not None and (self.is_record(kind) or kind[0] in COMPARED):
+                        return compared(self, operator, left, right, kind)
                 return replace(node, left=self.plain(left), right=self.plain(right))
             case s.FunctionCall("EulerZYX", (s.Option() as axis, s.Positional(turn))) if (
                 place := self.whole_turn(turn)
@@ -257,11 +257,6 @@ class Values(Kinds):
         inner = self.layouts.components(type)
         items = (self._together(spread, of, (*path, name.lower())) for name, of in inner)
         return s.AggregateNode(tuple(items))
-
-    def _compared(self, operator: str, left: Any, right: Any, kind: Kind) -> s.Expression:
-        first, second = self.spread(left, kind), self.spread(right, kind)
-        pairs: list[Any] = [s.Infix(operator, first[path], second[path]) for path in first]
-        return s.Group(reduce(lambda one, two: s.Infix(EQUAL[operator], one, two), pairs))
 
     def _variable(self, node: Any) -> Any:
         """Data or a part of it that is no record that is taken apart; raises Unsaid."""

@@ -1,0 +1,64 @@
+"""Targets and poses that are compared, by the numbers that other languages have for them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import reduce
+from typing import Any, Final, Protocol
+
+from assistant.languages.rapid import rules
+from assistant.languages.rapid.lift.plain.kinds import Kind
+from assistant.languages.rapid.lift.plain.scopes import Program
+from assistant.languages.rapid.lift.plain.spreads import Spread
+from assistant.languages.rapid.tree import syntax as s
+
+EQUAL: Final = {"=": "AND", "<>": "OR"}
+"""What joins the comparisons of parts."""
+_JOINTS: Final = "jointtarget"
+COMPARED: Final = frozenset(("robtarget", "pose", _JOINTS))
+_ANGLES: Final = ("X", "Y", "Z")
+
+
+class _Values(Protocol):
+    """What tells the parts of values, see `Values`."""
+
+    program: Program
+
+    def is_record(self, kind: Kind | None) -> bool: ...
+
+    def plain(self, node: Any) -> Any: ...
+
+    def spread(self, node: Any, kind: Kind) -> Spread: ...
+
+
+def compared(values: _Values, operator: str, left: Any, right: Any, kind: Kind) -> s.Expression:
+    """Two records, targets or poses compared; as they are where not all of one can be told."""
+    if values.is_record(kind):
+        first, second = values.spread(left, kind), values.spread(right, kind)
+        return _joined(operator, [(first[path], second[path]) for path in first])
+    type, program = kind[0], values.program
+    sides = [values.plain(left), values.plain(right)]
+    named = [one for one in sides if isinstance(one, s.NameRef | s.Component | s.Element)]
+    if len(named) < len(sides) or (type != "pose" and program.has_axes):
+        return s.Infix(operator, *sides)
+    if type == "robtarget":
+        program.remarks.append(rules.COMPARED(span=program.at))
+    one, two = (map(values.plain, _parts_of(place, type)) for place in named)
+    return _joined(operator, list(zip(one, two, strict=True)))
+
+
+def _joined(operator: str, pairs: Sequence[tuple[Any, Any]]) -> s.Expression:
+    """Whether all parts of two values are equal, or any is not."""
+    each: list[s.Expression] = [s.Infix(operator, one, two) for one, two in pairs]
+    return s.Group(reduce(lambda one, two: s.Infix(EQUAL[operator], one, two), each))
+
+
+def _parts_of(place: s.NameRef | s.Component | s.Element, type: str) -> Sequence[s.Expression]:
+    """What of a target or pose is compared: where it is, and the angles of its orientation."""
+    if type == _JOINTS:
+        robax = s.Component(place, "robax")
+        return [s.Component(robax, f"rax_{axis}") for axis in range(1, 7)]
+    trans, turn = s.Component(place, "trans"), s.Positional(s.Component(place, "rot"))
+    where: list[s.Expression] = [s.Component(trans, axis) for axis in "xyz"]
+    turned = [s.FunctionCall("EulerZYX", (s.Option(one), turn)) for one in _ANGLES]
+    return [*where, *turned]
