@@ -12,7 +12,7 @@ from assistant.compiler.translating import translate
 from assistant.program import expressions as e
 from assistant.program import statements as p
 
-from .test_lift import lifted, opaque
+from .lifting import lifted, opaque
 
 POINTS = """PS=(400,0,300,180,0,180)(7,0)
 PE=(300,100,300,180,0,180)(7,0)

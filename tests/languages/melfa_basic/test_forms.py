@@ -10,8 +10,8 @@ from assistant.program.geometry import BASE, FLANGE, Pose, Tool
 from assistant.program.motion import FINE, Speed
 from assistant.program.program import Procedure, Program, Variable
 
+from .lifting import lifted
 from .programs import differences, target
-from .test_lift import lifted
 from .test_translation import DIALECTS, there_and_back
 
 

@@ -10,7 +10,7 @@ from assistant.compiler.loading import load_text
 from assistant.program import statements as p
 from assistant.program.text import SourceText
 
-from .test_lift import lifted
+from .lifting import lifted
 
 WAIT = "*W2\nIf M_In(1)=1 Or M_In(2)=1 Then *W2Z Else *W2\n*W2Z\nMvs P1\n"
 JUMPING = "If M1>0 Then *I1T1 Else *I1N1\n*I1T1\nM2=1\nGoTo *I1Z\n*I1N1\nM2=2\n*I1Z\n"

@@ -12,7 +12,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Program
 
-from .test_lift import lifted, opaque
+from .lifting import lifted, opaque
 
 CORNERS = """PS=(100,0,300,180,0,180)(7,0)
 PA=(190,30,300,180,0,180)(7,0)

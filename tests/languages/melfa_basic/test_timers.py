@@ -11,7 +11,7 @@ from assistant.program import statements as p
 from assistant.program.program import Procedure, Program, Signal, Variable
 from assistant.program.timers import timers
 
-from .test_lift import body, lifted, opaque
+from .lifting import body, lifted, opaque
 from .test_translation import DIALECTS, there_and_back
 
 START = p.StartTimer("timer_2")
