@@ -15,10 +15,11 @@ from assistant.languages.rapid.lift.told.waits import until_over
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import TakenNames, Variable, identifier, walk
-from assistant.program.rewriting import Body, map_bodies
+from assistant.program.rewriting import Body, map_bodies, map_expressions, records
 
 RETRIES: Final = 4
 """How often a statement is tried again (system parameters: No Of Retry)."""
+LEFT_TO_TRY: Final = "remainingretries"
 _STOP: Final = p.Stop(end=True)
 
 
@@ -144,8 +145,9 @@ class Making:
             alike = all(one.body == branches[0].body for one in branches)
             cared = branches[0].body if alike else (p.If(branches),)
         jumps = {node.label for node in walk(cared) if isinstance(node, p.Goto)}
-        if again in jumps:
+        if again in jumps or self.tries in records(cared):
             yield p.Assign(self.tries, ZERO)
+        if again in jumps:
             yield p.Label(again)
         yield from act
         if left is not None:
@@ -167,9 +169,17 @@ class Making:
             body = searching.without_way(body)
         if body is None:
             return tuple(self.leave(error))[-1:] if called else tuple(self.leave(error))
+        body = tuple(map_expressions(node, self.left_to_try) for node in body)
         if not _ends(body):
             body = (*body, _STOP)
         return (*clear, *self.settled(body, error, again, behind, tail=True))
+
+    def left_to_try(self, x: e.Expression) -> e.Expression:
+        """`RemainingRetries()` of a handler: how often it may still be tried again."""
+        if isinstance(x, e.Apply) and x.function.lower() == LEFT_TO_TRY:
+            self.own[self.tries.name] = Variable("number")
+            return e.Binary("-", e.Number(RETRIES), self.tries)
+        return x
 
     def leave(self, error: str) -> Iterator[p.Statement]:
         """An error is left to the callers, if any of them is for it."""
