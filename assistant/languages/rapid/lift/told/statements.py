@@ -308,7 +308,7 @@ INSTRUCTIONS: Final[Mapping[str, Telled]] = {
     "setdo": lambda telling, call, _: delayed(call, telling.meaning),
     **dict.fromkeys(
         ("waituntil", "waitdi", "waitdo", "waitgi", "waitgo"),
-        lambda telling, call, _: limited(call, telling.meaning),
+        lambda telling, call, _: limited(call, telling.meaning, telling.program),
     ),
 }
 """By instruction in lower case, what says the same (RAPID reference manual, instructions)."""

@@ -10,13 +10,17 @@ from assistant.languages.rapid.lift.instructions import Meaning, of_call
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.uses import called
+from assistant.program.program import Program, walk
 from assistant.program.rewriting import is_repeatable, records
 
 TIMER: Final = "wait_time"
 """The timer of all of them: no such wait begins in another one."""
 
 
-def limited(call: Called[s.Expression], meaning: Meaning) -> Iterator[p.Statement]:
+def limited(
+    call: Called[s.Expression], meaning: Meaning, program: Program
+) -> Iterator[p.Statement]:
     """One that tells by a flag whether its time was over."""
     options = dict(call.options)
     flag = options.pop("timeflag", None)
@@ -24,9 +28,40 @@ def limited(call: Called[s.Expression], meaning: Meaning) -> Iterator[p.Statemen
     if flag is None or not isinstance(wait, p.WaitSignal | p.WaitUntil) or wait.timeout is None:
         return
     over = meaning.expression(flag)
-    if isinstance(over, e.Name | e.Index) and is_repeatable(condition(wait)):
+    if isinstance(over, e.Name | e.Index) and _is_asked_again(condition(wait), program):
         if over not in records(condition(wait)):
             yield from until_over(wait, over)
+
+
+def _is_asked_again(asked: e.Expression, program: Program) -> bool:
+    """Whether it does not matter how often it is worked out while the program waits for it.
+
+    How often functions of the user's are called is the controller's own; they may do no more than
+    give values to variables.
+    """
+    if is_repeatable(asked):
+        return True
+    known = {q.name.lower(): q for q in program.procedures}
+    parts = [*records(asked)]
+    pending = [x.function.lower() for x in parts if isinstance(x, e.Apply)]
+    if any(isinstance(x, e.Verbatim) for x in parts) or set(pending) & set(e.TAKING):
+        return False
+    seen = set[str]()
+    while pending:
+        key = pending.pop()
+        if key in seen or key not in known:
+            if key not in seen and key not in e.FUNCTIONS:
+                return False
+            continue
+        seen.add(key)
+        if not all(isinstance(node, _QUIET) for node in walk(known[key].body)):
+            return False
+        pending += called(known[key])
+    return True
+
+
+_QUIET: Final = (p.Assign, p.Call, p.Comment, p.If, p.For, p.While, p.Switch, p.Return)
+"""Statements that give values to variables alone, and lead to them."""
 
 
 def condition(wait: p.WaitSignal | p.WaitUntil) -> e.Expression:
