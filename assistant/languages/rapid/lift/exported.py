@@ -11,6 +11,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Mapping, Set
 from dataclasses import replace
+from functools import cache
 from itertools import chain
 from typing import TYPE_CHECKING, Any, Final
 
@@ -43,7 +44,7 @@ from assistant.languages.rapid.lift.told.left_out import (
 )
 from assistant.languages.rapid.lift.told.meeting import DUE, shared, task_lists
 from assistant.languages.rapid.lift.told.outputs import switched
-from assistant.languages.rapid.lift.told.processes import weld_speeds
+from assistant.languages.rapid.lift.told.processes import beads, spot_programs, weld_speeds
 from assistant.languages.rapid.lift.told.statements import Telling, told
 from assistant.languages.rapid.lift.ways import options, steps
 from assistant.languages.rapid.tables.predefined import data as predefined
@@ -178,6 +179,7 @@ def _with_other_words(program: Program, findings: Findings) -> Program:
     telling = Telling(
         program, findings, meaning, switched(program), displaced,
         weld_speeds(program), task_lists(program),
+        cache(lambda: spot_programs(program)), cache(lambda: beads(program)),
     )  # fmt: skip
     program = exchanged(program, lambda node: told(telling, node))
     counted = dict(map(shared, telling.points))

@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -31,8 +32,8 @@ def without_unused_parameters(modules: Sequence[s.Module]) -> Sequence[s.Module]
     if not any(_is_opaque(group, frozenset()) for one in routines for group in one.parameters):
         return modules
     own = frozenset(i.name.lower() for m in modules for i in m.items if isinstance(i, s.Record))
-    names = [one.name.lower() for one in routines]
-    unused = {id(one): _unused(one, own) for one in routines if names.count(one.name.lower()) == 1}
+    names = Counter(one.name.lower() for one in routines)
+    unused = {id(one): _unused(one, own) for one in routines if names[one.name.lower()] == 1}
     if not any(unused.values()) or any(map(_is_late, nodes(tuple(modules)))):
         return modules
     gone = {one.name.lower(): _gone(one, unused[id(one)]) for one in routines if id(one) in unused}

@@ -10,7 +10,7 @@ stop, and have the timer of the gun weld, which says when it is ready and the gu
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Final
 
@@ -60,9 +60,10 @@ def spot_programs(program: Program) -> Mapping[str, float]:
     return {name: number for name, number in steady if number is not None}
 
 
-def beads(program: Program) -> Sequence[str]:
-    """The declared beads by lower-case name, in their order."""
-    return [name for name, _ in _declared(program, table.BEADS)]
+def beads(program: Program) -> Mapping[str, int]:
+    """Numbers of the declared beads by lower-case name, in their order."""
+    names = dict.fromkeys(name for name, _ in _declared(program, table.BEADS))
+    return {name: number for number, name in enumerate(names, 1)}
 
 
 def _declared(program: Program, type: str) -> Iterator[tuple[str, s.Data]]:
@@ -171,7 +172,7 @@ def _program(
 
 
 def dispensed(
-    call: Called[s.Expression], meaning: Meaning, known_beads: Sequence[str]
+    call: Called[s.Expression], meaning: Meaning, numbers: Mapping[str, int]
 ) -> Iterator[p.Statement]:
     """A move of a bead, and what begins or ends at its target."""
     known = MOVES[call.word.lower()]
@@ -179,14 +180,15 @@ def dispensed(
     if move is None or call.options.keys() >= {"on", "off"}:
         return
     bead = call.given[known.points + 1]
-    if not isinstance(bead, s.NameRef) or bead.name.lower() not in known_beads:
+    number = numbers.get(bead.name.lower()) if isinstance(bead, s.NameRef) else None
+    if number is None:
         return
     meaning.used += [(table.FLOWS, table.OUTPUT), (table.BEAD, table.NUMBER)]
     yield move
     if "off" in call.options:
         yield p.SetSignal(table.FLOWS, e.Number(0))
     else:
-        yield p.SetSignal(table.BEAD, e.Number(known_beads.index(bead.name.lower()) + 1))
+        yield p.SetSignal(table.BEAD, e.Number(number))
     if "on" in call.options:
         yield p.SetSignal(table.FLOWS, e.Number(1))
 

@@ -34,7 +34,8 @@ class Telling:
 
     switched: lower-case names of outputs that something besides pulses may switch on. displaced:
     whether anything displaces external axes. welds: mm/s of welds, and lists: how many tasks each
-    has, by lower-case name. points: that tasks meet at, filled as they are said.
+    has, by lower-case name. spots, beads: numbers of programs of spot welds, and of beads, found
+    when first asked for. points: that tasks meet at, filled as they are said.
     """
 
     program: Program
@@ -44,6 +45,8 @@ class Telling:
     displaced: bool
     welds: Mapping[str, float]
     lists: Mapping[str, int]
+    spots: Callable[[], Mapping[str, float]]
+    beads: Callable[[], Mapping[str, int]]
     points: list[str] = field(default_factory=list)
 
     def lost(self, what: str, loss: str, cure: str) -> None:
@@ -219,12 +222,8 @@ def _see_corner(telling: Telling, move: p.MoveStatement, node: p.Opaque) -> None
 
 _PROCESSES: Final[Mapping[str, Callable[[Telling, Called[s.Expression]], Said]]] = {
     "arc": lambda telling, call: processes.welded(call, telling.meaning, telling.welds),
-    "spot": lambda telling, call: processes.spotted(
-        call, telling.meaning, processes.spot_programs(telling.program)
-    ),
-    "bead": lambda telling, call: processes.dispensed(
-        call, telling.meaning, processes.beads(telling.program)
-    ),
+    "spot": lambda telling, call: processes.spotted(call, telling.meaning, telling.spots()),
+    "bead": lambda telling, call: processes.dispensed(call, telling.meaning, telling.beads()),
     "paint": lambda telling, call: processes.painted(call, telling.meaning),
     "brush": lambda telling, call: processes.brushed(call, telling.meaning),
 }
