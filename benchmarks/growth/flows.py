@@ -10,6 +10,7 @@ from benchmarks.growth.construct import Construct, Lines
 from benchmarks.growth.melfa_programs import MELFA_BASIC
 from benchmarks.growth.pseudo_programs import PSEUDO
 from benchmarks.growth.rapid_programs import RAPID
+from benchmarks.growth.whole_programs import WHOLE_MELFA_BASIC, WHOLE_RAPID
 
 
 def _steps(lines: Lines, n: int) -> str:
@@ -28,6 +29,8 @@ _KINDS: Final = (
     ("MELFA-BASIC", ".prg", MELFA_BASIC, _steps),
     ("RAPID", ".mod", RAPID, _module),
     ("pseudo", ".pseudo", PSEUDO, _program),
+    ("whole MELFA-BASIC", ".prg", WHOLE_MELFA_BASIC, _steps),
+    ("whole RAPID", ".mod", WHOLE_RAPID, _module),
 )
 
 
