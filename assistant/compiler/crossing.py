@@ -240,6 +240,8 @@ def _stated(program: Program) -> Iterator[_Stated]:
         about = Declared(name, "joint_targets")
         yield _Stated(f"`{name}`", target, {"about": about}, name.lower(), seen)
     for name, variable in program.variables.items():
+        if not any(isinstance(part, JointTarget) for part in records(variable.initial)):
+            continue
         seen = frozenset(q for q, names in own.items() if name.lower() not in names)
         yield from _held(name, variable, Declared(name, "variables", in_full=True), seen)
     for procedure in program.procedures:

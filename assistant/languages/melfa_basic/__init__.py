@@ -256,9 +256,9 @@ class MelfaBasic(Language["File"]):
         return build(program, robot, unit, self.name, self._products)
 
     def file_name(self, program: Program, unit: str | None = None) -> str:
-        from assistant.languages.melfa_basic.lower.names import naming
+        from assistant.languages.melfa_basic.lower.names import unit_names
 
-        return naming(program, self.dialect).units[unit] + ".prg"
+        return unit_names(program)[unit] + ".prg"
 
     def spelled(self, program: Program) -> Callable[[str, str, str], str]:
         from assistant.languages.melfa_basic.lower.names import spelled

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from assistant.program import statements as p
+from assistant.program.contents import all_of
 from assistant.program.program import Program
 
 
 def interrupts(program: Program) -> tuple[p.Interrupt, ...]:
     """Wherever they are defined, in order of the text."""
-    return tuple(node for node in program.statements() if isinstance(node, p.Interrupt))
+    return tuple(one for q in program.procedures for one in all_of(q, p.Interrupt))
 
 
 def numbered(program: Program, numbers: Sequence[int]) -> dict[str, int]:

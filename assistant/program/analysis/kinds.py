@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections import ChainMap
 from collections.abc import Mapping
 from typing import Final
+from weakref import ReferenceType, ref
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.program import Procedure, Program, ValueType, walk
+from assistant.program.contents import all_of
+from assistant.program.program import Procedure, Program, ValueType
 
 Kinds = Mapping[str, str]
 """Lower-case names of values and functions: `text`, or anything else for other values."""
@@ -29,21 +32,33 @@ _NUMBERS: Final = ("number", "integer")
 
 def kinds(program: Program, procedure: Procedure) -> Kinds:
     """What is known of the names that a procedure sees."""
-    known: dict[str, str] = {}
-    known |= {q.name.lower(): q.result for q in program.procedures if q.result is not None}
+    shared = _shared(program)
+    known: dict[str, str] = {n.lower(): v.type for n, v in procedure.variables.items()}
+    known |= {q.name.lower(): q.type for q in procedure.parameters}
+    for loop in all_of(procedure, p.For):
+        if loop.variable.lower() not in shared:
+            known.setdefault(loop.variable.lower(), "number")
+    return ChainMap(known, shared) if known else shared
+
+
+def _shared(program: Program) -> dict[str, str]:
+    """What all procedures see; kept of the program that was asked for last."""
+    for asked, known in _LAST:
+        if asked() is program:
+            return known
+    known = {q.name.lower(): str(q.result) for q in program.procedures if q.result is not None}
     for table, kind in (
         (program.targets, "position"),
         (program.joint_targets, "joints"),
         (program.signals, "number"),
     ):
         known |= {n.lower(): kind for n in table}
-    for variables in (program.variables, procedure.variables):
-        known |= {n.lower(): v.type for n, v in variables.items()}
-    known |= {q.name.lower(): q.type for q in procedure.parameters}
-    for statement in walk(procedure.body):
-        if isinstance(statement, p.For):
-            known.setdefault(statement.variable.lower(), "number")
+    known |= {n.lower(): v.type for n, v in program.variables.items()}
+    _LAST[:] = [(ref(program), known)]
     return known
+
+
+_LAST: Final[list[tuple[ReferenceType[Program], dict[str, str]]]] = []
 
 
 def of_operation(operator: str, left: ValueType, right: ValueType) -> ValueType:

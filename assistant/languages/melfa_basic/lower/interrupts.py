@@ -16,7 +16,6 @@ from assistant.languages.melfa_basic.tables.vocabulary.interrupts import ALL, NU
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.interrupts import interrupts
 from assistant.program.analysis.uses import called
 from assistant.program.program import walk
 from assistant.program.rewriting import records
@@ -63,10 +62,9 @@ def _interrupt(w: Writer, node: p.Interrupt) -> None:
 
 def _check(w: Writer, node: p.Interrupt) -> None:
     """Raises Unsayable for what would change how the moves of the program are made."""
-    procedures = {q.name.lower(): q for q in w.program.procedures}
     pending, seen = [node.call.procedure.lower()], set[str]()
     while pending:
-        procedure = procedures.get(pending.pop())
+        procedure = w.program.procedure(pending.pop())
         if procedure is None or procedure.name.lower() in seen:
             continue
         seen.add(procedure.name.lower())
@@ -95,7 +93,7 @@ def _switch_all(w: Writer, node: p.SwitchInterrupts) -> None:
 def _number(w: Writer, name: str) -> int:
     number = w.names.interrupts.get(name.lower())
     if number is None:
-        if name.lower() not in {node.name.lower() for node in interrupts(w.program)}:
+        if name.lower() not in w.names.defined:
             raise Unsayable(f"the interrupt `{name}`, which nothing defines", "define it")
         raise Unsayable(f"more than {len(NUMBERS)} interrupts", "use fewer of them")
     return number

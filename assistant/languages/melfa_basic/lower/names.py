@@ -19,6 +19,7 @@ from assistant.languages.melfa_basic.tables.variables import LETTERS, is_externa
 from assistant.languages.melfa_basic.tables.vocabulary.interrupts import NUMBERS as INTERRUPTS
 from assistant.languages.melfa_basic.tables.vocabulary.timers import MOST_TIMERS
 from assistant.languages.melfa_basic.tables.words import ARC_START, RESERVED, free
+from assistant.program.analysis.interrupts import interrupts
 from assistant.program.analysis.interrupts import numbered as numbered_interrupts
 from assistant.program.analysis.open_channels import together
 from assistant.program.channels import numbered as numbered_channels
@@ -40,8 +41,9 @@ class Names:
 
     products: a target is multiplied by its frame; else `Base` is set to the frame.
 
-    timers, channels, interrupts: their numbers by lower-case name. wait_timer: of those that time
-    limits make. position: the first number that `P<number>` and `J<number>` may have.
+    timers, channels, interrupts: their numbers by lower-case name. defined: every interrupt, also
+    those that have no number. wait_timer: of those that time limits make.
+    position: the first number that `P<number>` and `J<number>` may have.
     """
 
     targets: dict[str, str] = field(default_factory=dict)
@@ -58,6 +60,7 @@ class Names:
     timers: dict[str, int] = field(default_factory=dict)
     channels: dict[str, int] = field(default_factory=dict)
     interrupts: dict[str, int] = field(default_factory=dict)
+    defined: frozenset[str] = frozenset()
     wait_timer: int = 1
     position: int = 1
     products: bool = False
@@ -119,17 +122,24 @@ def naming(program: Program, dialect: Dialect, products: bool = False) -> Names:
                     short = _label(statement.name, dialect, labels)
                     names.labels[key] = short
                     names.original_labels[short] = statement.name
-    files = TakenNames()
-    names.units[None] = program_name(program.name, files)
-    for entry in program.procedures:
-        if entry.unit is not None and entry.unit not in names.units:
-            names.units[entry.unit] = program_name(entry.unit, files)
+    names.units = unit_names(program)
     names.timers, names.wait_timer = numbered(program, range(1, MOST_TIMERS + 1), _TIMER)
     names.channels = numbered_channels(program, NUMBERS, together)
     names.interrupts = numbered_interrupts(program, INTERRUPTS)
+    names.defined = frozenset(one.name.lower() for one in interrupts(program))
     numbers = (re.fullmatch(r"[PJ]([0-9]{1,8})", name) for name in taken)
     names.position = 1 + max((int(n.group(1)) for n in numbers if n), default=0)
     return names
+
+
+def unit_names(program: Program) -> dict[str | None, str]:
+    """What the units of a program are called, the main one by None."""
+    files = TakenNames()
+    units: dict[str | None, str] = {None: program_name(program.name, files)}
+    for entry in program.procedures:
+        if entry.unit is not None and entry.unit not in units:
+            units[entry.unit] = program_name(entry.unit, files)
+    return units
 
 
 def spelled(program: Program, dialect: Dialect) -> Callable[[str, str, str], str]:
