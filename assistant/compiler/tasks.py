@@ -20,6 +20,7 @@ from assistant.compiler.loading import (
     with_called,
     with_process,
 )
+from assistant.languages.tasks import Shared
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors, warning
 from assistant.program.text import read_bytes
 
@@ -193,12 +194,28 @@ class _Grouping:
         taken = {unit for group in groups for unit in group.units}
         rest = [unit for unit in self.units if unit not in taken and unit.room not in spread]
         groups += self._libraries(rest)
+        shared = self._shared(groups)
         for group in groups:
-            trees = tuple(unit.tree for unit in group.units)
+            known = shared.get(id(group)) or Shared(tuple(unit.tree for unit in group.units))
             begins = any(unit.begins for unit in group.units)
             files = tuple(unit.path for unit in group.units)
-            said = tuple(group.findings)
-            yield Task(group.name, files, self.language, begins, said, trees)
+            said = (*group.findings, *known.findings)
+            yield Task(group.name, files, self.language, begins, said, known.trees)
+
+    def _shared(self, groups: Sequence[_Group]) -> dict[int, Shared]:
+        """What tasks of one controller have in common, by the identity of the task."""
+        beside: dict[FilePath, list[_Group]] = {}
+        for group in groups:
+            rooms = {one.room for one in group.units if not self.loading.shared(one.room)}
+            if len(rooms) == 1 and all(map(self.loading.closed, rooms)):
+                beside.setdefault(rooms.pop().parent, []).append(group)
+        found: dict[int, Shared] = {}
+        for several in beside.values():
+            if len(several) > 1:
+                told = [(FilePath(g.name).name, [u.tree for u in g.units]) for g in several]
+                made = self.loading.sharing(told)
+                found |= {id(group): one for group, one in zip(several, made, strict=True)}
+        return found
 
     def _of_room(self, room: FilePath, units: Sequence[_Unit]) -> Iterator[_Group]:
         """The tasks that begin in a folder, and all of a folder that is one."""

@@ -6,10 +6,10 @@ A language whose every file is a program of its own has none of this.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path as FilePath
-from typing import Final, Literal, TypeAlias
+from typing import Any, Final, Literal, TypeAlias
 
 from assistant.program import lines
 from assistant.program.diagnostics import Diagnostic
@@ -25,7 +25,8 @@ class Loading:
     name the files of a task. shared: of a folder, as `program_of` gives it, whether every other
     task beside it loads its files as well. closed: whether a task there loads all files of its
     folders, and none from elsewhere but shared ones. loaded: of a file there, whether a task
-    loads it though its list does not name it.
+    loads it though its list does not name it. sharing: the trees of all tasks of a controller, by
+    the name of each, with names of data that other controllers share as well.
     """
 
     entry: str
@@ -33,6 +34,15 @@ class Loading:
     shared: Callable[[FilePath], bool]
     closed: Callable[[FilePath], bool]
     loaded: Callable[[FilePath], bool]
+    sharing: Callable[[Sequence[tuple[str, Sequence[Any]]]], Sequence[Shared]]
+
+
+@dataclass(frozen=True, slots=True)
+class Shared:
+    """The trees of a task that shares data with others of its controller. findings: on that."""
+
+    trees: tuple[Any, ...]
+    findings: tuple[Diagnostic, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

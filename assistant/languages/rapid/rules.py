@@ -260,6 +260,17 @@ STILL_AXIS: Final = warning(
     "the place of the external axis `{axis}` is left out: the cell file says that it stands still",
     "see that the arm alone comes to these targets, and that the axis stands where it should",
 )
+SHARED: Final = warning(
+    "RA395",
+    "`{name}`, which tasks share, is `{new}` of all programs; {begins} gives it its first value",
+    "start that program first, and again only where the value is to begin anew",
+)
+NOT_SHARED: Final = warning(
+    "RA396",
+    "`{name}` is shared by tasks, of which each program has its own now: it is no single number, "
+    "truth or text, or there are no more variables of all programs",
+    "hand it over between the programs by signals, or one number at a time",
+)
 NAMED_LATE: Final = warning(
     "RA394",
     "`{name}` is called here whichever module the text names: only one has a routine that it fits",

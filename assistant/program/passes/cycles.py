@@ -48,7 +48,7 @@ def with_kept_values(job: Legalising) -> Program:
         for name, variable in program.variables.items()
         if variable.storage != "constant"
         and name.lower() in run.read & assigning.written
-        and not can.external(name, variable)
+        and (variable.initial is not None or not can.external(name, variable))
     ]
     told = [_TOLD[type(one)] for one in left_settings(program, entry)]
     if not (left or told) or not run.ends:

@@ -38,7 +38,9 @@ def with_first_values(job: Legalising) -> Program:
     for name, variable in program.variables.items():
         key = name.lower()
         variables[name] = variable
-        if variable.storage == "constant" or key not in run.read or can.external(name, variable):
+        if variable.storage == "constant" or key not in run.read:
+            continue
+        if variable.initial is None and can.external(name, variable):
             continue
         place = variable.storage == "persistent" and variable.type not in SCALAR
         if variable.initial is None and not kept and not place:  # which nothing says: no move there

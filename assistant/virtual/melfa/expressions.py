@@ -110,6 +110,9 @@ def _whole_value(m: Machine, node: s.Variable) -> Value:
     place, index = reference(m, node)
     if m.world.options.unset == "zero" and place.kind in NUMBERS and not place.is_set(index):
         return 0
+    if m.world.options.shared == "zero" and is_external(key) and not place.is_set(index):
+        if place.kind in (*NUMBERS, "text"):
+            return "" if place.kind == "text" else 0
     return place.get(index)
 
 

@@ -31,7 +31,8 @@ class Options:
     longest_text: characters of a text that a variable takes.
 
     Names.
-    unset: what reading a number that was never set gives.
+    unset: what reading a number that was never set gives. shared: the same of a number or text of
+    all programs, which another one may have set.
     parameters: how a Function takes those without ByVal and ByRef.
     resets: whether `Reset Err` is allowed (a program that always runs, parameter ALWENA).
     nested: whether functions of several arguments take what other functions give (COSIROP: not).
@@ -77,6 +78,7 @@ class Options:
     longest_text: int = 127
     slides: bool | None = None
     unset: Literal["error", "zero"] = "error"
+    shared: Literal["error", "zero"] = "error"
     parameters: Literal["ByVal", "ByRef"] = "ByVal"
     resets: bool = False
     nested: bool = True

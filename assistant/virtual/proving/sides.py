@@ -155,7 +155,7 @@ def _begin_melfa(side: Side, kernel: Kernel) -> None:
     from assistant.virtual.melfa.options import Options
 
     names = [PurePath((tree.source and tree.source.path) or "").stem for tree in side.trees]
-    options = Options(slides=True)  # what is written here is the same if they turn
+    options = Options(slides=True, shared="zero")  # what is written here is the same if they turn
     start_slot(
         kernel,
         list(side.trees),

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import chain
-from typing import Any
 
 import numpy as np
 
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.runs import MotionNames
+from assistant.languages.rapid.tree.renaming import renamed
 from assistant.languages.rapid.tree.walk import nodes
 from assistant.languages.runs.names import Index, Names
 from assistant.program.program import TakenNames, identifier
-from assistant.program.rewriting import rewrite
 
 
 def with_own_names(modules: Sequence[s.Module]) -> Sequence[s.Module]:
@@ -32,7 +30,7 @@ def with_own_names(modules: Sequence[s.Module]) -> Sequence[s.Module]:
             if is_local and any(k < at or not declared[k][key][1] for k in others):
                 names[key] = identifier(f"{module.name}_{name}", taken)
                 taken.add(names[key])
-        changed = (_renamed(item, names) for item in module.items)
+        changed = (renamed(item, names) for item in module.items)
         made.append(replace(module, items=tuple(changed)) if names else module)
     return made
 
@@ -74,29 +72,3 @@ def _said(modules: Sequence[s.Module]) -> Iterator[str]:
                     yield from map(names.name, range(len(names)))
                 for motion in run.motions.table:
                     yield from (motion.speed, motion.zone, motion.tool, motion.frame)
-
-
-def _renamed(item: s.Item, names: Mapping[str, str]) -> s.Item:
-    """An item with other names, by lower-case name, but for what a routine declares itself."""
-    inner = {
-        node.name.lower()
-        for node in (nodes(item) if isinstance(item, s.Routine) else ())
-        if isinstance(node, s.Data | s.ParameterNode)
-    }
-
-    def of(name: str) -> str:
-        return name if name.lower() in inner else names.get(name.lower(), name)
-
-    def renamed(part: Any) -> Any:
-        match part:
-            case s.NameRef(name) | s.Data(name=name):
-                return replace(part, name=of(name))
-            case s.ForLoop(variable=str(name)):
-                return replace(part, variable=of(name))
-            case MotionNames(speed, zone, tool, frame):
-                return MotionNames(of(speed), of(zone), of(tool), of(frame))
-            case Names():
-                return Names.of([of(part.name(row)) for row in range(len(part))])
-        return part
-
-    return rewrite(item, renamed, ())

@@ -11,6 +11,7 @@ import re
 from pathlib import Path as FilePath
 from typing import Final
 
+from assistant.languages.rapid.reading.shared_data import with_shared_data
 from assistant.languages.tasks import Configured, Loading, Texts
 
 TASK_FOLDERS: Final = frozenset(("PROGMOD", "SYSMOD"))
@@ -47,4 +48,4 @@ def surroundings(module: FilePath, read: Texts) -> Configured:
     return stated(module, read)
 
 
-LOADING: Final = Loading("main", (".pgf",), shared, closed, loaded)
+LOADING: Final = Loading("main", (".pgf",), shared, closed, loaded, with_shared_data)

@@ -1,0 +1,97 @@
+"""Persistent data that the tasks of a backup share, in programs of several slots."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from assistant.compiler.filling import in_neutral_cell
+from assistant.compiler.motion import Proving
+from assistant.compiler.running import programs
+from assistant.compiler.tasks import load_task, tasks_of
+from assistant.compiler.translating import Translation, translate
+from assistant.virtual.events import Switched
+from assistant.virtual.running import Settings, prepared
+
+COUNTING = r"""MODULE Counting
+PERS num parts:=3;
+PERS string kind:="none";
+PERS num limit:=6;
+PERS num row{2}:=[1,2];
+LOCAL VAR num turns:=0;
+PROC main()
+IF parts>20 parts:=0;
+WHILE parts<limit DO
+WaitTime 1;
+parts:=parts+1;
+row{1}:=parts;
+ENDWHILE
+kind:="full";
+ENDPROC
+ENDMODULE
+"""
+WAITING = r"""MODULE Waiting
+PERS num parts:=3;
+PERS string kind:="none";
+PERS num limit:=6;
+PERS num row{2}:=[1,2];
+TASK PERS num turns:=0;
+PROC main()
+{waits}turns:=turns+1;
+IF kind="full" SetDO doFull,1;
+SetGO goParts,parts;
+show 2;
+ENDPROC
+PROC show(num parts)
+SetGO goShown,parts;
+ENDPROC
+ENDMODULE
+"""
+
+
+WAITS = 'WaitUntil parts>=limit;\nWaitUntil kind="full";\n'
+
+
+def translated(folder: Path, waits: str, proving: Proving | None = None) -> list[Translation]:
+    """Both tasks of a backup."""
+    files = []
+    for task, text in (("TASK1", COUNTING), ("TASK2", WAITING.replace("{waits}", waits))):
+        file = folder / "RAPID" / task / "PROGMOD" / f"{task}.mod"
+        file.parent.mkdir(parents=True)
+        file.write_text(text, "latin-1")
+        files.append(str(file))
+    done = []
+    for one in tasks_of(files):
+        loaded = load_task(one)
+        codes = [f.code for f in loaded.findings]
+        assert (codes.count("RA395"), codes.count("RA396")) == (2, 1)
+        done.append(translate(in_neutral_cell(loaded), to="melfa-basic-6", proving=proving))
+    return done
+
+
+def text_of(done: Translation) -> str:
+    assert done.ok, [f.message for f in done.findings]
+    (data,) = done.files.values()
+    return data.decode("utf-8")
+
+
+def test_what_tasks_share_is_one_variable_of_all_programs(tmp_path: Path) -> None:
+    done = translated(tmp_path, "", Proving(runs=3, seconds=2))
+    for one in done:
+        assert one.motion is not None and one.motion.holds, one.motion
+    counting, waiting = map(text_of, done)
+    assert "M_00=M_00+1" in counting and 'C_00$="full"' in counting
+    assert "M_00=3" in counting and 'C_00$="none"' in counting
+    assert "M_00=3" not in waiting and "M_Out16(2)=M_00" in waiting
+    assert "Mparts" in waiting  # the parameter of that name
+
+
+def test_both_programs_run_beside_each_other(tmp_path: Path) -> None:
+    written = []
+    for number, one in enumerate(translated(tmp_path, WAITS), 1):
+        file = tmp_path / f"TASK{number}.prg"
+        file.write_bytes(text_of(one).encode("utf-8"))
+        written.append(str(file))
+    run = prepared(programs(written), Settings(most_time=9.0, most_steps=20_000)).run()
+    on = [row for row in run.log if isinstance(row.what, Switched) and row.what.value]
+    assert {row.what for row in on} == {Switched(str(n), 1.0) for n in (1, 3, 4, 19)}  # 6, and 2
+    assert 3.0 <= on[0].time < 3.2
