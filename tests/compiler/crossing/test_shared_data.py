@@ -75,7 +75,7 @@ def text_of(done: Translation) -> str:
 
 
 def test_what_tasks_share_is_one_variable_of_all_programs(tmp_path: Path) -> None:
-    done = translated(tmp_path, "", Proving(runs=3, seconds=2))
+    done = translated(tmp_path, "", Proving(runs=2, seconds=0.3))
     for one in done:
         assert one.motion is not None and one.motion.holds, one.motion
     counting, waiting = map(text_of, done)
