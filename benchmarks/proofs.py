@@ -15,7 +15,7 @@ from collections import Counter
 from pathlib import Path
 
 from assistant.compiler import translate
-from assistant.compiler.formatting import programs_in
+from assistant.compiler.folders import programs_in
 from assistant.compiler.loading import whole_programs
 from assistant.compiler.motion import Proving
 from assistant.program.diagnostics import Diagnostic, Refused, Severity

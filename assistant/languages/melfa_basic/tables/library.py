@@ -14,7 +14,6 @@ from typing import Any, Final
 
 from assistant.program import expressions as e
 from assistant.program.program import Procedure
-from assistant.program.pseudo.parser import parse
 from assistant.program.rewriting import records, rewrite
 
 NAMES: Final[Mapping[str, Mapping[int, str]]] = {
@@ -35,6 +34,8 @@ NAMES: Final[Mapping[str, Mapping[int, str]]] = {
 @cache
 def library() -> Mapping[str, Procedure]:
     """All of them by their names, without places in a text."""
+    from assistant.program.pseudo.parser import parse
+
     tables = files("assistant.languages.melfa_basic.tables")
     text = tables.joinpath("library.txt").read_text("utf-8")
 
