@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import takewhile
 from typing import Final
 
 from assistant.program import expressions as e
@@ -18,6 +19,7 @@ from assistant.program.program import (
     Program,
     ValueType,
 )
+from assistant.program.rewriting import Body
 from assistant.program.subjects import Declared
 
 NOTHING: Final[dict[ValueType, e.Expression]] = {
@@ -60,7 +62,18 @@ def _with_fresh(procedure: Procedure, read: set[str]) -> Procedure:
             first.append(p.Assign(e.Name(name), value, span=variable.span))
     if not first and variables == procedure.variables:
         return procedure
-    return replace(procedure, variables=variables, body=(*first, *procedure.body))
+    notes, body = noted(procedure.body)
+    return replace(procedure, variables=variables, body=(*notes, *first, *body))
+
+
+def noted(body: Body) -> tuple[Body, Body]:
+    """The comments that stood above a procedure, and its statements."""
+    notes = tuple(takewhile(_is_note, body))
+    return notes, body[len(notes) :]
+
+
+def _is_note(statement: p.Statement) -> bool:
+    return isinstance(statement, p.Comment) and statement.span is None
 
 
 def has_form(procedure: Procedure) -> bool:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import takewhile
 from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
@@ -25,9 +24,9 @@ from assistant.languages.melfa_basic.tables.variables import LETTERS
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import PositionRows
 from assistant.languages.melfa_basic.tree.line_tables import gathered
-from assistant.program import statements as p
 from assistant.program.analysis.motions import branches_by_frame
 from assistant.program.diagnostics import Refused
+from assistant.program.passes.procedures import noted
 from assistant.program.program import Parameter, Procedure, Program, ValueType, Variable
 from assistant.program.subjects import Declared
 
@@ -61,11 +60,6 @@ def build(
     if findings:
         raise Refused(*findings)
     return lines.tree(code)
-
-
-def _is_note(statement: p.Statement) -> bool:
-    """Whether it is a comment above a procedure."""
-    return isinstance(statement, p.Comment) and statement.span is None
 
 
 class UnitLines(Writer):
@@ -129,13 +123,13 @@ class UnitLines(Writer):
         """What all of them share, the entry as `Main`, and the others."""
         self.definitions()
         for procedure in [*([first] if first else []), *others]:
-            notes = tuple(takewhile(_is_note, procedure.body))
+            notes, body = noted(procedure.body)
             self.body(notes)
             self.add(self.head(procedure, procedure is first))
             if procedure is first:
                 self.initial_values()
             self.enter(procedure)
-            self.body(procedure.body[len(notes) :])
+            self.body(body)
             if self.answers:
                 self.add(s.Command("End"))
                 answers(self)

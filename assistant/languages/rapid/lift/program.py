@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -200,8 +201,9 @@ class _Lift:
             match item:
                 case s.CommentLine(text):
                     if item.trailing and isinstance(before, s.Data):
-                        text = f"{before.name}: {text}"
-                    pending.append(text)
+                        self.comments.append(f"{before.name}: {text}")
+                    else:
+                        pending.append(text)
                     continue
                 case s.Routine():
                     lifted = self.routine(item, unit, pending)
@@ -216,7 +218,7 @@ class _Lift:
                     pass
                 case _:
                     declarations.append(_declaration(item))
-            self.comments += pending
+            self.comments += _about(item, pending)
             pending = []
         self.comments += pending
         return procedures, declarations
@@ -281,6 +283,16 @@ class _Lift:
 def _routines(module: s.Module) -> dict[str, s.Routine]:
     """Those of a module by lower-case name."""
     return {item.name.lower(): item for item in module.items if isinstance(item, s.Routine)}
+
+
+def _about(item: s.Item, notes: Sequence[str]) -> list[str]:
+    """The comments above a declaration with its name, as they will stand far from it."""
+    told = list(notes)
+    at = next((i for i, note in enumerate(told) if any(map(str.isalnum, note))), None)
+    if at is not None and isinstance(item, s.Data | s.Routine):
+        if not re.search(rf"\b{item.name}\b", " ".join(told), re.IGNORECASE):
+            told[at] = f"{item.name}: {told[at].strip()}"
+    return told
 
 
 def _declaration(item: s.Item) -> Declaration:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import takewhile
 
 from assistant.languages.rapid.lift.local_names import with_own_names
 from assistant.languages.rapid.lift.plain.arm_calls import with_arm_calls
@@ -135,10 +136,25 @@ def _plain(files: Sequence[s.File], apart: frozenset[str]) -> Plain | None:
 
 
 def _module(program: Program, module: s.Module, kept: dict[int, str]) -> s.Module:
-    items = [made for item in module.items for made in _item(program, item, kept)]
+    items: list[s.Item] = []
+    for item in module.items:
+        made = _item(program, item, kept)
+        if len(made) > 1 and isinstance(item, s.Routine):  # data of its result, and itself
+            above = _above_notes(items)
+            items[above:above] = made[:-1]
+            made = made[-1:]
+        items += made
     same = len(items) == len(module.items)
     same = same and all(a is b for a, b in zip(items, module.items, strict=True))
     return module if same else replace(module, items=tuple(items))
+
+
+def _above_notes(items: Sequence[s.Item]) -> int:
+    """Where the comments begin that stand above what comes next; at the top of a module behind
+    them, as a heading may stand there.
+    """
+    notes = takewhile(lambda one: isinstance(one, s.CommentLine) and not one.trailing, items[::-1])
+    return len(items) - sum(1 for _ in notes) or len(items)
 
 
 def _item(program: Program, item: s.Item, kept: dict[int, str]) -> Sequence[s.Item]:
