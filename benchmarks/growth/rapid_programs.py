@@ -58,6 +58,28 @@ def _targets(n: int) -> Iterator[str]:
     yield "ENDPROC"
 
 
+def _processes(n: int) -> Iterator[str]:
+    yield "CONST robtarget p := [[400,0,300],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];"
+    for k in range(n):
+        yield from (f"PERS spotdata s{k} := [{k},2000,2,1];", f'PERS beaddata b{k} := ["",1];')
+    yield "PROC main()"
+    for k in range(n):
+        yield from (f"SpotL p, v100, gun{k % 4}, s{k}, tool0;", f"DispL p, v100, b{k}, z1, tool0;")
+    yield "ENDPROC"
+
+
+def _outputs_on_the_way(n: int) -> Iterator[str]:
+    yield "CONST robtarget p := [[400,0,300],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];"
+    yield from ("VAR triggdata t;", "PROC main()", "VAR num a;")
+    for k in range(n):
+        yield from (
+            f"a := {k % 50};",
+            "TriggIO t, a\\DOp:=do1, 1;",
+            f"TriggL Offs(p, {k % 100}, 0, 0), v100, t, fine, tool0;",
+        )
+    yield "ENDPROC"
+
+
 def _routines(n: int) -> Iterator[str]:
     for k in range(n):
         yield from (f"PROC p{k}()", f"p{k + 1};" if k + 1 < n else "", "ENDPROC")
@@ -203,6 +225,8 @@ RAPID: Final[Mapping[str, Lines]] = {
     "constants of each other": _constants,
     "records": _records,
     "targets and moves": _targets,
+    "spots and beads": _processes,
+    "outputs on the way": _outputs_on_the_way,
     "routines in a chain": _routines,
     "routines in a ring": _routine_ring,
     "functions in a chain": _function_chain,
