@@ -129,6 +129,8 @@ def run_translate(
         print_findings(refusals)
         for one in done:
             _show(one, every)
+        if len(done) > 1:
+            say(f"{len(done)} programs, {sum(one.translation.ok for one in done)} of them whole")
         changed = any(row.level != "supported" for one in done for row in one.translation.rows)
         if changed and not every:
             say("each statement by itself: --all, or --report FILE")

@@ -173,8 +173,9 @@ def test_files_of_one_name_in_two_folders_have_a_folder_each(
         (tmp_path / folder).mkdir()
         (tmp_path / folder / "PALLET.prg").write_bytes(PALLET.read_bytes())
     out = tmp_path / "out"
-    status, _, err = run(capsys, "translate", tmp_path, *TO_RAPID, "-o", out)
+    status, said, err = run(capsys, "translate", tmp_path, *TO_RAPID, "-o", out)
     assert status == 0
+    assert "2 programs, 2 of them whole\n" in said
     assert "CL001" in err
     assert (out / "a_PALLET" / "PALLET.mod").read_bytes()
     assert (out / "b_PALLET" / "PALLET.mod").read_bytes()

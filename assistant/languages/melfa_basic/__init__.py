@@ -210,7 +210,10 @@ class MelfaBasic(Language["File"]):
     def convert(self, program: Program, robot: Robot | None = None) -> Conversion[File] | None:
         """Between the dialects, on the trees: see `convert`."""
         from assistant.languages.melfa_basic.convert.program import conversion
+        from assistant.languages.melfa_basic.lower.supplied import without_kept
 
+        if program.origin is not None and program.origin.language in DIALECTS:
+            program = without_kept(program, MelfaBasic(program.origin.language).lift)
         names = [self.file_name(program)] * (1 if program.origin else 0)
         return conversion(program, self.name, names, robot)
 

@@ -54,11 +54,21 @@ def test_the_tool_that_is_kept_is_that_of_the_parameters(tmp_path: Path, held: s
     assert "[TRUE,[[0,0,150],[0.7071" in text
     assert not any(f.code == "MB233" and "tool" in f.message for f in done.findings)
     assert any(f.code == "CO046" and "`MEXTL`" in f.message for f in done.whole)
+    assert any(f.code == "MB289" and "the tool" in f.message for f in done.whole)
 
 
 def test_a_program_that_sets_its_tool_itself_keeps_it(tmp_path: Path) -> None:
     done, text = translated(project(tmp_path, "Spd 50\nTool (0,0,20,0,0,0)\nMvs P1\nEnd\n"))
     assert done.ok and "[0,0,150]" not in text and "[0,0,20]" in text
+    assert not any(f.code == "MB289" and "the tool" in f.message for f in done.whole)
+
+
+def test_a_sister_dialect_keeps_its_tool_as_before(tmp_path: Path) -> None:
+    code = "1 Spd 50\n2 Mvs P1\n3 End\n"
+    done = translate(project(tmp_path, code), to="melfa-basic-6", language="melfa-basic-5")
+    (text,) = (data.decode() for data in done.files.values())
+    assert done.ok, [(f.code, f.message) for f in done.findings]
+    assert "Tool" not in text and "MEXTL" not in text
 
 
 def test_tools_by_their_number_are_those_of_the_list(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from assistant.languages.melfa_basic.lift.values.pallets import ARC, FIXED, arra
 from assistant.languages.melfa_basic.lower.depended import depended_on
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.languages.melfa_basic.tables.functions import BITS
+from assistant.languages.melfa_basic.tables.variables import KEPT as PARAMETERS
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.outside import COMMANDS
 from assistant.languages.melfa_basic.tree.walk import literal, nodes
@@ -50,6 +51,8 @@ def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
     left = depended_on(program) if to in DIALECTS else frozenset()
     for word, number, of, default, plain, status in KEPT:
         set_at = [span for span, node in commands if _sets(node, word, status)]
+        if None in set_at:
+            yield rules.HELD(word=word, what=word.lower(), name=PARAMETERS[word])
         span = first_move(program, default, of)
         if span is not None and all(one is not None and one.start > span.start for one in set_at):
             how = "as it stands, like the texts that stay" if number in left else "with none"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
@@ -19,7 +19,9 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import PositionRows
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool
+from assistant.program.lines import ended_lines
 from assistant.program.path import configuration_row
+from assistant.program.program import Program
 from assistant.program.rewriting import rewrite
 from assistant.program.text import SourceText
 from assistant.program.wanted import Supplied, Value, Wanted
@@ -84,6 +86,30 @@ def _beginning(tree: s.File, before: s.File, given: Supplied) -> s.File:
     if not lines or first is None:
         return tree
     return replace(tree, items=(*tree.items[:first], *lines, *tree.items[first:]))
+
+
+def without_kept(program: Program, lift: Callable[[Sequence[s.File], Any], Program]) -> Program:
+    """A program without the tool and the base that parameters keep: a sister dialect keeps them."""
+    origin = program.origin
+    if origin is None or not any(_as_read(tree) is not tree for tree in origin.trees):
+        return program
+    trees = [_without_lines(tree) for tree in origin.trees]
+    lifted = lift(trees, origin.robot)
+    tables: dict[str, Any] = {
+        table: {n: x for n, x in getattr(program, table).items() if n in getattr(lifted, table)}
+        for table in ("tools", "frames")
+    }
+    return replace(lifted, signals=program.signals, entry=program.entry, **tables)
+
+
+def _without_lines(tree: s.File) -> s.File:
+    """A tree as its file has it, without the values of what parameters keep."""
+    if _as_read(tree) is tree or tree.source is None:
+        return tree
+    names = tuple(f"{kept_as(name)}=" for name in KEPT.values())
+    lines = ended_lines(tree.source.text)
+    text = "".join(line for line in lines if not line.startswith(names))
+    return parse(replace(tree.source, text=text), tree.dialect)
 
 
 def _as_read(tree: s.File) -> s.File:
