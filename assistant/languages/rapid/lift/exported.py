@@ -35,7 +35,12 @@ from assistant.languages.rapid.lift.told.calls import call_of, is_text, lifted
 from assistant.languages.rapid.lift.told.declarations import with_needed_declarations
 from assistant.languages.rapid.lift.told.errors import with_errors
 from assistant.languages.rapid.lift.told.held import with_held_moves
-from assistant.languages.rapid.lift.told.interrupts import with_interrupts, with_own_waits
+from assistant.languages.rapid.lift.told.interrupts import (
+    BROKEN_OFF,
+    with_interrupts,
+    with_moves_broken_off,
+    with_own_waits,
+)
 from assistant.languages.rapid.lift.told.left_out import (
     INSTRUCTIONS,
     NO_AXES,
@@ -124,6 +129,7 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
         losses = dict(INSTRUCTIONS)
         if "eoffsoff" not in nothing and not has_external_axes(program):
             losses |= dict.fromkeys(("eoffsset", "eoffson", "eoffsoff"), NO_AXES)
+        program = with_moves_broken_off(program)
         program = exchanged(program, lambda node: _told(node, nothing, losses, findings))
         program, early = with_active(program)
         findings += [rules.BEFORE_MOVES(span=span) for span in dict.fromkeys(early)]
@@ -243,7 +249,7 @@ def _told(
     loss = losses.get(key) or losses.get(key.split(" ")[0])
     if key in nothing:
         return
-    if loss is None:
+    if loss is None or node.reason == BROKEN_OFF:
         yield node
     else:
         with findings.at(node.span):

@@ -29,6 +29,7 @@ from assistant.program.analysis.interrupts import interrupts
 from assistant.program.analysis.signals import with_used
 from assistant.program.analysis.uses import called as calls_of
 from assistant.program.analysis.uses import declared, names_in
+from assistant.program.contents import everywhere
 from assistant.program.diagnostics import Findings
 from assistant.program.program import (
     Procedure,
@@ -39,7 +40,7 @@ from assistant.program.program import (
     identifier,
     walk,
 )
-from assistant.program.rewriting import Body, exchanged, records, rewrite
+from assistant.program.rewriting import Body, exchanged, map_bodies, records, rewrite
 
 Call = Called[s.Expression]
 LEVELS: Final = {"low": 0.0, "high": 1.0, "edge": 2.0}
@@ -48,6 +49,11 @@ _SIDES: Final = {f"isignal{letters[-2:]}": signal for letters, signal in SIGNALS
 """By the instruction in lower case, what its signal is."""
 _ONE: Final = frozenset(("idelete", "isleep", "iwatch"))
 _ALL: Final = {"idisable": "off", "ienable": "on"}
+BROKEN_OFF: Final = e.Reason(
+    "the move that the interrupt came in is not made to its end, and the program goes on",
+    "end the cycle behind it with ExitCycle, or search with SearchL",
+)
+_CLEARS: Final = re.compile(r"ClearPath\b", re.IGNORECASE)
 _RAISES: Final = re.compile(r"\bRAISE\b", re.IGNORECASE)
 _ORDERS: Final = frozenset((*_SIDES, "itimer", "ipers"))
 
@@ -310,6 +316,30 @@ class _Telling:
             then = inner if counts is None else (p.If((p.Branch(counts, inner),)),)
             self.procedures.append(Procedure(name, (*made.watch.noted, *then), span=node.span))
         return name
+
+
+def with_moves_broken_off(program: Program) -> Program:
+    """The program in which `ClearPath` stays where an interrupt does not end the cycle with it.
+
+    Elsewhere the arm would go on to the end of the move that the interrupt came in.
+    """
+    going_on = {
+        one.call.procedure.lower() for one in everywhere(program, p.Interrupt) if one.ends is None
+    }
+    inside = _inside(program, going_on)
+
+    def body(statements: Body) -> Body:
+        return tuple(
+            replace(node, reason=BROKEN_OFF)
+            if isinstance(node, p.Opaque) and _CLEARS.match(node.text)
+            else map_bodies(node, body)
+            for node in statements
+        )
+
+    procedures = (
+        replace(q, body=body(q.body)) if q.name.lower() in inside else q for q in program.procedures
+    )
+    return replace(program, procedures=tuple(procedures)) if inside else program
 
 
 def with_own_waits(program: Program) -> Program:
