@@ -176,7 +176,7 @@ def _translated(task: Task, options: Options) -> Translated:
     source: str | Loaded = name
     if name == STANDARD:
         source = _standard_input(options)
-    elif len(task.files) > 1:
+    elif len(task.files) > 1 or task.findings:
         arm = robot_of(options.from_robot)
         source = load_task(task, process=options.process, robot=arm)
     translation = translate(

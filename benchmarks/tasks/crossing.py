@@ -90,7 +90,7 @@ def _crossed(task: Task, how: Crossing) -> dict[str, Any]:
 
 
 def _loaded(task: Task, robot: Robot | None) -> Loaded:
-    if len(task.files) == 1:
+    if len(task.files) == 1 and not task.findings:
         return load(task.files[0], robot=robot, language=task.language)
     return load_task(task, robot=robot)
 

@@ -81,6 +81,7 @@ def test_what_tasks_share_is_one_variable_of_all_programs(tmp_path: Path) -> Non
     counting, waiting = map(text_of, done)
     assert "M_00=M_00+1" in counting and 'C_00$="full"' in counting
     assert "M_00=3" in counting and 'C_00$="none"' in counting
+    assert "Def Float M_00" not in waiting
     assert "M_00=3" not in waiting and "M_Out16(2)=M_00" in waiting
     assert "Mparts" in waiting  # the parameter of that name
 

@@ -20,7 +20,7 @@ from assistant.languages.melfa_basic.lower.statements import STATEMENTS
 from assistant.languages.melfa_basic.lower.writer import Writer
 from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, LAST_STEP
-from assistant.languages.melfa_basic.tables.variables import LETTERS
+from assistant.languages.melfa_basic.tables.variables import LETTERS, is_of_controller
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import PositionRows
 from assistant.languages.melfa_basic.tree.line_tables import gathered
@@ -168,6 +168,8 @@ class UnitLines(Writer):
             if not isinstance(variable, Variable):
                 continue
             whole = _whole(self.names.variables[owner, name.lower()])
+            if is_of_controller(whole.name):
+                continue
             shared = not owner or variable.initial is not None  # which it gets in the first one
             if variable.size:
                 extents = tuple(s.Number(n) for n in variable.size)

@@ -67,6 +67,11 @@ def is_external(name: str, variable: Variable) -> bool:
     )
 
 
+def is_of_controller(name: str) -> bool:
+    """Whether every controller has an external variable of that name, which nobody declares."""
+    return re.fullmatch(r"[PJMC]_([01][0-9]|10[0-4])", name.upper()) is not None
+
+
 PARAMETERS: Final = {"Tool": "MEXTL{number}", "Base": "WK{number}CORD"}
 """Parameters that hold the tool and the work coordinates of a number (manual CR1D: Tool, Base)."""
 
