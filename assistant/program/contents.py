@@ -6,9 +6,10 @@ have. Here they learn that at once, and where those stand, without a look throug
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import chain
 from typing import Any, TypeVar
+from weakref import ReferenceType, ref
 
 from assistant.program.expressions import Name, Verbatim
 from assistant.program.kept import effect_of
@@ -50,6 +51,21 @@ def contents(procedure: Procedure) -> Contents:
         procedure.known.append(Contents(procedure.body))
     found: Contents = procedure.known[0]
     return found
+
+
+def once(work: Callable[[Program], T]) -> Callable[[Program], T]:
+    """What is worked out of a program, once for the one that was asked about last."""
+    last: list[tuple[ReferenceType[Program], T]] = []
+
+    def remembered(program: Program) -> T:
+        for asked, found in last:
+            if asked() is program:
+                return found
+        found = work(program)
+        last[:] = [(ref(program), found)]
+        return found
+
+    return remembered
 
 
 def saying(where: Program | Procedure, *kinds: type[T]) -> Iterator[tuple[Statement, list[T]]]:

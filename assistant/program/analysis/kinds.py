@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections import ChainMap
 from collections.abc import Mapping
 from typing import Final
-from weakref import ReferenceType, ref
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.contents import all_of
+from assistant.program.contents import all_of, once
 from assistant.program.program import Procedure, Program, ValueType
 
 Kinds = Mapping[str, str]
@@ -41,11 +40,9 @@ def kinds(program: Program, procedure: Procedure) -> Kinds:
     return ChainMap(known, shared) if known else shared
 
 
+@once
 def _shared(program: Program) -> dict[str, str]:
-    """What all procedures see; kept of the program that was asked for last."""
-    for asked, known in _LAST:
-        if asked() is program:
-            return known
+    """What all procedures see."""
     known = {q.name.lower(): str(q.result) for q in program.procedures if q.result is not None}
     for table, kind in (
         (program.targets, "position"),
@@ -54,11 +51,7 @@ def _shared(program: Program) -> dict[str, str]:
     ):
         known |= {n.lower(): kind for n in table}
     known |= {n.lower(): v.type for n, v in program.variables.items()}
-    _LAST[:] = [(ref(program), known)]
     return known
-
-
-_LAST: Final[list[tuple[ReferenceType[Program], dict[str, str]]]] = []
 
 
 def of_operation(operator: str, left: ValueType, right: ValueType) -> ValueType:

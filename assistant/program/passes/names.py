@@ -8,9 +8,10 @@ from typing import Any, Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.contents import all_of
 from assistant.program.geometry import BASE, FLANGE
 from assistant.program.passes.legalising import Legalising
-from assistant.program.program import Procedure, Program, identifier, walk
+from assistant.program.program import Procedure, Program, identifier
 from assistant.program.rewriting import rewrite
 
 FIELDS: Final[dict[type, tuple[str, ...]]] = {
@@ -74,8 +75,10 @@ class Names:
 
 def free_counters(program: Program, procedure: Procedure) -> tuple[str, ...]:
     """Variables of a procedure's loops that are declared nowhere, once each."""
+    loops = [loop.variable for loop in all_of(procedure, p.For)]
+    if not loops:
+        return ()
     declared = {v.lower() for v in (*program.variables, *procedure.variables)}
-    loops = (x.variable for x in walk(procedure.body) if isinstance(x, p.For))
     found: dict[str, str] = {}
     for name in loops:
         if name.lower() not in declared:

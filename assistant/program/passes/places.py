@@ -10,10 +10,11 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.lengths import lengths
 from assistant.program.analysis.pulses import doubtful_pulses
+from assistant.program.contents import once
 from assistant.program.motion import Blend, Speed
 from assistant.program.passes.legalising import Legalising, Outputs
 from assistant.program.passes.motions import meant
-from assistant.program.program import Procedure, Program
+from assistant.program.program import Procedure, Program, Variable
 from assistant.program.rewriting import Body, map_bodies
 
 DECIMALS: Final = 3
@@ -61,16 +62,31 @@ def sets_on_way(program: Program) -> bool:
     return any(isinstance(x, p.MoveStatement) and x.triggers for x in program.statements())
 
 
-def constants(program: Program, procedure: Procedure) -> dict[str, e.Number]:
+def constants(program: Program, procedure: Procedure) -> Mapping[str, e.Number]:
     """Numbers of the constants that a procedure sees, by lower-case name."""
+    shared = _shared_constants(program)
+    own = {parameter.name.lower() for parameter in procedure.parameters}
+    own |= {name.lower() for name in procedure.variables}
+    if not own:
+        return shared
+    found = {name: value for name, value in shared.items() if name not in own}
     hidden = {parameter.name.lower() for parameter in procedure.parameters}
-    found: dict[str, e.Number] = {}
-    for table in (program.variables, procedure.variables):
-        for name, variable in table.items():
-            found.pop(name.lower(), None)
-            if variable.storage == "constant" and isinstance(variable.initial, e.Number):
-                found[name.lower()] = variable.initial
-    return {name: value for name, value in found.items() if name not in hidden}
+    found |= {k: v for k, v in _numbers(procedure.variables).items() if k not in hidden}
+    return found
+
+
+@once
+def _shared_constants(program: Program) -> dict[str, e.Number]:
+    return _numbers(program.variables)
+
+
+def _numbers(variables: Mapping[str, Variable]) -> dict[str, e.Number]:
+    """Of those that are constants, by lower-case name."""
+    return {
+        name.lower(): one.initial
+        for name, one in variables.items()
+        if one.storage == "constant" and isinstance(one.initial, e.Number)
+    }
 
 
 def plain(value: e.Expression, numbers: Mapping[str, e.Number]) -> e.Expression:

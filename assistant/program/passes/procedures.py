@@ -10,6 +10,7 @@ from typing import Final
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.assignment import Assigning
+from assistant.program.analysis.circles import circular
 from assistant.program.analysis.uses import called
 from assistant.program.contents import all_of
 from assistant.program.geometry import IDENTITY, Configuration, JointTarget, Target
@@ -145,19 +146,10 @@ def recursive(program: Program) -> Iterator[Procedure]:
     The counter of a loop is a variable of its procedure, unless the program has one of that name.
     """
     shared = {name.lower() for name in program.variables}
-    calls = {q.name.lower(): set(called(q)) for q in program.procedures}
+    again = circular({q.name.lower(): set(called(q)) for q in program.procedures})
     for procedure in program.procedures:
-        loops = (loop.variable.lower() for loop in all_of(procedure, p.For))
-        own = procedure.variables or any(counter not in shared for counter in loops)
-        if not has_form(procedure) and not own:
+        if procedure.name.lower() not in again:
             continue
-        name = procedure.name.lower()
-        reached: set[str] = set()
-        pending = list(calls[name])
-        while pending:
-            callee = pending.pop()
-            if callee in calls and callee not in reached:
-                reached.add(callee)
-                pending += calls[callee]
-        if name in reached:
+        loops = (loop.variable.lower() for loop in all_of(procedure, p.For))
+        if has_form(procedure) or procedure.variables or any(x not in shared for x in loops):
             yield procedure

@@ -70,7 +70,8 @@ def named(w: Writer) -> Iterator[tuple[str, dict[str, str], list[str]]]:
 
 
 def _declared(w: Writer, owner: str, name: str, variable: Variable | Parameter) -> headers.Declared:
-    whose = next((p.name for p in w.program.procedures if p.name.lower() == owner), "")
+    procedure = w.program.procedure(owner)
+    whose = "" if procedure is None else procedure.name
     if isinstance(variable, Parameter):
         extents = (0,) * variable.dimensions
         return headers.Declared(name, variable.type, "parameter", whose, size=extents)

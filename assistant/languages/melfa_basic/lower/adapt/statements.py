@@ -51,7 +51,7 @@ class Plain(Rewording):
         super().__init__(job)
         self.dialect, self.products, self.five_axes = dialect, products, job.can.five_axes
         self.written, self.motions = Written(job, positions(robot)), ByValue(job, motions(robot))
-        self.constants: dict[str, e.Number] = {}
+        self.constants: Mapping[str, e.Number] = {}
 
     def program(self) -> Program:
         program, written = self.job.program, self.written

@@ -14,7 +14,7 @@ from itertools import product
 from typing import Any, Final
 
 from assistant.languages.rapid.lift.plain.assigning import names_in
-from assistant.languages.rapid.lift.plain.changing import calls_of, reaches
+from assistant.languages.rapid.lift.plain.changing import calls_of, repeated
 from assistant.languages.rapid.lift.plain.layouts import Layouts
 from assistant.languages.rapid.lift.plain.optional import nothing_of
 from assistant.languages.rapid.tree import syntax as s
@@ -41,12 +41,12 @@ def with_shared_arrays(modules: Sequence[s.Module], layouts: Layouts) -> Sequenc
     every = list(nodes(tuple(modules)))
     taken = TakenNames(one.name for one in every if isinstance(one, _NAMING))
     taken.update(one.variable for one in every if isinstance(one, s.ForLoop))
-    calls = calls_of(routines)
+    again = repeated(calls_of(routines))
     made = []
     for module in modules:
         changed: list[s.Item] = []
         for item in module.items:
-            if isinstance(item, s.Routine) and not reaches(calls, item.name.lower()):
+            if isinstance(item, s.Routine) and item.name.lower() not in again:
                 data, item = _shared(item, given, layouts, taken)
                 changed += data
             changed.append(item)

@@ -10,6 +10,7 @@ from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes, root
 from assistant.languages.signatures import Parameter
+from assistant.program.analysis.circles import circular
 
 Routines = Mapping[str, Sequence[s.Routine]]
 """Those of a program by lower-case name."""
@@ -30,18 +31,9 @@ def _called(routine: s.Routine) -> set[str]:
     }
 
 
-def reaches(calls: Mapping[str, set[str]], routine: str) -> bool:
-    """Whether a routine may be called again while it runs."""
-    seen: set[str] = set()
-    pending = [routine]
-    while pending:
-        for name in calls.get(pending.pop(), ()):
-            if name in ("", routine):
-                return True
-            if name not in seen:
-                seen.add(name)
-                pending.append(name)
-    return False
+def repeated(calls: Mapping[str, set[str]]) -> frozenset[str]:
+    """Routines that may be called again while they run; a name that is worked out may be any."""
+    return circular({**calls, "": frozenset(calls)})
 
 
 def assigned(routine: s.Routine) -> set[str]:

@@ -19,7 +19,7 @@ from typing import Any, Final
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.plain.called import Called, Given, Handed
 from assistant.languages.rapid.lift.plain.callers import STARTS, Callers
-from assistant.languages.rapid.lift.plain.changing import Changes, calls_of, reaches
+from assistant.languages.rapid.lift.plain.changing import Changes, calls_of, repeated
 from assistant.languages.rapid.lift.plain.late_names import takes
 from assistant.languages.rapid.lift.plain.layouts import SETTINGS, Layouts
 from assistant.languages.rapid.lift.plain.substituting import (
@@ -69,6 +69,7 @@ class _Copies:
             if isinstance(item, s.Routine):
                 found.setdefault(item.name.lower(), []).append(item)
         self.calls = calls_of(found)
+        self.again = repeated(self.calls)
         self.routines = {
             name: Called.of(own[0], parameters)
             for name, own in found.items()
@@ -107,7 +108,7 @@ class _Copies:
         """Those that copies have not; none if one of the routine cannot be told."""
         if routine.kind == "TRAP":
             return ()
-        again = reaches(self.calls, routine.name.lower())
+        again = routine.name.lower() in self.again
         found: list[Handed] = []
         place = 0
         for group in routine.parameters:
