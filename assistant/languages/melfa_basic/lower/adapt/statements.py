@@ -6,7 +6,7 @@ Truth values are numbers, and `not` is turned into its opposite: the language's 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
