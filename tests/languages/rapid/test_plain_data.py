@@ -148,6 +148,26 @@ CASES = {
         other.trans.x:=2;
       ENDWHILE
     ENDPROC""",
+    "a frame through three positions": """VAR robtarget a;
+    VAR robtarget b;
+    VAR robtarget c;
+    PROC main()
+      a:=p10;
+      b:=Offs(p10,20,15,5);
+      c:=Offs(p10,5,30,-10);
+      seen DefFrame(a,b,c);
+      seen DefFrame(a,b,c\\Origin:=2);
+      seen DefFrame(a,b,c\\Origin:=3);
+      b:=Offs(p10,0,0,-40);
+      seen DefFrame(a,b,c);
+    ENDPROC
+    PROC seen(pose at)
+      VAR robtarget there;
+      there:=p10;
+      there.trans:=at.trans;
+      there.rot:=at.rot;
+      MoveJ there,v100,fine,tGrip;
+    ENDPROC""",
     "aliases": """ALIAS num count;
     ALIAS size format;
     VAR count n:=3;

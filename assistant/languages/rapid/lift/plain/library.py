@@ -40,6 +40,8 @@ DIGITS: Final = {"hour": 1, "min": 4, "sec": 7}
 DIGITS_OF: Final = {"hex": (16, 2), "okt": (8, 3), "bin": (2, 8)}
 """By option of ByteToStr and StrToByte: the base, and how many digits a byte has (manual)."""
 MOST_OF_BYTE: Final = 255
+FRAME: Final = "frame_through"
+"""What DefFrame is here."""
 MOST_WHOLE: Final = 1 << 23
 """Up to here a number of 32 bits has every whole one."""
 PART: Final = "part_of_turn"
@@ -54,6 +56,7 @@ _ASKING: Final = frozenset(
     (
         *SAME, *TO_PLACES, *BITS, "bitneg", "eulerzyx", "strtoval", "strfind", "distance",
         "numtostr", "strtobyte", "bytetostr", "gettime", "dectohex", "hextodec",
+        "defframe",
     )
 )  # fmt: skip
 
@@ -198,6 +201,8 @@ def _with_options(
         case "eulerzyx", (turn,), one if len(one) == 1 and typed.whole_turn(turn) is None:
             (axis,) = one
             return call_of(ANGLES[axis], turn) if axis in ANGLES else None
+        case "defframe", (a, b, c), {"origin": s.Node() as origin, **rest} if not rest:
+            return call_of(FRAME, a, b, c, origin)
         case "gettime", (), one if len(one) == 1 and (first := DIGITS.get(*one)) is not None:
             return call_of("two_digits", s.FunctionCall("CTime", ()), s.NumberLiteral(str(first)))
         case "strtobyte", (text,), {"char": None, **rest} if not rest:
@@ -296,6 +301,7 @@ _PLAIN: Final[Mapping[str, Callable[[Typed, Given], s.Expression | None]]] = {
     "dectohex": lambda _, given: _to_digits(_from_digits(given[0], 10, MOST_WHOLE), 16, 1),
     "hextodec": lambda _, given: _to_digits(_from_digits(given[0], 16, MOST_WHOLE), 10, 1),
     "valtostr": _shown,
+    "defframe": lambda _, given: call_of(FRAME, *given, s.NumberLiteral("1")),
     "strfind": lambda _, given: call_of("one_found", *given, s.BoolLiteral(False)),
     "bitneg": lambda _, given: s.Group(s.Infix("-", s.NumberLiteral("255"), s.Group(given[0]))),
     **{name: _bits(name) for name in BITS},
