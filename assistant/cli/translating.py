@@ -104,7 +104,7 @@ def run_translate(
             raise Refused(NO_FILE_NAME(name=path), exit_status=2)
     options.check()
     answers = Answers()
-    tasks = _tasks(programs, options.from_language, answers)
+    tasks = _tasks(programs, options, output, answers)
     done = _all_translated(tasks, options, answers)
     if options.cell is not None and ask and _asked(options.cell, done):
         answers = Answers()
@@ -151,18 +151,22 @@ def run_translate(
     return status
 
 
-def _tasks(programs: Sequence[str], language: str | None, answers: Answers) -> tuple[Task, ...]:
+def _tasks(
+    programs: Sequence[str], options: Options, output: str, answers: Answers
+) -> tuple[Task, ...]:
     """What of the files, and of those in folders, is one program each."""
-    from assistant.compiler.folders import programs_in
+    from assistant.compiler.folders import Output, programs_in
     from assistant.compiler.tasks import tasks_of
 
     found: dict[str, None] = {}
+    language, made = options.from_language, Output(output, options.to)
     for program in programs:
         if program == STANDARD or not is_folder(program):
             found[program] = None
         else:
             with answers.of(program):
-                found |= dict.fromkeys(programs_in(program, language, answers.refusals.append))
+                told = answers.refusals.append
+                found |= dict.fromkeys(programs_in(program, language, told, made))
     return tasks_of(list(found), language)
 
 

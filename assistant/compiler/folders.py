@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Any, Final
 
@@ -24,18 +25,39 @@ EMPTY: Final = "empty"
 STRANGE: Final = "nothing that looks like a robot program"
 COPY: Final = "what a project keeps as a copy of a program"
 NO_TEXT: Final = "what a controller makes of a program, which is no text"
+WRITTEN: Final = "what stands in the folder that is written to"
 MOST_NAMED: Final = 3
 """Files of one reason that are named."""
 
 Told = Callable[[Diagnostic], None]
 
 
-def programs_in(path: str, language: str | None = None, told: Told | None = None) -> Iterator[str]:
+@dataclass(frozen=True, slots=True)
+class Output:
+    """Where programs of a language are written to: what a run before has left there."""
+
+    folder: str
+    language: str
+
+    def holds(self, file: str, language: Language[Any], searched: str) -> bool:
+        """Whether a file of any version of it is in this folder, inside the searched one."""
+        here, whole = FilePath(self.folder).resolve(), FilePath(searched).resolve()
+        inside = whole in here.parents and here in FilePath(file).resolve().parents
+        suffixes = languages.get(self.language).suffixes
+        return inside and not set(suffixes).isdisjoint(language.suffixes)
+
+
+def programs_in(
+    path: str,
+    language: str | None = None,
+    told: Told | None = None,
+    output: Output | None = None,
+) -> Iterator[str]:
     """The file itself, or the robot programs of a folder and the folders in it.
 
     Hidden folders are left aside, files that do not look like a program, and in a folder with
-    texts of programs copies of them; told: is given a finding for each reason. Raises Refused if
-    there is none.
+    texts of programs copies of them; told: is given a finding for each reason. output: what is
+    no source as it was written there. Raises Refused if there is none.
     """
     if not is_folder(path):
         yield path
@@ -44,7 +66,7 @@ def programs_in(path: str, language: str | None = None, told: Told | None = None
     suffixes = {suffix for one in spoken for suffix in one.suffixes}
     found, left = list[str](), dict[str, str]()
     for file in files_in(path, suffixes):
-        why = "" if language else _why_not(file, spoken)
+        why = "" if language else _why_not(file, spoken, path, output)
         if why:
             left[file] = why
         else:
@@ -67,7 +89,7 @@ def _shown(folder: str, left: Mapping[str, str], why: str) -> str:
     return f"{shown} and {more} more" if more > 0 else shown
 
 
-def _why_not(file: str, spoken: list[Language[Any]]) -> str:
+def _why_not(file: str, spoken: list[Language[Any]], searched: str, output: Output | None) -> str:
     """Why a file of a folder is no program of it, empty if it is one."""
     try:
         data = read_bytes(file, allow_empty=True)
@@ -78,4 +100,6 @@ def _why_not(file: str, spoken: list[Language[Any]]) -> str:
         return STRANGE if data.strip() else EMPTY
     if any(one.begins and data.startswith(one.begins) for one in spoken):
         return NO_TEXT
+    if output is not None and output.holds(file, language, searched):
+        return WRITTEN
     return COPY if language.is_copy(FilePath(file)) else ""

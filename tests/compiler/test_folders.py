@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import assistant
-from assistant.compiler.folders import programs_in
+from assistant.compiler.folders import Output, programs_in
 from assistant.program.diagnostics import Diagnostic, Refused
 
 PROGRAM = "Mvs P1\nEnd\nP1=(+400.00,+0.00,+300.00,+180.00,+0.00,+180.00)(7,0)\n"
@@ -84,3 +84,19 @@ def test_of_a_folder_with_several_programs_one_has_to_be_named(tmp_path: Path) -
     texts = {f"{n}.mod": MODULE.format(n, "main") for n in ("first", "second")}
     with pytest.raises(Refused, match="holds 2 programs"):
         assistant.translate(written(tmp_path, texts), to="melfa-basic-6")
+
+
+def test_what_was_written_into_a_folder_of_it_is_no_source(tmp_path: Path) -> None:
+    texts = {
+        "A.prg": "10 Hlt\n",
+        "out/A.prg": "10 Hlt\n",
+        "b.mod": "MODULE b\nPROC main()\nENDPROC\nENDMODULE\n",
+    }
+    folder = written(tmp_path, texts)
+    told: list[Diagnostic] = []
+    made = Output(str(tmp_path / "out"), "melfa-basic-6")
+    found = [Path(one) for one in programs_in(folder, None, told.append, made)]
+    assert found == [tmp_path / "A.prg", tmp_path / "b.mod"]
+    assert [(one.code, "`out/A.prg`" in one.message) for one in told] == [("CO308", True)]
+    inside = Output(folder, "melfa-basic-6")  # a program may be translated where it is
+    assert len(list(programs_in(folder, None, None, inside))) == 3
