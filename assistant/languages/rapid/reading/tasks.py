@@ -8,11 +8,11 @@ loaded by the system parameters.
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from pathlib import Path as FilePath
-from typing import Final
+from typing import Any, Final
 
-from assistant.languages.rapid.reading.shared_data import with_shared_data
-from assistant.languages.tasks import Configured, Loading, Texts
+from assistant.languages.tasks import Configured, Loading, Shared, Texts
 
 TASK_FOLDERS: Final = frozenset(("PROGMOD", "SYSMOD"))
 SYSTEM_FOLDER: Final = "SYSMOD"
@@ -48,4 +48,11 @@ def surroundings(module: FilePath, read: Texts) -> Configured:
     return stated(module, read)
 
 
-LOADING: Final = Loading("main", (".pgf",), shared, closed, loaded, with_shared_data)
+def _with_shared_data(tasks: Sequence[tuple[str, Sequence[Any]]]) -> list[Shared]:
+    """See `shared_data`, which knows the tree: only what loads several tasks asks for it."""
+    from assistant.languages.rapid.reading.shared_data import with_shared_data
+
+    return with_shared_data(tasks)
+
+
+LOADING: Final = Loading("main", (".pgf",), shared, closed, loaded, _with_shared_data)
