@@ -1,7 +1,8 @@
 """Instructions that move the arm and work with equipment: what each moves, and its signals.
 
-Application manuals Arc (3HAC050988), Spot (3HAC050979) and Dispense (3HAC050995); SpotWare
-(3HAC5726), DispenseWare (3HAC7802), RobotWare Paint.
+Arc as in its application manual (3HAC050988). What spot welding, dispensing and painting take, and
+in which order, is by memory of their manuals and by excerpts of public programs; it was not
+compared with the manuals themselves.
 """
 
 from __future__ import annotations

@@ -3,8 +3,8 @@ r"""Moves with a process: arc and spot welding, dispensing, painting.
 The equipment is outside of a run: it is told by outputs, and answers by inputs, whose names are
 those that a translation gives them too. An arc burns from the end of ArcLStart to that of ArcLEnd,
 and those moves stop (application manual Arc, 3HAC050988); a spot is welded where SpotL stands, by
-the program of the timer that its data begin with, until the gun is ready (application manual Spot,
-3HAC050979); a bead lasts from `DispL\On` to `DispL\Off` (DispenseWare, 3HAC7802).
+the program of the timer that its data begin with, until the gun is ready; a bead lasts from
+`DispL\On` to `DispL\Off`. Those two and painting are by memory of their manuals.
 """
 
 from __future__ import annotations

@@ -2,9 +2,9 @@ r"""Moves with a process: moves that other languages have too, and signals of th
 
 ArcLStart moves to the start of the seam and lights the arc there, ArcL and ArcC weld on, ArcLEnd
 welds up to the end and puts it out (application manual Arc, 3HAC050988). SpotL and SpotJ move,
-stop, and have the timer of the gun weld, which says when it is ready and the gun open
-(application manual Spot, 3HAC050979). DispL and DispC begin to dispense at their target with
-`\On` and end there with `\Off` (DispenseWare, 3HAC7802).
+stop, and have the timer of the gun weld, which says when it is ready and the gun open. DispL and
+DispC begin to dispense at their target with `\On` and end there with `\Off`. Spots, beads and
+brushes are by memory of their manuals.
 """
 
 from __future__ import annotations
