@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import re
 from pathlib import Path
 from string import Formatter
 
@@ -32,6 +33,16 @@ def found(folder: Path, code: str, text: str) -> set[str]:
 
 def test_every_rule_is_of_a_known_family() -> None:
     assert {code[:2] for code in rules()} == set(families())
+
+
+def test_no_rule_takes_the_name_of_another() -> None:
+    """The one above would be lost, and what finds it would say the one below."""
+    package = Path(inspect.getfile(Rule)).parents[1]
+    for file in package.rglob("*rules.py"):
+        names = re.findall(
+            r"^([A-Z_]+)(?:: Final)? = (?:error|warning|info)\(", file.read_text("utf-8"), re.M
+        )
+        assert len(names) == len(set(names)), file
 
 
 def test_there_are_pages_for_rules_only() -> None:

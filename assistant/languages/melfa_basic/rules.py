@@ -231,7 +231,7 @@ SLOT = info(
     "MB288", "the list of slots has `{name}` in slot {number}: {how}",
     "have the other controller start and repeat it that way",
 )  # fmt: skip
-HELD = warning(
+KEPT_BY_A_PARAMETER = warning(
     "MB289", "nothing sets the {what} of the program: the one is said that the parameter `{name}` "
     "held when its list was written",
     "see that no other program sets another one before it, or write `{word}` in front of the moves",

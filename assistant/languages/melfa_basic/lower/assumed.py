@@ -52,7 +52,7 @@ def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
     for word, number, of, default, plain, status in KEPT:
         set_at = [span for span, node in commands if _sets(node, word, status)]
         if None in set_at:
-            yield rules.HELD(word=word, what=word.lower(), name=PARAMETERS[word])
+            yield rules.KEPT_BY_A_PARAMETER(word=word, what=word.lower(), name=PARAMETERS[word])
         span = first_move(program, default, of)
         if span is not None and all(one is not None and one.start > span.start for one in set_at):
             how = "as it stands, like the texts that stay" if number in left else "with none"
