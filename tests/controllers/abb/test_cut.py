@@ -161,7 +161,9 @@ def test_an_exchange_that_is_cut_stops_the_robot_and_moves_it_once_at_most(tmp_p
     ends = [exchanged(tmp_path, cut, cut=cut)[0] for cut in places]
     # Where only a question was asked, nothing is stopped.
     told = [exchange.ended for exchange in ends if exchange is not None and exchange.ended]
-    assert len(told) > 1 and all("stands still" in ended for ended in told)
+    # On a busy computer more is asked, and the cut may fall into the stop itself, which tells so.
+    stopped = [ended for ended in told if "exchange_stop.txt" not in ended]
+    assert len(told) > 1 and stopped and all("stands still" in ended for ended in stopped)
 
 
 def test_an_exchange_whose_line_stays_cut_says_that_the_robot_may_move(tmp_path):

@@ -105,7 +105,7 @@ def test_a_repeating_program_ends_with_its_cycle(wire):
     wait_for(lambda: float(wire.ask("1;1;VALM1;M")[len("QoKM1=") :]) >= 2)
     assert bits(wire)[0] & 0x43 == 0x43
     assert wire.ask("1;1;CSTOP") == "QoK"
-    assert not runs(wire) or not bits(wire)[0] & 0x02
+    wait_for(lambda: not runs(wire) or not bits(wire)[0] & 0x02)
     wait_for(lambda: not runs(wire))
     assert state(wire)[15] == "REP"
 
