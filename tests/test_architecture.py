@@ -20,27 +20,28 @@ ROOMS: dict[str, frozenset[str]] = {
     "sources": frozenset({"program"}),
     "robots": frozenset({"program"}),
     "languages": frozenset({"program", "robots"}),
-    "checks": frozenset({"program", "robots"}),
+    "cell": frozenset({"program", "sources", "robots"}),
+    "checks": frozenset({"program", "robots", "cell"}),
     "virtual": frozenset({"program", "robots", "languages"}),
     "controllers": frozenset({"program", "sources"}),
     "deploy": frozenset({"program", "languages", "controllers"}),
     "compiler": frozenset(
         {
-            *("program", "sources", "robots", "languages", "checks"),
+            *("program", "sources", "robots", "cell", "languages", "checks"),
             *("virtual", "controllers", "deploy"),
         }
     ),
-    "findings": frozenset({"program", "sources", "robots", "languages", "compiler"}),
+    "findings": frozenset({"program", "sources", "robots", "cell", "languages", "compiler"}),
     "project": frozenset(
         {
-            *("program", "sources", "robots", "languages"),
+            *("program", "sources", "robots", "cell", "languages"),
             *("virtual", "controllers", "deploy", "compiler", "findings"),
         }
     ),
-    "report": frozenset({"program", "sources", "robots", "compiler", "findings"}),
+    "report": frozenset({"program", "sources", "robots", "cell", "compiler", "findings"}),
     "cli": frozenset(
         {
-            *("program", "sources", "robots", "languages", "checks"),
+            *("program", "sources", "robots", "cell", "languages", "checks"),
             *("virtual", "controllers", "deploy", "compiler", "findings", "report"),
             "project",
         }

@@ -13,6 +13,7 @@ from assistant.program.program import Program
 from assistant.program.system.budgets import MEANING, staged
 
 if TYPE_CHECKING:
+    from assistant.cell.scene import Scene
     from assistant.robots import SolvedProgram
 
 RULES: Final[tuple[Callable[[Program], Iterator[Diagnostic]], ...]] = (
@@ -28,12 +29,20 @@ def check(program: Program) -> tuple[Diagnostic, ...]:
     return fold(finding for rule in RULES for finding in rule(program))
 
 
-def with_robot(solution: SolvedProgram, *, cycle: float | None = None) -> tuple[Diagnostic, ...]:
+def with_robot(
+    solution: SolvedProgram, *, cycle: float | None = None, scene: Scene | None = None
+) -> tuple[Diagnostic, ...]:
     """Findings of the rules about how a robot gets through a program.
 
-    cycle: seconds between two places that the controller commands; None for what is known of it.
+    scene: the cell that it stands in, None if nobody has told of one. cycle: seconds between two
+    places that the controller commands; None for what is known of it.
     What cannot be reached at all are findings of the solution itself.
     """
     from assistant.checks import robot_rules
 
-    return robot_rules.check(solution, cycle)
+    found = robot_rules.check(solution, cycle)
+    if scene is None:
+        return found
+    from assistant.checks.clearances import clearances
+
+    return (*found, *fold(clearances(solution, scene)))

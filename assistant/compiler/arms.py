@@ -11,6 +11,7 @@ from assistant.program.program import Program
 from assistant.program.wanted import SAME_ARM
 
 if TYPE_CHECKING:
+    from assistant.cell.scene import Scene
     from assistant.compiler.loading import Loaded
     from assistant.robots import Robot
 
@@ -28,13 +29,15 @@ class Arms:
     """robot: the arm that was named to run a program. written_for: where the program does not
     say it, the one that it was written for; each None if nobody has named it. joint_speed: mm/s
     of joint moves that state a percentage which nothing else makes a speed of, None for none.
-    same: joint angles count for the arm that runs the program, whichever it is.
+    same: joint angles count for the arm that runs the program, whichever it is. scene: the cell
+    that it stands in, None if none is told.
     """
 
     robot: Robot | None = None
     written_for: Robot | None = None
     joint_speed: float | None = None
     same: bool = False
+    scene: Scene | None = None
 
 
 def robot_of(robot: str | Robot | None) -> Robot | None:

@@ -213,7 +213,7 @@ def compile_program(
         passed("with-configurations", solution.program)
         program, changed = at_the_pace(solution, before, taught, target.joint_percent)
         passed("at-the-pace", program)
-        solved = (*solution.findings, *with_robot(solution))
+        solved = (*solution.findings, *with_robot(solution, scene=arms.scene))
         findings += (*at_moves(solved, solution.program, places), *changed)
     if arms.joint_speed is not None and not target.joint_percent:
         program, changed = at_a_speed(program, arms.joint_speed)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Final, Literal
 
@@ -55,6 +55,7 @@ class Robot:
     coupling: degrees that axis 3 of the chain turns with one degree of J2; -1 where a parallel
     rod keeps the forearm level, so that the maker counts J3 from the floor and not from the
     upper arm.
+    radii: (a + 1,) mm of the capsules that stand for base and links, from the lengths of the arm.
     unconfirmed: fields whose figures no source at hand confirms.
     findings: what is assumed because the file that it was read from does not say it.
     """
@@ -80,6 +81,7 @@ class Robot:
     time_to_speed: float | None = None
     light: float = 0.0
     coupling: float = 0.0
+    radii: Floats = field(default_factory=lambda: np.zeros(0))
     findings: tuple[Diagnostic, ...] = ()
 
     @property
@@ -305,6 +307,15 @@ class Robot:
         """
         return self.arm.points(self.chained(joints))
 
+    def link_frames(self, joints: ArrayLike) -> tuple[Floats, Floats]:
+        """(n, a) joints → the frames of the links behind the axes and of the flange, in the base.
+
+        Their origins (n, a + 1, 3) mm and rotations (n, a + 1, 3, 3). A link's frame lies on its
+        axis, where the chain of the arm has it.
+        """
+        found = self.arm.whole_chain.along(self.chained(joints))
+        return found.origins, found.frames
+
     def chained(self, joints: ArrayLike) -> Floats:
         """(n, a) joints → values of the arm's chain: radians, mm for an axis that slides."""
         values = self._joints(joints) + self.zero
@@ -380,6 +391,21 @@ class Robot:
         joints[~good] = np.nan
         return joints
 
+
+def usual_radii(axes: int, reach: float) -> Floats:
+    """(a + 1,) mm of capsules about the base and the links of an arm that nobody has measured.
+
+    Linear in the reach and thicker than the arms of the catalogue look; no drawing was measured.
+    """
+    share = np.interp(np.linspace(0.0, 1.0, axes + 1), np.linspace(0.0, 1.0, 7), SHARES)
+    more = np.interp(np.linspace(0.0, 1.0, axes + 1), np.linspace(0.0, 1.0, 7), MORE)
+    return np.asarray(np.ceil(share * reach + more))
+
+
+SHARES: Final = (0.16, 0.15, 0.09, 0.085, 0.075, 0.05, 0.03)
+"""Of the reach, base to last link of an arm of six axes."""
+MORE: Final = (15.0, 15.0, 18.0, 15.0, 12.0, 14.0, 12.0)
+"""mm."""
 
 IN_LINE: Final = 0.05
 """degrees of axis 5 below which the angles of axes 4 and 6 mean nothing by themselves."""

@@ -22,7 +22,7 @@ from assistant.robots.arms.lengths import Lengths
 from assistant.robots.arms.scara import Scara
 from assistant.robots.arms.serial import Serial
 from assistant.robots.arms.six_axis import SixAxis
-from assistant.robots.robot import Robot
+from assistant.robots.robot import Robot, usual_radii
 
 NO_TOML = error(
     "RB001", "the robot file is no TOML: {reason}", "compare it with a file of the catalogue"
@@ -156,6 +156,7 @@ class _Reader:
             coupling=coupling,
             payload=payload,
             reach=reach,
+            radii=self.radii(arm, reach),
             counts="quadrants" if counts == "quadrants" else "turns",
         )
 
@@ -243,6 +244,21 @@ class _Reader:
         if kind == FiveAxis.kind and (values["a1"] or values["a3"]):
             self.wrong("lengths_mm", "has an a1 or a3, which an arm of five axes cannot have")
         return (FiveAxis if kind == FiveAxis.kind else SixAxis)(Lengths(**values))
+
+    def radii(self, arm: Arm, reach: float) -> Floats:
+        """(a + 1,) mm of the capsules about base and links; by the reach if nothing is said."""
+        values = usual_radii(len(arm.axes), reach)
+        table = self.table.get("radii_mm", {})
+        names = ("base", *arm.axes)
+        if not isinstance(table, dict):
+            self.wrong("radii_mm", "is no table of base and axes")
+            table = {}
+        self.unknown(table, "radii_mm.", names)
+        for place, name in enumerate(names):
+            if name in table:
+                values[place] = self.number(table, name, f"radii_mm.{name}", least=1e-9)
+        values.setflags(write=False)
+        return values
 
     def coupling(self, arm: Arm) -> float:
         """How axis 3 turns with J2; 0 if nothing is said."""
@@ -370,7 +386,7 @@ class _Reader:
 FIELDS: Final = (
     "name", "title", "maker", "controller", "languages", "arm", "configuration", "payload_kg",
     "reach_mm", "tcp_speed_mm_s", "repeatability_mm", "coupling", "source", "unconfirmed",
-    "lengths_mm", "axes_deg", "axes_mm", "links", "time_to_speed_s", "time_to_speed_kg",
+    "lengths_mm", "axes_deg", "axes_mm", "links", "radii_mm", "time_to_speed_s", "time_to_speed_kg",
 )  # fmt: skip
 NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
 """The name of a robot, as a comment in a program of any language carries it."""

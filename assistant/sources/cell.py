@@ -60,6 +60,8 @@ TABLES: Final[Mapping[WantedKind, str]] = {
 }  # fmt: skip
 OWN: Final = ("speeds", "blends", "positions", "data", "routines", "records", "arms")
 """Tables that a process file has not."""
+WORLD: Final = ("world", "robots", "bodies")
+"""Tables of the same file that `assistant.cell` reads."""
 ENTRIES: Final = tuple(dict.fromkeys(TABLES.values()))
 
 
@@ -175,7 +177,7 @@ def parse_cell(source: SourceText) -> Cell:
             value = _entry(table, entry, types, name.lower())
             if value is not None:
                 given[table, name.lower()] = value
-    process = process_in(rest, OWN)  # raises what the tables above have found as well
+    process = process_in(rest, (*OWN, *WORLD))  # raises what the tables above have found as well
     return Cell(process, given, types, frozenset(known), frozenset(opened), source.text)
 
 

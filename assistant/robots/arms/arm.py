@@ -8,12 +8,16 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import ClassVar, Final
+from functools import cached_property
+from typing import TYPE_CHECKING, ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program.arrays import Floats, Rows, Truths
+
+if TYPE_CHECKING:
+    from assistant.robots.arms.chain import Chain
 
 CLOSING: Final = 1e-5
 """mm and degrees within which forward kinematics must come back to a pose."""
@@ -122,6 +126,14 @@ class Arm(ABC):
     @abstractmethod
     def links(self) -> tuple[Link, ...]:
         """The same chain by the standard parameters of Denavit and Hartenberg."""
+
+    @cached_property
+    def whole_chain(self) -> Chain:
+        """The same as joints from the base, for the frames of its links."""
+        from assistant.robots.arms.chain import Chain
+
+        links = self.links()
+        return Chain.of_links(links, [(-np.pi, np.pi)] * len(links))
 
     def miss(self, joints: Floats, quaternions: Floats) -> Floats:  # noqa: ARG002 - of some
         """(n,) degrees that the arm cannot turn its flange by to quaternions (n, 4).

@@ -37,12 +37,17 @@ class Along:
     """What n values of a chain of a joints lead to.
 
     origins: (n, a + 1, 3) mm of the joints and the flange. axes: (n, a, 3) unit vectors.
-    turns: (n, 3, 3) rotations of the flange.
+    frames: (n, a + 1, 3, 3) rotations of the links behind the joints, and of the flange.
     """
 
     origins: Floats
     axes: Floats
-    turns: Floats
+    frames: Floats
+
+    @property
+    def turns(self) -> Floats:
+        """(n, 3, 3) rotations of the flange."""
+        return self.frames[:, -1]
 
 
 @dataclass(frozen=True)
@@ -70,6 +75,7 @@ class Chain:
         """Values (n, a) of the joints, radians or mm."""
         n, count = values.shape
         origins, axes = np.empty((n, count + 1, 3)), np.empty((n, count, 3))
+        frames = np.empty((n, count + 1, 3, 3))
         p, turn = np.zeros((n, 3)), np.tile(np.eye(3), (n, 1, 1))
         sines, cosines = np.sin(values), np.cos(values)
         for i, (joint, (rest, across, square)) in enumerate(
@@ -83,9 +89,10 @@ class Chain:
             else:
                 sine, cosine = sines[:, i, None, None], cosines[:, i, None, None]
                 turn = turn @ (np.eye(3) + sine * across + (1.0 - cosine) * square)
-            origins[:, i] = p
+            origins[:, i], frames[:, i] = p, turn
         origins[:, -1] = p + turn @ np.array(self.flange.position)
-        return Along(origins, axes, turn @ rotations.to_matrix(self.flange.quaternion))
+        frames[:, -1] = turn @ rotations.to_matrix(self.flange.quaternion)
+        return Along(origins, axes, frames)
 
     def elementary(self, zero: Floats | None = None, limits: Floats | None = None) -> Any:
         """The chain as elementary transforms of roboticstoolbox, in metres and radians.
@@ -98,7 +105,7 @@ class Chain:
         rtb = library("an arm of kind `serial`")
         parts, tail = [], IDENTITY
         for i, joint in enumerate(self.joints):
-            onto = Pose(quaternion=_onto_z(joint.axis))
+            onto = Pose(quaternion=onto_z(joint.axis))
             parts.append(rtb.ET.SE3(_in_metres(tail @ joint.pose @ onto)))
             turn = rtb.ET.tz if joint.sliding else rtb.ET.Rz
             if zero is not None and zero[i]:
@@ -139,7 +146,7 @@ def _about(axis: int, angle: float) -> tuple[float, float, float, float]:
     return (w, x, y, z)
 
 
-def _onto_z(axis: tuple[float, float, float]) -> tuple[float, float, float, float]:
+def onto_z(axis: tuple[float, float, float]) -> tuple[float, float, float, float]:
     """A rotation that takes Z to an axis."""
     x, y, z = axis
     if z < -1.0 + 1e-12:

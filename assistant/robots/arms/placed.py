@@ -13,6 +13,7 @@ from assistant.program import rotations
 from assistant.program.arrays import Floats, Rows, Truths
 from assistant.program.geometry import Pose
 from assistant.robots.arms.arm import Arm, Link
+from assistant.robots.arms.chain import Chain
 from assistant.robots.arms.lengths import Lengths
 from assistant.robots.arms.serial import Serial
 from assistant.robots.arms.six_axis import SixAxis
@@ -93,6 +94,10 @@ class Placed(Arm):
 
     def links(self) -> tuple[Link, ...]:
         return ()
+
+    @cached_property
+    def whole_chain(self) -> Chain:
+        return self.chain.chain
 
     def _inner(self, joints: Floats) -> Floats:
         return np.asarray(joints * self._signs + np.array(self.zeros))

@@ -106,6 +106,10 @@ class Serial(Arm):
     def chain(self) -> Chain:
         return Chain(self.joints, self.flange)
 
+    @cached_property
+    def whole_chain(self) -> Chain:
+        return self.chain
+
     def ik(
         self, positions: Floats, quaternions: Floats, branches: tuple[int, ...]
     ) -> tuple[Floats, Floats]:

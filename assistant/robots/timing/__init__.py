@@ -75,6 +75,7 @@ def simulate(
         unknown=walker.ledger.unknown(),
         labels=walker.pieces.labels,
         history=done.history,
+        passed=tuple(walker.passed),
         start=begin,
         wanted_period=period,
     )

@@ -70,7 +70,7 @@ class Plan:
         index = np.clip(index, 0, len(profile.step) - 1)
         gone = np.clip(times - profile.times[index], 0.0, None)
         done, speed = _within(profile, index, gone)
-        place = _Places(self.course, profile.step[index], profile.offset[index] + done)
+        place = Places(self.course, profile.step[index], profile.offset[index] + done)
         joints, rate = place.of(knots.joints)
         positions, way = place.of(knots.positions, joined=False)
         q, _ = place.of(knots.quaternions, joined=False)
@@ -106,7 +106,7 @@ def plan_of(moves: Moves, start: Floats, robot: Robot, drive: Drive, ends: Ends 
     return Plan(course, profile_of(moves, course, drive, ends))
 
 
-class _Places:
+class Places:
     """Places on a course. step: (m,) of it. gone: (m,) how far in it."""
 
     def __init__(self, course: Course, step: Rows, gone: Floats) -> None:

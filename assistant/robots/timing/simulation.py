@@ -14,6 +14,7 @@ from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Refused, error
 from assistant.robots.robot import Robot
 from assistant.robots.timing.on_way import OutputTime
+from assistant.robots.timing.passed import Passed
 from assistant.robots.timing.profile import FIRST_AXIS, WORDS
 from assistant.robots.timing.samples import Samples, samples_of
 from assistant.robots.timing.state import Duration, History
@@ -78,7 +79,8 @@ class Simulation:
     outputs: what moves set on their way, in order of text.
     labels: procedure and number of each of its motion statements → what it moves to.
     history: of the way through the entry that takes the longest. start: (a,) joints where it
-    begins. wanted_period: see `period`.
+    begins. passed: every stretch of moves that was timed, also beside that way.
+    wanted_period: see `period`.
     """
 
     robot: Robot
@@ -90,6 +92,7 @@ class Simulation:
     labels: Mapping[tuple[str, int], str]
     history: History | None
     start: Floats
+    passed: tuple[Passed, ...]
     wanted_period: float | None
 
     @property

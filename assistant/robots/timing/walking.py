@@ -42,6 +42,7 @@ from assistant.robots.target_lookup import Names
 from assistant.robots.timing.drive import Drive
 from assistant.robots.timing.kept import KeptMotion
 from assistant.robots.timing.ledger import Ledger
+from assistant.robots.timing.passed import Passed
 from assistant.robots.timing.pieces import Piece, Pieces, label_of
 from assistant.robots.timing.plan import Plan, plan_of
 from assistant.robots.timing.rows import joined
@@ -72,6 +73,7 @@ class Walker:
         self.ledger = Ledger()
         self.procedures: dict[str, Duration] = {}
         self.plans: dict[tuple[object, ...], Plan] = {}
+        self.passed: list[Passed] = []
         self.calls: list[str] = []
         self.returned: list[State] = []
         self.waiting: list[Piece] = []
@@ -176,6 +178,7 @@ class Walker:
             if key not in self.plans:
                 rest = moves.rest(skipped) if skipped else moves
                 self.plans[key] = plan_of(rest, np.array(start), self.solution.robot, self.drive)
+                self.passed.append(Passed(tuple(pieces), skipped, state.most, self.plans[key]))
             self.note_guessed(pieces, self.plans[key].course.knots.guessed + skipped)
             plans.append(self.plans[key])
             self.ledger.moved(pieces, skipped, self.plans[key])

@@ -1,0 +1,117 @@
+"""How near a program comes to the bodies of its cell, everywhere on its way."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+
+from assistant.cell.collision.continuous import Hit, Way, hits
+from assistant.cell.collision.model import Contact, Model
+from assistant.cell.scene import Placed, Scene
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Span
+from assistant.robots.robot import Robot
+from assistant.robots.timing import Simulation
+from assistant.robots.timing.passed import Passed, Stretches, stretches_of
+
+LOOKED: Final = 64
+"""Places in a run of stretches at which the least distance of a pair is looked for."""
+
+
+@dataclass(frozen=True, slots=True)
+class Closeness:
+    """A place where two bodies come too near to each other.
+
+    procedure, number, row: the motion statement and its move. label: what it moves to. time:
+    seconds from the start of the procedure. contact: there. least: mm at the nearest place after
+    it. joints: (a,) of the robot there.
+    """
+
+    procedure: str
+    number: int
+    row: int
+    label: str
+    time: float
+    contact: Contact
+    least: float
+    joints: Floats
+    span: Span | None = None
+
+
+def closeness(
+    simulation: Simulation, scene: Scene, name: str | None = None, margin: float | None = None
+) -> Iterator[Closeness]:
+    """Where a program comes nearer than the margins to anything, in order of its ways.
+
+    name: of the robot of the scene that runs it; the others stand at home. margin: mm, for all
+    pairs, instead of those of the scene; 0 for contacts only.
+    """
+    model = Model(scene)
+    placed = robot_of(scene, simulation.robot, name)
+    margins = model.margins if margin is None else np.full(len(model), margin)
+    for passed in simulation.passed:
+        stretches = stretches_of(passed.plan)
+        way = Way(*rows_of(scene, placed, stretches))
+        for hit in hits(model, way, margins):
+            yield _closeness(simulation, model, passed, stretches, way, hit)
+
+
+def robot_of(scene: Scene, robot: Robot, name: str | None = None) -> Placed:
+    """The robot of a scene that runs a program for a robot; raises LookupError if there is none."""
+    for placed in scene.robots:
+        if placed.name == name or (name is None and placed.robot.name == robot.name):
+            return placed
+    raise LookupError(name or robot.name)
+
+
+def rows_of(scene: Scene, placed: Placed, stretches: Stretches) -> tuple[Floats, Floats]:
+    """Rows of the joints of all robots, of which one moves, with their slack."""
+    rows, slack = [], []
+    for one in scene.robots:
+        still = np.tile(one.robot.home, (len(stretches.joints), 1))
+        rows.append(stretches.joints if one is placed else still)
+        slack.append(stretches.slack if one is placed else still[1:] * 0.0)
+    return np.concatenate(rows, axis=1), np.concatenate(slack, axis=1)
+
+
+def _closeness(
+    simulation: Simulation, model: Model, passed: Passed, stretches: Stretches, way: Way, hit: Hit
+) -> Closeness:
+    at = min(int(hit.at), len(stretches.row) - 1)
+    part = hit.at - at
+    move = int(stretches.row[at])
+    piece, row = passed.piece_of(move)
+    time = float(stretches.times[at] * (1.0 - part) + stretches.times[at + 1] * part)
+    return Closeness(
+        piece.procedure,
+        piece.number,
+        row,
+        simulation.labels.get((piece.procedure, piece.number), ""),
+        passed.start + time,
+        model.contact(hit.joints, hit.pair),
+        _least(model, way, hit),
+        hit.joints,
+    )
+
+
+def _least(model: Model, way: Way, hit: Hit) -> float:
+    """Mm that the pair of a hit is apart at the nearest place of the stretches behind it."""
+    first = int(hit.at)
+    limit = model.margins[hit.pair]
+    last = first + 1
+    while last < len(way.rows) - 1 and last - first < LOOKED:
+        if _distances(model, way.rows[last : last + 1], hit.pair)[0] > limit:
+            break
+        last += 1
+    part = np.linspace(0.0, 1.0, LOOKED)[:, None]
+    some = way.rows[first : last + 1]
+    places = np.concatenate([a + part * (b - a) for a, b in pairwise(some)])
+    return float(min(hit.distance, _distances(model, places, hit.pair).min()))
+
+
+def _distances(model: Model, rows: Floats, pair: int) -> Floats:
+    return model.exact(rows, np.arange(len(rows)), np.full(len(rows), pair))

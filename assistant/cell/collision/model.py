@@ -1,0 +1,270 @@
+"""The pairs of a scene that could touch, and how far apart they are for rows of joints."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Final
+
+import numpy as np
+
+from assistant.cell.collision.carriers import Carriers, carried
+from assistant.cell.collision.geometry import around, geometry_of, library, request
+from assistant.cell.collision.insides import Inside
+from assistant.cell.scene import Body, Part, Scene
+from assistant.cell.shapes import Mesh
+from assistant.program import rotations
+from assistant.program.arrays import Floats, Rows, norms
+from assistant.program.geometry import Pose, Vector
+
+SMALL: Final = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Item:
+    """A part of a body: what carries it, its pose there, its geometry, and the box around it.
+
+    middle: (3,) of the box in the frame of the carrier. radius: mm of the sphere about it.
+    """
+
+    body: Body
+    part: Part
+    carrier: int
+    pose: Pose
+    geometry: Any
+    middle: Floats
+    half: Floats
+    radius: float
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """How near two bodies are.
+
+    distance: mm, below 0 by how deep they are in each other as far as that is known. points: of
+    the one and of the other, in the world. normal: from the one to the other.
+    """
+
+    one: str
+    other: str
+    distance: float
+    points: tuple[Vector, Vector]
+    normal: Vector
+
+
+class Model:
+    """A scene as pairs of items that could touch.
+
+    Left out: what moves together, what may touch by the scene, and two bodies of the world.
+    Raises Refused without coal, or for a body whose parent is not there.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.carriers = Carriers(scene.robots)
+        self.items = tuple(self._items())
+        pairs = [
+            (i, k)
+            for i in range(len(self.items))
+            for k in range(i + 1, len(self.items))
+            if self._could_touch(self.items[i], self.items[k])
+        ]
+        self.one: Rows = np.array([i for i, _ in pairs], dtype=np.intp)
+        self.other: Rows = np.array([k for _, k in pairs], dtype=np.intp)
+        self.margins: Floats = np.array([self._margin(i, k) for i, k in pairs])
+        self._transform = library().Transform3s
+        self._request, self._result = request(), library().DistanceResult()
+
+    def __len__(self) -> int:
+        """How many pairs there are."""
+        return len(self.one)
+
+    def _items(self) -> Iterator[Item]:
+        for body in self.scene.all_bodies():
+            carrier, pose = carried(self.scene, body, self.carriers)
+            for part in body.parts:
+                placed = pose @ part.pose
+                box = around(part.shape)
+                middle = placed @ Pose((box.middle[0], box.middle[1], box.middle[2]))
+                yield Item(
+                    body,
+                    part,
+                    carrier,
+                    placed,
+                    geometry_of(part.shape),
+                    np.array(middle.position),
+                    box.half,
+                    box.radius,
+                )
+
+    def _could_touch(self, one: Item, other: Item) -> bool:
+        """A flange moves with the last link, and a base does not move."""
+        moves = [self.carriers.moved_by(item.carrier) for item in (one, other)]
+        return moves[0] != moves[1] and not self.scene.may_touch(one.body.name, other.body.name)
+
+    def _margin(self, one: int, other: int) -> float:
+        said = (self.items[i].body.margin for i in (one, other))
+        return max(self.scene.margin if margin is None else margin for margin in said)
+
+    # ------------------------------------------------------------------------------- bounds
+
+    @cached_property
+    def leverage(self) -> Floats:
+        """(j, p) mm that the items of a pair come nearer at most for a degree (mm) of each joint.
+
+        Joints that move both the same way do not count.
+        """
+        reaches = np.array(
+            [self.carriers.reaches(i.carrier, i.middle, i.radius) for i in self.items]
+        ).reshape(len(self.items), self.carriers.joints)
+        moving = np.zeros_like(reaches, dtype=bool)
+        for number, item in enumerate(self.items):
+            moving[number, list(self.carriers.moved_by(item.carrier))] = True
+        both = moving[self.one] & moving[self.other]
+        total = np.where(both, 0.0, reaches[self.one] + reaches[self.other]).T
+        sliding = [placed.robot.sliding for placed in self.scene.robots]
+        turning = ~np.concatenate(sliding) if sliding else np.zeros(0, dtype=bool)
+        total[turning] = np.radians(total[turning])
+        return np.asarray(total)
+
+    def least(self, rows: Floats) -> Floats:
+        """(n, p) mm that the items of each pair are apart at least, for rows (n, j) of joints."""
+        origins, turns = self.carriers.at(rows)
+        carrier = self._carriers
+        at = origins[:, carrier] + np.einsum("nipq,iq->nip", turns[:, carrier], self._middles)
+        apart = [
+            self._from_box(at[:, self.one], self.other, origins, turns) - self._radii[self.one],
+            self._from_box(at[:, self.other], self.one, origins, turns) - self._radii[self.other],
+        ]
+        return np.asarray(np.maximum(*apart) - self._off)
+
+    def _from_box(self, points: Floats, items: Rows, origins: Floats, turns: Floats) -> Floats:
+        """(n, p) distances of points (n, p, 3) from the boxes around items (p,)."""
+        carrier = self._carriers[items]
+        local = np.einsum("npqr,npq->npr", turns[:, carrier], points - origins[:, carrier])
+        own = np.einsum("prs,npr->nps", self._turns[items], local - self._middles[items])
+        beyond = np.maximum(np.abs(own) - self._halves[items], 0.0)
+        return norms(beyond)
+
+    @cached_property
+    def _geometries(self) -> list[Any]:
+        return [item.geometry for item in self.items]
+
+    @cached_property
+    def _carriers(self) -> Rows:
+        return np.array([item.carrier for item in self.items], dtype=np.intp)
+
+    @cached_property
+    def _positions(self) -> Floats:
+        return np.array([item.pose.position for item in self.items]).reshape(-1, 3)
+
+    @cached_property
+    def _radii(self) -> Floats:
+        return np.array([item.radius for item in self.items])
+
+    @cached_property
+    def _middles(self) -> Floats:
+        return np.array([item.middle for item in self.items]).reshape(-1, 3)
+
+    @cached_property
+    def _halves(self) -> Floats:
+        return np.array([item.half for item in self.items]).reshape(-1, 3)
+
+    @cached_property
+    def _turns(self) -> Floats:
+        """(i, 3, 3) of items in the frames of what carries them."""
+        q = np.array([item.pose.quaternion for item in self.items]).reshape(-1, 4)
+        return rotations.to_matrix(q)
+
+    # ---------------------------------------------------------------------------- distances
+
+    def exact(self, rows: Floats, row: Rows, pair: Rows) -> Floats:
+        """(k,) distances in mm of pairs (k,), each for one of rows (n, j) of joints, row (k,)."""
+        origins, turns = self.carriers.at(rows)
+        return self.exact_at(origins, turns, row, pair)
+
+    def exact_at(self, origins: Floats, turns: Floats, row: Rows, pair: Rows) -> Floats:
+        """As `exact`, with the carriers as `Carriers.at` gives them."""
+        out = np.empty(len(row))
+        distance = library().distance
+        result, wanted, geometries = self._result, self._request, self._geometries
+        items = np.stack([self.one[pair], self.other[pair]], axis=1)
+        keys = row[:, None] * len(self.items) + items
+        known, where = np.unique(keys, return_inverse=True)
+        transforms = self._placed(origins, turns, *np.divmod(known, len(self.items)))
+        places = where.reshape(-1, 2).tolist()
+        for k, ((i, o), (at_i, at_o)) in enumerate(zip(items.tolist(), places, strict=True)):
+            result.clear()  # or an older, smaller distance of a mesh stays
+            one, other = transforms[at_i], transforms[at_o]
+            found = distance(geometries[i], one, geometries[o], other, wanted, result)
+            if found > 0.0 and self._inside is not None:
+                found = self._inside.signed(found, i, o, one, other)
+            out[k] = found
+        return out - self._off[pair]
+
+    def _placed(self, origins: Floats, turns: Floats, row: Rows, item: Rows) -> list[Any]:
+        """Transforms of items (k,) for rows (k,) of where the carriers are."""
+        carrier = self._carriers[item]
+        frame, make = turns[row, carrier], self._transform
+        p = origins[row, carrier] + np.einsum("kpq,kq->kp", frame, self._positions[item])
+        t = frame @ self._turns[item]
+        return [make(turn, position) for turn, position in zip(t, p, strict=True)]
+
+    @cached_property
+    def _off(self) -> Floats:
+        """(p,) mm that shapes of a pair may be nearer than they seem, as they were simplified."""
+        off = np.array([getattr(item.part.shape, "off", 0.0) for item in self.items])
+        return np.asarray(off[self.one] + off[self.other])
+
+    @cached_property
+    def _inside(self) -> Inside | None:
+        """None without closed meshes: their triangles are a surface, with nothing inside."""
+        solid = any(isinstance(i.part.shape, Mesh) and i.part.shape.solid for i in self.items)
+        return Inside([item.part.shape for item in self.items]) if solid else None
+
+    def nearest(self, rows: Floats) -> tuple[Floats, Rows]:
+        """Rows (n, j) → the least distance (n,) of any pair, inf without pairs, and which (n,)."""
+        best = np.full(len(rows), np.inf)
+        which = np.full(len(rows), -1)
+        if not len(self) or not len(rows):
+            return best, which
+        least = self.least(rows)
+        origins, turns = self.carriers.at(rows)
+        order = np.argsort(least, axis=1)
+        for place in range(len(self)):
+            pair = order[:, place]
+            open_ = np.flatnonzero(least[np.arange(len(rows)), pair] < best)
+            if not len(open_):
+                break
+            found = self.exact_at(origins, turns, open_, pair[open_])
+            nearer = found < best[open_]
+            best[open_[nearer]], which[open_[nearer]] = found[nearer], pair[open_[nearer]]
+        return best, which
+
+    def contact(self, joints: Floats, pair: int) -> Contact:
+        """How near a pair is for joints (j,)."""
+        origins, turns = self.carriers.at(joints[None])
+        one, other = self.items[self.one[pair]], self.items[self.other[pair]]
+        places = np.array([self.one[pair], self.other[pair]])
+        at = self._placed(origins, turns, np.zeros(2, dtype=np.intp), places)
+        self._result.clear()
+        found = library().distance(
+            one.geometry, at[0], other.geometry, at[1], self._request, self._result
+        )
+        points = self._result.getNearestPoint1(), self._result.getNearestPoint2()
+        if self._inside is not None and found > 0.0:
+            i, o = int(self.one[pair]), int(self.other[pair])
+            found = self._inside.signed(found, i, o, at[0], at[1])
+        return Contact(
+            one.body.name,
+            other.body.name,
+            float(found - self._off[pair]),
+            (_vector(points[0]), _vector(points[1])),
+            _vector(self._result.normal),
+        )
+
+
+def _vector(values: Any) -> Vector:
+    x, y, z = (float(v) + 0.0 for v in values)
+    return x, y, z

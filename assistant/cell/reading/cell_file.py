@@ -1,0 +1,248 @@
+"""The world of a cell file: its robots and bodies, as TOML beside tools, frames and signals.
+
+    [world]
+    margin = 5                    # mm; nearer than that is a warning, contact is an error
+    allowed = [["table", "arm.base"]]  # pairs that may touch
+
+    [robots.arm]
+    robot = "irb1200-7-0.7"       # of the catalogue, or a robot file beside this one
+    position = [0, 0, 0]          # of its base in the world; with euler_zyx or quaternion
+    tool = "nozzle"               # a body that its flange carries from the start
+
+    [bodies.table]
+    box = [800, 600, 30]          # edges in mm; or one of
+    # sphere = 40                 # radius
+    # cylinder = [40, 200]        # radius, length along z
+    # capsule = [40, 200]         # radius, length between the middles of its half spheres
+    # mesh = "vice.stl"           # file of triangles: STL, OBJ, PLY, 3MF, glTF; closed is solid
+    # convex = "vice.stl"         # the convex hull of such a file
+    unit = "mm"                   # of a file that says none
+    position = [600, 0, -15]      # of its middle (of a file: its origin) in its parent's frame
+    parent = "world"              # a frame of this file, another body, or a link: arm.flange
+    colour = "#8090a0"
+    margin = 10
+
+    [bodies.table.locations.corner]
+    position = [-400, -300, 15]   # in the body's frame
+
+Names of links are those of the robot and its axis: `arm.base`, `arm.J2`, `arm.flange`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path as FilePath
+from typing import Any, Final
+
+from assistant import robots
+from assistant.cell import arms
+from assistant.cell.reading import meshes
+from assistant.cell.rules import LONELY_TOOL, NO_BODY, NO_ROBOT, NO_SHAPE, SAME_BODY
+from assistant.cell.scene import MARGIN, Body, Colour, Part, Placed, Scene
+from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Shape, Sphere
+from assistant.program.diagnostics import Diagnostic, Refused, has_errors
+from assistant.program.geometry import Frame, Pose, Vector
+from assistant.program.system.budgets import SETTINGS_FILE
+from assistant.program.text import SourceText, decode, read_bytes
+from assistant.sources.process import values
+from assistant.sources.process.file import ENCODINGS, read_toml
+from assistant.sources.process.table import Table
+from assistant.sources.process.values import Read, Wrong
+
+SIZE: Final = values.number("mm", above=0.0)
+
+
+def _sizes(count: int) -> Read:
+    def read(value: Any) -> tuple[float, ...]:
+        if not isinstance(value, list) or len(value) != count:
+            raise Wrong("is no list of lengths", f"write {count} lengths in mm in brackets")
+        return tuple(SIZE(one) for one in value)
+
+    return read
+
+
+def _pairs(value: Any) -> tuple[tuple[str, str], ...]:
+    if not isinstance(value, list) or not all(isinstance(p, list) and len(p) == 2 for p in value):
+        raise Wrong("is no list of pairs", 'write [["table", "arm.base"], …]')
+    return tuple((values.text(one), values.text(other)) for one, other in value)
+
+
+def _colour(value: Any) -> Colour:
+    if not isinstance(value, str) or not re.fullmatch(r"#[0-9a-fA-F]{6}", value):
+        raise Wrong("is no colour", 'write "#rrggbb", two digits of 16 each')
+    red, green, blue = (int(value[i : i + 2], 16) for i in (1, 3, 5))
+    return red, green, blue
+
+
+PLACE: Final[Mapping[str, Read]] = {
+    "position": values.position,
+    "quaternion": values.quaternion,
+    "euler_zyx": values.euler_zyx,
+}
+WORLD: Final[Mapping[str, Read]] = {
+    "margin": values.number("mm", least=0.0),
+    "allowed": _pairs,
+}
+ROBOT: Final[Mapping[str, Read]] = {"robot": values.text, "tool": values.text, **PLACE}
+SHAPES: Final[Mapping[str, Read]] = {
+    "box": _sizes(3),
+    "sphere": SIZE,
+    "cylinder": _sizes(2),
+    "capsule": _sizes(2),
+    "mesh": values.text,
+    "convex": values.text,
+}
+BODY: Final[Mapping[str, Read]] = {
+    **SHAPES,
+    **PLACE,
+    "unit": values.unit,
+    "parent": values.text,
+    "colour": _colour,
+    "margin": values.number("mm", least=0.0),
+    "locations": lambda value: value,
+}
+
+
+def read_scene(path: str | FilePath) -> tuple[Scene, tuple[Diagnostic, ...]]:
+    """The world of a cell file, and what is to be said of it.
+
+    Raises Unreadable for what is no TOML or for a file of a mesh that cannot be read, Refused, with
+    every finding, for what is wrong in it.
+    """
+    source = decode(read_bytes(path, most=SETTINGS_FILE), str(path), ENCODINGS)
+    return parse_scene(source, FilePath(path).parent)
+
+
+def parse_scene(source: SourceText, folder: FilePath) -> tuple[Scene, tuple[Diagnostic, ...]]:
+    """As `read_scene`, from a text; folder: of the files that it names."""
+    reader = _Reader(read_toml(source), folder)
+    scene = reader.scene()
+    found = (*reader.top.page.findings, *reader.found)
+    if has_errors(found):
+        raise Refused(*found)
+    return scene, found
+
+
+class _Reader:
+    def __init__(self, top: Table, folder: FilePath) -> None:
+        self.top, self.folder = top, folder
+        self.found: list[Diagnostic] = []
+
+    def scene(self) -> Scene:
+        world = self.top.table("world").read(WORLD)
+        bodies = tuple(self.bodies())
+        placed = []
+        for name, entry in self.top.table("robots").named():
+            one, tool = self.robot(name, entry)
+            if one is not None:
+                placed.append(one)
+                if tool is not None:
+                    bodies = tuple(self.carried(bodies, tool, name, entry))
+        frames = {name: frame.pose for name, frame in self.frames().items()}
+        scene = Scene(bodies, tuple(placed), frames, margin=world.get("margin", MARGIN))
+        allowed = {(min(p), max(p)) for p in world.get("allowed", ())}
+        for name in sorted({name for pair in allowed for name in pair}):
+            if name not in {body.name for body in scene.all_bodies()}:
+                self.top.table("world").say(NO_BODY, "allowed", name=values.shown(name))
+        for one in placed:
+            allowed |= arms.touching_links(one)
+        return replace(scene, allowed=frozenset(allowed))
+
+    def frames(self) -> dict[str, Frame]:
+        """Those of the file; what is wrong in them is told by who reads the rest of it."""
+        found = {}
+        for name, entry in self.top.table("frames").named():
+            quiet = Table(replace(entry.page, findings=[]), entry.path, entry.content)
+            found[name] = Frame(_pose(quiet.read({**PLACE, "held": values.truth})))
+        return found
+
+    def robot(self, name: str, entry: Table) -> tuple[Placed | None, str | None]:
+        said = entry.read(ROBOT)
+        if "robot" not in said:
+            entry.say(NO_SHAPE, name=name, what="robot", cure='write robot = "…"')
+            return None, None
+        try:
+            robot = self.known_robot(said["robot"])
+        except Refused as refused:
+            self.found += refused.findings
+            return None, None
+        return arms.placed(name, robot, _pose(said)), said.get("tool")
+
+    def known_robot(self, name: str) -> robots.Robot:
+        file = self.folder / name
+        if file.suffix.lower() in (".toml", ".urdf", ".xml") and file.exists():
+            return robots.load(file)
+        try:
+            return robots.get(name)
+        except KeyError:
+            names = ", ".join(robots.names())
+            raise Refused(NO_ROBOT(name=values.shown(name), names=names)) from None
+
+    def carried(
+        self, bodies: tuple[Body, ...], tool: str, robot: str, entry: Table
+    ) -> Iterator[Body]:
+        if tool not in {body.name for body in bodies}:
+            entry.say(LONELY_TOOL, "tool", name=values.shown(tool))
+        for body in bodies:
+            yield replace(body, parent=f"{robot}.flange") if body.name == tool else body
+
+    def bodies(self) -> Iterator[Body]:
+        seen: dict[str, str] = {}
+        for name, entry in self.top.table("bodies").named():
+            if seen.setdefault(name.casefold(), name) != name:
+                entry.say(SAME_BODY, name=name, other=seen[name.casefold()])
+            said = entry.read(BODY)
+            shapes = [key for key in SHAPES if key in said]
+            if not shapes and any(key in entry.content for key in SHAPES):
+                continue  # told of by its value
+            if len(shapes) != 1:
+                what = "no shape" if not shapes else f"{len(shapes)} shapes"
+                entry.say(NO_SHAPE, name=name, what=what, cure=f"write one of {', '.join(SHAPES)}")
+                continue
+            shape = self.shape(shapes[0], said)
+            if shape is None:
+                continue
+            yield Body(
+                name,
+                (Part(shape),),
+                _pose(said),
+                said.get("parent", "world"),
+                said.get("colour"),
+                said.get("margin"),
+                {k: _pose(t.read(PLACE)) for k, t in entry.table("locations").named()},
+                str(entry.page.source.path or ""),
+            )
+
+    def shape(self, key: str, said: Mapping[str, Any]) -> Shape | None:
+        value = said[key]
+        match key:
+            case "box":
+                return Box(_three(value))
+            case "sphere":
+                return Sphere(value)
+            case "cylinder":
+                return Cylinder(*value)
+            case "capsule":
+                return Capsule(*value)
+        try:
+            mesh, findings = meshes.read_mesh(self.folder / value, said.get("unit"))
+        except Refused as refused:
+            self.found += refused.findings
+            return None
+        self.found += findings
+        return Convex(mesh.points) if key == "convex" else mesh
+
+
+def _three(value: tuple[float, ...]) -> Vector:
+    x, y, z = value
+    return x, y, z
+
+
+def _pose(said: Mapping[str, Any]) -> Pose:
+    turn = said["quaternion"][0] if "quaternion" in said else None
+    return Pose(
+        said.get("position", (0.0, 0.0, 0.0)),
+        turn or said.get("euler_zyx", Pose().quaternion),
+    )

@@ -1,0 +1,186 @@
+"""Files of triangles: STL, OBJ, PLY, 3MF, glTF, as meshes in mm."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from assistant.cell.rules import (
+    INSIDE_OUT,
+    NO_AREA,
+    NO_LIBRARY,
+    NO_MESH,
+    NO_UNIT,
+    OPEN_MESH,
+    SIMPLIFIED,
+)
+from assistant.cell.shapes import Mesh
+from assistant.program.arrays import Floats, Ints, norms
+from assistant.program.diagnostics import Diagnostic, Refused, Unreadable
+from assistant.program.text import read_bytes
+from assistant.sources.lengths import UNITS
+
+if TYPE_CHECKING:
+    from types import ModuleType
+
+KINDS: Final = {".stl": "stl", ".obj": "obj", ".ply": "ply", ".3mf": "3mf", ".glb": "glb",
+                ".gltf": "gltf"}  # fmt: skip
+STEP: Final = (".step", ".stp", ".iges", ".igs", ".sat", ".x_t", ".sldprt", ".ipt")
+IN_METRES: Final = (".glb", ".gltf")
+"""glTF's lengths are metres by its specification."""
+LARGEST: Final = 1 << 30
+"""Bytes of a file."""
+MOST_TRIANGLES: Final = 200_000
+"""Above that a mesh is simplified."""
+MERGED: Final = 1e-6
+"""mm; corners that near are one: STL states each corner of each triangle anew."""
+
+
+def read_mesh(
+    path: FilePath, unit: str | None = None, most: int = MOST_TRIANGLES
+) -> tuple[Mesh, tuple[Diagnostic, ...]]:
+    """The triangles of a file as one mesh, and what is to be said of them.
+
+    unit: of a file that states none. Raises Unreadable for a file that is not there, Refused for
+    one that is no mesh.
+    """
+    trimesh = library()
+    suffix, said = path.suffix.lower(), str(path)
+    if suffix not in KINDS:
+        known = ", ".join(sorted(kind[1:].upper() for kind in KINDS))
+        cure = (
+            f"convert it to one of {known} in a CAD program" if suffix in STEP else f"use {known}"
+        )
+        raise Refused(NO_MESH(path=said, reason=f"`{suffix}` is not read", cure=cure))
+    data = read_bytes(path, most=LARGEST)
+    try:
+        found = _loaded(trimesh, data, KINDS[suffix], path)
+        points = np.asarray(found.vertices, dtype=np.float64).reshape(-1, 3)
+        triangles = np.asarray(found.faces, dtype=np.int64).reshape(-1, 3)
+        stated = found.units
+    except Unreadable:
+        raise
+    except Exception as error:  # noqa: BLE001 - of a library that raises whatever the bytes lead it to
+        reason = (str(error) or type(error).__name__).splitlines()[0][:120]
+        raise _no_mesh(said, reason) from None
+    if not len(triangles) or not np.isfinite(points).all():
+        reason = "it holds no triangle" if not len(triangles) else "a corner is no number"
+        raise _no_mesh(said, reason)
+    factor, findings = _factor(suffix, stated, unit, said)
+    return _cleaned(points * factor, triangles, most, said, findings)
+
+
+def _no_mesh(path: str, reason: str) -> Refused:
+    return Refused(NO_MESH(path=path, reason=reason, cure="export it again"))
+
+
+def library() -> ModuleType:
+    """trimesh; raises Refused, naming the extra, without it."""
+    try:
+        import trimesh
+    except ImportError:
+        raise Refused(NO_LIBRARY(what="meshes are", name="trimesh"), exit_status=2) from None
+    return trimesh
+
+
+def _loaded(trimesh: Any, data: bytes, kind: str, path: FilePath) -> Any:
+    """One mesh of all that a file holds, each at its place in the file."""
+    resolver = trimesh.resolvers.FilePathResolver(str(path)) if kind in ("gltf", "obj") else None
+    stream = trimesh.util.wrap_as_stream(data)
+    scene = trimesh.load_scene(stream, file_type=kind, resolver=resolver)
+    found = scene.to_mesh()
+    found.units = scene.units
+    return found
+
+
+def _factor(
+    suffix: str, stated: str | None, unit: str | None, path: str
+) -> tuple[float, list[Diagnostic]]:
+    """Mm of a unit of the file."""
+    if suffix in IN_METRES:
+        return 1000.0, []
+    known = {"millimeters": "mm", "meters": "m", "inches": "in", "centimeters": "cm"}
+    short = known.get(stated or "")
+    if short is not None:
+        return UNITS[short][1], []
+    if unit is not None:
+        return UNITS[unit][1], []
+    return 1.0, [NO_UNIT(path=path, unit=UNITS["mm"][0])]
+
+
+def _cleaned(
+    points: Floats, triangles: Ints, most: int, path: str, findings: list[Diagnostic]
+) -> tuple[Mesh, tuple[Diagnostic, ...]]:
+    points, triangles = _merged(points, triangles, MERGED)
+    given, off = len(triangles), 0.0
+    cell = MERGED
+    while len(triangles) > most:
+        size = float(np.ptp(points, axis=0).max())
+        cell = max(cell * 2.0, size / 2048.0)
+        fewer = _merged(points, triangles, cell)
+        if len(fewer[1]) <= most or cell > size / 4.0:
+            points, triangles = fewer
+            off = cell * float(np.sqrt(3.0))
+            break
+    if off:
+        kept = len(triangles)
+        findings.append(SIMPLIFIED(path=path, given=given, kept=kept, mm=off))
+    flat = _areas(points, triangles) <= 0.0
+    if flat.any():
+        count = int(flat.sum())
+        findings.append(NO_AREA(path=path, count=count, total=len(triangles)))
+        triangles = triangles[~flat]
+    if not len(triangles):
+        raise _no_mesh(path, "none of its triangles has an area")
+    opened = _open_edges(triangles)
+    if opened and not off:
+        findings.append(OPEN_MESH(path=path, count=opened))
+    elif _volume(points, triangles) < 0.0:
+        findings.append(INSIDE_OUT(path=path))
+        triangles = triangles[:, ::-1]
+    mesh = Mesh(points, np.ascontiguousarray(triangles), not opened)
+    return replace(mesh, off=off), tuple(findings)
+
+
+def _merged(points: Floats, triangles: Ints, cell: float) -> tuple[Floats, Ints]:
+    """Corners in one cell of a grid made one, triangles that fall together left out.
+
+    Nothing moves by more than the diagonal of a cell.
+    """
+    keys = np.round(points / cell).astype(np.int64)
+    _, first, places = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    moved = places.reshape(-1)[triangles]
+    a, b, c = moved.T
+    kept = moved[(a != b) & (b != c) & (c != a)]
+    if cell > MERGED:
+        turned = np.take_along_axis(
+            kept, (np.argmin(kept, axis=1)[:, None] + np.arange(3)) % 3, axis=1
+        )
+        kept = np.unique(turned, axis=0)
+    return points[first], kept
+
+
+def _areas(points: Floats, triangles: Ints) -> Floats:
+    a, b, c = (points[triangles[:, i]] for i in range(3))
+    return norms(np.cross(b - a, c - a)) / 2.0
+
+
+def _volume(points: Floats, triangles: Ints) -> float:
+    a, b, c = (points[triangles[:, i]] for i in range(3))
+    return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum()) / 6.0
+
+
+def _open_edges(triangles: Ints) -> int:
+    """Edges that are not met once in each direction."""
+    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    most = int(triangles.max()) + 1
+    there = edges[:, 0] * most + edges[:, 1]
+    back = edges[:, 1] * most + edges[:, 0]
+    codes, counts = np.unique(there, return_counts=True)
+    codes_back, counts_back = np.unique(back, return_counts=True)
+    same = np.intersect1d(codes, codes_back, assume_unique=True)
+    paired = counts[np.isin(codes, same)] == counts_back[np.isin(codes_back, same)]
+    return int(len(codes) - paired.sum())

@@ -1,0 +1,86 @@
+"""A cell: named bodies, robots among them, and which of them may touch."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Final
+
+from assistant.cell.shapes import Shape
+from assistant.program.geometry import IDENTITY, Pose
+from assistant.robots.robot import Robot
+
+WORLD: Final = "world"
+"""The frame that everything stands in that names no other."""
+FLANGE: Final = "flange"
+"""What a body hangs on that a robot's flange carries: `ROBOT.flange`, of the only one `flange`."""
+MARGIN: Final = 5.0
+"""mm under which a distance is a warning, where neither body says another."""
+
+Colour = tuple[int, int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A shape of a body, at a pose in the body's frame."""
+
+    shape: Shape
+    pose: Pose = IDENTITY
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """A rigid body.
+
+    parent: the frame that its pose is in: `WORLD`, a named frame, another body, a link of a robot
+    (`robot.J3`, `robot.flange`). margin: mm that others keep from it, None for the scene's.
+    locations: named poses in its frame. source: where it was read, for messages.
+    """
+
+    name: str
+    parts: tuple[Part, ...]
+    pose: Pose = IDENTITY
+    parent: str = WORLD
+    colour: Colour | None = None
+    margin: float | None = None
+    locations: Mapping[str, Pose] = field(default_factory=dict)
+    source: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Placed:
+    """A robot of the cell: base, its pose in the world; bodies: of links, by what carries them.
+
+    links: bodies whose parent is `base`, `J1` …, `flange`, in the frames of the arm's links.
+    """
+
+    name: str
+    robot: Robot
+    base: Pose = IDENTITY
+    links: tuple[Body, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """Bodies and robots.
+
+    allowed: pairs of names, in order, that may touch. margin: mm, see `MARGIN`.
+    """
+
+    bodies: tuple[Body, ...] = ()
+    robots: tuple[Placed, ...] = ()
+    frames: Mapping[str, Pose] = field(default_factory=dict)
+    allowed: frozenset[tuple[str, str]] = frozenset()
+    margin: float = MARGIN
+
+    def body(self, name: str) -> Body | None:
+        return next((body for body in self.bodies if body.name == name), None)
+
+    def all_bodies(self) -> Iterator[Body]:
+        """Those of the cell, then those of its robots."""
+        yield from self.bodies
+        for placed in self.robots:
+            yield from placed.links
+
+    def may_touch(self, one: str, other: str) -> bool:
+        return (min(one, other), max(one, other)) in self.allowed

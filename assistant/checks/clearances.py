@@ -1,0 +1,102 @@
+"""What a program touches on its way through a cell, or comes too near to."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, Final
+
+from assistant.program.diagnostics import Diagnostic, Rule, Span, error, info, warning
+from assistant.robots import SolvedProgram
+
+if TYPE_CHECKING:
+    from assistant.cell.clearances import Closeness
+    from assistant.cell.scene import Scene
+
+TOUCHES: Final = error(
+    "CK421",
+    "`{one}` touches `{other}` after {time:.2f} s of `{procedure}`, at {point} mm, on the way to "
+    "{label}; in the end {deep:.3g} mm deep, from which {normal} leads away",
+    "go round it, move the target or the body; two that may touch stand under `allowed` of [world]",
+)
+NEAR: Final = warning(
+    "CK422",
+    "`{one}` comes within {least:.3g} mm of `{other}` after {time:.2f} s of `{procedure}`, on the "
+    "way to {label}; the margin is {margin:g} mm",
+    "keep away from it, or state a smaller margin in the cell file",
+)
+NO_ROBOT: Final = error(
+    "CK423",
+    "no robot of the cell is a {robot}, which the program is for",
+    "name it under [robots] of the cell file, or name another one with --robot",
+)
+NOT_LOOKED: Final = info(
+    "CK424",
+    "{what}, so that collisions there are not looked for",
+    "see docs/simulating.md for what is timed",
+)
+
+
+def clearances(solution: SolvedProgram, scene: Scene) -> Iterator[Diagnostic]:
+    """Contacts as errors, what is nearer than a margin as warnings: of two bodies and a statement
+    the first place, with what is worst.
+    """
+    from assistant.cell.clearances import closeness, robot_of
+    from assistant.program.diagnostics import has_errors
+    from assistant.robots.timing import simulate
+
+    if has_errors(solution.findings):  # what cannot be reached is not gone through
+        return
+    try:
+        placed = robot_of(scene, solution.robot)
+    except LookupError:
+        yield NO_ROBOT(robot=solution.robot.title)
+        return
+    simulation = simulate(solution)
+    touched = set[tuple[object, ...]]()
+    for margin in (0.0, None):
+        found: dict[tuple[object, ...], Closeness] = {}
+        for one in closeness(simulation, scene, placed.name, margin):
+            key = (one.procedure, one.number, one.contact.one, one.contact.other)
+            if margin is None and (key in touched or one.least <= 0.0):
+                continue
+            known = found.get(key)
+            if known is None or one.least < known.least:
+                found[key] = one
+        touched |= set(found)
+        for one in found.values():
+            yield _told(solution, scene, one, TOUCHES if margin == 0.0 else NEAR)
+    for unknown in simulation.unknown:
+        if "not timed" in unknown.what:
+            yield NOT_LOOKED(what=str(unknown))
+
+
+def _told(solution: SolvedProgram, scene: Scene, one: Closeness, rule: Rule) -> Diagnostic:
+    contact = one.contact
+    said: dict[str, Any] = {
+        "one": contact.one,
+        "other": contact.other,
+        "time": one.time,
+        "procedure": one.procedure,
+        "label": one.label or "its target",
+        "span": _span(solution, one),
+    }
+    if rule is TOUCHES:
+        return rule(
+            point=_vector(contact.points[0], 1),
+            deep=-min(one.least, contact.distance),
+            normal=_vector(contact.normal, 2),
+            **said,
+        )
+    names = contact.one, contact.other
+    margins = [body.margin for body in scene.all_bodies() if body.name in names]
+    margin = max(scene.margin if m is None else m for m in margins)
+    return rule(least=one.least, margin=margin, **said)
+
+
+def _span(solution: SolvedProgram, one: Closeness) -> Span | None:
+    legs = solution.legs.get(one.procedure, ())
+    return legs[one.number - 1].statement.span if 0 < one.number <= len(legs) else None
+
+
+def _vector(values: tuple[float, float, float], digits: int) -> str:
+    return f"({', '.join(f'{value:.{digits}f}' for value in values)})"

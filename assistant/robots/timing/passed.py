@@ -1,0 +1,103 @@
+"""Stretches of moves that the arm goes through without a stop of the program, as ways of joints."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from assistant.program.arrays import Floats, Rows
+from assistant.robots.timing.pieces import Piece
+from assistant.robots.timing.plan import Places, Plan
+
+BENT: Final = 4
+"""Parts that each half of a bend is looked at in."""
+SAFETY: Final = 1.5
+"""By how much more than its second difference tells a joint may be off the line between knots."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Passed:
+    """Moves that were timed together. skipped: of them that were not, as nobody knows where they
+    start. start: seconds from the start of the procedure, at most.
+    """
+
+    pieces: tuple[Piece, ...]
+    skipped: int
+    start: float
+    plan: Plan
+
+    def piece_of(self, row: int) -> tuple[Piece, int]:
+        """The statement that a move of the plan belongs to, and which of its rows it is."""
+        at = row + self.skipped
+        for piece in self.pieces:
+            if at < len(piece.moves):
+                return piece, at
+            at -= len(piece.moves)
+        raise IndexError(row)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stretches:
+    """A plan as straight stretches of the joints.
+
+    joints: (n, a). slack: (n - 1, a) how far a joint may be from the line of its stretch. times:
+    (n,) seconds from the start of the plan. row: (n - 1,) the move that a stretch belongs to.
+    """
+
+    joints: Floats
+    slack: Floats
+    times: Floats
+    row: Rows
+
+
+def stretches_of(plan: Plan) -> Stretches:
+    """The way of a plan, corners and all, cut so finely that its slack is small."""
+    course = plan.course
+    count, knots = len(course.distance), course.knots.joints
+    if not count:
+        nothing = np.zeros((0, knots.shape[1]))
+        return Stretches(knots[:1], nothing, np.zeros(1), np.zeros(0, dtype=np.intp))
+    step, gone = _cuts(course.distance, course.room)
+    d = course.distance[step]
+    joints, _ = Places(course, step, gone).of(knots)
+    ends = np.append(gone[1:], 0.0)
+    ends = np.where(np.append(step[1:] != step[:-1], True), d, ends)
+    middle, _ = Places(course, step, (gone + ends) / 2.0).of(knots)
+    last, _ = Places(course, step[-1:], d[-1:]).of(knots)
+    joints = np.concatenate([joints, last])
+    bend = np.abs(middle - (joints[1:] + joints[:-1]) / 2.0)
+    slack = bend + _between_knots(plan)[course.step[step]]
+    begins = np.concatenate([[0.0], np.cumsum(course.distance)[:-1]])
+    places = np.append(begins[step] + gone, course.distance.sum())
+    return Stretches(joints, slack, plan.passing(places), course.row[step])
+
+
+def _cuts(distance: Floats, room: Floats) -> tuple[Rows, Floats]:
+    """Steps (s,) with their rooms (s + 1,) → step (n,) and place in it (n,) of each cut."""
+    part = np.arange(BENT) / BENT
+    behind, before = room[:-1, None] * part, distance[:, None] - room[1:, None] * (1.0 - part)
+    between = room[:-1, None]
+    places = np.concatenate([behind, between, before], axis=1)
+    step = np.repeat(np.arange(len(distance)), places.shape[1])
+    gone = np.clip(places, 0.0, distance[:, None]).reshape(-1)
+    new = np.append(True, (np.diff(gone) > 1e-9) | (np.diff(step) > 0))
+    inside = new & (gone < distance[step] - 1e-9)
+    return step[inside], gone[inside]
+
+
+def _between_knots(plan: Plan) -> Floats:
+    """(k, a) how far a joint is from the line between two knots of a line or an arc.
+
+    An eighth of the second difference, which is what a parabola through the knots is off; none in
+    a joint move, whose knots lie on that line.
+    """
+    knots = plan.course.knots
+    step = np.diff(knots.joints, axis=0)
+    off = np.zeros_like(step)
+    same = np.diff(knots.row) == 0
+    second = np.abs(np.diff(step, axis=0)) * same[:, None] * SAFETY / 8.0
+    off[1:] = second
+    off[:-1] = np.maximum(off[:-1], second)
+    return off
