@@ -9,11 +9,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 
 from assistant.cell.rules import CIRCLE, NO_PARENT
 from assistant.cell.scene import FLANGE, WORLD, Body, Placed, Scene
+from assistant.cell.shapes import Shape, extent, farthest
 from assistant.program import rotations
 from assistant.program.arrays import Floats, norms
 from assistant.program.diagnostics import Refused
@@ -81,29 +83,48 @@ class Carriers:
                 return tuple(range(columns.start, columns.start + min(carrier - first, axes)))
         return ()
 
-    def reaches(self, carrier: int, around: Floats, radius: float) -> Floats:
-        """(j,) how far a point of a carried sphere moves at most for a radian (mm) of each joint.
+    def reaches(self, carrier: int, pose: Pose, shape: Shape) -> Floats:
+        """(j,) how far a point of a carried shape moves at most for a radian (mm) of each joint.
 
-        around: (3,) its middle in the frame of the carrier. The sum of the lengths between an axis
-        and the sphere is no less than their distance, however the joints between them turn.
+        Joints are those of the chain, see `coupled`. pose: of the shape in the frame of the
+        carrier. About the axis that carries it a point moves as far as it is from that line; about
+        those before, no farther than the lengths between the axis and the shape add up to, however
+        the joints between them turn.
         """
         out = np.zeros(self.joints)
         moving = self.moved_by(carrier)
         if not moving:
             return out
         at = next(i for i, s in enumerate(self.columns) if s.start <= moving[0] < s.stop)
-        robot, columns = self.robots[at].robot, self.columns[at]
-        steps = _lengths(robot)
-        own = carrier - self.first[at]  # 1 for the link behind the first axis
-        last = float(norms(around[None])[0]) + radius
+        robot, start = self.robots[at].robot, self.columns[at].start
+        if carrier - self.first[at] > len(robot.axes):
+            pose = robot.arm.whole_chain.flange @ pose
+        steps, own = _lengths(robot), moving[-1] - start
+        last = float(farthest(shape, np.array(pose.inverse().position)[None])[0])
         for place in moving:
-            axis = place - columns.start
-            slides = bool(robot.sliding[axis])
-            out[place] = 1.0 if slides else steps[axis + 1 : own].sum() + last
-        if robot.coupling:  # J2 also turns what J3 turns
-            start = columns.start
-            out[start + 1] += abs(robot.coupling) * out[start + 2]
+            axis = place - start
+            out[place] = 1.0 if robot.sliding[axis] else steps[axis + 1 : own + 1].sum() + last
+        if not robot.sliding[own]:
+            out[moving[-1]] = min(last, _from_axis(robot, own, pose, shape))
         return out
+
+    def coupled(self, chain: Floats) -> Floats:
+        """What joints of the chain move things (j, ...), as what the joints of rows move them."""
+        out = chain.copy()
+        for placed, columns in zip(self.robots, self.columns, strict=True):
+            if placed.robot.coupling:  # J2 also turns what J3 turns
+                second = columns.start + 1
+                out[second] += abs(placed.robot.coupling) * chain[second + 1]
+        return out
+
+
+def _from_axis(robot: Robot, axis: int, pose: Pose, shape: Shape) -> float:
+    """Mm that a point of a shape is away from the axis whose link carries it, at most."""
+    along = np.array(robot.arm.whole_chain.joints[axis].axis)
+    low, high = extent(shape)
+    corners = np.array(list(product(*zip(low, high, strict=True))))
+    placed = rotations.rotate(np.array(pose.quaternion), corners) + np.array(pose.position)
+    return float(norms(np.cross(placed, along / np.linalg.norm(along))).max())
 
 
 def _lengths(robot: Robot) -> Floats:

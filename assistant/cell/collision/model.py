@@ -116,13 +116,14 @@ class Model:
         Joints that move both the same way do not count.
         """
         reaches = np.array(
-            [self.carriers.reaches(i.carrier, i.middle, i.radius) for i in self.items]
+            [self.carriers.reaches(i.carrier, i.pose, i.part.shape) for i in self.items]
         ).reshape(len(self.items), self.carriers.joints)
         moving = np.zeros_like(reaches, dtype=bool)
         for number, item in enumerate(self.items):
             moving[number, list(self.carriers.moved_by(item.carrier))] = True
         both = moving[self.one] & moving[self.other]
-        total = np.where(both, 0.0, reaches[self.one] + reaches[self.other]).T
+        chain = np.where(both, 0.0, reaches[self.one] + reaches[self.other]).T
+        total = self.carriers.coupled(chain)
         sliding = [placed.robot.sliding for placed in self.scene.robots]
         turning = ~np.concatenate(sliding) if sliding else np.zeros(0, dtype=bool)
         total[turning] = np.radians(total[turning])
