@@ -61,11 +61,19 @@ def closeness(
 
 
 def robot_of(scene: Scene, robot: Robot, name: str | None = None) -> Placed:
-    """The robot of a scene that runs a program for a robot; raises LookupError if there is none."""
-    for placed in scene.robots:
-        if placed.name == name or (name is None and placed.robot.name == robot.name):
-            return placed
-    raise LookupError(name or robot.name)
+    """The robot of a scene that runs a program for a robot, the one that is named if any is.
+
+    Raises LookupError if there is none, or if several are of that model and none is named.
+    """
+    name = name or scene.runs
+    found = [
+        placed
+        for placed in scene.robots
+        if placed.robot.name == robot.name and name in (None, placed.name)
+    ]
+    if len(found) != 1:
+        raise LookupError(name or robot.name)
+    return found[0]
 
 
 def rows_of(scene: Scene, placed: Placed, stretches: Stretches) -> tuple[Floats, Floats]:

@@ -64,7 +64,8 @@ class Placed:
 class Scene:
     """Bodies and robots.
 
-    allowed: pairs of names, in order, that may touch. margin: mm, see `MARGIN`.
+    allowed: pairs of names, in order, that may touch. margin: mm, see `MARGIN`. runs: the robot
+    that runs the program, None where its model tells.
     """
 
     bodies: tuple[Body, ...] = ()
@@ -72,6 +73,7 @@ class Scene:
     frames: Mapping[str, Pose] = field(default_factory=dict)
     allowed: frozenset[tuple[str, str]] = frozenset()
     margin: float = MARGIN
+    runs: str | None = None
 
     def body(self, name: str) -> Body | None:
         return next((body for body in self.bodies if body.name == name), None)

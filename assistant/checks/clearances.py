@@ -11,6 +11,7 @@ from assistant.robots import SolvedProgram
 if TYPE_CHECKING:
     from assistant.cell.clearances import Closeness
     from assistant.cell.scene import Scene
+    from assistant.robots.timing import Simulation
 
 TOUCHES: Final = error(
     "CK421",
@@ -29,6 +30,11 @@ NO_ROBOT: Final = error(
     "no robot of the cell is a {robot}, which the program is for",
     "name it under [robots] of the cell file, or name another one with --robot",
 )
+WHICH_ROBOT: Final = error(
+    "CK425",
+    "{names} of the cell are each a {robot}, and which one runs the program is not said",
+    "name it as the cell does: --robot {first}",
+)
 NOT_LOOKED: Final = info(
     "CK424",
     "{what}, so that collisions there are not looked for",
@@ -36,9 +42,13 @@ NOT_LOOKED: Final = info(
 )
 
 
-def clearances(solution: SolvedProgram, scene: Scene) -> Iterator[Diagnostic]:
+def clearances(
+    solution: SolvedProgram, scene: Scene, simulation: Simulation | None = None
+) -> Iterator[Diagnostic]:
     """Contacts as errors, what is nearer than a margin as warnings: of two bodies and a statement
     the first place, with what is worst.
+
+    simulation: of the solution, where there is one.
     """
     from assistant.cell.clearances import closeness, robot_of
     from assistant.program.diagnostics import has_errors
@@ -49,9 +59,9 @@ def clearances(solution: SolvedProgram, scene: Scene) -> Iterator[Diagnostic]:
     try:
         placed = robot_of(scene, solution.robot)
     except LookupError:
-        yield NO_ROBOT(robot=solution.robot.title)
+        yield _no_robot(solution, scene)
         return
-    simulation = simulate(solution)
+    simulation = simulation or simulate(solution)
     touched = set[tuple[object, ...]]()
     for margin in (0.0, None):
         found: dict[tuple[object, ...], Closeness] = {}
@@ -70,6 +80,15 @@ def clearances(solution: SolvedProgram, scene: Scene) -> Iterator[Diagnostic]:
             yield NOT_LOOKED(what=str(unknown))
 
 
+def _no_robot(solution: SolvedProgram, scene: Scene) -> Diagnostic:
+    robot = solution.robot
+    alike = [placed.name for placed in scene.robots if placed.robot.name == robot.name]
+    if scene.runs is not None or not alike:
+        return NO_ROBOT(robot=robot.title)
+    names = ", ".join(f"`{name}`" for name in alike)
+    return WHICH_ROBOT(names=names, robot=robot.title, first=alike[0])
+
+
 def _told(solution: SolvedProgram, scene: Scene, one: Closeness, rule: Rule) -> Diagnostic:
     contact = one.contact
     said: dict[str, Any] = {
@@ -83,14 +102,14 @@ def _told(solution: SolvedProgram, scene: Scene, one: Closeness, rule: Rule) -> 
     if rule is TOUCHES:
         return rule(
             point=_vector(contact.points[0], 1),
-            deep=-min(one.least, contact.distance),
+            deep=max(0.0, -min(one.least, contact.distance)),
             normal=_vector(contact.normal, 2),
             **said,
         )
     names = contact.one, contact.other
     margins = [body.margin for body in scene.all_bodies() if body.name in names]
     margin = max(scene.margin if m is None else m for m in margins)
-    return rule(least=one.least, margin=margin, **said)
+    return rule(least=min(one.least, margin), margin=margin, **said)
 
 
 def _span(solution: SolvedProgram, one: Closeness) -> Span | None:

@@ -13,6 +13,7 @@ from assistant.cli import deployments, on_arms, on_controllers, projects
 from assistant.cli.exchanges import exchange
 from assistant.cli.gateways import gateway
 from assistant.cli.options import (
+    CellOption,
     DraftOption,
     EntryOption,
     EveryOption,
@@ -105,6 +106,7 @@ def compile(
     robot: RobotOption = None,
     process: ProcessOption = None,
     unit: UnitOption = None,
+    cell: CellOption = None,
     output: Annotated[
         str, typer.Option("--output", "-o", help="Folder for the files; - prints a single one.")
     ] = ".",
@@ -132,6 +134,7 @@ def compile(
             robot=robot,
             process=process,
             unit=unit,
+            cell=cell,
             output=output,
             most_targets=most_targets,
             frames=frames,
@@ -159,7 +162,8 @@ def translate(
     cell: Annotated[
         Path | None,
         typer.Option(
-            help="File with what programs use and do not declare; written if it lacks any."
+            help="File with bodies, and what programs use and do not declare; written if it lacks "
+            "any."
         ),
     ] = None,
     ask: Annotated[
@@ -243,18 +247,26 @@ def check(
     robot: RobotOption = None,
     process: ProcessOption = None,
     unit: UnitOption = None,
+    cell: CellOption = None,
     from_language: FromLanguage = None,
     format: FindingFormatOption = FindingFormat.TEXT,
 ) -> None:
     """Check sources and robot programs; with a robot also reach, limits and configurations."""
-    from assistant.cli.checking import run_check
+    from assistant.cli.checking import Options, run_check
 
     if not sources:
         from assistant.cli.building import run_project_check
 
-        given = {"--robot": robot, "--process": process, "--unit": unit, "--from": from_language}
+        given = {
+            "--robot": robot,
+            "--process": process,
+            "--unit": unit,
+            "--cell": cell,
+            "--from": from_language,
+        }
         raise typer.Exit(run_project_check(given, format))
-    raise typer.Exit(run_check(sources, robot, process, unit, from_language, format))
+    options = Options(robot, process, unit, cell, from_language)
+    raise typer.Exit(run_check(sources, options, format))
 
 
 @app.command()
@@ -327,6 +339,7 @@ def simulate(
     ] = None,
     process: ProcessOption = None,
     unit: UnitOption = None,
+    cell: CellOption = None,
     from_language: FromLanguage = None,
     from_robot: FromRobot = None,
     entry: EntryOption = None,
@@ -335,7 +348,9 @@ def simulate(
     """Tell how long a program takes on a robot, and write its motion over time. Nothing moves."""
     from assistant.cli.simulating import Options, run_simulate
 
-    options = Options(robot, process, unit, from_language, from_robot, acceleration, period, entry)
+    options = Options(
+        robot, process, unit, from_language, from_robot, acceleration, period, entry, cell
+    )
     raise typer.Exit(run_simulate(program, options, output or (), format))
 
 

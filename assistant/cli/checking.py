@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from assistant.cli.compiling import STANDARD, TWICE, standard_input, working
 from assistant.cli.presentation import FindingFormat, print_findings, print_for_programs, say
@@ -15,18 +16,22 @@ if TYPE_CHECKING:
     from assistant.compiler.checking import Checked
 
 
-def run_check(
-    sources: Sequence[str],
-    robot: str | None,
-    process: Path | None,
-    unit: str | None,
-    from_language: str | None,
-    format: FindingFormat,
-) -> int:
+@dataclass(frozen=True, slots=True)
+class Options:
+    """What all sources of one command are checked with."""
+
+    robot: str | None
+    process: Path | None
+    unit: str | None
+    cell: Path | None
+    from_language: str | None
+
+
+def run_check(sources: Sequence[str], options: Options, format: FindingFormat) -> int:
     from assistant.findings.project_severities import settle
 
     with working(f"checking {', '.join(sources)}"):
-        checked = _checked(sources, robot, process, unit, from_language)
+        checked = _checked(sources, options)
         settled = settle(checked.findings, checked.texts)
     if format is not FindingFormat.TEXT:
         print_for_programs(settled.left, settled.ignored, format)
@@ -47,25 +52,26 @@ def run_explain(codes: Sequence[str]) -> int:
     return 0
 
 
-def _checked(
-    sources: Sequence[str],
-    robot: str | None,
-    process: Path | None,
-    unit: str | None,
-    language: str | None,
-) -> Checked:
+def _checked(sources: Sequence[str], options: Options) -> Checked:
     from assistant.compiler.checking import Checked, check_files, check_text
+    from assistant.compiler.scenes import in_cell
 
-    checked = Checked()
+    checked, cell = Checked(), in_cell(options.cell, options.robot)
+    given: dict[str, Any] = {
+        "robot": options.robot,
+        "process": options.process,
+        "unit": options.unit,
+        "cell": cell,
+    }
     if STANDARD in sources:
         if list(sources).count(STANDARD) > 1:
             raise Refused(TWICE(), exit_status=2)
-        text, spoken = standard_input(language)
-        checked = check_text(text, robot=robot, process=process, language=spoken, unit=unit)
+        text, spoken = standard_input(options.from_language)
+        checked = check_text(text, language=spoken, **given)
     files = [source for source in sources if source != STANDARD]
-    more = check_files(files, robot=robot, process=process, language=language, unit=unit)
+    more = check_files(files, language=options.from_language, **given)
     return Checked(
-        [*checked.findings, *more.findings],
+        [*cell.findings, *checked.findings, *more.findings],
         checked.files + more.files,
         {**checked.texts, **more.texts},
         checked.unreadable or more.unreadable,

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from assistant.compiler import Compiled, Loaded
     from assistant.compiler.motion import Proving
     from assistant.program.text import SourceText
+    from assistant.robots import Robot
 
 NOT_ONE_FILE = error("CL002", "there are {count} files to print", "name a folder with --output")
 NO_FILE_NAME = error("CL003", "`{name}` is no name of a file", "name the file to write")
@@ -45,6 +46,7 @@ def run_compile(
     robot: str | None,
     process: Path | None,
     unit: str | None,
+    cell: Path | None,
     output: str,
     most_targets: int | None,
     frames: FramesAs,
@@ -57,13 +59,14 @@ def run_compile(
     from assistant.compiler import compile
     from assistant.compiler.arms import robot_of
     from assistant.compiler.loading import language_of
+    from assistant.compiler.scenes import in_cell
     from assistant.findings.project_severities import settle
 
     if list(sources).count(STANDARD) > 1:
         raise Refused(TWICE(), exit_status=2)
     language_of(language)
-    for name in (robot, from_robot):
-        robot_of(name)
+    robot_of(from_robot)
+    stands = in_cell(cell, robot)
     answers = Answers()
     done: list[tuple[str, Compiled]] = []
     for source in dict.fromkeys(sources):
@@ -75,6 +78,7 @@ def run_compile(
                 robot=robot,
                 process=process,
                 unit=unit,
+                cell=stands,
                 from_robot=from_robot,
                 most_targets=most_targets,
                 frames=frames.value,
@@ -82,7 +86,7 @@ def run_compile(
                 proving=proving,
             )
             done.append((source, compiled))
-    findings = list(answers.refusals)
+    findings = [*stands.findings, *answers.refusals]
     files: dict[str, dict[str, bytes]] = {}
     for source, compiled in done:
         settled = settle([f.within(source) for f in compiled.findings]).left
@@ -118,7 +122,7 @@ def run_compile(
 
 def load_given(
     source: str,
-    robot: str | None,
+    robot: str | Robot | None,
     process: Path | None,
     unit: str | None,
     from_language: str | None,
@@ -142,7 +146,7 @@ def load_given(
 def _input(
     source: str,
     language: str | None,
-    robot: str | None,
+    robot: str | Robot | None,
     process: Path | None,
     unit: str | None,
 ) -> Loaded | None:

@@ -62,6 +62,10 @@ ProcessOption = Annotated[
     Path | None,
     typer.Option("--process", "-p", help="Process file; default NAME.process.toml beside it."),
 ]
+CellOption = Annotated[
+    Path | None,
+    typer.Option("--cell", help="File of the cell: its robots, and bodies not to be touched."),
+]
 EntryOption = Annotated[
     str | None,
     typer.Option("--entry", help="Procedure that the program begins with; default its main."),

@@ -18,6 +18,8 @@ from assistant.cli.presentation import Format, print_findings, print_json, say
 from assistant.program.diagnostics import Diagnostic, Refused, error, fold, has_errors
 
 if TYPE_CHECKING:
+    from assistant.cell.scene import Scene
+    from assistant.compiler.source_map import Places
     from assistant.program.program import Program
     from assistant.robots import Robot, SolvedProgram
     from assistant.robots.timing import Simulation
@@ -48,19 +50,24 @@ class Options:
     acceleration: float | None
     period: float | None
     entry: str | None = None
+    cell: Path | None = None
 
 
 def run_simulate(source: str, options: Options, outputs: Sequence[str], format: Format) -> int:
-    """0 if the program could be simulated, 1 if the robot cannot run it."""
+    """0 if the program could be simulated, 1 if the robot cannot run it, or not without contact."""
+    from assistant.checks.clearances import clearances
     from assistant.report import timing as report
     from assistant.robots.timing import simulate
 
     with working(f"simulating {source}"):
         wanted = _wanted(source, outputs)
-        solution, findings = _solved(source, options)
+        solved = _solved(source, options)
+        solution, findings = solved.solution, solved.findings
         if has_errors(findings):
             return _refused(source, solution.robot, findings, format)
         done = simulate(solution, period=options.period, acceleration=options.acceleration)
+        near = () if solved.scene is None else fold(clearances(solution, solved.scene, done))
+        findings += [solved.places.finding(finding).within(source) for finding in near]
         files = {path: _written(path.name, done, source) for path in wanted}
         written = _put(source, files)
     if format is Format.JSON:
@@ -69,7 +76,7 @@ def run_simulate(source: str, options: Options, outputs: Sequence[str], format: 
         answer: dict[str, Any] = {"source": source, **report.record(done)}
         answer["findings"] = [finding_record(finding) for finding in findings]
         print_json(answer | {"written": [str(path) for path in written]})
-        return 0
+        return 1 if has_errors(near) else 0
     print_findings(findings, explained=True)
     say(f"{source} on {done.robot.title}")
     say("")
@@ -77,26 +84,41 @@ def run_simulate(source: str, options: Options, outputs: Sequence[str], format: 
         say(line)
     for path in written:
         say(f"wrote {path}")
-    return 0
+    return 1 if has_errors(near) else 0
 
 
-def _solved(source: str, options: Options) -> tuple[SolvedProgram, list[Diagnostic]]:
+@dataclass(frozen=True, slots=True)
+class _Solved:
+    """A program as the arm goes through it, in a scene if there is one, and where its parts are."""
+
+    solution: SolvedProgram
+    scene: Scene | None
+    places: Places
+    findings: list[Diagnostic]
+
+
+def _solved(source: str, options: Options) -> _Solved:
     from assistant import robots
-    from assistant.compiler.arms import Arms, known_robot, robot_of, taught_on
+    from assistant.compiler.arms import known_robot, robot_of, standing, taught_on
     from assistant.compiler.crossing import for_arm
+    from assistant.compiler.scenes import in_cell
+    from assistant.compiler.source_map import Places
 
-    written_for, arm = robot_of(options.from_robot), robot_of(options.robot)
-    reader = options.from_robot or options.robot
+    stands = in_cell(options.cell, options.robot)
+    arms = stands.arms(robot_of(options.from_robot))
+    reader = options.from_robot or stands.robot
     given = (options.process, options.unit, options.from_language, options.entry)
     loaded = load_given(source, reader, *given)
     program: Program = loaded.program
-    arm = arm or known_robot(program.robot)
+    arms = standing(program, arms)
+    arm = arms.robot or known_robot(program.robot)
     if arm is None:
         raise Refused(NO_ROBOT(path=source), exit_status=2)
-    program, changed = for_arm(program, taught_on(program, Arms(arm, written_for)), arm)
+    program, changed = for_arm(program, taught_on(program, replace(arms, robot=arm)), arm)
     solution = robots.solve_program(replace(program, robot=arm.name), arm)
-    found = fold(f.within(source) for f in (*loaded.findings, *changed, *solution.findings))
-    return solution, list(found)
+    found = (*loaded.findings, *changed, *solution.findings)
+    said = [*stands.findings, *fold(f.within(source) for f in found)]
+    return _Solved(solution, arms.scene, Places(loaded.program, loaded.text), said)
 
 
 def _refused(source: str, robot: Robot, findings: Sequence[Diagnostic], format: Format) -> int:

@@ -68,8 +68,9 @@ class Options:
         for name in (self.to, self.from_language):
             if name is not None:
                 language_of(name)
-        for robot in (self.robot, self.from_robot):
-            robot_of(robot)
+        robot_of(self.from_robot)
+        if self.cell is None:  # it may name one of its own
+            robot_of(self.robot)
 
 
 def run_translate(

@@ -20,6 +20,11 @@ UNKNOWN_ROBOT = error(
     "there is no robot `{name}`",
     "choose one of {names}, or name a robot file (TOML or URDF)",
 )
+WHICH_ARM = error(
+    "CO075",
+    "nothing says which robot runs the program; the cell has {names}",
+    "name it with --robot",
+)
 ROBOT_FILES: Final = (".toml", ".urdf")
 """How the file of a user's own robot ends."""
 
@@ -58,6 +63,19 @@ def known_robot(name: str | None) -> Robot | None:
     except KeyError:
         finding = UNKNOWN_ROBOT(name=name, names=", ".join(robots.names()))
         raise Refused(finding, exit_status=2) from None
+
+
+def standing(program: Program, arms: Arms) -> Arms:
+    """The arms with the only robot of the cell as the one that runs a program which names none.
+
+    Raises Refused if the cell has not one robot only.
+    """
+    if arms.robot is not None or program.robot is not None or arms.scene is None:
+        return arms
+    if len(arms.scene.robots) != 1:
+        names = ", ".join(f"`{placed.name}`" for placed in arms.scene.robots) or "no robot"
+        raise Refused(WHICH_ARM(names=names), exit_status=2)
+    return replace(arms, robot=arms.scene.robots[0].robot)
 
 
 def taught_on(program: Program, arms: Arms) -> Robot | None:

@@ -9,7 +9,7 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant import checks, languages, sources
-from assistant.compiler.arms import Arms, known_robot, robot_of, taught_on
+from assistant.compiler.arms import known_robot, standing, taught_on
 from assistant.compiler.crossing import for_arm
 from assistant.compiler.loading import (
     Loaded,
@@ -24,6 +24,7 @@ from assistant.compiler.loading import (
     with_process,
 )
 from assistant.compiler.project import configured
+from assistant.compiler.scenes import InCell, in_cell
 from assistant.compiler.source_map import Places, at_moves
 from assistant.program import pseudo
 from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors, info
@@ -34,7 +35,6 @@ from assistant.sources.lengths import unit_stated
 
 if TYPE_CHECKING:
     from assistant.languages import Language
-    from assistant.robots import Robot
 
 NOTHING_THERE: Final = error(
     "CO301",
@@ -85,17 +85,20 @@ def check_files(
     process: str | FilePath | None = None,
     language: str | None = None,
     unit: str | None = None,
+    cell: str | FilePath | InCell | None = None,
 ) -> Checked:
     """Checks files, and what is in folders: robot programs, pseudo-programs and drawings.
 
     Modules that a controller loads together, as those of a folder in RAPID, are one program.
     robot: reach, limits and configurations are checked for it. process: process file, see `load`.
     language: of robot programs, where neither suffix nor text tell.
-    unit: of length, that drawings are in.
-    Raises Refused if there is no such robot or language.
+    unit: of length, that drawings are in. cell: file of the cell that they run in, so that contacts
+    with its bodies are looked for; or what was read of it, whose findings the caller tells.
+    Raises Refused if there is no such robot or language, or for a cell file that is wrong.
     """
-    arm, named = robot_of(robot), None if language is None else language_of(language)
-    checked = Checked()
+    named = None if language is None else language_of(language)
+    stands = _stood(cell, robot)
+    checked = Checked([] if isinstance(cell, InCell) else list(stands.findings))
     programs: dict[tuple[Language[Any] | None, FilePath], list[str]] = {}
     seen: set[FilePath] = set()
     for path in dict.fromkeys(map(str, paths)):
@@ -113,9 +116,9 @@ def check_files(
         where = files[0] if len(files) == 1 else _folder_of(files)
         with _collecting(checked, where):
             if spoken is not None:
-                found = _check_program(spoken, files, arm, process, checked)
+                found = _check_program(spoken, files, stands, process, checked)
             else:
-                found = _check_source(files[0], process, unit, arm, checked)
+                found = _check_source(files[0], process, unit, stands, checked)
             if unit is not None and FilePath(files[0]).suffix.lower() not in sources.READERS:
                 found.append(unit_stated(where, unit))
             checked.findings += [f.within(where) for f in found]
@@ -131,18 +134,24 @@ def check_text(
     process: str | FilePath | None = None,
     language: str | None = None,
     unit: str | None = None,
+    cell: str | FilePath | InCell | None = None,
 ) -> Checked:
     """The same for a text that is no file: a robot language's if named, else pseudo text."""
-    arm, checked = robot_of(robot), Checked(files=1)
+    stands = _stood(cell, robot)
+    checked = Checked([] if isinstance(cell, InCell) else list(stands.findings), files=1)
     with _collecting(checked, text.path):
         if language is None:
-            found = _check_pseudo(text, None, arm, process, checked)
+            found = _check_pseudo(text, None, stands, process, checked)
         else:
-            found = _check_texts(language_of(language), [text], None, arm, process, checked)
+            found = _check_texts(language_of(language), [text], None, stands, process, checked)
         if unit is not None:
             found.append(unit_stated(text.path or "standard input", unit))
         checked.findings += [f.within(text.path) for f in dict.fromkeys(found)]
     return checked
+
+
+def _stood(cell: str | FilePath | InCell | None, robot: str | None) -> InCell:
+    return cell if isinstance(cell, InCell) else in_cell(cell, robot)
 
 
 def _folder_of(files: Sequence[str]) -> str:
@@ -207,21 +216,21 @@ def _check_source(
     file: str,
     process: str | FilePath | None,
     unit: str | None,
-    arm: Robot | None,
+    stands: InCell,
     checked: Checked,
 ) -> list[Diagnostic]:
     """Findings of a drawing, a table, or a `.pseudo` text."""
     path = FilePath(file)
     if path.suffix.lower() == pseudo.SUFFIX:
-        return _check_pseudo(read_pseudo(path), path.parent, arm, process, checked)
-    loaded = load(file, process=process, robot=arm, unit=unit)
-    return [*loaded.findings, *_check_meaning(loaded.program, arm)]
+        return _check_pseudo(read_pseudo(path), path.parent, stands, process, checked)
+    loaded = load(file, process=process, robot=stands.robot, unit=unit)
+    return [*loaded.findings, *_check_meaning(loaded.program, stands)]
 
 
 def _check_pseudo(
     text: SourceText,
     tables: FilePath | None,
-    arm: Robot | None,
+    stands: InCell,
     process: str | FilePath | None,
     checked: Checked,
 ) -> list[Diagnostic]:
@@ -230,7 +239,7 @@ def _check_pseudo(
     program = parse_pseudo(text, tables)
     checked.texts[name] = Text(text, PSEUDO_MARK, complete=True)
     loaded = _in_cell(program, process)
-    meant = _check_meaning(loaded.program, arm, Places(program, text))
+    meant = _check_meaning(loaded.program, stands, Places(program, text))
     return [*loaded.findings, *(_at_its_line(finding, text) for finding in meant)]
 
 
@@ -259,19 +268,19 @@ def _at_its_line(finding: Diagnostic, text: SourceText) -> Diagnostic:
 def _check_program(
     language: Language[Any],
     files: Sequence[str],
-    arm: Robot | None,
+    stands: InCell,
     process: str | FilePath | None,
     checked: Checked,
 ) -> list[Diagnostic]:
     texts = [language.read(file) for file in files]
-    return _check_texts(language, texts, FilePath(files[0]).parent, arm, process, checked)
+    return _check_texts(language, texts, FilePath(files[0]).parent, stands, process, checked)
 
 
 def _check_texts(
     language: Language[Any],
     texts: Sequence[SourceText],
     beside: FilePath | None,
-    arm: Robot | None,
+    stands: InCell,
     process: str | FilePath | None,
     checked: Checked,
 ) -> list[Diagnostic]:
@@ -290,30 +299,31 @@ def _check_texts(
     if not complete:
         return found
     try:
-        program = language.lift(trees, arm)
+        program = language.lift(trees, stands.robot)
     except Refused as refused:
         return [*found, *refused.findings]
     told = {finding.code for finding in found}
     loaded = _in_cell(program, process)
     found += loaded.findings
     places = Places(loaded.program)
-    meant = map(places.finding, _check_meaning(loaded.program, arm, places))
+    meant = map(places.finding, _check_meaning(loaded.program, stands, places))
     return [*found, *(f for f in meant if language.restated.get(f.code) not in told)]
 
 
 def _check_meaning(
-    program: Program, arm: Robot | None, places: Places | None = None
+    program: Program, stands: InCell, places: Places | None = None
 ) -> tuple[Diagnostic, ...]:
     from assistant import robots
 
     found = checks.check(program)
-    arm = arm or known_robot(program.robot)
+    arms = standing(program, stands.arms())
+    arm = arms.robot or known_robot(program.robot)
     if arm is None:
         return found
     if program.origin is None:  # a controller takes the numbers of its own text as they stand
-        program, changed = for_arm(program, taught_on(program, Arms(arm)), arm)
+        program, changed = for_arm(program, taught_on(program, replace(arms, robot=arm)), arm)
         found += changed
     solution = robots.solve_program(program, arm)
-    solved = (*solution.findings, *checks.with_robot(solution))
+    solved = (*solution.findings, *checks.with_robot(solution, scene=arms.scene))
     places = Places(program) if places is None else places
     return (*found, *at_moves(solved, solution.program, places))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.checks import check, with_robot
 from assistant.compiler.arithmetic import differences
-from assistant.compiler.arms import Arms, in_arms, known_robot, robot_of, taught_on
+from assistant.compiler.arms import Arms, in_arms, known_robot, robot_of, standing, taught_on
 from assistant.compiler.crossing import for_arm, unsaid, without_unused
 from assistant.compiler.entering import entered
 from assistant.compiler.joint_speeds import at_a_speed, at_the_pace
@@ -19,6 +19,7 @@ from assistant.compiler.motion import MotionProof, Proving, prove_motion
 from assistant.compiler.motion_sides import Made
 from assistant.compiler.opening import load
 from assistant.compiler.proof import SAYS_OTHERWISE, Proof, prove
+from assistant.compiler.scenes import InCell, in_cell
 from assistant.compiler.source_map import Places, at_moves
 from assistant.program.contents import saying
 from assistant.program.diagnostics import (
@@ -38,6 +39,7 @@ from assistant.program.statements import Opaque
 from assistant.program.system.budgets import COMPILING, PRINTING, staged, within
 
 if TYPE_CHECKING:
+    from assistant.cell.scene import Scene
     from assistant.languages import Language
     from assistant.languages.answers import (
         Conversion,
@@ -117,6 +119,7 @@ def compile(
     robot: str | Robot | None = None,
     process: str | FilePath | None = None,
     unit: str | None = None,
+    cell: str | FilePath | InCell | None = None,
     from_robot: str | Robot | None = None,
     most_targets: int | None = None,
     frames: Frames = "base",
@@ -126,7 +129,9 @@ def compile(
     """The source as a program of the language, read back and compared before it is given out.
 
     robot: whose arm runs it; chooses configurations and checks reach and limits. Without one
-    the program's own. process: process file of a drawing or table. unit: of length, that a
+    the program's own, or the only one of its cell. cell: file of the cell that it stands in:
+    nothing is written that touches anything there; or what was read of it, whose findings the
+    caller tells. process: process file of a drawing or table. unit: of length, that a
     drawing is in, whatever it says itself. from_robot: the arm that a
     vendor program was written for. most_targets: of one unit, for controllers that take less.
     frames: how a language without work objects says them, see `Language.with_frames`.
@@ -145,10 +150,12 @@ def compile(
         loaded = load(source, process=process, robot=robot_of(from_robot), unit=unit)
         loaded = replace(loaded, findings=tuple(f.within(str(source)) for f in loaded.findings))
     program = entered(loaded.program, entry)
-    arms = in_arms(loaded, Arms(robot_of(robot), robot_of(from_robot)))
+    stands = cell if isinstance(cell, InCell) else in_cell(cell, robot)
+    arms = standing(program, in_arms(loaded, stands.arms(robot_of(from_robot))))
     compiled = compile_program(program, Places(program, loaded.text), target, arms, most_targets)
     compiled = proven_by_motion(compiled, arms, proving, entry)
-    return replace(compiled, found=(*loaded.findings, *compiled.found))
+    about = () if isinstance(cell, InCell) else stands.findings
+    return replace(compiled, found=(*loaded.findings, *about, *compiled.found))
 
 
 def told(program: Program, target: Language[Any]) -> Program:
@@ -196,7 +203,7 @@ def compile_program(
         passed("for-the-arm", program)
     conversion = target.convert(program, arm) if most_targets is None else None
     if conversion is not None:
-        return _converted(conversion, findings, source, places, target, arm)
+        return _converted(conversion, findings, source, places, target, (arm, arms.scene))
     if source.origin is not None:
         spoken = language_of(source.origin.language)
         alone = all(procedure.unit is not None for procedure in program.procedures)
@@ -243,9 +250,10 @@ def _converted(
     source: Program,
     places: Places,
     target: Language[Any],
-    arm: Robot | None,
+    standing: tuple[Robot | None, Scene | None],
 ) -> Compiled:
-    """A program of a sister dialect, whose trees were converted."""
+    """A program of a sister dialect, whose trees were converted, for an arm in a cell."""
+    arm, scene = standing
     findings = [*found, *(places.spanned(f) for f in conversion.findings)]
     if arm is not None:
         if target.name not in arm.languages:
@@ -255,7 +263,7 @@ def _converted(
         # positions stay as they are written, so branches that would be chosen are of no interest
         solution = robots.solve_program(replace(source, robot=arm.name), arm)
         findings += (f for f in solution.findings if f.severity is not Severity.INFO)
-        findings += with_robot(solution)
+        findings += with_robot(solution, scene=scene)
     compiled = Compiled(source, target.name, Proof(None), source, places)
     if has_errors(findings):
         return replace(compiled, found=tuple(findings))

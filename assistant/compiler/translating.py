@@ -8,7 +8,7 @@ from itertools import chain
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 
-from assistant.compiler.arms import Arms, in_arms, robot_of
+from assistant.compiler.arms import in_arms, robot_of, standing
 from assistant.compiler.compiling import Compiled, compile_program, proven_by_motion, told
 from assistant.compiler.controller_files import STATED
 from assistant.compiler.drafting import draft as drafted
@@ -18,6 +18,7 @@ from assistant.compiler.loading import Loaded, language_of
 from assistant.compiler.motion import MotionProof, Proving
 from assistant.compiler.opening import load
 from assistant.compiler.proof import Proof
+from assistant.compiler.scenes import in_cell
 from assistant.compiler.source_map import Place, Places, Trace
 from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic, Refused, Severity, Span, error, fold
@@ -129,7 +130,8 @@ def translate(
 
     from_robot: the arm that it was written for. process: file with tools, frames and signals
     of the other cell. cell: file of what programs use and do not declare, which need not be there
-    yet: what it does not say is in `wanting` of the answer. language: of the source, if neither
+    yet: what it does not say is in `wanting` of the answer; nothing is given out that touches its
+    bodies, if it has any. language: of the source, if neither
     suffix nor text tell.
     frames: how a language without work objects says them, see `Language.with_frames`. draft: gives
     files also if some statements cannot be said: each stands as a comment behind a stop.
@@ -137,7 +139,8 @@ def translate(
     a proof by motion is sought, None for none; nothing is given out that lacks one then.
     Raises Unreadable or Refused for what cannot be read at all.
     """
-    target, arms = language_of(to).with_frames(frames), Arms(robot_of(robot), robot_of(from_robot))
+    target, stands = language_of(to).with_frames(frames), in_cell(cell, robot, values=True)
+    arms = stands.arms(robot_of(from_robot))
     loaded = source
     if not isinstance(loaded, Loaded):
         loaded = load(loaded, process=process, robot=arms.written_for, language=language)
@@ -148,7 +151,7 @@ def translate(
     program = entered(loaded.program, entry)
     program = as_draft(program, loaded.wanting)
     places = Places(program)
-    arms = in_arms(loaded, arms)
+    arms = standing(program, in_arms(loaded, arms))
     compiled = compile_program(program, places, target, arms, most_targets)
     written, later = compiled, tuple[Diagnostic, ...]()
     if not compiled.ok:
@@ -169,7 +172,7 @@ def translate(
         written,
         target.name,
         rows,
-        (*loaded.findings, *unfilled, *whole),
+        (*loaded.findings, *stands.findings, *unfilled, *whole),
         dict(written.files) if written.ok else {},
         loaded.wanting,
     )

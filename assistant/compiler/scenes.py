@@ -1,0 +1,81 @@
+"""The scene of a cell file, for what checks a program in it, and which of its robots runs that."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Final
+
+from assistant.compiler.arms import Arms, robot_of
+from assistant.program.diagnostics import Diagnostic, Refused, warning
+from assistant.program.system.budgets import SETTINGS_FILE
+from assistant.program.text import SourceText, decode, read_bytes
+
+if TYPE_CHECKING:
+    from assistant.cell.scene import Scene
+    from assistant.robots import Robot
+
+EMPTY: Final = warning(
+    "CO076",
+    "the cell file has neither bodies nor robots, so nothing is there to be touched",
+    "describe them under [bodies] and [robots]; docs/cell.md tells how",
+)
+WORLD: Final = ("bodies", "robots")
+"""Tables of a cell file that make it a scene."""
+
+
+@dataclass(frozen=True, slots=True)
+class InCell:
+    """A cell that was asked for. scene: None without one. robot: whose arm runs programs, None
+    if it is not said. findings: about the cell file, at it.
+    """
+
+    scene: Scene | None = None
+    robot: Robot | None = None
+    findings: tuple[Diagnostic, ...] = ()
+
+    def arms(self, written_for: Robot | None = None) -> Arms:
+        return Arms(self.robot, written_for, scene=self.scene)
+
+
+def in_cell(
+    cell: str | FilePath | None, robot: str | Robot | None = None, *, values: bool = False
+) -> InCell:
+    """The scene of a cell file, and the robot that is named, of the catalogue, by its file, or as
+    the cell calls it.
+
+    values: the file may be there for its values alone, and need not be there yet. Raises
+    Unreadable for a file that cannot be read, Refused for what is wrong in it, for a robot that
+    nobody knows, or, naming the extra, without the library for collisions.
+    """
+    scene, findings = (None, ()) if cell is None else _scene(FilePath(cell), values)
+    if scene is not None and isinstance(robot, str):
+        for placed in scene.robots:
+            if placed.name == robot:
+                return InCell(replace(scene, runs=robot), placed.robot, findings)
+    return InCell(scene, robot_of(robot), findings)
+
+
+def _scene(path: FilePath, values: bool) -> tuple[Scene | None, tuple[Diagnostic, ...]]:
+    from assistant.sources.process.file import ENCODINGS, read_toml
+
+    if values and not path.exists():
+        return None, ()
+    source: SourceText = decode(read_bytes(path, most=SETTINGS_FILE), str(path), ENCODINGS)
+    if not any(name in read_toml(source).content for name in WORLD):
+        return None, () if values else (EMPTY(path=str(path)),)
+    from assistant.cell.collision.model import Model
+    from assistant.cell.reading.cell_file import parse_scene
+
+    try:
+        scene, found = parse_scene(source, path.parent)
+        Model(scene)  # refuses a body that stands in nothing
+    except Refused as refused:
+        at = _at(path, refused.findings)
+        raise Refused(*at, exit_status=refused.exit_status) from None
+    return scene, _at(path, found)
+
+
+def _at(path: FilePath, findings: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
+    return tuple(finding.within(str(path)) for finding in findings)
