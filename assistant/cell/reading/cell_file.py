@@ -2,6 +2,9 @@
 
     [world]
     margin = 5                    # mm; nearer than that is a warning, contact is an error
+    drawing = "cell.dxf"          # bodies: a block inserted is one, a layer of the rest is one
+    frame = "bench"               # that the drawing's world stands in; without it, the world
+    unit = "in"                   # of the drawing, whatever that says
     allowed = [["table", "arm.base"]]  # pairs that may touch
 
     [robots.arm]
@@ -16,6 +19,7 @@
     # capsule = [40, 200]         # radius, length between the middles of its half spheres
     # mesh = "vice.stl"           # file of triangles: STL, OBJ, PLY, 3MF, glTF; closed is solid
     # convex = "vice.stl"         # the convex hull of such a file
+    # drawing = "vice.dxf"        # all bodies of a drawing, and its locations, as one
     unit = "mm"                   # of a file that says none
     position = [600, 0, -15]      # of its middle (of a file: its origin) in its parent's frame
     parent = "world"              # a frame of this file, another body, or a link: arm.flange
@@ -31,7 +35,7 @@ Names of links are those of the robot and its axis: `arm.base`, `arm.J2`, `arm.f
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Any, Final
@@ -39,8 +43,11 @@ from typing import Any, Final
 from assistant import robots
 from assistant.cell import arms
 from assistant.cell.reading import meshes
+from assistant.cell.reading.drawings import Drawn, read_drawing
+from assistant.cell.reading.drawings.rules import TWICE
 from assistant.cell.rules import LONELY_TOOL, NO_BODY, NO_ROBOT, NO_SHAPE, SAME_BODY
 from assistant.cell.scene import MARGIN, Body, Colour, Part, Placed, Scene
+from assistant.cell.scene import WORLD as WORLD_FRAME
 from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Shape, Sphere
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
 from assistant.program.geometry import Frame, Pose, Vector
@@ -84,6 +91,9 @@ PLACE: Final[Mapping[str, Read]] = {
 WORLD: Final[Mapping[str, Read]] = {
     "margin": values.number("mm", least=0.0),
     "allowed": _pairs,
+    "drawing": values.text,
+    "frame": values.text,
+    "unit": values.unit,
 }
 ROBOT: Final[Mapping[str, Read]] = {"robot": values.text, "tool": values.text, **PLACE}
 SHAPES: Final[Mapping[str, Read]] = {
@@ -93,6 +103,7 @@ SHAPES: Final[Mapping[str, Read]] = {
     "capsule": _sizes(2),
     "mesh": values.text,
     "convex": values.text,
+    "drawing": values.text,
 }
 BODY: Final[Mapping[str, Read]] = {
     **SHAPES,
@@ -132,7 +143,8 @@ class _Reader:
 
     def scene(self) -> Scene:
         world = self.top.table("world").read(WORLD)
-        bodies = tuple(self.bodies())
+        drawn = tuple(self.drawn(world))
+        bodies = (*drawn, *self.bodies(drawn))
         placed = []
         for name, entry in self.top.table("robots").named():
             one, tool = self.robot(name, entry)
@@ -188,11 +200,31 @@ class _Reader:
         for body in bodies:
             yield replace(body, parent=f"{robot}.flange") if body.name == tool else body
 
-    def bodies(self) -> Iterator[Body]:
-        seen: dict[str, str] = {}
+    def drawn(self, world: Mapping[str, Any]) -> Iterator[Body]:
+        """Those of the drawing of the cell."""
+        drawing = self.drawing(world)
+        for body in drawing.bodies if drawing else ():
+            yield replace(body, parent=world.get("frame", WORLD_FRAME))
+
+    def drawing(self, said: Mapping[str, Any]) -> Drawn | None:
+        if "drawing" not in said:
+            return None
+        try:
+            found = read_drawing(self.folder / said["drawing"], said.get("unit"))
+        except Refused as refused:
+            self.found += refused.findings
+            return None
+        self.found += found.findings
+        return found
+
+    def bodies(self, drawn: Iterable[Body] = ()) -> Iterator[Body]:
+        seen = {body.name.casefold(): body.name for body in drawn}
         for name, entry in self.top.table("bodies").named():
-            if seen.setdefault(name.casefold(), name) != name:
-                entry.say(SAME_BODY, name=name, other=seen[name.casefold()])
+            other = seen.setdefault(name.casefold(), name)
+            if other != name:
+                entry.say(SAME_BODY, name=name, other=other)
+            elif other in {body.name for body in drawn}:
+                entry.say(TWICE, name=name)
             said = entry.read(BODY)
             shapes = [key for key in SHAPES if key in said]
             if not shapes and any(key in entry.content for key in SHAPES):
@@ -201,19 +233,26 @@ class _Reader:
                 what = "no shape" if not shapes else f"{len(shapes)} shapes"
                 entry.say(NO_SHAPE, name=name, what=what, cure=f"write one of {', '.join(SHAPES)}")
                 continue
-            shape = self.shape(shapes[0], said)
-            if shape is None:
+            one = self.one(name, shapes[0], said)
+            if one is None:
                 continue
-            yield Body(
-                name,
-                (Part(shape),),
-                _pose(said),
-                said.get("parent", "world"),
-                said.get("colour"),
-                said.get("margin"),
-                {k: _pose(t.read(PLACE)) for k, t in entry.table("locations").named()},
-                str(entry.page.source.path or ""),
+            own = {k: _pose(t.read(PLACE)) for k, t in entry.table("locations").named()}
+            yield replace(
+                one,
+                pose=_pose(said),
+                parent=said.get("parent", WORLD_FRAME),
+                colour=said.get("colour", one.colour),
+                margin=said.get("margin"),
+                locations={**one.locations, **own},
+                source=str(entry.page.source.path or ""),
             )
+
+    def one(self, name: str, key: str, said: Mapping[str, Any]) -> Body | None:
+        if key == "drawing":
+            drawing = self.drawing(said)
+            return None if drawing is None else drawing.as_one(name)
+        shape = self.shape(key, said)
+        return None if shape is None else Body(name, (Part(shape),))
 
     def shape(self, key: str, said: Mapping[str, Any]) -> Shape | None:
         value = said[key]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
@@ -70,7 +71,7 @@ def read_mesh(
         reason = "it holds no triangle" if not len(triangles) else "a corner is no number"
         raise _no_mesh(said, reason)
     factor, findings = _factor(suffix, stated, unit, said)
-    return _cleaned(points * factor, triangles, most, said, findings)
+    return cleaned(points * factor, triangles, most, said, findings)
 
 
 def _no_mesh(path: str, reason: str) -> Refused:
@@ -111,9 +112,14 @@ def _factor(
     return 1.0, [NO_UNIT(path=path, unit=UNITS["mm"][0])]
 
 
-def _cleaned(
+def cleaned(
     points: Floats, triangles: Ints, most: int, path: str, findings: list[Diagnostic]
 ) -> tuple[Mesh, tuple[Diagnostic, ...]]:
+    """A mesh of points (n, 3) mm and triangles (m, 3), and what is to be said of it.
+
+    Corners that fall together are one, triangles without area are left out, those that face
+    inwards are turned round, more than `most` are simplified. Raises Refused if none is left.
+    """
     points, triangles = _merged(points, triangles, MERGED)
     given, off = len(triangles), 0.0
     cell = MERGED
@@ -136,6 +142,9 @@ def _cleaned(
     if not len(triangles):
         raise _no_mesh(path, "none of its triangles has an area")
     opened = _open_edges(triangles)
+    if opened:
+        triangles = _turned_alike(points, triangles)
+        opened = _open_edges(triangles)
     if opened and not off:
         findings.append(OPEN_MESH(path=path, count=opened))
     elif _volume(points, triangles) < 0.0:
@@ -184,3 +193,62 @@ def _open_edges(triangles: Ints) -> int:
     same = np.intersect1d(codes, codes_back, assume_unique=True)
     paired = counts[np.isin(codes, same)] == counts_back[np.isin(codes_back, same)]
     return int(len(codes) - paired.sum())
+
+
+def _sides(triangles: Ints) -> tuple[Ints, Ints, Any]:
+    """Pairs of triangles (k,), (k,) with a side in common that no third has.
+
+    Also of each (k,) whether both go along it the same way, so that one faces the other way.
+    """
+    m = len(triangles)
+    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    owner, forward = np.tile(np.arange(m), 3), edges[:, 0] < edges[:, 1]
+    low, high = edges.min(axis=1), edges.max(axis=1)
+    order = np.lexsort((high, low))
+    low, high, owner, forward = low[order], high[order], owner[order], forward[order]
+    first = np.flatnonzero(np.append(True, (np.diff(low) != 0) | (np.diff(high) != 0)))
+    pairs = first[np.diff(np.append(first, len(low))) == 2]
+    return owner[pairs], owner[pairs + 1], forward[pairs] == forward[pairs + 1]
+
+
+def _turned_alike(points: Floats, triangles: Ints) -> Ints:
+    """Triangles turned so that neighbours face the same side, outwards of each shell.
+
+    Each triangle is taken twice, as it is and turned round, and joined to the neighbours that it
+    agrees with: what hangs together then is a shell from one of its sides.
+    """
+    from scipy.sparse import coo_array  # type: ignore[import-untyped]
+    from scipy.sparse.csgraph import connected_components  # type: ignore[import-untyped]
+
+    m = len(triangles)
+    one, other, against = _sides(triangles)
+    shift = np.where(against, m, 0)
+    rows = np.concatenate([one, one + m])
+    columns = np.concatenate([other + shift, other + m - shift])
+    graph = coo_array((np.ones(len(rows), dtype=np.int8), (rows, columns)), (2 * m, 2 * m))
+    count, labels = connected_components(graph, directed=False)
+    here, there = labels[:m], labels[m:]
+    a, b, c = (points[triangles[:, i]] for i in range(3))
+    signed = np.einsum("ij,ij->i", a, np.cross(b, c))
+    volumes = np.bincount(here, signed, count) - np.bincount(there, signed, count)
+    turned = (volumes[here] < volumes[there]) | ((volumes[here] == volumes[there]) & (here > there))
+    out = triangles.copy()
+    out[turned] = out[turned][:, ::-1]
+    return out
+
+
+def shells(mesh: Mesh) -> Iterator[tuple[Floats, Ints, bool]]:
+    """Points, triangles and whether they are closed, of each part of a mesh that hangs together."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    a, b, c = mesh.triangles.T
+    rows, columns = np.concatenate([a, b]), np.concatenate([b, c])
+    size = len(mesh.points)
+    graph = coo_array((np.ones(len(rows), dtype=np.int8), (rows, columns)), (size, size))
+    _, labels = connected_components(graph, directed=False)
+    own = labels[a]
+    for label in dict.fromkeys(own.tolist()):
+        used, places = np.unique(mesh.triangles[own == label], return_inverse=True)
+        triangles = places.reshape(-1, 3)
+        yield mesh.points[used], triangles, not _open_edges(triangles)

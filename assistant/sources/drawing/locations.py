@@ -96,13 +96,18 @@ class Location:
 
 @dataclass(slots=True)
 class Locations:
-    """Reads one location after the other; `findings` and `tally` fill while it goes."""
+    """Reads one location after the other; `findings` and `tally` fill while it goes.
+
+    attached: they are of bodies, so that only poses count, in the drawing's world whatever frame
+    they name; names of tools and frames, speeds and orders are for who reads the motion.
+    """
 
     document: Drawing
     path: str
     tags: Tags
     process: Process
     tally: Tally
+    attached: bool = False
     findings: list[Diagnostic] = field(default_factory=list)
     tools: Mapping[str, Tool] = field(default_factory=dict)
     frames: Mapping[str, Frame] = field(default_factory=dict)
@@ -160,6 +165,8 @@ class Locations:
         return self.process.defaults.motion
 
     def _motion(self, values: Values, usual: Motion) -> Motion:
+        if self.attached:
+            return usual
         speed, blend = values.speed(), values.blend()
         base = usual.speed if isinstance(usual.speed, Speed) else Speed(1.0)
         return Motion(
@@ -241,7 +248,7 @@ class Locations:
     def _into_frame(self, placed: Placed, pose: Pose, name: str) -> Pose:
         """A pose of the drawing's world in the frame of that name, at the same place."""
         drawing = self.process.defaults.frame
-        if name == drawing:
+        if name == drawing or self.attached:
             return pose
         frames = self.frames[drawing], self.frames[name]
         if any(f.held or f.mechanism for f in frames):

@@ -10,7 +10,7 @@ inside it are read.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final, cast
 
@@ -85,6 +85,7 @@ class Placed:
 
     matrix: from the coordinates that it stands in to the drawing's world, in mm. layer: in
     effect. place: the inserts it is in and its handle, for people. cell: of a multiple insert.
+    inserted: the outermost insert that it came with, None for what stands in no block.
     """
 
     entity: DXFGraphic
@@ -92,16 +93,33 @@ class Placed:
     layer: str
     place: str
     cell: tuple[float, float] = (0.0, 0.0)
+    inserted: Inserted | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Inserted:
+    """A block at one place in the model space, the same object for all that comes with it.
+
+    matrix: (4, 4) from its coordinates to the drawing's world in mm. base: (3,) its base point.
+    """
+
+    block: str
+    matrix: Floats
+    base: Floats
 
 
 @dataclass(slots=True)
 class Traversal:
-    """Walks through a document; `tally` and `findings` fill while it goes."""
+    """Walks through a document; `tally` and `findings` fill while it goes.
+
+    wanted: which entities are yielded, beside points and locations; what is not is counted.
+    """
 
     document: Drawing
     path: str
     tags: Tags
     tally: Tally
+    wanted: Callable[[DXFGraphic], bool] = follows
     findings: list[Diagnostic] = field(default_factory=list)
     states: dict[str, str] = field(default_factory=dict)
     """Layer in lower case → `frozen` or `off`."""
@@ -160,10 +178,11 @@ class Traversal:
                 self._leave(LEFT_OUT, entity, layer, SYMBOL)
             elif layer.lower() == DIMENSION_LAYER:
                 self._leave(LEFT_OUT, entity, layer, "construction points of dimensions")
-            elif kind == "POINT" or follows(entity):
-                yield Placed(entity, owner.matrix, layer, owner.place(entity))
             elif kind in ANNOTATION:
                 self._leave(LEFT_OUT, entity, layer, "it is for people to read")
+            elif kind == "POINT" or self.wanted(entity):
+                place = owner.place(entity)
+                yield Placed(entity, owner.matrix, layer, place, inserted=owner.inserted)
             else:
                 self._leave(UNUSED, entity, layer, "")
 
@@ -188,13 +207,17 @@ class Traversal:
         symbol = owner.symbol or location
         for cell in cells(insert):
             if location:
-                yield Placed(insert, owner.matrix, layer, place, cell)
+                yield Placed(insert, owner.matrix, layer, place, cell, owner.inserted)
             if block is None:
                 continue
             with np.errstate(all="ignore"):  # what overflows is found not to be finite
                 inner = owner.matrix @ insert_matrix(insert, block.base_point.xyz, cell)
             blocks = (*owner.blocks, block.name.lower())
-            yield from self._walk(block, _Owner(inner, layer, f"{place} > ", blocks, symbol))
+            inserted = owner.inserted
+            if inserted is None and not location:
+                inserted = Inserted(block.name, inner, np.array(block.base_point.xyz))
+            own = _Owner(inner, layer, f"{place} > ", blocks, symbol, inserted)
+            yield from self._walk(block, own)
 
     def _block(
         self, insert: Insert, place: str, owner: _Owner, *, needed: bool
@@ -270,6 +293,7 @@ class _Owner:
     prefix: str = ""
     blocks: tuple[str, ...] = ()
     symbol: bool = False
+    inserted: Inserted | None = None
 
     def place(self, entity: DXFGraphic) -> str:
         return f"{self.prefix}{shown(entity.dxftype())} #{entity.dxf.handle}"

@@ -1,0 +1,359 @@
+"""Entities of drawings as surfaces and cylinders, in the coordinates that they stand in.
+
+| entity                             | becomes                                               |
+|------------------------------------|-------------------------------------------------------|
+| 3DFACE                             | one or two triangles                                  |
+| MESH, POLYLINE as polyface or mesh | triangles                                             |
+| 3DSOLID, BODY                      | their flat faces with straight edges, by ezdxf        |
+| CIRCLE with thickness              | a cylinder                                            |
+| closed LWPOLYLINE and POLYLINE     | a prism by their thickness; arcs as chords, and       |
+|                                    | thicker by their sagitta and half the width of lines  |
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from assistant.cell.scene import Part
+from assistant.cell.shapes import Convex, Cylinder, Mesh
+from assistant.program import rotations
+from assistant.program.arrays import Floats, Ints, norms
+from assistant.program.geometry import Pose
+from assistant.sources.drawing.entities import check_stated, primitives
+from assistant.sources.drawing.primitives import Conic, Degenerate, Straight, check_places
+from assistant.sources.drawing.transforms import (
+    direction,
+    ocs_axes,
+    point,
+    right_handed,
+    skews,
+)
+
+if TYPE_CHECKING:
+    from ezdxf.entities.dxfgfx import DXFGraphic
+
+STEP: Final = math.radians(3.0)
+"""Of the chords that stand for an arc, at most; their sagitta is 0.00034 of its radius."""
+SIDES: Final = 120
+"""Of the prism about a cylinder that a transform makes oval; it is 0.00034 of its radius wider."""
+CROSSING: Final = 1e-6
+"""Relative difference of area above which an outline crosses itself."""
+
+
+class NoSolid(Exception):
+    """What is no body; curve: it is one for a robot to follow, and nothing is lost with it."""
+
+    def __init__(self, reason: str, *, curve: bool = False) -> None:
+        super().__init__(reason)
+        self.curve = curve
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Surface:
+    """Triangles (m, 3) of rows of points (n, 3). off: it may be away from what was drawn by that.
+
+    whole: it is one thing; else a piece of a surface whose other pieces are entities too.
+    left: what of the entity is not in it, blank if nothing.
+    """
+
+    points: Floats
+    triangles: Ints
+    off: float = 0.0
+    whole: bool = True
+    left: str = ""
+
+    def moved(self, matrix: Floats) -> Surface:
+        points = point(matrix, self.points)
+        check_places(points)
+        largest = float(np.linalg.norm(matrix[:3, :3], 2))
+        return replace(self, points=points, off=self.off * largest)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Round:
+    """A cylinder: the middle of one end (3,), two radii across it and the way to the other end."""
+
+    base: Floats
+    u: Floats
+    v: Floats
+    along: Floats
+    even: bool = True
+    left: str = ""
+
+    def moved(self, matrix: Floats) -> Round:
+        base, rest = point(matrix, self.base), direction(matrix, [self.u, self.v, self.along])
+        check_places(base, rest)
+        u, v, along = rest
+        return Round(base, u, v, along, self.even and not skews(matrix), self.left)
+
+    def part(self) -> Part:
+        """A cylinder; where it is oval or leans, the hull of a prism about it."""
+        if self.even:
+            turn = rotations.from_matrix(right_handed(self.u, self.along))
+            length = float(norms(self.along[None])[0])
+            middle = Pose.of(self.base + self.along / 2.0, turn)
+            return Part(Cylinder(float(norms(self.u[None])[0]), length), middle)
+        angles = np.arange(SIDES) * math.tau / SIDES
+        wider = 1.0 / math.cos(math.pi / SIDES)
+        ring = wider * (np.cos(angles)[:, None] * self.u + np.sin(angles)[:, None] * self.v)
+        return Part(Convex(np.concatenate([ring, ring + self.along]) + self.base))
+
+
+Solid = Surface | Round
+
+
+def solid_of(entity: DXFGraphic) -> Solid:
+    """What an entity is as a solid.
+
+    Raises NoSolid for what is none, Degenerate for one without area, ValueError or an error of
+    ezdxf for one that says nothing sensible.
+    """
+    check_stated(entity)
+    kind = entity.dxftype()
+    if kind in READERS:
+        return READERS[kind](entity)
+    if kind in SOLID_KINDS:
+        raise NoSolid("its surface is curved or another program's")
+    thick = entity.dxf.is_supported("thickness") and entity.dxf.get("thickness", 0.0)
+    if thick:
+        raise NoSolid("only closed polylines and circles with a thickness are bodies")
+    raise NoSolid("it has no thickness", curve=True)
+
+
+def _face(entity: Any) -> Surface:
+    corners = [np.array(corner.xyz) for corner in entity.wcs_vertices()]
+    return replace(_surface([corners]), whole=False)
+
+
+def _mesh(entity: Any) -> Surface:
+    corners = [np.array(tuple(corner), dtype=np.float64) for corner in entity.vertices]
+    surface = _surface([[corners[i] for i in face] for face in entity.faces])
+    smooth = entity.dxf.get("subdivision_levels", 0)
+    return replace(surface, left="smoothing") if smooth else surface
+
+
+def _polyline(entity: Any) -> Surface:
+    from ezdxf.render.mesh import MeshBuilder
+
+    if not (entity.is_poly_face_mesh or entity.is_polygon_mesh):
+        return _prism(entity)
+    mesh = MeshBuilder.from_polyface(entity)
+    faces: list[Iterable[Any]] = list(mesh.faces_as_vertices())
+    if entity.is_polygon_mesh:
+        faces += _seams(entity)
+    return _surface([[np.array(v.xyz) for v in face] for face in faces])
+
+
+def _seams(entity: Any) -> Iterator[tuple[Any, ...]]:
+    """What closes a mesh of rows and columns, which ezdxf leaves out."""
+    vertices = entity.get_mesh_vertex_cache()
+    rows, columns = entity.dxf.m_count, entity.dxf.n_count
+    last_row, last_column = rows - 1, columns - 1
+    for m in range(rows if entity.is_m_closed else last_row) if entity.is_n_closed else ():
+        n = (m + 1) % rows
+        yield vertices[m, last_column], vertices[m, 0], vertices[n, 0], vertices[n, last_column]
+    for n in range(last_column) if entity.is_m_closed else ():
+        yield vertices[last_row, n], vertices[last_row, n + 1], vertices[0, n + 1], vertices[0, n]
+
+
+def _solid(entity: Any) -> Surface:
+    from ezdxf.acis.const import AcisException
+    from ezdxf.acis.dxf import load_dxf
+    from ezdxf.acis.mesh import mesh_from_body
+
+    try:
+        bodies = load_dxf(entity)
+        meshes = [mesh for body in bodies for mesh in mesh_from_body(body)]
+    except AcisException as error:
+        raise NoSolid(str(error) or "its data are of another kind") from None
+    faces = [face for mesh in meshes for face in mesh.faces_as_vertices()]
+    stated = [face for body in bodies for face in _acis_faces(body)]
+    if not faces:
+        raise NoSolid("none of its faces is flat with straight edges")
+    surface = _surface([[np.array(v.xyz) for v in face] for face in faces])
+    holed = any(not face.loop.is_none and not face.loop.next_loop.is_none for face in stated)
+    if len(faces) < len(stated) or holed:
+        return replace(surface, left="curved faces")
+    return surface
+
+
+def _acis_faces(body: Any) -> Iterator[Any]:
+    lump = body.lump
+    while not lump.is_none:
+        face = lump.shell if lump.shell.is_none else lump.shell.face
+        while not face.is_none:
+            yield face
+            face = face.next_face
+        lump = lump.next_lump
+
+
+def _circle(entity: Any) -> Round:
+    along = _thickness(entity)
+    (conic,) = primitives(entity)
+    assert isinstance(conic, Conic)
+    return Round(conic.centre, conic.u, conic.v, along)
+
+
+def _prism(entity: Any) -> Surface:
+    """A closed outline carried along its thickness.
+
+    As wide as its lines: what a line with a width covers is not farther from its middle than half.
+    """
+    along = _thickness(entity)
+    pieces = primitives(entity)
+    outline, off = list[Floats](), 0.0
+    for piece in pieces:
+        if isinstance(piece, Conic):
+            count = max(2, math.ceil(piece.sweep / STEP))
+            angles = np.arange(count) * piece.sweep / count
+            places = np.cos(angles)[:, None] * piece.u + np.sin(angles)[:, None] * piece.v
+            outline += list(piece.centre + places)
+            radius = float(norms(piece.u[None])[0])
+            off = max(off, radius * (1.0 - math.cos(piece.sweep / count / 2.0)))
+            end = piece.centre + math.cos(piece.sweep) * piece.u + math.sin(piece.sweep) * piece.v
+        else:
+            assert isinstance(piece, Straight)
+            outline.append(piece.start)
+            end = piece.end
+    if norms((end - outline[0])[None])[0] > 1e-9 * (1.0 + float(np.abs(end).max())):
+        raise NoSolid("it is open")
+    ring = np.array(outline)
+    axes = ocs_axes(tuple(entity.dxf.extrusion))
+    flat = ring @ axes[:, :2]
+    triangles = _cut(flat)
+    n = len(ring)
+    here = np.arange(n)
+    after = (here + 1) % n
+    sides = np.concatenate(
+        [np.stack([here, after, after + n], 1), np.stack([here, after + n, here + n], 1)]
+    )
+    points = np.concatenate([ring, ring + along])
+    faces = np.concatenate([triangles[:, ::-1], triangles + n, sides])
+    return Surface(points, faces, off + _width(entity) / 2.0)
+
+
+def _width(entity: Any) -> float:
+    """Mm or another unit of the drawing: the widest of its lines."""
+    if entity.dxftype() == "LWPOLYLINE":
+        widths = [entity.dxf.get("const_width", 0.0)]
+        widths += [max(abs(one), abs(other)) for one, other in entity.get_points("se")]
+    else:
+        widths = [entity.dxf.get(key, 0.0) for key in ("default_start_width", "default_end_width")]
+        for vertex in entity.vertices:
+            widths += [vertex.dxf.get(key, 0.0) for key in ("start_width", "end_width")]
+    return float(max(np.abs(widths), default=0.0))
+
+
+def _thickness(entity: Any) -> Floats:
+    """(3,) of the entity in its layout; raises NoSolid if it has none."""
+    thickness = float(entity.dxf.get("thickness", 0.0))
+    if not math.isfinite(thickness):
+        raise ValueError("its thickness is not finite")
+    if not thickness:
+        raise NoSolid("it has no thickness", curve=True)
+    return np.asarray(ocs_axes(tuple(entity.dxf.extrusion))[:, 2] * thickness)
+
+
+def _surface(faces: Iterable[Sequence[Floats]]) -> Surface:
+    """Of flat faces with three or more corners (3,)."""
+    points, triangles, start = list[Floats](), list[tuple[int, int, int]](), 0
+    for face in faces:
+        corners = np.array(face, dtype=np.float64).reshape(-1, 3)
+        for a, b, c in _triangles(corners):
+            triangles.append((start + a, start + b, start + c))
+        points += list(corners)
+        start += len(corners)
+    if not triangles:
+        raise Degenerate("without area")
+    return Surface(np.array(points), np.array(triangles, dtype=np.int64))
+
+
+def _triangles(corners: Floats) -> Iterable[tuple[int, int, int]]:
+    match len(corners):
+        case 0 | 1 | 2:
+            return ()
+        case 3:
+            return ((0, 1, 2),)
+        case 4:
+            a, b, c, d = corners
+            one, other = np.cross(b - a, c - a), np.cross(c - a, d - a)
+            if one @ other >= 0.0:
+                return ((0, 1, 2), (0, 2, 3))
+            return ((0, 1, 3), (1, 2, 3))
+    beyond = np.roll(corners, -1, axis=0)
+    normal = np.cross(corners - corners[0], beyond - corners[0]).sum(axis=0)
+    if not norms(normal[None])[0] > 0.0:
+        return ()
+    axes = ocs_axes(normal)
+    return [(a, b, c) for a, b, c in _cut(corners @ axes[:, :2]).tolist()]
+
+
+def _cut(flat: Floats) -> Ints:
+    """(m, 3) triangles of a polygon (n, 2), counter-clockwise; raises Degenerate for none."""
+    from ezdxf.math.triangulation import mapbox_earcut_2d
+
+    corners = [(float(x), float(y)) for x, y in flat]
+    if not np.isfinite(flat).all():
+        raise ValueError("a corner is not finite")
+    places = {corner: i for i, corner in reversed(list(enumerate(corners)))}
+    found = [[places[v.x, v.y] for v in three] for three in mapbox_earcut_2d(corners)]
+    triangles = np.array(found, dtype=np.int64).reshape(-1, 3)
+    one, two = (flat[triangles[:, i]] - flat[triangles[:, 0]] for i in (1, 2))
+    areas = (one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]) / 2.0
+    ring = np.roll(flat, -1, axis=0)
+    stated = float((flat[:, 0] * ring[:, 1] - flat[:, 1] * ring[:, 0]).sum()) / 2.0
+    covered = float(np.abs(areas).sum())
+    if not covered > 0.0:
+        raise Degenerate("without area")
+    if abs(covered - abs(stated)) > CROSSING * covered:
+        raise Degenerate("its outline crosses itself")
+    # The order is by the outline, whichever way around earcut gives its triangles.
+    turned = areas < 0.0
+    triangles[turned] = triangles[turned][:, ::-1]
+    return triangles if stated > 0.0 else np.ascontiguousarray(triangles[:, ::-1])
+
+
+SOLID_KINDS: Final = frozenset(
+    {
+        *("SURFACE", "EXTRUDEDSURFACE", "LOFTEDSURFACE", "REVOLVEDSURFACE", "SWEPTSURFACE"),
+        *("PLANESURFACE", "NURBSURFACE", "REGION", "ACAD_PROXY_ENTITY"),
+    }
+)
+"""What stands for surfaces or solids, but is not read."""
+READERS: Final[dict[str, Callable[[Any], Solid]]] = {
+    "3DFACE": _face,
+    "MESH": _mesh,
+    "POLYLINE": _polyline,
+    "LWPOLYLINE": _prism,
+    "CIRCLE": _circle,
+    "3DSOLID": _solid,
+    "BODY": _solid,
+}
+"""Entity type → its reader."""
+
+
+def shape_of(mesh: Mesh) -> Mesh | Convex:
+    """The same body as a hull where it is one: with a depth of contact, and faster."""
+    from scipy.spatial import ConvexHull, QhullError  # type: ignore[import-untyped]
+
+    if not mesh.solid or mesh.off or len(mesh.points) > MOST_CORNERS:
+        return mesh
+    used = mesh.points[np.unique(mesh.triangles)]
+    try:
+        hull = ConvexHull(used)
+    except QhullError:
+        return mesh
+    a, b, c = (mesh.points[mesh.triangles[:, i]] for i in range(3))
+    volume = abs(float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum())) / 6.0
+    return Convex(used) if volume >= hull.volume * (1.0 - SAME) else mesh
+
+
+MOST_CORNERS: Final = 2000
+"""Of a hull; a mesh of more is faster by its triangles."""
+SAME: Final = 1e-9
+"""Relative difference in volume of a body and its hull, up to which it is convex."""
