@@ -1,8 +1,9 @@
 """Contacts between frames: the way between two rows of joints, with nothing left out.
 
-A stretch is clear if the distances at its two ends add up to more than anything can move from the
-one to the other; if not, it is halved. What each joint moves is counted with the largest lever that
-a pair has on it (`Model.leverage`), so that no thing is thin enough to be stepped over.
+First what is far away is left out, of whole groups of stretches at once (`culling`). A stretch of
+what remains is clear if the distances at its two ends add up to more than anything can move from
+the one to the other; if not, it is halved. What each joint moves is counted with the largest lever
+that a pair has on it (`Model.leverage`), so that no thing is thin enough to be stepped over.
 """
 
 from __future__ import annotations
@@ -12,13 +13,16 @@ from typing import Final
 
 import numpy as np
 
+from assistant.cell.collision.culling import near
 from assistant.cell.collision.model import Contact, Model
 from assistant.program.arrays import Floats, Rows, Truths
 
 RESOLUTION: Final = 0.1
 """mm that anything moves in the shortest stretch: what comes that near counts as touching."""
-CHUNK: Final = 2048
-"""Stretches that are looked at together."""
+TOGETHER: Final = 500_000
+"""Stretches times pairs that are looked at together: each takes some hundred bytes at most."""
+LONGEST: Final = 16384
+"""Stretches of which a chunk has no more."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,8 +61,9 @@ def hits(
         return []
     limit = np.broadcast_to(np.asarray(margin, dtype=np.float64), (len(model),))
     found: list[Hit] = []
-    for start in range(0, n, CHUNK):
-        chunk = _Chunk(model, way, limit, resolution, start, min(start + CHUNK, n))
+    size = min(max(TOGETHER // len(model), 1), LONGEST)
+    for start in range(0, n, size):
+        chunk = _Chunk(model, way, limit, resolution, start, min(start + size, n))
         found += chunk.hits()
     return _first_of_runs(found)
 
@@ -70,7 +75,10 @@ def clear(model: Model, way: Way, margin: float | Floats = 0.0) -> bool:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Open:
-    """Parts of stretches, from low to high, each for one pair, with its distances at both."""
+    """Parts of stretches, from low to high, each for one pair, with its distances at both.
+
+    moved: mm that the pair can come nearer on the whole stretch; slack: off it.
+    """
 
     stretch: Rows
     pair: Rows
@@ -78,6 +86,8 @@ class _Open:
     high: Floats
     at_low: Floats
     at_high: Floats
+    moved: Floats
+    slack: Floats
 
     def some(self, which: Truths) -> _Open:
         return _Open(*(getattr(self, name)[which] for name in _Open.__slots__))
@@ -92,6 +102,8 @@ class _Open:
             np.concatenate([half, self.high[rest]]),
             np.concatenate([self.at_low, middle[rest]]),
             np.concatenate([middle, self.at_high[rest]]),
+            np.concatenate([self.moved, self.moved[rest]]),
+            np.concatenate([self.slack, self.slack[rest]]),
         )
 
 
@@ -104,10 +116,7 @@ class _Chunk:
         self.model, self.limit, self.resolution, self.start = model, limit, resolution, start
         self.rows = way.rows[start : stop + 1]
         self.step = np.diff(self.rows, axis=0)
-        self.moved = np.abs(self.step) @ model.leverage  # (m, p) mm of a whole stretch
-        self.slack = np.zeros_like(self.moved)
-        if way.slack is not None:
-            self.slack = np.abs(way.slack[start:stop]) @ model.leverage
+        self.slack = None if way.slack is None else np.abs(way.slack[start:stop])
 
     def hits(self) -> list[Hit]:
         open_ = self._candidates()
@@ -119,14 +128,13 @@ class _Chunk:
             out += [Hit(0.0, int(p), float(d), self.rows[0]) for p, d in at_once]
         open_ = open_.some(~touching)
         while len(open_.stretch):
-            whole = self.moved[open_.stretch, open_.pair] * (open_.high - open_.low)
-            least = (open_.at_low + open_.at_high - whole) / 2.0
-            least -= self.slack[open_.stretch, open_.pair]
-            near, small = least <= self.limit[open_.pair], whole <= self.resolution
-            found = open_.some(near & small)
+            whole = open_.moved * (open_.high - open_.low)
+            least = (open_.at_low + open_.at_high - whole) / 2.0 - open_.slack
+            close, small = least <= self.limit[open_.pair], whole <= self.resolution
+            found = open_.some(close & small)
             if len(found.stretch):
                 out += self._found(found)
-            open_ = open_.some(near & ~small)
+            open_ = open_.some(close & ~small)
             if len(open_.stretch):
                 middle = self._distances(open_.stretch, (open_.low + open_.high) / 2.0, open_.pair)
                 open_ = open_.halves(middle, middle <= self.limit[open_.pair])
@@ -134,14 +142,18 @@ class _Chunk:
 
     def _candidates(self) -> _Open:
         """What boxes do not tell to be far away."""
-        least = self.model.least(self.rows[:-1] + self.step / 2.0)
-        stretch, pair = np.nonzero(least <= self.moved / 2.0 + self.slack + self.limit)
-        none, all_ = np.zeros(len(stretch)), np.ones(len(stretch))
+        stretch, pair = near(self.model, self.rows, self.slack, self.limit)
+        leverage = self.model.leverage.T[pair]
+        moved = np.einsum("kj,kj->k", np.abs(self.step)[stretch], leverage)
+        none = np.zeros(len(stretch))
+        slack = none
+        if self.slack is not None:
+            slack = np.einsum("kj,kj->k", self.slack[stretch], leverage)
         ends = np.stack([stretch, stretch + 1], axis=1).reshape(-1)
         known, where = np.unique(ends * len(self.model) + np.repeat(pair, 2), return_inverse=True)
         row, pairs = np.divmod(known, len(self.model))
         distance = self.model.exact(self.rows, row, pairs)[where].reshape(-1, 2)
-        return _Open(stretch, pair, none, all_, distance[:, 0], distance[:, 1])
+        return _Open(stretch, pair, none, none + 1.0, distance[:, 0], distance[:, 1], moved, slack)
 
     def _distances(self, stretch: Rows, part: Floats, pair: Rows) -> Floats:
         keys, rows = self._rows_at(stretch, part)

@@ -18,7 +18,8 @@ from assistant.program import rotations
 from assistant.program.arrays import Floats, Rows, norms
 from assistant.program.geometry import Pose, Vector
 
-SMALL: Final = 1e-9
+TOGETHER: Final = 200_000
+"""Rows times pairs whose bounds are worked out together."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,22 +132,23 @@ class Model:
 
     def least(self, rows: Floats) -> Floats:
         """(n, p) mm that the items of each pair are apart at least, for rows (n, j) of joints."""
-        origins, turns = self.carriers.at(rows)
-        carrier = self._carriers
-        at = origins[:, carrier] + np.einsum("nipq,iq->nip", turns[:, carrier], self._middles)
-        apart = [
-            self._from_box(at[:, self.one], self.other, origins, turns) - self._radii[self.one],
-            self._from_box(at[:, self.other], self.one, origins, turns) - self._radii[self.other],
-        ]
-        return np.asarray(np.maximum(*apart) - self._off)
+        row, pair = np.divmod(np.arange(len(rows) * len(self)), max(len(self), 1))
+        return self.least_of(rows, row, pair).reshape(len(rows), len(self))
 
-    def _from_box(self, points: Floats, items: Rows, origins: Floats, turns: Floats) -> Floats:
-        """(n, p) distances of points (n, p, 3) from the boxes around items (p,)."""
-        carrier = self._carriers[items]
-        local = np.einsum("npqr,npq->npr", turns[:, carrier], points - origins[:, carrier])
-        own = np.einsum("prs,npr->nps", self._turns[items], local - self._middles[items])
-        beyond = np.maximum(np.abs(own) - self._halves[items], 0.0)
-        return norms(beyond)
+    def least_of(self, rows: Floats, row: Rows, pair: Rows) -> Floats:
+        """(k,) mm that the items of pairs (k,) are apart at least, each for one of rows (n, j)."""
+        origins, turns = self.carriers.at(rows)
+        middles = origins[:, self._carriers] + np.einsum(
+            "nipq,iq->nip", turns[:, self._carriers], self._middles
+        )
+        boxes = turns[:, self._carriers] @ self._turns
+        one, other = self.one[pair], self.other[pair]
+        way = (middles[row, other] - middles[row, one])[:, None]
+        apart = [
+            _beyond(way @ boxes[row, other], self._halves[other]) - self._radii[one],
+            _beyond(way @ boxes[row, one], self._halves[one]) - self._radii[other],
+        ]
+        return np.asarray(np.maximum(*apart) - self._off[pair])
 
     @cached_property
     def _geometries(self) -> list[Any]:
@@ -226,6 +228,12 @@ class Model:
 
     def nearest(self, rows: Floats) -> tuple[Floats, Rows]:
         """Rows (n, j) → the least distance (n,) of any pair, inf without pairs, and which (n,)."""
+        size = max(TOGETHER // max(len(self), 1), 1)
+        blocks = [self._nearest(rows[i : i + size]) for i in range(0, max(len(rows), 1), size)]
+        best, which = zip(*blocks, strict=True)
+        return np.concatenate(best), np.concatenate(which)
+
+    def _nearest(self, rows: Floats) -> tuple[Floats, Rows]:
         best = np.full(len(rows), np.inf)
         which = np.full(len(rows), -1)
         if not len(self) or not len(rows):
@@ -264,6 +272,11 @@ class Model:
             (_vector(points[0]), _vector(points[1])),
             _vector(self._result.normal),
         )
+
+
+def _beyond(points: Floats, half: Floats) -> Floats:
+    """(k,) distances of points (k, 1, 3) from boxes with half edges (k, 3) about the origin."""
+    return norms(np.maximum(np.abs(points[:, 0]) - half, 0.0))
 
 
 def _vector(values: Any) -> Vector:
