@@ -1,0 +1,200 @@
+"""The joints of one robot of a cell, and which places and straight moves of them are free.
+
+A straight move is cut into parts until each is proven: nothing comes nearer on a part than in its
+middle, less what it can move from there to an end (`Model.leverage`). What is not proven in parts
+in which nothing moves more than `FINEST` counts as not free.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+
+from assistant.cell.collision.continuous import RESOLUTION, Hit, Way, hits
+from assistant.cell.collision.model import Contact, Model
+from assistant.cell.scene import Placed, Scene
+from assistant.program import rotations
+from assistant.program.arrays import Floats, Rows, Truths
+from assistant.program.geometry import IDENTITY, Pose, Vector
+
+FINEST: Final = 0.1
+"""mm that anything moves in the shortest part of a move that is looked at."""
+COARSEST: Final = 120.0
+"""mm that anything moves in the parts that a move is cut into at first."""
+MOST_PARTS: Final = 64
+"""Parts that a move is cut into at first, at most."""
+TURN: Final = 0.05
+"""degrees that the tool turns in the shortest part of a move whose tilt is looked at."""
+
+
+@dataclass(frozen=True, slots=True)
+class Cone:
+    """How the tool may be tilted: its z axis by at most `angle` degrees from a direction.
+
+    direction: in the base of the robot, of any length but 0.
+    """
+
+    direction: Vector
+    angle: float
+
+    def tilt(self, quaternions: Floats) -> Floats:
+        """(n,) degrees by which the z axes of tools (n, 4) are tilted."""
+        axis = np.array(self.direction, dtype=np.float64)
+        z = rotations.to_matrix(quaternions)[:, :, 2]
+        along, across = z @ axis, np.linalg.norm(np.cross(z, axis), axis=1)
+        return np.asarray(np.degrees(np.arctan2(across, along)))
+
+
+class Space:
+    """A robot of a scene that moves while all others stand.
+
+    others: (a,) joints by the names of other robots; those that it does not name stand at home.
+    margin: mm that is kept everywhere, None for the margins of the scene. tool: the tip in the
+    flange, whose tilt the cone is about.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        placed: Placed,
+        *,
+        others: Mapping[str, Floats] | None = None,
+        margin: float | None = None,
+        cone: Cone | None = None,
+        tool: Pose = IDENTITY,
+    ) -> None:
+        self.model, self.placed, self.robot = Model(scene), placed, placed.robot
+        self.cone, self.tool = cone, tool
+        at = next(i for i, one in enumerate(scene.robots) if one is placed)
+        self.columns = self.model.carriers.columns[at]
+        where = others or {}
+        still = [np.asarray(where.get(p.name, p.robot.home), np.float64) for p in scene.robots]
+        self._still = np.concatenate(still)
+        self.moved: Truths = np.asarray((self.model.leverage[self.columns] > 0.0).any(axis=0))
+        margins = self.model.margins if margin is None else np.full(len(self.model), margin)
+        self.margins: Floats = np.where(self.moved, margins, -np.inf)
+        self.asked = 0
+
+    @cached_property
+    def weights(self) -> Floats:
+        """(a,) seconds that an axis takes for a degree (mm): moves are as long as they last."""
+        return np.asarray(1.0 / self.robot.speeds)
+
+    @cached_property
+    def turning(self) -> Floats:
+        """(a,) degrees that the tool turns at most with a degree of each axis, 0 if it slides."""
+        out = np.where(self.robot.sliding, 0.0, 1.0)
+        if self.robot.coupling:
+            out[1] += abs(self.robot.coupling)
+        return out
+
+    def length(self, one: Floats, other: Floats) -> Floats:
+        """Joints (…, a) → (…) how far apart they are, in seconds of the axes together."""
+        return np.asarray(np.linalg.norm((other - one) * self.weights, axis=-1))
+
+    def all_joints(self, rows: Floats) -> Floats:
+        """Joints (n, a) of the robot → (n, j) of all robots."""
+        out = np.tile(self._still, (len(rows), 1))
+        out[:, self.columns] = rows
+        return out
+
+    def tip(self, rows: Floats) -> tuple[Floats, Floats]:
+        """Joints (n, a) → the tool in the base: positions (n, 3) mm, quaternions (n, 4)."""
+        p, q = self.robot.fk(rows)
+        turn = rotations.to_matrix(q)
+        turned = rotations.multiply(q, np.array(self.tool.quaternion))
+        return p + turn @ np.array(self.tool.position), turned
+
+    def distances(self, row: Floats) -> Floats:
+        """(p,) mm of every pair with the robot at joints (a,); inf of those it does not move."""
+        out = np.full(len(self.model), np.inf)
+        pairs = np.flatnonzero(self.moved)
+        if len(pairs):
+            none = np.zeros(len(pairs), dtype=np.intp)
+            out[pairs] = self.model.exact(self.all_joints(row[None]), none, pairs)
+        return out
+
+    def contact(self, row: Floats, pair: int) -> Contact:
+        return self.model.contact(self.all_joints(row[None])[0], pair)
+
+    def hits(self, rows: Floats) -> list[Hit]:
+        """Where the way through joints (n, a) comes nearer than the margins, by `continuous`."""
+        return hits(self.model, Way(self.all_joints(rows)), self.margins)
+
+    def free(self, rows: Floats) -> Truths:
+        """(n,) whether the places of joints (n, a) are inside the limits, tilt and margins."""
+        return np.asarray(self.robot.inside(rows) & self.clear(rows, rows))
+
+    def clear(self, starts: Floats, ends: Floats, room: float = 0.0) -> Truths:
+        """(n,) whether the straight moves from joints (n, a) to (n, a) keep margins and tilt.
+
+        room: mm that is kept beyond the margins.
+        """
+        out = np.ones(len(starts), dtype=bool)
+        self.asked += len(starts)
+        if self.cone is not None:
+            out = self._upright(starts, ends)
+        if len(self.model):
+            some = np.flatnonzero(out)
+            out[some] = self._apart(starts[some], ends[some], room)
+        return out
+
+    def _apart(self, starts: Floats, ends: Floats, room: float) -> Truths:
+        out = np.ones(len(starts), dtype=bool)
+        lever = self.model.leverage[self.columns]
+        limit = (
+            self.margins + RESOLUTION + room
+        )  # what `hits` calls clear is that much farther away
+        step = ends - starts
+        whole = np.abs(step) @ lever  # (n, p) mm
+        most = whole.max(axis=1, initial=0.0, where=self.moved)
+        parts = np.clip(np.ceil(most / COARSEST), 1, MOST_PARTS).astype(np.intp)
+        edge = np.repeat(np.arange(len(starts)), parts)
+        first = np.repeat(np.cumsum(parts) - parts, parts)
+        half = 0.5 / parts[edge]
+        middle = (2.0 * (np.arange(len(edge)) - first) + 1.0) * half
+        while len(edge):
+            rows = self.all_joints(starts[edge] + middle[:, None] * step[edge])
+            moved = whole[edge] * half[:, None]
+            k, pair = np.nonzero(self.model.least(rows) <= limit + moved)
+            apart = self.model.exact(rows, k, pair)
+            out[edge[k[apart <= limit[pair]]]] = False
+            near = apart <= limit[pair] + moved[k, pair]
+            out[edge[k[near & (moved[k, pair] <= FINEST / 2.0)]]] = False
+            again = np.unique(k[near])
+            again = again[out[edge[again]]]
+            edge, half = np.repeat(edge[again], 2), np.repeat(half[again] / 2.0, 2)
+            middle = np.repeat(middle[again], 2) + half * np.tile([-1.0, 1.0], len(again))
+        return out
+
+    def tilt(self, rows: Floats) -> Floats:
+        """(n,) degrees by which the tool is tilted from the cone's direction; 0 without one."""
+        return np.zeros(len(rows)) if self.cone is None else self.cone.tilt(self.tip(rows)[1])
+
+    def _upright(self, starts: Floats, ends: Floats) -> Truths:
+        """(n,) whether the tool stays in the cone: it tilts by no more than it turns."""
+        assert self.cone is not None
+        out = np.ones(len(starts), dtype=bool)
+        step = ends - starts
+        whole = np.abs(step) @ self.turning
+        edge: Rows = np.arange(len(starts))
+        half = np.full(len(starts), 0.5)
+        middle = half.copy()
+        while len(edge):
+            tilt = self.tilt(starts[edge] + middle[:, None] * step[edge])
+            turned = whole[edge] * half
+            out[edge[tilt > self.cone.angle + TILT]] = False
+            near = tilt + turned > self.cone.angle + TILT
+            out[edge[near & (turned <= TURN)]] = False
+            again = np.flatnonzero(near & out[edge])
+            edge, half = np.repeat(edge[again], 2), np.repeat(half[again] / 2.0, 2)
+            middle = np.repeat(middle[again], 2) + half * np.tile([-1.0, 1.0], len(again))
+        return out
+
+
+TILT: Final = 0.1
+"""degrees that a tool may be tilted beyond its cone: targets at its edge are rounded."""

@@ -1,0 +1,223 @@
+"""Ways through cells, proven by another check than the planner's, and what is said without one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+
+from assistant import robots
+from assistant.cell import arms
+from assistant.cell.collision.continuous import Way, hits
+from assistant.cell.collision.model import Model
+from assistant.cell.planning.planner import Planned, plan
+from assistant.cell.planning.space import Cone
+from assistant.cell.scene import Scene
+from assistant.program import rotations
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.geometry import Pose
+from assistant.robots.timing import simulate
+from assistant.robots.timing.passed import stretches_of
+from tests.cell.planning.cells import (
+    AHEAD,
+    ARM,
+    CELLS,
+    TIP,
+    Problem,
+    box,
+    problems,
+    scene_of,
+    shelf,
+)
+
+pytest.importorskip("ompl", reason="the extra `plan` is not installed")
+
+
+def proven(scene: Scene, way: Planned, others: Mapping[str, Floats]) -> None:
+    """Clear as the controller goes it: what `timing` makes of the program, by `hits`."""
+    model = Model(scene)
+    still = {placed.name: others.get(placed.name, placed.robot.home) for placed in scene.robots}
+    assert way.robot.inside(way.rows).all()
+    simulation = simulate(robots.solve_program(way.program(), way.robot), start=way.rows[0])
+    assert simulation.passed
+    last = way.rows[0]
+    for passed in simulation.passed:
+        stretches = stretches_of(passed.plan)
+        assert np.abs(stretches.joints[0] - last).max() < 1e-6
+        last = stretches.joints[-1]
+        rows = [
+            stretches.joints if placed.name == "arm" else np.tile(still[placed.name], (n, 1))
+            for n in [len(stretches.joints)]
+            for placed in scene.robots
+        ]
+        slack = [
+            stretches.slack if placed.name == "arm" else 0.0 * row[1:]
+            for placed, row in zip(scene.robots, rows, strict=True)
+        ]
+        found = Way(np.concatenate(rows, axis=1), np.concatenate(slack, axis=1))
+        assert not hits(model, found, model.margins)
+    assert np.abs(last - way.rows[-1]).max() < 1e-6
+
+
+def ends_at(way: Planned, goal: Pose) -> None:
+    p, q = way.robot.fk(way.rows[-1:])
+    tip = Pose.of(p[0], q[0]) @ way.tool
+    assert np.linalg.norm(np.array(tip.position) - goal.position) < 1e-3
+    assert abs(np.array(tip.quaternion) @ goal.quaternion) > 1.0 - 1e-9
+
+
+def planned(scene: Scene, problem: Problem, **more: Any) -> Planned:
+    return plan(
+        scene, problem.start, problem.goal, robot="arm", tool=TIP, others=problem.others, **more
+    )
+
+
+def finding(scene: Scene, start: Any, goal: Any, **more: Any) -> Diagnostic:
+    with pytest.raises(Refused) as refused:
+        plan(scene, start, goal, robot="arm", tool=TIP, **more)
+    (one,) = refused.value.findings
+    return one
+
+
+@pytest.mark.parametrize("cell", CELLS)
+def test_a_way_is_found_and_is_clear(cell: str) -> None:
+    scene = CELLS[cell]()
+    (problem,) = problems(cell, scene, 1, seed=5)
+    way = planned(scene, problem, seconds=30.0)
+    proven(scene, way, problem.others)
+    ends_at(way, problem.goal)
+
+
+def test_the_same_seed_gives_the_same_way() -> None:
+    scene = shelf()
+    *_, problem = problems("shelf", scene, 2, seed=1)
+    one, other = (planned(scene, problem, seed=3, seconds=60.0) for _ in range(2))
+    assert len(one.rows) > 2
+    assert np.array_equal(one.rows, other.rows)
+    assert np.array_equal(one.radii, other.radii)
+
+
+def test_what_is_free_is_gone_straight() -> None:
+    scene = scene_of()
+    to = ARM.home + np.array([60.0, 10.0, -20.0, 0.0, 20.0, 90.0])
+    way = plan(scene, ARM.home, to, robot="arm")
+    assert np.array_equal(way.rows, np.stack([ARM.home, to]))
+    (move,) = way.statements()
+    assert move.motion.blend.fine  # type: ignore[union-attr]
+
+
+def test_a_post_on_the_straight_way_is_gone_around() -> None:
+    post = box("post", (60, 60, 1400), (420, 0, 700))
+    scene = scene_of(post)
+    start, goal = (ARM.home + np.array([turn, 20, 0, 0, 30, 0.0]) for turn in (-50, 50))
+    way = plan(scene, start, goal, robot="arm", tool=TIP)
+    assert len(way.rows) > 2
+    proven(scene, way, {})
+
+
+def test_a_start_in_contact() -> None:
+    wall = box("wall", (20, 800, 1600), (450, 0, 800))
+    one = finding(scene_of(wall), ARM.home, ARM.home + 10.0)
+    assert one.code == "CK442"
+    assert "`wall`" in one.message
+
+
+def test_a_goal_in_a_body() -> None:
+    block = box("block", (200, 200, 200), (500, 300, 300))
+    one = finding(scene_of(block), ARM.home, Pose((500.0, 300.0, 300.0), AHEAD))
+    assert one.code == "CK444"
+    assert "`block`" in one.message
+
+
+def test_a_start_out_of_limits() -> None:
+    one = finding(scene_of(), [171.0, 0, 0, 0, 0, 0], ARM.home)
+    assert (one.code, "J1" in one.message) == ("CK441", True)
+
+
+@pytest.mark.parametrize("start", [[0.0] * 5, [0.0, 0, 0, 0, 0, np.nan]])
+def test_joints_that_are_none(start: list[float]) -> None:
+    assert finding(scene_of(), start, ARM.home).code == "CK449"
+
+
+def test_a_goal_out_of_reach() -> None:
+    assert finding(scene_of(), ARM.home, Pose((2000.0, 0.0, 0.0), AHEAD)).code == "CK443"
+
+
+def test_a_robot_that_is_not_there() -> None:
+    with pytest.raises(Refused) as refused:
+        plan(scene_of(), ARM.home, ARM.home, robot="leg")
+    assert refused.value.findings[0].code == "CK413"
+
+
+def test_a_goal_in_a_closed_box() -> None:
+    x, y, z, edge = 480.0, 350.0, 450.0, 500.0
+    far = edge / 2.0
+    walls = [
+        box("left", (10, edge, edge), (x - far, y, z)),
+        box("right", (10, edge, edge), (x + far, y, z)),
+        box("front", (edge, 10, edge), (x, y - far, z)),
+        box("rear", (edge, 10, edge), (x, y + far, z)),
+        box("floor", (edge, edge, 10), (x, y, z - far)),
+        box("lid", (edge, edge, 10), (x, y, z + far)),
+    ]
+    one = finding(scene_of(*walls), ARM.home, Pose((x, y, z), AHEAD), seconds=0.5)
+    assert one.code == "CK444"  # wherever the tip is inside, the arm goes through a wall
+
+
+def test_no_way_in_time_tells_how_near_it_came() -> None:
+    scene = CELLS["window"]()
+    (problem,) = problems("window", scene, 1, seed=5)
+    with pytest.raises(Refused) as refused:
+        planned(scene, problem, seconds=0.0)
+    (one,) = refused.value.findings
+    assert one.code == "CK445"
+    assert "nearest approach is" in one.message
+
+
+def test_a_goal_within_a_margin_is_reached_and_told_of() -> None:
+    board = box("board", (200, 200, 20), (560, 0, 300))
+    goal = Pose((560.0, 0.0, 313.0), (0.0, 0.0, 1.0, 0.0))  # 3 mm above the board, tip down
+    scene = scene_of(board)
+    way = plan(scene, ARM.home, goal, robot="arm", tool=TIP)
+    ends_at(way, goal)
+    assert [one.code for one in way.findings if one.code == "CK446"]
+
+
+def test_five_axes() -> None:
+    robot = robots.get("rv-2aj")
+    arm = arms.placed("arm", robot)
+    scene = Scene(
+        (box("post", (40, 40, 900), (230, 0, 450)),),
+        (arm,),
+        allowed=arms.touching_links(arm),
+    )
+    start, goal = (robot.home + np.array([turn, 30, 0, 0, 0.0]) for turn in (-60, 60))
+    way = plan(scene, start, goal)
+    proven(scene, way, {})
+    assert way.rows.shape[1] == 5
+    assert len(way.rows) > 2
+
+
+def test_a_level_tool_stays_level() -> None:
+    scene = scene_of(box("post", (40, 40, 500), (500, 0, 250)))
+    down = (0.0, 0.0, 1.0, 0.0)
+    start = Pose((430.0, -260.0, 300.0), down)
+    joints, valid = ARM.ik(*(np.array([v]) for v in _flange(start)))
+    begin = joints[0][np.flatnonzero(valid[0])[0]]
+    cone = Cone((0.0, 0.0, -1.0), 25.0)
+    way = plan(scene, begin, Pose((430.0, 260.0, 300.0), down), robot="arm", tool=TIP, cone=cone)
+    parts = np.linspace(0.0, 1.0, 200)[:, None]
+    for one, other in zip(way.rows[:-1], way.rows[1:], strict=True):
+        _, q = ARM.fk(one + parts * (other - one))
+        z = rotations.to_matrix(q)[:, :, 2]
+        assert np.degrees(np.arccos(np.clip(-z[:, 2], -1.0, 1.0))).max() < 25.2
+    tilted = finding(scene, ARM.home, ARM.home + 5.0, cone=cone)
+    assert tilted.code == "CK447"
+
+
+def _flange(tip: Pose) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    flange = tip @ TIP.inverse()
+    return flange.position, flange.quaternion
