@@ -12,6 +12,8 @@ import time
 
 from benchmarks import exchanging, real_time, tasks
 from benchmarks.arms import ROBOTS
+from benchmarks.collision import COLLISION
+from benchmarks.collision import TITLE as CELL
 from benchmarks.emission import CASES
 from benchmarks.growth import report as growth
 from benchmarks.reading import READING
@@ -24,6 +26,7 @@ TABLES = {
         for title, cases in READING.items()
     },
     "arms": {"Arms: joints at random inside the limits; a tool that goes over a surface": ROBOTS},
+    "collision": {CELL: COLLISION},
     "running": {"Running: loops that count, and moves that are simulated in time": RUNNING},
     "talking": {"Talking: a command and its answer, the server in a process of its own": TALKING},
 }
