@@ -9,7 +9,7 @@ COMPILE := $(SUPPLY)/uv pip compile --quiet --upgrade --universal --generate-has
 # Every command that the tests start would compile all modules and grammars anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test test-slow sweep fuzz bench lint format pins audit sbom wheel clean
+.PHONY: demo test test-slow sweep fuzz bench lint format pins audit sbom wheel viewer clean
 
 .venv/demo: pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -91,6 +91,14 @@ sbom: .venv/supply
 # The same commit gives the same bytes.
 wheel: .venv/test
 	SOURCE_DATE_EPOCH=$$(git log -1 --format=%ct) $(BIN)/python -m build --no-isolation
+
+# What pages of `view` are drawn by, made anew: needs npm and a network.
+viewer:
+	cd assistant/view/three && npm install --no-save --prefix ../../../.venv/npm three@0.187.0 esbuild@0.28.2
+	cd .venv/npm && node_modules/.bin/esbuild ../../assistant/view/three/entry.js --bundle --minify \
+	  --format=iife --global-name=THREE --legal-comments=inline --target=es2020 \
+	  --alias:three=./node_modules/three --outfile=../../assistant/view/three/three.js
+	cp .venv/npm/node_modules/three/LICENSE assistant/view/three/LICENSE
 
 clean:
 	rm -rf .venv build dist out

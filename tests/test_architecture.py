@@ -39,11 +39,12 @@ ROOMS: dict[str, frozenset[str]] = {
         }
     ),
     "report": frozenset({"program", "sources", "robots", "cell", "compiler", "findings"}),
+    "view": frozenset({"program", "robots", "cell", "compiler", "findings", "report"}),
     "cli": frozenset(
         {
             *("program", "sources", "robots", "cell", "languages", "checks"),
             *("virtual", "controllers", "deploy", "compiler", "findings", "report"),
-            "project",
+            *("project", "view"),
         }
     ),
 }

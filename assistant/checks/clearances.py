@@ -50,6 +50,14 @@ def clearances(
 
     simulation: of the solution, where there is one.
     """
+    for finding, _ in placed_clearances(solution, scene, simulation):
+        yield finding
+
+
+def placed_clearances(
+    solution: SolvedProgram, scene: Scene, simulation: Simulation | None = None
+) -> Iterator[tuple[Diagnostic, Closeness | None]]:
+    """The same, each with where in the scene it is; None for what is about no place."""
     from assistant.cell.clearances import closeness, robot_of
     from assistant.program.diagnostics import has_errors
     from assistant.robots.timing import simulate
@@ -59,7 +67,7 @@ def clearances(
     try:
         placed = robot_of(scene, solution.robot)
     except LookupError:
-        yield _no_robot(solution, scene)
+        yield no_robot(solution, scene), None
         return
     simulation = simulation or simulate(solution)
     touched = set[tuple[object, ...]]()
@@ -74,13 +82,14 @@ def clearances(
                 found[key] = one
         touched |= set(found)
         for one in found.values():
-            yield _told(solution, scene, one, TOUCHES if margin == 0.0 else NEAR)
+            yield _told(solution, scene, one, TOUCHES if margin == 0.0 else NEAR), one
     for unknown in simulation.unknown:
         if "not timed" in unknown.what:
-            yield NOT_LOOKED(what=str(unknown))
+            yield NOT_LOOKED(what=str(unknown)), None
 
 
-def _no_robot(solution: SolvedProgram, scene: Scene) -> Diagnostic:
+def no_robot(solution: SolvedProgram, scene: Scene) -> Diagnostic:
+    """Why `robot_of` finds none of the scene that runs the program."""
     robot = solution.robot
     alike = [placed.name for placed in scene.robots if placed.robot.name == robot.name]
     if scene.runs is not None or not alike:

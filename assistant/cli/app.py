@@ -354,6 +354,36 @@ def simulate(
     raise typer.Exit(run_simulate(program, options, output or (), format))
 
 
+@app.command()
+def view(
+    program: Source,
+    robot: RobotOption = None,
+    cell: CellOption = None,
+    html: Annotated[
+        Path | None,
+        typer.Option(help="File for the page, which needs no other; default it is opened."),
+    ] = None,
+    acceleration: Annotated[
+        float | None,
+        typer.Option(help="mm/s² of the tool on lines and arcs; default what the axes allow."),
+    ] = None,
+    process: ProcessOption = None,
+    unit: UnitOption = None,
+    from_language: FromLanguage = None,
+    from_robot: FromRobot = None,
+    entry: EntryOption = None,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Show a program in its cell: arm, bodies, path and contacts over time. Nothing moves."""
+    from assistant.cli.simulating import Options
+    from assistant.cli.viewing import run_view
+
+    options = Options(
+        robot, process, unit, from_language, from_robot, acceleration, None, entry, cell
+    )
+    raise typer.Exit(run_view(program, options, html, format))
+
+
 app.command()(run)
 app.command()(debug)
 app.command()(gateway)

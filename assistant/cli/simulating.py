@@ -61,13 +61,13 @@ def run_simulate(source: str, options: Options, outputs: Sequence[str], format: 
 
     with working(f"simulating {source}"):
         wanted = _wanted(source, outputs)
-        solved = _solved(source, options)
-        solution, findings = solved.solution, solved.findings
+        ready = solved(source, options)
+        solution, findings = ready.solution, ready.findings
         if has_errors(findings):
-            return _refused(source, solution.robot, findings, format)
+            return refused(source, solution.robot, findings, format)
         done = simulate(solution, period=options.period, acceleration=options.acceleration)
-        near = () if solved.scene is None else fold(clearances(solution, solved.scene, done))
-        findings += [solved.places.finding(finding).within(source) for finding in near]
+        near = () if ready.scene is None else fold(clearances(solution, ready.scene, done))
+        findings += [ready.places.finding(finding).within(source) for finding in near]
         files = {path: _written(path.name, done, source) for path in wanted}
         written = _put(source, files)
     if format is Format.JSON:
@@ -88,7 +88,7 @@ def run_simulate(source: str, options: Options, outputs: Sequence[str], format: 
 
 
 @dataclass(frozen=True, slots=True)
-class _Solved:
+class Solved:
     """A program as the arm goes through it, in a scene if there is one, and where its parts are."""
 
     solution: SolvedProgram
@@ -97,7 +97,8 @@ class _Solved:
     findings: list[Diagnostic]
 
 
-def _solved(source: str, options: Options) -> _Solved:
+def solved(source: str, options: Options) -> Solved:
+    """The program of a file, for the arm that runs it. Raises Refused if nobody names one."""
     from assistant import robots
     from assistant.compiler.arms import known_robot, robot_of, standing, taught_on
     from assistant.compiler.crossing import for_arm
@@ -118,10 +119,17 @@ def _solved(source: str, options: Options) -> _Solved:
     solution = robots.solve_program(replace(program, robot=arm.name), arm)
     found = (*loaded.findings, *changed, *solution.findings)
     said = [*stands.findings, *fold(f.within(source) for f in found)]
-    return _Solved(solution, arms.scene, Places(loaded.program, loaded.text), said)
+    return Solved(solution, arms.scene, Places(loaded.program, loaded.text), said)
 
 
-def _refused(source: str, robot: Robot, findings: Sequence[Diagnostic], format: Format) -> int:
+def refused(
+    source: str,
+    robot: Robot,
+    findings: Sequence[Diagnostic],
+    format: Format,
+    done: str = "simulated",
+) -> int:
+    """Tells why a program is not gone through; 1. done: what is not done with it."""
     if format is Format.JSON:
         from assistant.findings.formats import finding_record
 
@@ -129,7 +137,7 @@ def _refused(source: str, robot: Robot, findings: Sequence[Diagnostic], format: 
         print_json({"source": source, "robot": robot.name, "findings": found, "written": []})
     else:
         print_findings(findings, explained=True)
-        say(f"{source} is not simulated: {robot.title} cannot run it")
+        say(f"{source} is not {done}: {robot.title} cannot run it")
     return 1
 
 

@@ -1,0 +1,103 @@
+"""`view`: a program in its cell, on a page for the browser."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+import webbrowser
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from assistant.cli.compiling import STANDARD, keep_sources, working
+from assistant.cli.presentation import Format, print_findings, print_json, say
+from assistant.cli.simulating import Options, refused, solved
+from assistant.program.diagnostics import Diagnostic, Refused, error, fold, has_errors
+
+if TYPE_CHECKING:
+    from assistant.cell.clearances import Closeness
+    from assistant.cell.scene import Placed, Scene
+    from assistant.robots import SolvedProgram
+
+NO_PAGE = error(
+    "CL034", "a page for the browser is not written as `{name}`", "end the name in .html"
+)
+NO_BROWSER = error(
+    "CL035",
+    "no browser could be opened here",
+    "write the page with --html FILE.html, and open that",
+)
+SUFFIXES: Final = (".html", ".htm")
+
+
+def run_view(source: str, options: Options, html: Path | None, format: Format) -> int:
+    """1 if the robot cannot run the program, or not without contact, else 0.
+
+    html: where it is written; None to open it in the browser, from a folder for temporary files.
+    """
+    from assistant import checks
+    from assistant.checks.clearances import placed_clearances
+    from assistant.findings.formats import finding_record
+    from assistant.robots.timing import simulate
+    from assistant.view.page import page
+    from assistant.view.record import Shown
+
+    if html is not None and (html.suffix.lower() not in SUFFIXES or not html.stem):
+        raise Refused(NO_PAGE(name=html), exit_status=2)
+    with working(f"looking at {source}"):
+        ready = solved(source, options)
+        solution, places = ready.solution, ready.places
+        if has_errors(ready.findings):
+            return refused(source, solution.robot, ready.findings, format, "shown")
+        scene, placed = _standing(ready.scene, solution)
+        done = simulate(solution, acceleration=options.acceleration)
+        marked: list[tuple[Diagnostic, Closeness | None]]
+        marked = [(one, None) for one in (*ready.findings, *checks.with_robot(solution))]
+        if ready.scene is not None:
+            marked += placed_clearances(solution, scene, done)
+        shown = Shown(Path(source).name, solution, done, scene, placed, places, marked)
+        path = _written(source, options.cell, html, page(shown))
+    findings = [places.finding(one).within(source) for one, _ in marked]
+    if format is Format.JSON:
+        records = [finding_record(one) for one in findings]
+        robot = solution.robot.name
+        answer = {"source": source, "robot": robot, "findings": records, "written": [str(path)]}
+        print_json(answer)
+    else:
+        print_findings(fold(findings), explained=True)
+        say(f"wrote {path}")
+    return 1 if has_errors(findings) else 0
+
+
+def _standing(scene: Scene | None, solution: SolvedProgram) -> tuple[Scene, Placed]:
+    """The scene with the robot that runs the program, and that robot.
+
+    It stands alone in the world if no cell is told. Raises Refused for a cell without it.
+    """
+    from assistant.cell.arms import placed
+    from assistant.cell.clearances import robot_of
+    from assistant.cell.scene import Scene
+    from assistant.checks.clearances import no_robot
+
+    if scene is None:
+        alone = placed("robot", solution.robot)
+        return Scene(robots=(alone,)), alone
+    try:
+        return scene, robot_of(scene, solution.robot)
+    except LookupError:
+        raise Refused(no_robot(solution, scene), exit_status=2) from None
+
+
+def _written(source: str, cell: Path | None, html: Path | None, text: str) -> Path:
+    from assistant.program.system.writing import write_all, write_files
+
+    if html is not None:
+        keep_sources([source, *([] if cell is None else [str(cell)])], [html])
+        (path,) = write_all({html: text.encode()})
+        return path
+    stem = "program" if source == STANDARD else Path(source).stem
+    folder = tempfile.mkdtemp(prefix="robot-assistant-view-")
+    (path,) = write_files({f"{stem}.html": text.encode()}, folder)
+    if not webbrowser.open(path.as_uri()):
+        shutil.rmtree(folder, ignore_errors=True)
+        raise Refused(NO_BROWSER(), exit_status=2)
+    return path
