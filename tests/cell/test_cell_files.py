@@ -9,6 +9,7 @@ import pytest
 
 from assistant.cell.collision.model import Model
 from assistant.cell.reading.cell_file import read_scene
+from assistant.cell.reading.meshes import read_mesh
 from assistant.cell.scene import Scene
 from assistant.cell.shapes import Box, Cylinder, Mesh
 from assistant.program.diagnostics import Diagnostic, Refused
@@ -145,3 +146,28 @@ def test_a_mesh_without_a_unit_is_told_of(tmp_path: Path) -> None:
     assert isinstance(shape, Mesh)
     assert findings == ()
     assert abs(shape.points.max() - 101.6) < 1e-4
+
+
+def test_a_mesh_of_many_triangles_is_simplified_and_stays_closed(tmp_path: Path) -> None:
+    """A plate of 1 mm, thinner than the grid: both of its sides are there, within what is said."""
+    n = 60
+    around = np.linspace(0.0, 2.0 * np.pi, n, endpoint=False)
+    rings = [(r, z) for z in (0.0, 1.0) for r in np.linspace(0.0, 200.0, 40)]
+    rings = rings[:40] + rings[:39:-1]
+    points = np.array([[r * np.cos(t), r * np.sin(t), z] for r, z in rings for t in around])
+    i, j = (x.reshape(-1) for x in np.meshgrid(np.arange(79), np.arange(n), indexing="ij"))
+    a, b = i * n + j, i * n + (j + 1) % n
+    faces = np.concatenate([np.stack([a, a + n, b], 1), np.stack([b, a + n, b + n], 1)])
+    stl(tmp_path / "plate.stl", Mesh(points, faces))
+    whole, _ = read_mesh(tmp_path / "plate.stl", "mm")
+    mesh, findings = read_mesh(tmp_path / "plate.stl", "mm", most=1000)
+    assert [finding.code for finding in findings] == ["CK411"]
+    assert whole.solid
+    assert mesh.solid
+    assert 200 < len(mesh.triangles) <= 1000
+    middles = whole.points[whole.triangles].mean(axis=1)
+    found = mesh.points[mesh.triangles].mean(axis=1)
+    size = np.linalg.norm(np.ptp(mesh.points[mesh.triangles], axis=1), axis=1).max()
+    far = np.sqrt(((middles[:, None] - found[None]) ** 2).sum(axis=2)).min(axis=1)
+    assert far.max() <= mesh.off + size
+    assert 0.0 < mesh.off < 60.0
