@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping
 from typing import Any
 
@@ -21,7 +22,7 @@ from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import Pose
 from assistant.robots.timing import simulate
 from assistant.robots.timing.passed import stretches_of
-from tests.cell.planning.cells import (
+from benchmarks.cells import (
     AHEAD,
     ARM,
     CELLS,
@@ -32,8 +33,7 @@ from tests.cell.planning.cells import (
     scene_of,
     shelf,
 )
-
-pytest.importorskip("ompl", reason="the extra `plan` is not installed")
+from benchmarks.planning import COUNTS
 
 
 def proven(scene: Scene, way: Planned, others: Mapping[str, Floats]) -> None:
@@ -89,6 +89,23 @@ def test_a_way_is_found_and_is_clear(cell: str) -> None:
     way = planned(scene, problem, seconds=30.0)
     proven(scene, way, problem.others)
     ends_at(way, problem.goal)
+
+
+@pytest.mark.slow
+def test_at_least_90_of_100_are_found_in_30_seconds() -> None:
+    found = 0
+    for cell, count in COUNTS.items():
+        scene = CELLS[cell]()
+        for problem in problems(cell, scene, count, seed=1):
+            begun = time.monotonic()
+            try:
+                way = planned(scene, problem, seconds=25.0)
+            except Refused:
+                continue
+            found += time.monotonic() - begun < 30.0
+            proven(scene, way, problem.others)
+            ends_at(way, problem.goal)
+    assert found >= 90
 
 
 def test_the_same_seed_gives_the_same_way() -> None:

@@ -1,4 +1,4 @@
-"""Cells to plan in, each with ways that are known to be free: `passages`."""
+"""Cells to plan in, with problems that have a known answer."""
 
 from __future__ import annotations
 
