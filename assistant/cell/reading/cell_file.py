@@ -48,7 +48,7 @@ from assistant.cell.reading.drawings.rules import TWICE
 from assistant.cell.rules import LONELY_TOOL, NO_BODY, NO_ROBOT, NO_SHAPE, SAME_BODY
 from assistant.cell.scene import MARGIN, Body, Colour, Part, Placed, Scene
 from assistant.cell.scene import WORLD as WORLD_FRAME
-from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Shape, Sphere
+from assistant.cell.shapes import Box, Capsule, Cylinder, Shape, Sphere
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
 from assistant.program.geometry import Frame, Pose, Vector
 from assistant.program.system.budgets import SETTINGS_FILE
@@ -266,12 +266,13 @@ class _Reader:
             case "capsule":
                 return Capsule(*value)
         try:
-            mesh, findings = meshes.read_mesh(self.folder / value, said.get("unit"))
+            read = meshes.read_hull if key == "convex" else meshes.read_mesh
+            shape, findings = read(self.folder / value, said.get("unit"))
         except Refused as refused:
             self.found += refused.findings
             return None
         self.found += findings
-        return Convex(mesh.points) if key == "convex" else mesh
+        return shape
 
 
 def _three(value: tuple[float, ...]) -> Vector:

@@ -18,7 +18,7 @@ from assistant.cell.rules import (
     OPEN_MESH,
     SIMPLIFIED,
 )
-from assistant.cell.shapes import Mesh
+from assistant.cell.shapes import Convex, Mesh
 from assistant.program.arrays import Floats, Ints, norms
 from assistant.program.diagnostics import Diagnostic, Refused, Unreadable
 from assistant.program.text import read_bytes
@@ -32,6 +32,8 @@ KINDS: Final = {".stl": "stl", ".obj": "obj", ".ply": "ply", ".3mf": "3mf", ".gl
 STEP: Final = (".step", ".stp", ".iges", ".igs", ".sat", ".x_t", ".sldprt", ".ipt")
 IN_METRES: Final = (".glb", ".gltf")
 """glTF's lengths are metres by its specification."""
+FARTHEST: Final = 1e7
+"""mm of a coordinate: distances of larger ones would lose their last places."""
 LARGEST: Final = 1 << 30
 """Bytes of a file."""
 MOST_TRIANGLES: Final = 200_000
@@ -71,7 +73,24 @@ def read_mesh(
         reason = "it holds no triangle" if not len(triangles) else "a corner is no number"
         raise _no_mesh(said, reason)
     factor, findings = _factor(suffix, stated, unit, said)
+    if np.abs(points).max() * factor > FARTHEST:
+        raise _no_mesh(said, f"a corner is more than {FARTHEST:g} mm away from its origin")
     return cleaned(points * factor, triangles, most, said, findings)
+
+
+def read_hull(path: FilePath, unit: str | None = None) -> tuple[Convex, tuple[Diagnostic, ...]]:
+    """The hull of the corners of a file; raises as `read_mesh`, Refused for flat ones."""
+    from scipy.spatial import QhullError  # type: ignore[import-untyped]
+
+    mesh, findings = read_mesh(path, unit)
+    hull = Convex(mesh.points)
+    try:
+        _ = hull.hull
+    except QhullError:
+        flat = "its corners lie in one plane, so that they have no hull"
+        cure = "read it as `mesh`, or give it a thickness"
+        raise Refused(NO_MESH(path=str(path), reason=flat, cure=cure)) from None
+    return hull, findings
 
 
 def _no_mesh(path: str, reason: str) -> Refused:
