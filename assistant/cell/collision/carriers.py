@@ -99,7 +99,7 @@ class Carriers:
         robot, start = self.robots[at].robot, self.columns[at].start
         if carrier - self.first[at] > len(robot.axes):
             pose = robot.arm.whole_chain.flange @ pose
-        steps, own = _lengths(robot), moving[-1] - start
+        steps, own = lengths(robot), moving[-1] - start
         last = float(farthest(shape, np.array(pose.inverse().position)[None])[0])
         for place in moving:
             axis = place - start
@@ -127,7 +127,7 @@ def _from_axis(robot: Robot, axis: int, pose: Pose, shape: Shape) -> float:
     return float(norms(np.cross(placed, along / np.linalg.norm(along))).max())
 
 
-def _lengths(robot: Robot) -> Floats:
+def lengths(robot: Robot) -> Floats:
     """(a + 1,) mm between the frames of links that follow each other, at most, base to flange."""
     chain = robot.arm.whole_chain
     poses = [*(joint.pose for joint in chain.joints), chain.flange]

@@ -1,0 +1,190 @@
+"""The cells that lie wholly inside the bodies that a robot moves."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product
+from typing import Final
+
+import numpy as np
+
+from assistant.cell.collision.carriers import Carriers, carried
+from assistant.cell.collision.geometry import around
+from assistant.cell.exploration.depths import Solid, solid_of
+from assistant.cell.exploration.occupancy import keys_of
+from assistant.cell.exploration.rules import NO_ROBOT, OPEN_BODY, TOO_COARSE, TOO_FINE
+from assistant.cell.scene import Body, Part, Placed, Scene
+from assistant.cell.shapes import Capsule, Shape
+from assistant.program import rotations
+from assistant.program.arrays import Floats, Ints, Truths, norms
+from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.geometry import Pose
+
+STEP: Final = 0.5
+"""Sizes of a cell that a body moves between two places at which it is looked at."""
+MOST: Final = 1 << 28
+"""Cells of the box about all that a run fills: a byte each."""
+SURE: Final = 3.0**0.5 / 2.0
+"""Sizes of a cell from its middle to its corners."""
+ROUNDING: Final = 1e-9
+"""mm that a cell is deeper inside than rounding could take away."""
+CORNERS: Final = np.array(list(product((-0.5, 0.5), repeat=3)))
+
+
+@dataclass(frozen=True, eq=False)
+class Moved:
+    """A part that a robot moves: link: the frame of `Robot.link_frames` it is carried by; pose: in
+    that; low, high: (3,) of the box about it, in its own frame.
+    """
+
+    body: Body
+    part: Part
+    link: int
+    pose: Pose
+    solid: Solid
+    low: Floats
+    high: Floats
+
+
+class Filler:
+    """The moved bodies of a robot of a scene, and the cells of `size` mm that they fill.
+
+    findings: bodies that fill nothing. Raises Refused if the scene has no such robot.
+    """
+
+    def __init__(self, scene: Scene, name: str | None, size: float) -> None:
+        self.scene, self.size = scene, size
+        self.placed = robot_named(scene, name)
+        self.carriers = Carriers(scene.robots)
+        number = scene.robots.index(self.placed)
+        self.columns, self._first = self.carriers.columns[number], self.carriers.first[number]
+        self.findings: list[Diagnostic] = []
+        self.parts = tuple(self._parts())
+
+    def moved(self) -> Iterator[tuple[Body, Part, int, Pose]]:
+        """Parts of the bodies that the robot moves, with their links and their poses there."""
+        last = self._first + len(self.placed.robot.axes) + 1
+        for body in self.scene.all_bodies():
+            carrier, pose = carried(self.scene, body, self.carriers)
+            if self._first < carrier <= last:
+                for part in body.parts:
+                    yield body, part, carrier - self._first - 1, pose @ part.pose
+
+    def _parts(self) -> Iterator[Moved]:
+        for body, part, link, pose in self.moved():
+            solid = solid_of(part.shape)
+            if solid is None:
+                self.findings.append(OPEN_BODY(name=body.name))
+                continue
+            if solid.deepest < SURE * self.size:
+                better = solid.deepest / SURE
+                self.findings.append(TOO_COARSE(name=body.name, size=self.size, better=better))
+            low, high = _box(part.shape)
+            yield Moved(body, part, link, pose, solid, low, high)
+
+    def lever(self) -> Floats:
+        """(j, i) mm that a part moves at most for a degree (mm) of each joint of the scene."""
+        reaches = [
+            self.carriers.reaches(self._first + 1 + part.link, part.pose, part.part.shape)
+            for part in self.parts
+        ]
+        chain = np.array(reaches).reshape(len(self.parts), self.carriers.joints).T
+        turning = np.concatenate([~placed.robot.sliding for placed in self.scene.robots])
+        chain[turning] = np.radians(chain[turning])
+        return self.carriers.coupled(chain)
+
+    def keys(self, rows: Floats, thinner: Floats | None = None) -> Ints:
+        """Keys of the cells that lie wholly inside a part at one of rows (n, j) of joints.
+
+        thinner: (n, i) mm that each of `parts` is taken smaller all round; None for not at all.
+        Raises Refused for more cells than `MOST`.
+        """
+        if not len(rows) or not len(self.parts):
+            return np.zeros(0, dtype=np.int64)
+        origins, turns = self.placed.robot.link_frames(rows[:, self.columns])
+        places = [self._placed(part, origins, turns) for part in self.parts]
+        boxes = [_bounds(part, *place) for part, place in zip(self.parts, places, strict=True)]
+        low = np.floor(np.min([b[0].min(axis=0) for b in boxes], axis=0) / self.size)
+        high = np.ceil(np.max([b[1].max(axis=0) for b in boxes], axis=0) / self.size)
+        count = int(np.prod(high - low))
+        if count > MOST:
+            raise Refused(TOO_FINE(size=self.size, count=count, most=MOST), exit_status=2)
+        first = low.astype(np.int64)
+        marks = np.zeros(tuple((high - low).astype(np.intp)), dtype=np.bool_)
+        for i, (part, (at, turn), box) in enumerate(zip(self.parts, places, boxes, strict=True)):
+            less = np.zeros(len(rows)) if thinner is None else thinner[:, i]
+            for n in self._looked(part, at, turn):
+                self._mark(marks, first, part, at[n], turn[n], box[0][n], box[1][n], float(less[n]))
+        return keys_of(np.argwhere(marks) + first)
+
+    def _placed(self, part: Moved, origins: Floats, turns: Floats) -> tuple[Floats, Floats]:
+        """(n, 3) where the frame of a part is in the base, and (n, 3, 3) how it is turned."""
+        turn = turns[:, part.link]
+        own = rotations.to_matrix(np.array(part.pose.quaternion))
+        return origins[:, part.link] + turn @ np.array(part.pose.position), turn @ own
+
+    def _looked(self, part: Moved, at: Floats, turn: Floats) -> Ints:
+        """Rows at which a part has moved by `STEP` since the last one, the first and the last."""
+        corners = (part.low + part.high) / 2.0 + CORNERS * (part.high - part.low)
+        there = at[:, None] + np.einsum("npq,cq->ncp", turn, corners)
+        gone = np.concatenate([[0.0], norms(np.diff(there, axis=0)).max(axis=1).cumsum()])
+        steps = np.floor(gone / (STEP * self.size) + ROUNDING)
+        new = np.append(True, np.diff(steps) > 0)
+        new[-1] = True
+        return np.flatnonzero(new)
+
+    def _mark(
+        self,
+        marks: Truths,
+        first: Ints,
+        part: Moved,
+        at: Floats,
+        turn: Floats,
+        low: Floats,
+        high: Floats,
+        thinner: float,
+    ) -> None:
+        """Marks the cells (from `first` on) that are wholly inside a part at a place."""
+        size = self.size
+        start = np.floor(low / size).astype(np.int64) - first
+        stop = np.ceil(high / size).astype(np.int64) - first
+        axes = [(np.arange(start[k], stop[k]) + first[k] + 0.5) * size - at[k] for k in range(3)]
+        x, y, z = axes[0][:, None, None], axes[1][None, :, None], axes[2][None, None, :]
+        own = [turn[0, k] * x + turn[1, k] * y + turn[2, k] * z for k in range(3)]
+        depth = part.solid.depth(own[0], own[1], own[2]) - thinner
+        window = marks[start[0] : stop[0], start[1] : stop[1], start[2] : stop[2]]
+        sure = depth >= SURE * size + ROUNDING
+        window |= sure
+        if part.solid.convex:  # it is in it if its corners are
+            open_ = np.nonzero((depth >= size / 2.0) & ~sure & ~window)
+            offsets = (CORNERS * size) @ turn
+            corners = [own[k][open_][:, None] + offsets[:, k] for k in range(3)]
+            deep = part.solid.depth(*corners) - thinner
+            window[open_] = deep.min(axis=1) >= ROUNDING if len(open_[0]) else False
+
+
+def robot_named(scene: Scene, name: str | None) -> Placed:
+    """A robot of a scene, or its only one. Raises Refused."""
+    found = [placed for placed in scene.robots if name is None or placed.name == name]
+    if len(found) != 1:
+        names = ", ".join(placed.name for placed in scene.robots) or "(none)"
+        raise Refused(NO_ROBOT(name=name or "", names=names), exit_status=2)
+    return found[0]
+
+
+def _box(shape: Shape) -> tuple[Floats, Floats]:
+    box = around(shape)
+    return box.middle - box.half, box.middle + box.half
+
+
+def _bounds(part: Moved, at: Floats, turn: Floats) -> tuple[Floats, Floats]:
+    """(n, 3) lowest and highest coordinates of a part in the base; of a capsule without its box."""
+    half, middle = (part.high - part.low) / 2.0, (part.low + part.high) / 2.0
+    about = at + turn @ middle
+    if isinstance(part.part.shape, Capsule):
+        shape = part.part.shape
+        reach = np.abs(turn[:, :, 2]) * shape.length / 2.0 + shape.radius
+    else:
+        reach = np.abs(turn) @ half
+    return about - reach, about + reach

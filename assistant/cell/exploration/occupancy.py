@@ -1,0 +1,191 @@
+"""What is known of the space about a robot: a sparse grid of cells in the frame of its base.
+
+A cell is free if it lies wholly inside space that a body of the robot filled without contact. It
+is occupied if a contact was in it; what fills it later makes it free again. All others are unknown.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.cell.exploration.rules import NO_SIZE, OTHER_GRID
+from assistant.program.arrays import Floats, Ints, Truths
+from assistant.program.diagnostics import Refused
+
+HALF: Final = 1 << 20
+"""Places of cells along an axis go from -HALF to HALF - 1."""
+
+
+class State(IntEnum):
+    UNKNOWN = 0
+    FREE = 1
+    OCCUPIED = 2
+
+
+States = NDArray[np.uint8]
+
+
+@dataclass(frozen=True, eq=False)
+class Occupancy:
+    """A map of cells of `size` mm; the cell (0, 0, 0) begins in the origin of the robot's base.
+
+    robot: name of its kind. keys: (n,) of the cells that something is known of, ascending, see
+    `keys_of`. filled, touched: (n,) in how many runs a cell was filled, or had a contact in it.
+    free: (n,) whether it is free now, else it is occupied. runs: how many went into the map.
+    """
+
+    size: float
+    robot: str
+    keys: Ints
+    filled: Ints
+    touched: Ints
+    free: Truths
+    runs: int = 0
+
+    @staticmethod
+    def unknown(size: float, robot: str) -> Occupancy:
+        """A map of which nothing is known. Raises Refused for a size that is none."""
+        if not (np.isfinite(size) and size > 0.0):
+            raise Refused(NO_SIZE(size=f"{size:g}"), exit_status=2)
+        none = np.zeros(0, dtype=np.int64)
+        return Occupancy(float(size), robot, none, none, none, none.astype(np.bool_))
+
+    def counts(self) -> Mapping[State, int]:
+        """How many cells are free and occupied; of unknown ones there is no end."""
+        free = int(self.free.sum())
+        return {State.FREE: free, State.OCCUPIED: len(self.keys) - free}
+
+    @property
+    def litres(self) -> float:
+        """The volume that is known to be free."""
+        return self.counts()[State.FREE] * self.size**3 / 1e6
+
+    def states(self, cells: Ints) -> States:
+        """(n,) `State` of cells (n, 3)."""
+        return self._of(keys_of(cells))
+
+    def at(self, points: Floats) -> States:
+        """(n,) `State` of the cells that points (n, 3) mm of the base lie in."""
+        return self.states(cells_at(points, self.size))
+
+    def _of(self, keys: Ints) -> States:
+        out = np.zeros(len(keys), dtype=np.uint8)
+        if len(self.keys):
+            place = np.minimum(np.searchsorted(self.keys, keys), len(self.keys) - 1)
+            known = self.keys[place] == keys
+            free = self.free[place[known]]
+            out[known] = np.where(free, np.uint8(State.FREE), np.uint8(State.OCCUPIED))
+        return out
+
+    def new_in(self, keys: Ints) -> int:
+        """How many of some keys are not free yet."""
+        return int((self._of(keys) != State.FREE).sum())
+
+    def cells(self, state: State) -> Ints:
+        """(n, 3) cells that are free, or occupied."""
+        wanted = self.free if state == State.FREE else ~self.free
+        return places_of(self.keys[wanted])
+
+    def with_run(self, filled: Ints, touched: Ints) -> Occupancy:
+        """With a run that filled cells and then ended at a contact in others, by their keys."""
+        keys = np.union1d(np.union1d(self.keys, filled), touched)
+        out = self._spread(keys)
+        now, hit = np.isin(keys, filled), np.isin(keys, touched)
+        return Occupancy(
+            self.size,
+            self.robot,
+            keys,
+            out.filled + now,
+            out.touched + hit,
+            (out.free | now) & ~hit,
+            self.runs + 1,
+        )
+
+    def merged(self, other: Occupancy) -> Occupancy:
+        """What both know together. What one has free and the other occupied is occupied.
+
+        Raises Refused for maps of other robots or sizes of cells.
+        """
+        self._check(other)
+        keys = np.union1d(self.keys, other.keys)
+        a, b = self._spread(keys), other._spread(keys)
+        known_a, known_b = np.isin(keys, self.keys), np.isin(keys, other.keys)
+        return Occupancy(
+            self.size,
+            self.robot,
+            keys,
+            a.filled + b.filled,
+            a.touched + b.touched,
+            (a.free | ~known_a) & (b.free | ~known_b),
+            self.runs + other.runs,
+        )
+
+    def compared(self, newer: Occupancy) -> Comparison:
+        """What a newer map knows that this one does not, and where they differ.
+
+        Raises Refused for maps of other robots or sizes of cells.
+        """
+        self._check(newer)
+        keys = np.union1d(self.keys, newer.keys)
+        table = np.zeros((3, 3), dtype=np.int64)
+        np.add.at(table, (self._of(keys), newer._of(keys)), 1)
+        unknown, free, occupied = State.UNKNOWN, State.FREE, State.OCCUPIED
+        return Comparison(
+            same=int(table[free, free] + table[occupied, occupied]),
+            gained=int(table[unknown].sum()),
+            lost=int(table[:, unknown].sum()),
+            freed=int(table[occupied, free]),
+            blocked=int(table[free, occupied]),
+        )
+
+    def _spread(self, keys: Ints) -> Occupancy:
+        """With a row for each of some more keys."""
+        place = np.searchsorted(keys, self.keys)
+        filled, touched = np.zeros((2, len(keys)), dtype=np.int64)
+        free = np.zeros(len(keys), dtype=np.bool_)
+        filled[place], touched[place], free[place] = self.filled, self.touched, self.free
+        return Occupancy(self.size, self.robot, keys, filled, touched, free, self.runs)
+
+    def _check(self, other: Occupancy) -> None:
+        for one, two in (
+            (f"cells of {self.size:g} mm", f"cells of {other.size:g} mm"),
+            (f"the robot {self.robot}", f"the robot {other.robot}"),
+        ):
+            if one != two:
+                raise Refused(OTHER_GRID(one=one, other=two), exit_status=2)
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """Two maps, in cells: known alike; known in the newer only, in the older only; occupied and
+    then free; free and then occupied.
+    """
+
+    same: int
+    gained: int
+    lost: int
+    freed: int
+    blocked: int
+
+
+def cells_at(points: Floats, size: float) -> Ints:
+    """(n, 3) cells that points (n, 3) mm lie in."""
+    return np.floor(points / size).astype(np.int64)
+
+
+def keys_of(cells: Ints) -> Ints:
+    """(n,) a number for each of cells (n, 3), in their order."""
+    x, y, z = (cells + HALF).T
+    return np.asarray((x << 42) | (y << 21) | z)
+
+
+def places_of(keys: Ints) -> Ints:
+    """(n, 3) cells by their numbers."""
+    mask = (1 << 21) - 1
+    return np.stack([keys >> 42, (keys >> 21) & mask, keys & mask], axis=1) - HALF

@@ -1,0 +1,125 @@
+"""Random movement that explores: where it goes, and what tells it of contacts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from assistant.cell.collision.continuous import Way, hits
+from assistant.cell.collision.model import Model
+from assistant.cell.exploration.explorer import Explorer, Touch, touch_of
+from assistant.cell.exploration.filling import STEP
+from assistant.cell.exploration.rules import NOT_CLEAR
+from assistant.cell.scene import Placed, Scene
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Refused
+
+TRIES: Final = 6
+"""Places that are drawn for each move; the one that tells most of new space is gone to."""
+BACK: Final = 2
+"""Rows that it goes back from a contact."""
+
+Indicator = Callable[[Floats], tuple[int, Touch] | None]
+"""Goes through rows (n, j) of joints in order: the first one with a contact, None for none."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wandered:
+    """moves: made; contacts: that ended one, and how many of these told no place; new: cells that
+    were not free before; joints: (j,) where the robot stands.
+    """
+
+    moves: int
+    contacts: int
+    placeless: int
+    new: int
+    joints: Floats
+
+
+def wander(
+    explorer: Explorer,
+    indicated: Indicator,
+    moves: int,
+    *,
+    seed: int = 0,
+    start: Floats | None = None,
+    within: Floats | None = None,
+    tries: int = TRIES,
+) -> Wandered:
+    """Straight moves of the joints to random places, each up to the first contact: a run each.
+
+    start: (j,) joints of all robots of the scene, all at home if None. within: (a, 2) limits of the
+    robot's joints, its own if None. Moves end before what the explorer's own scene says is touched,
+    the robot itself among it. Raises Refused for a start that is in contact.
+    """
+    draw = np.random.default_rng(seed)
+    columns = explorer.filler.columns
+    robot = explorer.placed.robot
+    low, high = np.clip(robot.limits if within is None else within, -360.0, 360.0).T
+    if robot.sliding.any():
+        low[robot.sliding], high[robot.sliding] = robot.limits[robot.sliding].T
+    known = Model(explorer.scene)
+    at = np.array(explorer.home if start is None else start, dtype=np.float64)
+    if indicated(at[None]) is not None or known.nearest(at[None])[0][0] <= 0.0:
+        raise Refused(NOT_CLEAR(), exit_status=2)
+    new = contacts = placeless = 0
+    for _ in range(moves):
+        targets = np.tile(at, (max(tries, 1), 1))
+        targets[:, columns] = draw.uniform(low, high, (len(targets), len(low)))
+        scores = [explorer.occupancy.new_in(explorer.fills(row[None])) for row in targets]
+        rows = _way(explorer, known, at, targets[int(np.argmax(scores))])
+        found = indicated(rows)
+        clear, touch = (rows, None) if found is None else (rows[: found[0]], found[1])
+        new += explorer.gone(clear, touch)
+        contacts += touch is not None
+        placeless += touch is not None and touch.point is None
+        if touch is None:
+            at = rows[-1]
+        elif len(clear):
+            at = clear[max(len(clear) - 1 - BACK, 0)]
+    return Wandered(moves, contacts, placeless, new, at)
+
+
+def _way(explorer: Explorer, known: Model, at: Floats, target: Floats) -> Floats:
+    """Rows of joints to a target, or to before what is known to be touched on the way."""
+    step = target - at
+    moved = float((np.abs(step) @ explorer.filler.lever()).max(initial=0.0))
+    count = int(np.ceil(moved / (STEP * explorer.filler.size))) + 1
+    part = np.linspace(0.0, 1.0, count + 1)
+    found = hits(known, Way(np.stack([at, target])))
+    if found:
+        part = part[part < found[0].at - 1.0 / count]
+    return np.asarray(at + np.append(0.0, part[1:])[:, None] * step)
+
+
+def asked(touching: Callable[[Floats], Touch | None]) -> Indicator:
+    """What a callback tells that is asked at each row (j,): a key, a digital input, a camera."""
+
+    def indicated(rows: Floats) -> tuple[int, Touch] | None:
+        for n, row in enumerate(rows):
+            touch = touching(row)
+            if touch is not None:
+                return n, touch
+        return None
+
+    return indicated
+
+
+def in_scene(hidden: Scene, placed: Placed) -> Indicator:
+    """What a scene tells that the explorer does not know; placed: the robot that moves in it."""
+    model = Model(hidden)
+
+    def indicated(rows: Floats) -> tuple[int, Touch] | None:
+        distance, pair = model.nearest(rows[:1])
+        if len(rows) and distance[0] <= 0.0:
+            contact = model.contact(rows[0], int(pair[0]))
+            return 0, Touch(contact.points[1])
+        found = hits(model, Way(rows))
+        if not found:
+            return None
+        return int(np.ceil(found[0].at)), touch_of(model, found[0], placed)
+
+    return indicated
