@@ -139,9 +139,10 @@ def cleaned(
     Corners that fall together are one, triangles without area are left out, those that face
     inwards are turned round, more than `most` are simplified. Raises Refused if none is left.
     """
-    points, triangles = _merged(points, triangles, MERGED)
     given, off = len(triangles), 0.0
-    if given > most:
+    if given <= most:
+        points, triangles = _merged(points, triangles, MERGED)
+    else:
         # About three triangles for each square of a grid that a surface goes through.
         cell = max(float(np.sqrt(3.0 * _areas(points, triangles).sum() / most)), 2.0 * MERGED)
         while len((fewer := _merged(points, triangles, cell))[1]) > most:
