@@ -11,11 +11,12 @@ import numpy as np
 
 from assistant.cell.collision.continuous import Hit, Way, hits
 from assistant.cell.collision.model import Contact, Model
+from assistant.cell.holding import Holding
 from assistant.cell.scene import Placed, Scene
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Span
 from assistant.robots.robot import Robot
-from assistant.robots.timing import Simulation
+from assistant.robots.timing import Carried, Simulation
 from assistant.robots.timing.passed import Passed, Stretches, stretches_of
 
 LOOKED: Final = 64
@@ -50,14 +51,38 @@ def closeness(
     name: of the robot of the scene that runs it; the others stand at home. margin: mm, for all
     pairs, instead of those of the scene; 0 for contacts only.
     """
-    model = Model(scene)
+    models: dict[Carried | None, Model] = {}
     placed = robot_of(scene, simulation.robot, name)
-    margins = model.margins if margin is None else np.full(len(model), margin)
     for passed in simulation.passed:
-        stretches = stretches_of(passed.plan)
-        way = Way(*rows_of(scene, placed, stretches))
-        for hit in hits(model, way, margins):
-            yield _closeness(simulation, model, passed, stretches, way, hit)
+        for carried, stretches in _carrying(passed):
+            if carried not in models:
+                now = carried.scene_now() if isinstance(carried, Holding) else scene
+                models[carried] = Model(now)
+            model = models[carried]
+            margins = model.margins if margin is None else np.full(len(model), margin)
+            way = Way(*rows_of(scene, placed, stretches))
+            for hit in hits(model, way, margins):
+                yield _closeness(simulation, model, passed, stretches, way, hit)
+
+
+def _carrying(passed: Passed) -> Iterator[tuple[Carried | None, Stretches]]:
+    """The stretches of a plan, split where what the arm carries changes."""
+    whole = stretches_of(passed.plan)
+    kinds = list(dict.fromkeys(piece.carried for piece in passed.pieces))
+    if len(kinds) == 1:
+        yield kinds[0], whole
+        return
+    moves = [kinds.index(p.carried) for p in passed.pieces for _ in range(len(p.moves))]
+    kind = np.array(moves[passed.skipped :])[whole.row]
+    ends = [*(np.flatnonzero(np.diff(kind)) + 1).tolist(), len(kind)]
+    for first, last in pairwise([0, *ends]):
+        part = Stretches(
+            whole.joints[first : last + 1],
+            whole.slack[first:last],
+            whole.times[first : last + 1],
+            whole.row[first:last],
+        )
+        yield kinds[int(kind[first])] if first < len(kind) else kinds[0], part
 
 
 def robot_of(scene: Scene, robot: Robot, name: str | None = None) -> Placed:

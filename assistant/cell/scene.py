@@ -34,7 +34,8 @@ class Body:
 
     parent: the frame that its pose is in: `WORLD`, a named frame, another body, a link of a robot
     (`robot.J3`, `robot.flange`). margin: mm that others keep from it, None for the scene's.
-    locations: named poses in its frame. source: where it was read, for messages.
+    locations: named poses in its frame. source: where it was read, for messages. taken, released:
+    the output that makes the tool take it or let it go, with its value; `hand 1` is a hand.
     """
 
     name: str
@@ -45,6 +46,8 @@ class Body:
     margin: float | None = None
     locations: Mapping[str, Pose] = field(default_factory=dict)
     source: str = ""
+    taken: tuple[str, float] | None = None
+    released: tuple[str, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)

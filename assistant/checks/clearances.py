@@ -35,6 +35,11 @@ WHICH_ROBOT: Final = error(
     "{names} of the cell are each a {robot}, and which one runs the program is not said",
     "name it as the cell does: --robot {first}",
 )
+NOTHING_TAKEN: Final = warning(
+    "CK426",
+    "`{name}` = {value:g} takes something by the cell file, and nothing is at the tool then",
+    "move the tool or the body, or state a larger margin of the body",
+)
 NOT_LOOKED: Final = info(
     "CK424",
     "{what}, so that collisions there are not looked for",
@@ -59,6 +64,7 @@ def placed_clearances(
 ) -> Iterator[tuple[Diagnostic, Closeness | None]]:
     """The same, each with where in the scene it is; None for what is about no place."""
     from assistant.cell.clearances import closeness, robot_of
+    from assistant.cell.holding import Holding
     from assistant.program.diagnostics import has_errors
     from assistant.robots.timing import simulate
 
@@ -69,7 +75,9 @@ def placed_clearances(
     except LookupError:
         yield no_robot(solution, scene), None
         return
-    simulation = simulation or simulate(solution)
+    holding = Holding.at_first(scene, placed)
+    if simulation is None or holding.places:
+        simulation = simulate(solution, carried=holding if holding.places else None)
     touched = set[tuple[object, ...]]()
     for margin in (0.0, None):
         found: dict[tuple[object, ...], Closeness] = {}
@@ -83,6 +91,11 @@ def placed_clearances(
         touched |= set(found)
         for one in found.values():
             yield _told(solution, scene, one, TOUCHES if margin == 0.0 else NEAR), one
+    for name, value in sorted(holding.doubts.empty):
+        yield NOTHING_TAKEN(name=name, value=value), None
+    for name in sorted(holding.doubts.lost):
+        what = f"only running the program tells where `{name}` is after a while"
+        yield NOT_LOOKED(what=what), None
     for unknown in simulation.unknown:
         if "not timed" in unknown.what:
             yield NOT_LOOKED(what=str(unknown)), None

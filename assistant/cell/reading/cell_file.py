@@ -25,6 +25,8 @@
     parent = "world"              # a frame of this file, another body, or a link: arm.flange
     colour = "#8090a0"
     margin = 10
+    taken = {gripper = 1}         # the output that makes the tool take it, if it is within its
+    released = {gripper = 0}      # margin of the tool then; {"hand 1" = 1} of a hand: 1 is closed
 
     [bodies.table.locations.corner]
     position = [-400, -300, 15]   # in the body's frame
@@ -76,6 +78,13 @@ def _pairs(value: Any) -> tuple[tuple[str, str], ...]:
     return tuple((values.text(one), values.text(other)) for one, other in value)
 
 
+def _output(value: Any) -> tuple[str, float]:
+    if not isinstance(value, dict) or len(value) != 1:
+        raise Wrong("is no output with its value", 'write {gripper = 1}, or {"hand 1" = 1}')
+    ((name, number),) = value.items()
+    return str(name), values.number("")(number)
+
+
 def _colour(value: Any) -> Colour:
     if not isinstance(value, str) or not re.fullmatch(r"#[0-9a-fA-F]{6}", value):
         raise Wrong("is no colour", 'write "#rrggbb", two digits of 16 each')
@@ -113,6 +122,8 @@ BODY: Final[Mapping[str, Read]] = {
     "colour": _colour,
     "margin": values.number("mm", least=0.0),
     "locations": lambda value: value,
+    "taken": _output,
+    "released": _output,
 }
 
 
@@ -243,6 +254,8 @@ class _Reader:
                 parent=said.get("parent", WORLD_FRAME),
                 colour=said.get("colour", one.colour),
                 margin=said.get("margin"),
+                taken=said.get("taken"),
+                released=said.get("released"),
                 locations={**one.locations, **own},
                 source=str(entry.page.source.path or ""),
             )

@@ -12,6 +12,7 @@ from assistant.program.diagnostics import Refused, has_errors
 from assistant.program.program import Program
 from assistant.program.system.budgets import TIMING, staged
 from assistant.robots.solved_program import SolvedProgram
+from assistant.robots.timing.carrying import Carried
 from assistant.robots.timing.drive import TIME_TO_SPEED, Drive, drive_of
 from assistant.robots.timing.on_way import OutputTime
 from assistant.robots.timing.samples import Samples
@@ -21,6 +22,7 @@ from assistant.robots.timing.walking import Walker
 
 __all__ = [
     "TIME_TO_SPEED",
+    "Carried",
     "Drive",
     "Duration",
     "MoveTimes",
@@ -41,13 +43,15 @@ def simulate(
     acceleration: float | None = None,
     start: ArrayLike | None = None,
     drive: Drive | None = None,
+    carried: Carried | None = None,
 ) -> Simulation:
     """How long a solved program takes, and how the arm moves while it runs.
 
     period: seconds between samples; None for 0.01, or longer if those would be too many.
     acceleration: mm/s² of the tool on lines and arcs at most; None if only the axes bound it.
     start: (a,) joints where the program begins, None for home. drive: speeds and accelerations
-    of the axes, None for those of the robot.
+    of the axes, None for those of the robot. carried: what the arm carries at first, None if that
+    need not be known; `Piece.carried` of what is passed then tells it.
     Raises Refused if the solution has errors: what cannot be reached has no time.
     """
     if has_errors(solution.findings):
@@ -59,12 +63,12 @@ def simulate(
     begin = np.array(robot.home if start is None else start, dtype=np.float64)
     walker = Walker(solution, drive or drive_of(robot, acceleration, _load(program)))
     place = tuple(begin.tolist())
-    first = State(places=(place,), known=walker.begin())
+    first = State(places=(place,), known=walker.begin(), carried=carried)
     entry = program.procedure(program.entry) if program.entry else None
     done = first if entry is None else walker.procedure(entry, first, {})
     for procedure in program.procedures:
         if procedure.name not in walker.procedures:
-            walker.procedure(procedure, State(), {})
+            walker.procedure(procedure, State(carried=carried), {})
     order = [procedure.name for procedure in program.procedures]
     return Simulation(
         robot=robot,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -29,13 +30,16 @@ from assistant.robots.timing.rows import Mount, Moves, Settings, moves_of, place
 from assistant.robots.timing.state import Joints
 from assistant.robots.timing.values import Values
 
+if TYPE_CHECKING:
+    from assistant.robots.timing.carrying import Carried
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Piece:
     """One motion statement, ready to be timed.
 
     number: of the motion statement in its procedure, counted from 1. key: the same for pieces
-    that are alike in everything. triggers: what it sets on its way.
+    that are alike in everything. triggers: what it sets on its way. carried: by the arm meanwhile.
     """
 
     procedure: str
@@ -43,6 +47,7 @@ class Piece:
     moves: Moves
     key: tuple[object, ...]
     triggers: tuple[Trigger, ...] = ()
+    carried: Carried | None = None
 
 
 class Pieces:

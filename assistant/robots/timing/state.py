@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from assistant.program.expressions import Expression
 from assistant.robots.timing.plan import Plan
 from assistant.robots.timing.rows import Settings
+
+if TYPE_CHECKING:
+    from assistant.robots.timing.carrying import Carried
 
 Joints = tuple[float, ...]
 
@@ -68,6 +71,7 @@ class State:
 
     places: joints where the arm may be; none if that is not known. known: values of variables
     in lower case, None for one that is not known. history: of the way that takes the longest.
+    carried: what the arm carries, None if nobody wants to know.
     """
 
     least: float = 0.0
@@ -76,6 +80,7 @@ class State:
     settings: Settings = field(default_factory=Settings)
     known: Mapping[str, Expression | None] = field(default_factory=dict)
     history: History | None = None
+    carried: Carried | None = None
 
     def waited(self, seconds: float) -> State:
         if seconds <= 0.0:
@@ -114,6 +119,7 @@ class State:
             self.places == other.places
             and self.settings == other.settings
             and self.known == other.known
+            and self.carried == other.carried
         )
 
 
@@ -132,4 +138,9 @@ def met(states: Sequence[State]) -> State | None:
         else None
         for name in names
     }
-    return replace(longest, least=min(state.least for state in states), places=places, known=known)
+    carried = longest.carried
+    for state in states:
+        if carried is not None and state.carried is not None and state.carried != carried:
+            carried = carried.met(state.carried)
+    least = min(state.least for state in states)
+    return replace(longest, least=least, places=places, known=known, carried=carried)

@@ -39,6 +39,7 @@ from assistant.program.statements import (
 )
 from assistant.robots.solved_program import SolvedProgram
 from assistant.robots.target_lookup import Names
+from assistant.robots.timing.carrying import carrying
 from assistant.robots.timing.drive import Drive
 from assistant.robots.timing.kept import KeptMotion
 from assistant.robots.timing.ledger import Ledger
@@ -119,6 +120,8 @@ class Walker:
                 state = quick
             else:
                 state = self.acting(statement, self.flush(state))
+            if state is not None and state.carried is not None:
+                state = carrying(statement, state, self.waiting, self.values)
         return None if state is None else self.flush(state)
 
     def inner(self, body: Sequence[Statement], state: State) -> State | None:
@@ -144,7 +147,7 @@ class Walker:
         if id(statement) in self.pieces.bare:
             self.note(f"move {number}: its tool or frame is not known; the flange is taken")
         if piece is not None:
-            self.waiting.append(piece)
+            self.waiting.append(replace(piece, carried=state.carried))
             return state
         self.note(
             f"move {number} to {label_of(statement)}: only running the program tells where that is"
@@ -174,7 +177,7 @@ class Walker:
             starts = (tuple(moves.joints[skipped - 1].tolist()),)
         plans = []
         for start in starts:
-            key = (tuple(piece.key for piece in pieces), start, skipped)
+            key = (tuple((piece.key, piece.carried) for piece in pieces), start, skipped)
             if key not in self.plans:
                 rest = moves.rest(skipped) if skipped else moves
                 self.plans[key] = plan_of(rest, np.array(start), self.solution.robot, self.drive)
