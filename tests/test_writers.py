@@ -13,6 +13,7 @@ WRITES = re.compile(
 KNOWN = {
     "program/system/durably.py": "it is the mechanism",
     "program/pseudo/tables.py": "into memory",
+    "cell/exploration/map_file.py": "into memory",
     "report/figures.py": "into memory",
     "report/timing.py": "into memory",
     "cli/monitoring.py": "a log, which grows by a row at a time",

@@ -67,7 +67,7 @@ def read_mesh(
     except Unreadable:
         raise
     except Exception as error:  # noqa: BLE001 - of a library that raises whatever the bytes lead it to
-        reason = (str(error) or type(error).__name__).splitlines()[0][:120]
+        reason = (str(error) or type(error).__name__).split("\n", 1)[0][:120]
         raise _no_mesh(said, reason) from None
     if not len(triangles) or not np.isfinite(points).all():
         reason = "it holds no triangle" if not len(triangles) else "a corner is no number"
