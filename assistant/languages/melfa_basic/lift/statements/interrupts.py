@@ -9,8 +9,7 @@ from assistant.languages.melfa_basic.lift.structure.regions import place_name
 from assistant.languages.melfa_basic.lift.values.symbols import Unliftable
 from assistant.languages.melfa_basic.tables.vocabulary.interrupts import ALL
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.blocks import statement_of
-from assistant.languages.melfa_basic.tree.walk import literal, statements_in
+from assistant.languages.melfa_basic.tree.walk import literal
 from assistant.program import expressions as e
 from assistant.program import statements as p
 
@@ -64,12 +63,10 @@ def switch(reader: Statements, node: s.Command) -> list[p.Statement]:
 def _defined(reader: Statements) -> dict[float | None, str | None]:
     """By the number of each interrupt what it calls, None for what cannot be said."""
     found: dict[float | None, str | None] = {}
-    for item in reader.code:
-        for node in statements_in(statement_of(item)):
-            if isinstance(node, s.DefAct):
-                number, called = literal(node.number), _answering(reader, node)
-                same = found.get(number, called) == called and node is statement_of(item)
-                found[number] = called if same and number is not None else None
+    for node, alone in reader.definitions:
+        number, called = literal(node.number), _answering(reader, node)
+        same = found.get(number, called) == called and alone
+        found[number] = called if same and number is not None else None
     return found
 
 

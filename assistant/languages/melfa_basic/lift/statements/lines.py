@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, ClassVar
 
 from assistant.languages import kept_reasons
@@ -22,8 +23,9 @@ from assistant.languages.melfa_basic.lift.values.symbols import Routine, Symbols
 from assistant.languages.melfa_basic.tables.statements import ROWS
 from assistant.languages.melfa_basic.text import effects
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.blocks import statement_of
 from assistant.languages.melfa_basic.tree.targets import labels_named, labels_of
-from assistant.languages.melfa_basic.tree.walk import nodes
+from assistant.languages.melfa_basic.tree.walk import nodes, statements_in
 from assistant.languages.patterns import Called, Reading
 from assistant.languages.settings.forms import Form
 from assistant.languages.settings.unknown_settings import UnknownSettings
@@ -163,6 +165,16 @@ class Statements:
         text = reasons.text_of(statement, dialect)
         effect = effects.of_node(statement, text)
         return p.Opaque(dialect, text, reason=reason, effect=effect, told=tuple(told))
+
+    @cached_property
+    def definitions(self) -> list[tuple[s.DefAct, bool]]:
+        """Every `Def Act`, and whether it is the statement of a line or stands inside another."""
+        return [
+            (node, node is statement_of(item))
+            for item in self.code
+            for node in statements_in(statement_of(item))
+            if isinstance(node, s.DefAct)
+        ]
 
     def where(self, at: int) -> str:
         """What a line is called in a finding."""
