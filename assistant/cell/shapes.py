@@ -114,19 +114,3 @@ def farthest(shape: Shape, points: Floats) -> Floats:
             return np.asarray(np.hypot(np.hypot(points[:, 0], points[:, 1]) + shape.radius, along))
     low, high = extent(shape)
     return norms(np.maximum(np.abs(points - low), np.abs(points - high)))
-
-
-def resized(shape: Shape, factor: float) -> Shape:
-    """A shape made larger about the origin of its frame."""
-    match shape:
-        case Box(size=(x, y, z)):
-            return Box((x * factor, y * factor, z * factor))
-        case Sphere():
-            return Sphere(shape.radius * factor)
-        case Cylinder():
-            return Cylinder(shape.radius * factor, shape.length * factor)
-        case Capsule():
-            return Capsule(shape.radius * factor, shape.length * factor)
-        case Convex():
-            return Convex(shape.points * factor)
-    return Mesh(shape.points * factor, shape.triangles, shape.solid, shape.off * factor)

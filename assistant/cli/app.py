@@ -13,6 +13,7 @@ from assistant.cli import deployments, on_arms, on_controllers, projects
 from assistant.cli.exchanges import exchange
 from assistant.cli.gateways import gateway
 from assistant.cli.options import (
+    AccelerationOption,
     CellOption,
     DraftOption,
     EntryOption,
@@ -330,10 +331,7 @@ def simulate(
             help="Folder for all files, or a .csv, .npz, .png or .svg; repeatable.",
         ),
     ] = None,
-    acceleration: Annotated[
-        float | None,
-        typer.Option(help="mm/s² of the tool on lines and arcs; default what the axes allow."),
-    ] = None,
+    acceleration: AccelerationOption = None,
     period: Annotated[
         float | None, typer.Option(help="Seconds between samples; default 0.01, or what fits.")
     ] = None,
@@ -363,10 +361,7 @@ def view(
         Path | None,
         typer.Option(help="File for the page, which needs no other; default it is opened."),
     ] = None,
-    acceleration: Annotated[
-        float | None,
-        typer.Option(help="mm/s² of the tool on lines and arcs; default what the axes allow."),
-    ] = None,
+    acceleration: AccelerationOption = None,
     process: ProcessOption = None,
     unit: UnitOption = None,
     from_language: FromLanguage = None,

@@ -66,6 +66,10 @@ CellOption = Annotated[
     Path | None,
     typer.Option("--cell", help="File of the cell: its robots, and bodies not to be touched."),
 ]
+AccelerationOption = Annotated[
+    float | None,
+    typer.Option(help="mm/s² of the tool on lines and arcs; default what the axes allow."),
+]
 EntryOption = Annotated[
     str | None,
     typer.Option("--entry", help="Procedure that the program begins with; default its main."),

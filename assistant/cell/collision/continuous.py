@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 
 from assistant.cell.collision.culling import near
-from assistant.cell.collision.model import Contact, Model
+from assistant.cell.collision.model import Model
 from assistant.program.arrays import Floats, Rows, Truths
 
 RESOLUTION: Final = 0.1
@@ -188,8 +188,3 @@ def _first_of_runs(found: list[Hit]) -> list[Hit]:
             out.append(hit)
         last[hit.pair] = hit.at
     return out
-
-
-def contact_of(model: Model, hit: Hit) -> Contact:
-    """The contact of a hit."""
-    return model.contact(hit.joints, hit.pair)
