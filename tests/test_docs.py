@@ -25,7 +25,7 @@ from assistant.project.schema import schema
 from assistant.sources.process.file import read_process
 from assistant.virtual.melfa import Options
 from assistant.virtual.melfa.choosing import choose
-from docs import findings, house, limits
+from docs import findings, house, limits, pictures
 from tests.forks import Forks
 
 PROJECT = Path(__file__).parent.parent
@@ -34,6 +34,7 @@ NAMES = {page: str(page.relative_to(PROJECT)) for page in PAGES}
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.M | re.S)
 CHANGES = re.compile(r"^```python\n([^`]*)^```\n\n```diff\n(.*?)^```", re.M | re.S)
 """Python that changes a program, and the lines that it changes."""
+PICTURE = re.compile(r"^!\[[^]]+\]\((?:docs/)?pictures/(\w+)\.png\)$", re.M)
 EXITS = re.compile(r"\s+# exits (\d)$")
 READY = b"listening"
 
@@ -202,6 +203,13 @@ def test_every_finding_says_what_to_do():
     """An info may be just that."""
     asking = [rule for rule in rulebook.rules().values() if rule.severity is not Severity.INFO]
     assert [rule.code for rule in asking if not rule.cure.strip()] == []
+
+
+def test_each_picture_of_a_page_is_made_by_a_command():
+    shown = {name for page in PAGES for name in PICTURE.findall(page.read_text("utf-8"))}
+    stored = {file.stem: file.stat().st_size for file in pictures.FOLDER.glob("*.png")}
+    assert shown == stored.keys() == pictures.PICTURES.keys()
+    assert max(stored.values()) <= 80 * 1024
 
 
 def test_the_rooms_of_languages_are_counted() -> None:

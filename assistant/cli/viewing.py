@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 from assistant.cli.compiling import STANDARD, keep_sources, working
 from assistant.cli.presentation import Format, print_findings, print_json, say
 from assistant.cli.simulating import Options, refused, solved
-from assistant.program.diagnostics import Diagnostic, Refused, error, fold, has_errors
+from assistant.program.diagnostics import Diagnostic, Refused, Severity, error, fold, has_errors
 
 if TYPE_CHECKING:
     from assistant.cell.clearances import Closeness
@@ -54,6 +54,8 @@ def run_view(source: str, options: Options, html: Path | None, format: Format) -
         marked = [(one, None) for one in (*ready.findings, *checks.with_robot(solution))]
         if ready.scene is not None:
             marked += placed_clearances(solution, scene, done)
+        worst = list(Severity)
+        marked.sort(key=lambda one: worst.index(one[0].severity))  # the page cannot hold all
         shown = Shown(Path(source).name, solution, done, scene, placed, places, marked)
         path = _written(source, options.cell, html, page(shown))
     findings = [places.finding(one).within(source) for one, _ in marked]

@@ -11,7 +11,7 @@ import pytest
 
 from assistant import robots
 from assistant.view.page import filled
-from tests.cli.test_commands import run
+from tests.cli.test_commands import SAMPLES, run
 from tests.view.cases import data_of, numbers, written
 
 Capture = pytest.CaptureFixture[str]
@@ -151,3 +151,14 @@ def test_bad_input_leaves_no_page(
     assert code in err
     assert not list(tmp_path.glob("*.html"))
     assert not Path("out.txt").exists()
+
+
+def test_what_is_worst_stands_first(tmp_path: Path, capsys: Capture) -> None:
+    pytest.importorskip("coal")
+    out = tmp_path / "plate.html"
+    cell = SAMPLES / "cell" / "clamped.toml"
+    status, _, _ = run(capsys, "view", SAMPLES / "plate.dxf", "--cell", cell, "--html", out)
+    severities = [one["severity"] for one in data_of(out.read_text(encoding="utf-8"))["findings"]]
+    assert status == 1
+    assert severities == sorted(severities, key=("error", "warning", "info").index)
+    assert {"error", "info"} <= set(severities)

@@ -1,0 +1,87 @@
+"""Draws the pictures of the pages into docs/pictures, from the samples.
+
+python -m docs.pictures [NAME ...]
+
+Scenes are pages of `view`, photographed by Chromium, which the system has to have.
+"""
+
+from __future__ import annotations
+
+import io
+import shutil
+import sys
+import tempfile
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import chdir
+from pathlib import Path
+from typing import Final
+
+from assistant.cli.app import app
+
+PROJECT: Final = Path(__file__).parent.parent
+FOLDER: Final = PROJECT / "docs" / "pictures"
+SIZE: Final = {"width": 1000, "height": 560}
+COLOURS: Final = 96  # of a palette, which keeps a picture below 80 KiB
+BROWSERS: Final = ("chromium", "chromium-browser", "google-chrome")
+SOFTWARE: Final = (  # draws without a graphics card
+    *("--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader"),
+    *("--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"),
+)
+
+
+def scene(*view: str, does: Sequence[str] = ()) -> bytes:
+    """The page that `robot-assistant view` writes, as PNG, after scripts were run on it.
+
+    view: its arguments, files as they stand in the project.
+    does: JavaScript, such as `view.setTime(2)`.
+    """
+    from playwright.sync_api import sync_playwright
+
+    browser = next(filter(None, map(shutil.which, BROWSERS)), None)
+    if browser is None:
+        raise SystemExit("there is no Chromium here: install it by the system's packages")
+    with chdir(PROJECT), tempfile.TemporaryDirectory() as folder, sync_playwright() as one:
+        page = Path(folder) / "scene.html"
+        app(["view", *view, "--html", str(page)], standalone_mode=False)
+        opened = one.chromium.launch(executable_path=browser, args=list(SOFTWARE))
+        tab = opened.new_page(viewport=SIZE)
+        tab.goto(page.as_uri())
+        for script in does:
+            tab.evaluate(script)
+        tab.wait_for_timeout(1000)
+        taken: bytes = tab.screenshot()
+        opened.close()
+    return taken
+
+
+def small(png: bytes) -> bytes:
+    """The same picture in fewer bytes."""
+    from PIL import Image
+
+    out = io.BytesIO()
+    Image.open(io.BytesIO(png)).convert("RGB").quantize(COLOURS).save(out, "PNG", optimize=True)
+    return out.getvalue()
+
+
+def contact() -> bytes:
+    """The gripper touches the clamp, at the first contact that is found."""
+    return scene(
+        *("samples/plate.dxf", "--cell", "samples/cell/clamped.toml"),
+        does=["document.querySelector('#findings button').click()"],
+    )
+
+
+PICTURES: Final[dict[str, Callable[[], bytes]]] = {"contact": contact}
+"""Each picture by the name of its file."""
+
+
+def draw(names: Iterable[str]) -> None:
+    FOLDER.mkdir(exist_ok=True)
+    for name in names:
+        drawn = small(PICTURES[name]())
+        (FOLDER / f"{name}.png").write_bytes(drawn)
+        sys.stdout.write(f"{name}: {len(drawn) / 1024:.0f} KiB\n")
+
+
+if __name__ == "__main__":
+    draw(sys.argv[1:] or PICTURES)
