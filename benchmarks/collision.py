@@ -20,9 +20,13 @@ from assistant.cell.scene import Body, Part, Scene
 from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Shape, Sphere
 from assistant.program import rotations
 from assistant.program.geometry import Pose
+from assistant.program.motion import Blend, Speed
+from assistant.program.path import Path
+from assistant.program.program import Procedure, Program
+from assistant.program.statements import Follow
 from assistant.robots.timing import Simulation, simulate
 from assistant.robots.timing.passed import stretches_of
-from benchmarks.arms import surface
+from benchmarks.arms import AREA, DOWN, START, surface
 from benchmarks.reading import Reading
 
 BODIES: Final = 100
@@ -116,6 +120,18 @@ def simulated(n: int) -> tuple[Simulation, Scene]:
     return simulate(robots.solve_program(program, robot)), cell()
 
 
+def jumping(n: int) -> tuple[Simulation, Scene]:
+    """Targets anywhere over the work piece, some 160 mm from each other."""
+    robot = surface(2)[0]
+    draw = np.random.default_rng(SEED)
+    positions = START + draw.random((n, 3)) * [*AREA, 40.0]
+    path = Path.of(
+        "jumps", positions, np.tile(DOWN, (n, 1)), speeds=[Speed(150.0)], blends=[Blend(5.0)]
+    )
+    program = Program("jumps", (Procedure("main", (Follow(path),)),))
+    return simulate(robots.solve_program(program, robot)), cell()
+
+
 def whole(given: tuple[Simulation, Scene]) -> None:
     """Every contact and every margin of a program, as `check --cell` looks for them."""
     simulation, scene = given
@@ -148,4 +164,5 @@ COLLISION: Final[dict[str, Reading]] = {
     "the same, samples as safe": Reading((edges, sampled), (SAMPLED,), "ways"),
     "stretches of a program, no gaps": Reading((stretches, culled), (10_000,), "stretches"),
     "whole check of a program": Reading((simulated, whole), (10_000,), "targets checked"),
+    "the same, 160 mm a move": Reading((jumping, whole), (10_000,), "targets checked"),
 }

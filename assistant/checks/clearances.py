@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.program.diagnostics import Diagnostic, Rule, Span, error, info, warning
@@ -78,19 +78,14 @@ def placed_clearances(
     holding = Holding.at_first(scene, placed)
     if simulation is None or holding.places:
         simulation = simulate(solution, carried=holding if holding.places else None)
-    touched = set[tuple[object, ...]]()
-    for margin in (0.0, None):
-        found: dict[tuple[object, ...], Closeness] = {}
-        for one in closeness(simulation, scene, placed.name, margin):
-            key = (one.procedure, one.number, one.contact.one, one.contact.other)
-            if margin is None and (key in touched or one.least <= 0.0):
-                continue
-            known = found.get(key)
-            if known is None or one.least < known.least:
-                found[key] = one
-        touched |= set(found)
-        for one in found.values():
-            yield _told(solution, scene, one, TOUCHES if margin == 0.0 else NEAR), one
+    near = list(closeness(simulation, scene, placed.name))
+    contacts = list(closeness(simulation, scene, placed.name, 0.0)) if near else []
+    touched = _worst(contacts)
+    for one in touched.values():
+        yield _told(solution, scene, one, TOUCHES), one
+    for key, one in _worst(one for one in near if one.least > 0.0).items():
+        if key not in touched:
+            yield _told(solution, scene, one, NEAR), one
     for name, value in sorted(holding.doubts.empty):
         yield NOTHING_TAKEN(name=name, value=value), None
     for name in sorted(holding.doubts.lost):
@@ -99,6 +94,17 @@ def placed_clearances(
     for unknown in simulation.unknown:
         if "not timed" in unknown.what:
             yield NOT_LOOKED(what=str(unknown)), None
+
+
+def _worst(found: Iterable[Closeness]) -> dict[tuple[str, int, str, str], Closeness]:
+    """The nearest of each two bodies and motion statement."""
+    worst: dict[tuple[str, int, str, str], Closeness] = {}
+    for one in found:
+        key = (one.procedure, one.number, one.contact.one, one.contact.other)
+        known = worst.get(key)
+        if known is None or one.least < known.least:
+            worst[key] = one
+    return worst
 
 
 def no_robot(solution: SolvedProgram, scene: Scene) -> Diagnostic:

@@ -21,7 +21,7 @@ RESOLUTION: Final = 0.1
 """mm that anything moves in the shortest stretch: what comes that near counts as touching."""
 TOGETHER: Final = 500_000
 """Stretches times pairs that are looked at together: each takes some hundred bytes at most."""
-LONGEST: Final = 16384
+LONGEST: Final = 65536
 """Stretches of which a chunk has no more."""
 
 
@@ -61,10 +61,10 @@ def hits(
         return []
     limit = np.broadcast_to(np.asarray(margin, dtype=np.float64), (len(model),))
     found: list[Hit] = []
-    size = min(max(TOGETHER // len(model), 1), LONGEST)
-    for start in range(0, n, size):
-        chunk = _Chunk(model, way, limit, resolution, start, min(start + size, n))
-        found += chunk.hits()
+    for start in range(0, n, LONGEST):
+        chunk = _Chunk(model, way, limit, resolution, start, min(start + LONGEST, n))
+        for stretch, pair in near(model, chunk.rows, chunk.slack, limit, TOGETHER):
+            found += chunk.hits(stretch, pair)
     return _first_of_runs(found)
 
 
@@ -118,8 +118,9 @@ class _Chunk:
         self.step = np.diff(self.rows, axis=0)
         self.slack = None if way.slack is None else np.abs(way.slack[start:stop])
 
-    def hits(self) -> list[Hit]:
-        open_ = self._candidates()
+    def hits(self, stretch: Rows, pair: Rows) -> list[Hit]:
+        """Of pairs (k,), each on a stretch (k,)."""
+        open_ = self._whole(stretch, pair)
         out: list[Hit] = []
         touching = open_.at_low <= self.limit[open_.pair]
         if self.start == 0:
@@ -140,9 +141,7 @@ class _Chunk:
                 open_ = open_.halves(middle, middle <= self.limit[open_.pair])
         return out
 
-    def _candidates(self) -> _Open:
-        """What boxes do not tell to be far away."""
-        stretch, pair = near(self.model, self.rows, self.slack, self.limit)
+    def _whole(self, stretch: Rows, pair: Rows) -> _Open:
         leverage = self.model.leverage.T[pair]
         moved = np.einsum("kj,kj->k", np.abs(self.step)[stretch], leverage)
         none = np.zeros(len(stretch))
@@ -152,7 +151,8 @@ class _Chunk:
         ends = np.stack([stretch, stretch + 1], axis=1).reshape(-1)
         known, where = np.unique(ends * len(self.model) + np.repeat(pair, 2), return_inverse=True)
         row, pairs = np.divmod(known, len(self.model))
-        distance = self.model.exact(self.rows, row, pairs)[where].reshape(-1, 2)
+        used, row = np.unique(row, return_inverse=True)
+        distance = self.model.exact(self.rows[used], row, pairs)[where].reshape(-1, 2)
         return _Open(stretch, pair, none, none + 1.0, distance[:, 0], distance[:, 1], moved, slack)
 
     def _distances(self, stretch: Rows, part: Floats, pair: Rows) -> Floats:

@@ -7,6 +7,7 @@ a group that is not clear is looked at in parts.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from typing import Final
 
 import numpy as np
@@ -14,47 +15,70 @@ import numpy as np
 from assistant.cell.collision.model import Model
 from assistant.program.arrays import Floats, Rows
 
-GROUPS: Final = (64, 16, 4, 1)
+COARSE: Final = (4096, 1024, 256, 64)
+FINE: Final = (16, 4, 1)
 """Stretches of a group, each size a part of the one before it."""
+MEASURED: Final = 16
+"""From groups of so many on, distances are looked at as well, which clear more than boxes do."""
 BLOCK: Final = 100_000
 """Pairs of groups and items that are looked at together."""
 
 
-def near(model: Model, rows: Floats, slack: Floats | None, limit: Floats) -> tuple[Rows, Rows]:
+def near(
+    model: Model, rows: Floats, slack: Floats | None, limit: Floats, together: int
+) -> Iterator[tuple[Rows, Rows]]:
     """Stretches (k,) of rows (n + 1, j) and pairs (k,) that may be nearer there than limit (p,) mm.
 
-    slack: (n, j) how far a joint may be from the line of its stretch, no less than 0.
+    slack: (n, j) how far a joint may be from the line of its stretch, no less than 0. together:
+    of one answer at most, unless a single group of the coarse ones has more.
     """
     low, high = np.minimum(rows[:-1], rows[1:]), np.maximum(rows[:-1], rows[1:])
     if slack is not None:
         low, high = low - slack, high + slack
-    first = next((i for i, size in enumerate(GROUPS) if size <= len(low)), len(GROUPS) - 1)
-    count = -(-len(low) // GROUPS[first])
+    within = _Within(model, low, high, limit)
+    count = -(-len(low) // COARSE[0])
     group = np.repeat(np.arange(count), len(model))
     pair = np.tile(np.arange(len(model)), count)
-    for i, size in enumerate(GROUPS[first:], first):
-        starts = np.arange(0, len(low), size)
-        lowest, highest = np.minimum.reduceat(low, starts), np.maximum.reduceat(high, starts)
-        open_ = _open(model, lowest, highest, group, pair, limit)
-        group, pair = group[open_], pair[open_]
-        if size > 1:
-            parts = size // GROUPS[i + 1]
+    group, pair = within.parts(group, pair, COARSE[0], COARSE)
+    size = max(together // COARSE[-1], 1)
+    for start in range(0, len(group), size):
+        some = slice(start, start + size)
+        yield within.parts(group[some], pair[some], COARSE[-1], FINE)
+
+
+class _Within:
+    """Boxes of joints from low to high (n, j), one for each stretch."""
+
+    def __init__(self, model: Model, low: Floats, high: Floats, limit: Floats) -> None:
+        self.model, self.low, self.high, self.limit = model, low, high, limit
+
+    def parts(self, group: Rows, pair: Rows, size: int, sizes: Sequence[int]) -> tuple[Rows, Rows]:
+        """Of groups (k,) of a size with pairs (k,) the groups of the last of sizes not clear."""
+        for smaller in sizes:
+            parts = size // smaller
             group = (group[:, None] * parts + np.arange(parts)).reshape(-1)
             pair = np.repeat(pair, parts)
-            inside = group * GROUPS[i + 1] < len(low)
-            group, pair = group[inside], pair[inside]
-    order = np.lexsort((pair, group))
-    return group[order], pair[order]
+            inside = group * smaller < len(self.low)
+            group, pair = self._open(group[inside], pair[inside], smaller)
+            size = smaller
+        order = np.lexsort((pair, group))
+        return group[order], pair[order]
 
-
-def _open(model: Model, low: Floats, high: Floats, group: Rows, pair: Rows, limit: Floats) -> Rows:
-    """Which of groups (k,) with pairs (k,) are not clear; low, high: (g, j) joints of groups."""
-    middle, half = (low + high) / 2.0, (high - low) / 2.0
-    found = [np.zeros(0, dtype=np.intp)]
-    for start in range(0, len(group), BLOCK):
-        g, p = group[start : start + BLOCK], pair[start : start + BLOCK]
-        used, where = np.unique(g, return_inverse=True)
-        least = model.least_of(middle[used], where, p)
-        least -= np.einsum("kj,kj->k", half[g], model.leverage.T[p])
-        found.append(start + np.flatnonzero(least <= limit[p]))
-    return np.concatenate(found)
+    def _open(self, group: Rows, pair: Rows, size: int) -> tuple[Rows, Rows]:
+        """What is not far away, of groups (k,) with pairs (k,)."""
+        starts = np.arange(0, len(self.low), size)
+        low = np.minimum.reduceat(self.low, starts)
+        high = np.maximum.reduceat(self.high, starts)
+        middle, half, leverage = (low + high) / 2.0, (high - low) / 2.0, self.model.leverage.T
+        measures = [self.model.least_of, self.model.exact]
+        for measure in measures[: 2 if size >= MEASURED else 1]:
+            found = [np.zeros(0, dtype=np.intp)]
+            for start in range(0, len(group), BLOCK):
+                g, p = group[start : start + BLOCK], pair[start : start + BLOCK]
+                used, where = np.unique(g, return_inverse=True)
+                least = measure(middle[used], where, p)
+                least -= np.einsum("kj,kj->k", half[g], leverage[p])
+                found.append(start + np.flatnonzero(least <= self.limit[p]))
+            open_ = np.concatenate(found)
+            group, pair = group[open_], pair[open_]
+        return group, pair

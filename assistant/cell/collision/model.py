@@ -138,17 +138,29 @@ class Model:
     def least_of(self, rows: Floats, row: Rows, pair: Rows) -> Floats:
         """(k,) mm that the items of pairs (k,) are apart at least, each for one of rows (n, j)."""
         origins, turns = self.carriers.at(rows)
-        middles = origins[:, self._carriers] + np.einsum(
-            "nipq,iq->nip", turns[:, self._carriers], self._middles
-        )
-        boxes = turns[:, self._carriers] @ self._turns
         one, other = self.one[pair], self.other[pair]
-        way = (middles[row, other] - middles[row, one])[:, None]
+        middle, box = self._boxes(origins, turns, row, one)
+        middle_of, box_of = self._boxes(origins, turns, row, other)
+        way = (middle_of - middle)[:, None]
         apart = [
-            _beyond(way @ boxes[row, other], self._halves[other]) - self._radii[one],
-            _beyond(way @ boxes[row, one], self._halves[one]) - self._radii[other],
+            _beyond(way @ box_of, self._halves[other]) - self._radii[one],
+            _beyond(way @ box, self._halves[one]) - self._radii[other],
         ]
         return np.asarray(np.maximum(*apart) - self._off[pair])
+
+    def _boxes(
+        self, origins: Floats, turns: Floats, row: Rows, item: Rows
+    ) -> tuple[Floats, Floats]:
+        """Middles (k, 3) and axes (k, 3, 3) of the boxes around items (k,) for rows (k,)."""
+        count = len(self.items)
+        if len(row) > len(origins) * count:  # of each item once, then
+            rows, items = np.divmod(np.arange(len(origins) * count), count)
+            middles, boxes = self._boxes(origins, turns, rows, items)
+            return middles[row * count + item], boxes[row * count + item]
+        carrier = self._carriers[item]
+        frame = turns[row, carrier]
+        middle = origins[row, carrier] + np.einsum("kpq,kq->kp", frame, self._middles[item])
+        return middle, frame @ self._turns[item]
 
     @cached_property
     def _geometries(self) -> list[Any]:
