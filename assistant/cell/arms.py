@@ -7,31 +7,38 @@ more.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import pairwise
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from assistant.cell.scene import Body, Part, Placed, Scene
 from assistant.cell.shapes import Capsule
-from assistant.program.arrays import Floats, norms
+from assistant.program.arrays import Floats, Rows, Truths, norms
 from assistant.program.geometry import IDENTITY, Pose, Vector
 from assistant.robots.arms.chain import onto_z
 from assistant.robots.robot import Robot
+
+if TYPE_CHECKING:
+    from assistant.cell.collision.model import Model
 
 SHORT: Final = 1.0
 """mm of a link below which it has no body of its own."""
 SEED: Final = 20
 POSES: Final = 1000
+TOGETHER: Final = 50
+"""Of them, before it is seen which pairs are done with."""
 ALWAYS: Final = 0.95
 """Share of random poses in which two links touch that cannot be kept apart: their bodies are
 rounder than the links."""
 
 
-def placed(name: str, robot: Robot, base: Pose = IDENTITY) -> Placed:
-    """A robot of a cell with the bodies of its links."""
-    return Placed(name, robot, base, tuple(link_bodies(name, robot)))
+def placed(
+    name: str, robot: Robot, base: Pose = IDENTITY, links: Iterable[Body] | None = None
+) -> Placed:
+    """A robot of a cell with the bodies of its links; by its lengths if none are given."""
+    return Placed(name, robot, base, tuple(link_bodies(name, robot) if links is None else links))
 
 
 def link_bodies(name: str, robot: Robot) -> Iterator[Body]:
@@ -80,14 +87,27 @@ def touching_links(placed: Placed) -> frozenset[tuple[str, str]]:
     low, high = np.clip(placed.robot.limits, -360.0, 360.0).T
     rows = np.random.default_rng(SEED).uniform(low, high, (POSES, len(low)))
     rows[0] = placed.robot.home
-    n, pairs = len(rows), len(model)
-    row, pair = np.repeat(np.arange(n), pairs), np.tile(np.arange(pairs), n)
-    touch = model.exact(rows, row, pair).reshape(n, pairs) <= 0.0
     order = [body.name for body in placed.links]
-    out = set[tuple[str, str]]()
-    for p in range(pairs):
-        one, other = (model.items[i].body.name for i in (model.one[p], model.other[p]))
-        beside = abs(order.index(one) - order.index(other)) == 1
-        if beside or touch[0, p] or touch[:, p].mean() >= ALWAYS:
-            out.add((min(one, other), max(one, other)))
-    return frozenset(out)
+    names = [item.body.name for item in model.items]
+    both = [(names[i], names[k]) for i, k in zip(model.one, model.other, strict=True)]
+    pairs = [(min(two), max(two)) for two in both]
+    out = {two for two in pairs if abs(order.index(two[0]) - order.index(two[1])) == 1}
+    open_ = np.array([pair for pair, two in enumerate(pairs) if two not in out], dtype=np.intp)
+    clear = np.zeros(len(pairs), dtype=np.intp)
+    for start in range(0, POSES, TOGETHER):
+        some = rows[start : start + TOGETHER]
+        row, pair = (x.reshape(-1) for x in np.meshgrid(np.arange(len(some)), open_, indexing="ij"))
+        touch = _touching(model, some, row, pair)
+        if start == 0:
+            out |= {pairs[p] for p in pair[(row == 0) & touch].tolist()}
+        clear += np.bincount(pair[~touch], minlength=len(pairs))
+        open_ = open_[clear[open_] <= round((1.0 - ALWAYS) * POSES)]
+    return frozenset(out | {pairs[p] for p in open_.tolist()})
+
+
+def _touching(model: Model, rows: Floats, row: Rows, pair: Rows) -> Truths:
+    """(k,) whether pairs (k,) touch, each for one of rows (n, j) of joints."""
+    near = np.flatnonzero(model.least_of(rows, row, pair) <= 0.0)
+    out = np.zeros(len(row), dtype=bool)
+    out[near] = model.exact(rows, row[near], pair[near]) <= 0.0
+    return out

@@ -23,6 +23,7 @@ from assistant.robots.arms.six_axis import SixAxis
 from assistant.robots.branches.rounding import roundings
 from assistant.robots.branches.within_rounding import Wanted, settled
 from assistant.robots.configurations import BACK, QUADRANTS, TURNING_AXES
+from assistant.robots.outlines import Outlines
 
 if TYPE_CHECKING:
     from roboticstoolbox import DHRobot
@@ -56,6 +57,7 @@ class Robot:
     rod keeps the forearm level, so that the maker counts J3 from the floor and not from the
     upper arm.
     radii: (a + 1,) mm of the capsules that stand for base and links, from the lengths of the arm.
+    outlines: what its file says its links look like, None if it does not.
     unconfirmed: fields whose figures no source at hand confirms.
     findings: what is assumed because the file that it was read from does not say it.
     """
@@ -83,6 +85,7 @@ class Robot:
     coupling: float = 0.0
     radii: Floats = field(default_factory=lambda: np.zeros(0))
     findings: tuple[Diagnostic, ...] = ()
+    outlines: Outlines | None = None
 
     @property
     def axes(self) -> tuple[str, ...]:

@@ -158,6 +158,7 @@ class _Reader:
             reach=reach,
             radii=self.radii(arm, reach),
             counts="quadrants" if counts == "quadrants" else "turns",
+            outlines=None if self.drawn is None else self.drawn.outlines,
         )
 
     def moving(self, axes: dict[str, dict[str, Any]]) -> Arm | None:

@@ -11,6 +11,8 @@
     robot = "irb1200-7-0.7"       # of the catalogue, or a robot file beside this one
     position = [0, 0, 0]          # of its base in the world; with euler_zyx or quaternion
     tool = "nozzle"               # a body that its flange carries from the start
+    packages = {abb = "../abb"}   # folders of meshes that its URDF calls package://abb/…
+    links = "capsules"            # instead of the shapes of its URDF; by its lengths
 
     [bodies.table]
     box = [800, 600, 30]          # edges in mm; or one of
@@ -47,6 +49,8 @@ from assistant.cell import arms
 from assistant.cell.reading import meshes
 from assistant.cell.reading.drawings import Drawn, read_drawing
 from assistant.cell.reading.drawings.rules import TWICE
+from assistant.cell.reading.links import drawn_links
+from assistant.cell.reading.rules import UNUSED_PACKAGE
 from assistant.cell.rules import LONELY_TOOL, NO_BODY, NO_ROBOT, NO_SHAPE, SAME_BODY
 from assistant.cell.scene import MARGIN, Body, Colour, Part, Placed, Scene
 from assistant.cell.scene import WORLD as WORLD_FRAME
@@ -85,6 +89,12 @@ def _output(value: Any) -> tuple[str, float]:
     return str(name), values.number("")(number)
 
 
+def _folders(value: Any) -> dict[str, str]:
+    if not isinstance(value, dict) or not value:
+        raise Wrong("is no table of folders", 'write {NAME = "FOLDER"}')
+    return {name: values.text(folder) for name, folder in value.items()}
+
+
 def _colour(value: Any) -> Colour:
     if not isinstance(value, str) or not re.fullmatch(r"#[0-9a-fA-F]{6}", value):
         raise Wrong("is no colour", 'write "#rrggbb", two digits of 16 each')
@@ -104,7 +114,13 @@ WORLD: Final[Mapping[str, Read]] = {
     "frame": values.text,
     "unit": values.unit,
 }
-ROBOT: Final[Mapping[str, Read]] = {"robot": values.text, "tool": values.text, **PLACE}
+ROBOT: Final[Mapping[str, Read]] = {
+    "robot": values.text,
+    "tool": values.text,
+    "packages": _folders,
+    "links": values.choice("capsules"),
+    **PLACE,
+}
 SHAPES: Final[Mapping[str, Read]] = {
     "box": _sizes(3),
     "sphere": SIZE,
@@ -191,7 +207,25 @@ class _Reader:
         except Refused as refused:
             self.found += refused.findings
             return None, None
-        return arms.placed(name, robot, _pose(said)), said.get("tool")
+        try:
+            links = self.links(name, robot, said, entry)
+        except Refused as refused:
+            self.found += refused.findings
+            return None, None
+        return arms.placed(name, robot, _pose(said), links), said.get("tool")
+
+    def links(
+        self, name: str, robot: robots.Robot, said: Mapping[str, Any], entry: Table
+    ) -> tuple[Body, ...] | None:
+        """The bodies of its links that the file of a robot draws; None for those by its lengths."""
+        packages = {key: self.folder / folder for key, folder in said.get("packages", {}).items()}
+        if robot.outlines is None or said.get("links") == "capsules":
+            for package in packages:
+                entry.say(UNUSED_PACKAGE, "packages", name=name, package=values.shown(package))
+            return None
+        bodies, found = drawn_links(name, robot, packages)
+        self.found += found
+        return bodies
 
     def known_robot(self, name: str) -> robots.Robot:
         file = self.folder / name

@@ -21,6 +21,7 @@ from assistant.cell.rules import (
 from assistant.cell.shapes import Convex, Mesh
 from assistant.program.arrays import Floats, Ints, norms
 from assistant.program.diagnostics import Diagnostic, Refused, Unreadable
+from assistant.program.geometry import Vector
 from assistant.program.text import read_bytes
 from assistant.sources.lengths import UNITS
 
@@ -43,12 +44,15 @@ MERGED: Final = 1e-6
 
 
 def read_mesh(
-    path: FilePath, unit: str | None = None, most: int = MOST_TRIANGLES
+    path: FilePath,
+    unit: str | None = None,
+    most: int = MOST_TRIANGLES,
+    scale: Vector = (1.0, 1.0, 1.0),
 ) -> tuple[Mesh, tuple[Diagnostic, ...]]:
     """The triangles of a file as one mesh, and what is to be said of them.
 
-    unit: of a file that states none. Raises Unreadable for a file that is not there, Refused for
-    one that is no mesh.
+    unit: of a file that states none. scale: of its coordinates; a negative one mirrors. Raises
+    Unreadable for a file that is not there, Refused for one that is no mesh.
     """
     trimesh = library()
     suffix, said = path.suffix.lower(), str(path)
@@ -73,9 +77,12 @@ def read_mesh(
         reason = "it holds no triangle" if not len(triangles) else "a corner is no number"
         raise _no_mesh(said, reason)
     factor, findings = _factor(suffix, stated, unit, said)
-    if np.abs(points).max() * factor > FARTHEST:
+    points = points * factor * np.array(scale)
+    if np.abs(points).max() > FARTHEST:
         raise _no_mesh(said, f"a corner is more than {FARTHEST:g} mm away from its origin")
-    return cleaned(points * factor, triangles, most, said, findings)
+    if np.prod(scale) < 0.0:
+        triangles = triangles[:, ::-1]
+    return cleaned(points, triangles, most, said, findings)
 
 
 def read_hull(path: FilePath, unit: str | None = None) -> tuple[Convex, tuple[Diagnostic, ...]]:

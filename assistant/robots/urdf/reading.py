@@ -16,8 +16,10 @@ from assistant.robots.arms.arm import Arm
 from assistant.robots.arms.chain import Joint as Axis
 from assistant.robots.arms.recognition import recognised
 from assistant.robots.arms.serial import Serial
+from assistant.robots.outlines import Outlines
 from assistant.robots.programming import languages
 from assistant.robots.urdf import tree
+from assistant.robots.urdf.drawn_links import METRE, outlines
 from assistant.robots.urdf.elements import Element, parse
 
 ASSUMED: Final = info(
@@ -25,7 +27,6 @@ ASSUMED: Final = info(
     "a URDF does not say everything of a robot: {what}",
     "write a TOML file with the key `urdf` and what you know better",
 )
-METRE: Final = 1000.0
 UNFIT: Final = re.compile(r"[^A-Za-z0-9_.-]+")
 """What the name of a robot cannot hold, see `robot_file`."""
 MOST_AXES: Final = 32
@@ -39,13 +40,14 @@ class Drawn:
     """arm: in closed form where there is one. table: what a robot file would say of the rest.
 
     missing: of an axis and field of the table that the file leaves out, what to tell.
-    findings: what is taken although the file does not say it.
+    findings: what is taken although the file does not say it. outlines: of the links.
     """
 
     arm: Arm
     table: dict[str, Any]
     missing: dict[tuple[str, str], Diagnostic]
     findings: tuple[Diagnostic, ...]
+    outlines: Outlines | None = None
 
 
 def read(data: bytes, path: str | None) -> Drawn:
@@ -77,7 +79,8 @@ def read(data: bytes, path: str | None) -> Drawn:
     if endless:
         notes.append(f"{', '.join(endless)} turn without end and get {TURNS:g} degrees either way")
     what = "maker, languages, payload and home are assumed; " + "; ".join(notes)
-    return Drawn(arm, table, missing, (ASSUMED(path=path, what=what),))
+    drawn = outlines(root, carried, joints, arm, path)
+    return Drawn(arm, table, missing, (ASSUMED(path=path, what=what),), drawn)
 
 
 def _refuse_unfit(joints: tuple[tree.Joint, ...], path: str | None) -> None:

@@ -62,11 +62,8 @@ class Reader:
             ends[end] = "" if part is None else part.attributes.get("link", "")
             if not ends[end]:
                 self.wrong(element, f"names no {end} link")
-        origin, axis = element.first("origin"), element.first("axis")
-        xyz = self.vector(element, origin, "xyz", (0.0, 0.0, 0.0))
-        rpy = self.vector(element, origin, "rpy", (0.0, 0.0, 0.0))
-        texts = (origin.attributes.get("rpy", "") if origin else "").split()
-        exact = tuple(map(quarter, rpy, texts)) if len(texts) == 3 else rpy
+        xyz, rpy, rounded = self.origin(element)
+        axis = element.first("axis")
         return Joint(
             name=name,
             kind=kind,
@@ -74,13 +71,24 @@ class Reader:
             child=ends["child"],
             element=element,
             xyz=xyz,
-            rpy=(exact[0], exact[1], exact[2]),
+            rpy=rpy,
             axis=self.axis(element, axis) if kind in MOVING else (0.0, 0.0, 1.0),
             limits=self.limits(element, kind),
             velocity=self.velocity(element) if kind in MOVING else None,
-            rounded=exact != rpy,
+            rounded=rounded,
             follows=element.first("mimic") is not None,
         )
+
+    def origin(
+        self, element: Element
+    ) -> tuple[tuple[float, float, float], tuple[float, float, float], bool]:
+        """Its xyz in m and rpy in radians, and whether an angle was taken for a quarter turn."""
+        origin = element.first("origin")
+        xyz = self.vector(element, origin, "xyz", (0.0, 0.0, 0.0))
+        rpy = self.vector(element, origin, "rpy", (0.0, 0.0, 0.0))
+        texts = (origin.attributes.get("rpy", "") if origin else "").split()
+        exact = tuple(map(quarter, rpy, texts)) if len(texts) == 3 else rpy
+        return xyz, (exact[0], exact[1], exact[2]), exact != rpy
 
     def axis(self, joint: Element, axis: Element | None) -> tuple[float, float, float]:
         x, y, z = self.vector(joint, axis, "xyz", (1.0, 0.0, 0.0))

@@ -1,0 +1,28 @@
+"""What is found in the bodies that a robot's file draws."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from assistant.program.diagnostics import error, info, warning
+
+NO_PACKAGE: Final = error(
+    "CK436",
+    "link `{link}` has a mesh in the package `{package}`, and no folder above the URDF holds it",
+    'write packages = {{{package} = "FOLDER"}} to the robot, or links = "capsules"',
+)
+NOT_HERE: Final = error(
+    "CK437",
+    "link `{link}` has a mesh at `{file}`, which is no file",
+    'copy it beside the URDF, or write links = "capsules" to the robot',
+)
+UNUSED_PACKAGE: Final = warning(
+    "CK438",
+    "no link of the robot `{name}` has a mesh in the package `{package}`",
+    "take it out, or correct its name",
+)
+STILL: Final = info(
+    "CK439",
+    "the joints {joints} of the robot `{name}` are no axes of its arm; what they carry stands as "
+    "with them at 0",
+)
