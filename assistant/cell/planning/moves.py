@@ -1,11 +1,12 @@
 """A way as the moves of a program, with corners that are rounded as far as it stays clear.
 
-What is proven is what the controller makes of the moves: their corners as `robots.timing` cuts
-them, looked at by `collision.continuous`.
+What is proven is what the controller makes of the moves: joint moves and straight lines of the
+tool with their corners as `robots.timing` cuts them, looked at by `collision.continuous`.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
@@ -13,12 +14,14 @@ import numpy as np
 
 from assistant.cell.collision.continuous import Hit, Way, hits
 from assistant.cell.planning.space import Space
-from assistant.program.arrays import Floats
-from assistant.program.expressions import JointValue
-from assistant.program.geometry import FLANGE, IDENTITY, JointTarget, Pose, Tool
+from assistant.program.arrays import Floats, Truths
+from assistant.program.diagnostics import Severity
+from assistant.program.expressions import JointValue, TargetValue
+from assistant.program.geometry import FLANGE, IDENTITY, JointTarget, Pose, Target, Tool
 from assistant.program.motion import FINE, MAXIMUM_SPEED, Blend, Speed
+from assistant.program.path import configuration_of
 from assistant.program.program import Procedure, Program
-from assistant.program.statements import Motion, MoveJoints
+from assistant.program.statements import Motion, Move, MoveJoints
 from assistant.robots import solve_program
 from assistant.robots.robot import Robot
 from assistant.robots.timing import simulate
@@ -37,62 +40,104 @@ def joint_target(robot: Robot, row: Floats) -> JointTarget:
     return JointTarget(tuple(values))
 
 
-def moves(
-    robot: Robot, rows: Floats, radii: Floats, speed: Speed = MAXIMUM_SPEED, tool: str = FLANGE
-) -> tuple[MoveJoints, ...]:
-    """Joint moves through joints (n, a), of which the arm stands at the first.
+@dataclass(frozen=True, slots=True, eq=False)
+class Route:
+    """A way of an arm through joints.
 
-    radii: (n - 1,) mm of the blend at the end of each move, 0 for a stop.
+    rows: (n, a) joints, the start first. radii: (n - 1,) mm of the blend at the end of each move,
+    0 for a stop. linear: (n - 1,) whether the tip goes there on a straight line, or all axes move
+    straight. tip: of the tool in the flange.
     """
-    return tuple(
-        MoveJoints(
-            JointValue(joint_target(robot, row)),
-            Motion(speed, Blend(float(radius)) if radius else FINE, tool),
-        )
-        for row, radius in zip(rows[1:], radii, strict=True)
-    )
 
+    robot: Robot
+    rows: Floats
+    radii: Floats
+    linear: Truths
+    tip: Pose
 
-def program_of(name: str, robot: Robot, statements: tuple[MoveJoints, ...], tip: Pose) -> Program:
-    """A program of moves only."""
-    tools = {} if tip == IDENTITY else {TOOL: Tool(tip)}
-    return Program(name, (Procedure("main", statements),), robot=robot.name, tools=tools)
+    def statements(
+        self, speed: Speed = MAXIMUM_SPEED, tool: str = FLANGE
+    ) -> tuple[MoveJoints | Move, ...]:
+        """The moves of which the arm stands at the start. tool: the name of the tip."""
+        return tuple(self._moves(speed, tool))
+
+    def _moves(self, speed: Speed, tool: str) -> Iterator[MoveJoints | Move]:
+        p, q = self.robot.fk(self.rows)
+        shapes = self.robot.configuration(self.rows)
+        for to, (radius, linear) in enumerate(zip(self.radii, self.linear, strict=True), start=1):
+            motion = Motion(speed, Blend(float(radius)) if radius else FINE, tool)
+            if linear:
+                stated = configuration_of(shapes[to]) if self.robot.arm.named else None
+                target = Target(Pose.of(p[to], q[to]) @ self.tip, stated)
+                yield Move("linear", TargetValue(target), motion)
+            else:
+                yield MoveJoints(JointValue(joint_target(self.robot, self.rows[to])), motion)
+
+    def program(self, name: str, speed: Speed = MAXIMUM_SPEED) -> Program:
+        """A program of these moves only."""
+        plain = self.tip == IDENTITY
+        statements = self.statements(speed, FLANGE if plain else TOOL)
+        tools = {} if plain else {TOOL: Tool(self.tip)}
+        return Program(name, (Procedure("main", statements),), robot=self.robot.name, tools=tools)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rounded:
-    """Radii (n - 1,) mm of blends, and what is too near to something nonetheless."""
+    """Radii (n - 1,) mm of blends, with `driven` and `hits` as of `Seen`."""
 
     radii: Floats
+    driven: bool
     hits: tuple[Hit, ...]
 
 
-def rounded(space: Space, rows: Floats) -> Rounded:
-    """The largest of `RADII` at each corner of a way with which it keeps its margins and tilt."""
+def rounded(space: Space, rows: Floats, linear: Truths) -> Rounded:
+    """The largest of `RADII` at each corner of a way with which it keeps its margins and tilt.
+
+    rows: (n, a). linear: (n - 1,), see `Route`.
+    """
     level = np.zeros(len(rows) - 1, dtype=np.intp)
     level[-1] = len(RADII)
     sizes = np.append(RADII, 0.0)
-    found: tuple[Hit, ...] = ()
     while True:
         radii = sizes[level]
-        found, moves_hit = _looked_at(space, rows, radii)
+        seen = looked_at(space, Route(space.robot, rows, radii, linear, space.tool))
         # A move is bent by the corner that it leads to and by the one that it comes from.
-        corners = np.unique([c for m in moves_hit for c in (m - 1, m) if c >= 0])
+        corners = np.unique([c for m in seen.moves for c in (m - 1, m) if c >= 0])
         corners = corners[level[corners] < len(RADII)] if len(corners) else corners
         if not len(corners):
-            return Rounded(radii, found)
+            return Rounded(radii, seen.driven, seen.hits)
         level[corners.astype(np.intp)] += 1
 
 
-def _looked_at(space: Space, rows: Floats, radii: Floats) -> tuple[tuple[Hit, ...], list[int]]:
-    """Where moves come too near to anything, and the numbers of the moves that do."""
-    tool = FLANGE if space.tool == IDENTITY else TOOL
-    statements = moves(space.robot, rows, radii, tool=tool)
-    solved = solve_program(program_of("way", space.robot, statements, space.tool), space.robot)
+@dataclass(frozen=True, slots=True, eq=False)
+class Seen:
+    """What a route meets as the controller goes it.
+
+    driven: whether the arm goes all of it as its moves say: within reach and limits, in the branch
+    that they begin with, and to the joints of the route. hits: where it is too near to something.
+    moves: the numbers of the moves that are, or that tilt the tool too far.
+    """
+
+    driven: bool
+    hits: tuple[Hit, ...]
+    moves: tuple[int, ...]
+
+
+def looked_at(space: Space, route: Route) -> Seen:
+    """What is met on a route."""
+    solved = solve_program(route.program("way"), space.robot)
+    usual = {one.code for one in space.robot.findings}
+    bad = [f for f in solved.findings if f.severity is not Severity.INFO and f.code not in usual]
+    if bad and route.linear.any():
+        return Seen(False, (), ())
     found: list[Hit] = []
     numbers: set[int] = set()
-    for passed in simulate(solved, start=rows[0]).passed:
+    driven = True
+    for passed in simulate(solved, start=route.rows[0]).passed:
         way = stretches_of(passed.plan)
+        ends = [piece.number for piece in passed.pieces]
+        driven &= not len(passed.plan.course.knots.guessed)
+        driven &= bool(np.abs(way.joints[-1] - route.rows[ends[-1]]).max() < SAME)
         joints = space.all_joints(way.joints)
         slack = np.zeros((len(way.slack), joints.shape[1]))
         slack[:, space.columns] = way.slack
@@ -105,8 +150,10 @@ def _looked_at(space: Space, rows: Floats, radii: Floats) -> tuple[tuple[Hit, ..
             tilt = space.tilt(way.joints)
             high = np.maximum(tilt[1:], tilt[:-1]) + turned > space.cone.angle + SLACK
             numbers |= {passed.piece_of(int(m))[0].number - 1 for m in way.row[high]}
-    return tuple(found), sorted(numbers)
+    return Seen(driven, tuple(found), tuple(sorted(numbers)))
 
 
 SLACK: Final = 0.2
 """degrees by which a rounded corner may be tilted further than its cone."""
+SAME: Final = 1e-3
+"""degrees (mm) by which joints may differ where a straight line ends, and be the same."""

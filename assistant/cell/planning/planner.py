@@ -7,20 +7,23 @@ way.statements()        # joint moves of the pseudo-program
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from assistant.cell.collision.continuous import RESOLUTION
-from assistant.cell.planning import moves
+from assistant.cell.collision.continuous import RESOLUTION, Hit
 from assistant.cell.planning.goals import held
+from assistant.cell.planning.lines import direct, in_branch, with_lines
+from assistant.cell.planning.moves import Route, rounded
 from assistant.cell.planning.rules import (
     GOAL_TOUCHES,
     LESS_MARGIN,
     NO_JOINTS,
+    NO_LINES,
+    NO_SENSE,
     NO_WAY,
     NOT_REACHED,
     OUTSIDE,
@@ -28,17 +31,17 @@ from assistant.cell.planning.rules import (
     STOPS,
     TILTED,
 )
-from assistant.cell.planning.search import search
+from assistant.cell.planning.search import Searched, search
 from assistant.cell.planning.shortening import shortened
 from assistant.cell.planning.space import TILT, Cone, Space
 from assistant.cell.rules import NO_ROBOT
 from assistant.cell.scene import Placed, Scene
-from assistant.program.arrays import Floats
+from assistant.program.arrays import Floats, Truths
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import FLANGE, IDENTITY, Pose
 from assistant.program.motion import MAXIMUM_SPEED, Speed
 from assistant.program.program import Program
-from assistant.program.statements import MoveJoints
+from assistant.program.statements import Move, MoveJoints
 from assistant.robots.robot import Robot
 
 TOUCHING: Final = 2.0 * RESOLUTION
@@ -51,35 +54,53 @@ SECONDS: Final = 10.0
 class Planned:
     """A way that is proven clear.
 
-    rows: (n, a) joints, the start first; straight moves of all axes lie between. radii: (n - 1,) mm
-    of the blend at the end of each move, 0 for a stop. tool: the tip in the flange. seconds: that
-    the search took. moves_tried: how many moves were looked at. findings: what is less than was
-    asked for.
+    route: its joints, moves and blends. seconds: that the search took. moves_tried: how many moves
+    were looked at. findings: what is less than was asked for.
     """
 
-    robot: Robot
-    rows: Floats
-    radii: Floats
-    tool: Pose
+    route: Route
     seconds: float
     moves_tried: int
     findings: tuple[Diagnostic, ...]
 
     @property
+    def robot(self) -> Robot:
+        return self.route.robot
+
+    @property
+    def rows(self) -> Floats:
+        """(n, a) joints, the start first."""
+        return self.route.rows
+
+    @property
+    def radii(self) -> Floats:
+        """(n - 1,) mm of the blend at the end of each move, 0 for a stop."""
+        return self.route.radii
+
+    @property
+    def linear(self) -> Truths:
+        """(n - 1,) whether the tip goes on a straight line; else all axes move straight."""
+        return self.route.linear
+
+    @property
+    def tool(self) -> Pose:
+        """The tip in the flange."""
+        return self.route.tip
+
+    @property
     def length(self) -> float:
-        """Seconds of all axes at full speed, root of the sum of squares, over the moves."""
+        """Seconds of all axes at full speed, root of the sum of squares, between the rows."""
         return float(np.linalg.norm(np.diff(self.rows, axis=0) / self.robot.speeds, axis=1).sum())
 
     def statements(
         self, speed: Speed = MAXIMUM_SPEED, tool: str = FLANGE
-    ) -> tuple[MoveJoints, ...]:
-        """Joint moves from the start on. tool: its name; blends are mm of its tip."""
-        return moves.moves(self.robot, self.rows, self.radii, speed, tool)
+    ) -> tuple[MoveJoints | Move, ...]:
+        """Moves from the start on. tool: its name; lines and blends are those of its tip."""
+        return self.route.statements(speed, tool)
 
     def program(self, name: str = "way", speed: Speed = MAXIMUM_SPEED) -> Program:
         """A program of the moves, which begins at the start."""
-        tool = FLANGE if self.tool == IDENTITY else moves.TOOL
-        return moves.program_of(name, self.robot, self.statements(speed, tool), self.tool)
+        return self.route.program(name, speed)
 
 
 def plan(
@@ -92,6 +113,7 @@ def plan(
     others: Mapping[str, ArrayLike] | None = None,
     margin: float | None = None,
     cone: Cone | None = None,
+    linear: bool = False,
     seconds: float = SECONDS,
     seed: int = 1,
 ) -> Planned:
@@ -101,8 +123,9 @@ def plan(
     robot, held in whichever way (branch, turns) is found first, or joints (a,). robot: its name
     in the scene, None for the only one. tool: the tip in the flange; bodies that move with it are
     those of the scene. others: (a,) joints of other robots by name, at home if it names them not.
-    margin: mm, None for the margins of the scene. cone: how far the tool may be tilted. seconds:
-    the search takes at most. seed: of what is random.
+    margin: mm, None for the margins of the scene. cone: how far the tool may be tilted. linear:
+    the tip goes on straight lines where the arm can follow them and they are clear. seconds: the
+    search takes at most. seed: of what is random.
 
     Every move of the way, rounded corners included, keeps the margins by `continuous.hits`. A body
     that is within its margin at the start, or at every way to hold the goal, is kept as far away as
@@ -112,36 +135,107 @@ def plan(
     of reach, inside something or tilted; no way found in time, with the nearest approach; no
     robot of that name; without coal or OMPL.
     """
-    placed = _robot(scene, robot)
+    placed = _robot(scene.robots, robot)
+    _sensible(goal, tool, margin, cone, seconds)
     begin = _joints(placed.robot, start, "start", "begins")
     where = {}
-    for one in scene.robots:
-        if one.name in (others or {}):
-            where[one.name] = _joints(one.robot, (others or {})[one.name], f"`{one.name}`", "has")
+    for name, joints in (others or {}).items():
+        other = _robot([one for one in scene.robots if one is not placed], name)
+        where[name] = _joints(other.robot, joints, f"`{name}`", "has")
     space = Space(scene, placed, others=where, margin=margin, cone=cone, tool=tool)
     found = list(_start(space, begin))
     goals, said = _goals(space, begin, goal)
     found += said
-    searched = search(space, begin, goals, seconds=seconds, seed=seed)
+    searched = _searched(space, begin, goals, linear, seconds, seed)
     if searched.rows is None:
         raise Refused(_no_way(space, goals, goal, searched.nearest, searched.seconds))
     rows = shortened(space, searched.rows, seed=seed)
-    done = moves.rounded(space, rows)
-    if done.hits:  # nothing that `Space.clear` proves is hit: a guard, should that be wrong
-        raise Refused(_no_way(space, goals, goal, done.hits[0].joints, searched.seconds))
-    stops = int((done.radii[:-1] == 0.0).sum())
+    route, hits = _route(space, rows, linear)
+    if hits:  # nothing that `Space.clear` proves is hit: a guard, should that be wrong
+        raise Refused(_no_way(space, goals, goal, hits[0].joints, searched.seconds))
+    found += _told(route, linear)
+    return Planned(route, searched.seconds, space.asked, tuple(found))
+
+
+def _searched(
+    space: Space, start: Floats, goals: Floats, linear: bool, seconds: float, seed: int
+) -> Searched:
+    """A way to one of goals (k, a); for lines first to those in the branch of the start."""
+    rest = seconds
+    if linear:
+        near = in_branch(space, start, goals)
+        straight = direct(space, start, near)
+        if straight is not None:
+            return Searched(np.stack([start, straight]), straight, 0.0)
+        if 0 < len(near) < len(goals):
+            found = search(space, start, near, seconds=seconds / 2.0, seed=seed)
+            if found.rows is not None:
+                return found
+            rest = max(seconds - found.seconds, 0.0)
+    found = search(space, start, goals, seconds=rest, seed=seed)
+    return replace(found, seconds=found.seconds + seconds - rest)
+
+
+def _route(space: Space, rows: Floats, linear: bool) -> tuple[Route, tuple[Hit, ...]]:
+    """The moves through joints (n, a), and what they hit nonetheless."""
+    kinds = np.zeros(len(rows) - 1, dtype=bool)
+    if linear:
+        straight, lines = with_lines(space, rows)
+        done = rounded(space, straight, lines)
+        if done.driven and not done.hits:
+            return Route(space.robot, straight, done.radii, lines, space.tool), ()
+    done = rounded(space, rows, kinds)
+    return Route(space.robot, rows, done.radii, kinds, space.tool), done.hits
+
+
+def _told(route: Route, linear: bool) -> Iterator[Diagnostic]:
+    """What a way has less of than was asked for."""
+    stops = int((route.radii[:-1] == 0.0).sum())
     if stops:
-        found.append(STOPS(count=stops, total=len(rows) - 2))
-    return Planned(
-        placed.robot, rows, done.radii, tool, searched.seconds, space.asked, tuple(found)
-    )
+        yield STOPS(count=stops, total=len(route.radii) - 1)
+    others = int((~route.linear).sum())
+    if linear and others:
+        yield NO_LINES(count=others, total=len(route.linear))
 
 
-def _robot(scene: Scene, name: str | None) -> Placed:
-    for placed in scene.robots:
-        if placed.name == name or (name is None and len(scene.robots) == 1):
+def _sensible(
+    goal: Pose | ArrayLike, tool: Pose, margin: float | None, cone: Cone | None, seconds: float
+) -> None:
+    """Raises Refused for what is no number, or none that can be meant."""
+    numbers, vectors = "finite numbers", "three finite numbers that are not all 0"
+    asked: list[tuple[str, object, bool, str]] = [
+        ("the tool", tool, _is_pose(tool), numbers),
+        ("the goal", goal, not isinstance(goal, Pose) or _is_pose(goal), numbers),
+        ("the time", seconds, 0.0 <= seconds < np.inf, "seconds, 0 or more"),
+    ]
+    if margin is not None:
+        asked.append(("the margin", margin, 0.0 <= margin < np.inf, "mm, 0 or more"))
+    if cone is not None:
+        angle = 0.0 <= cone.angle <= 180.0
+        asked += [
+            ("the angle of the cone", cone.angle, angle, "degrees from 0 to 180"),
+            ("the direction of the cone", cone.direction, _is_vector(cone.direction), vectors),
+            ("the axis of the cone", cone.axis, _is_vector(cone.axis), vectors),
+        ]
+    for what, value, good, wanted in asked:
+        if not good:
+            raise Refused(NO_SENSE(what=what, value=value, wanted=wanted), exit_status=2)
+
+
+def _is_pose(pose: Pose) -> bool:
+    return bool(np.isfinite(pose.position).all()) and _is_vector(pose.quaternion)
+
+
+def _is_vector(values: tuple[float, ...]) -> bool:
+    """Whether numbers are finite and not all 0."""
+    return bool(np.isfinite(values).all()) and float(np.square(values).sum()) > 0.0
+
+
+def _robot(robots: Sequence[Placed], name: str | None) -> Placed:
+    for placed in robots:
+        if placed.name == name or (name is None and len(robots) == 1):
             return placed
-    names = ", ".join(placed.name for placed in scene.robots)
+    names = ", ".join(placed.name for placed in robots)
     raise Refused(NO_ROBOT(name=name or "", names=names or "none"), exit_status=2)
 
 

@@ -59,3 +59,14 @@ NO_JOINTS = error(
     "{what} has {given} finite joints, the {robot} has {wanted}",
     "give a number for each axis",
 )
+NO_LINES = info(
+    "CK485",
+    "{count} of the {total} moves of the way are joint moves: on straight lines there the arm "
+    "would come too near to a body, leave its branch or its limits, or not move its tip at all",
+    "nothing, or go by places between",
+)
+NO_SENSE = error(
+    "CK486",
+    "for the way {what} is {value}",
+    "give {wanted}",
+)

@@ -33,19 +33,25 @@ TURN: Final = 0.05
 
 @dataclass(frozen=True, slots=True)
 class Cone:
-    """How the tool may be tilted: its z axis by at most `angle` degrees from a direction.
+    """How the tool may be tilted: an axis of it by at most `angle` degrees from a direction.
 
-    direction: in the base of the robot, of any length but 0.
+    direction: in the base of the robot. axis: in the frame of the tip, z if it is not said; both
+    of any length but 0.
     """
 
     direction: Vector
     angle: float
+    axis: Vector = (0.0, 0.0, 1.0)
+
+    def axes(self, quaternions: Floats) -> Floats:
+        """(n, 3) where the axes of tools (n, 4) point to, of length 1."""
+        axis = np.array(self.axis, dtype=np.float64)
+        return np.asarray(rotations.to_matrix(quaternions) @ (axis / np.linalg.norm(axis)))
 
     def tilt(self, quaternions: Floats) -> Floats:
-        """(n,) degrees by which the z axes of tools (n, 4) are tilted."""
-        axis = np.array(self.direction, dtype=np.float64)
-        z = rotations.to_matrix(quaternions)[:, :, 2]
-        along, across = z @ axis, np.linalg.norm(np.cross(z, axis), axis=1)
+        """(n,) degrees by which the axes of tools (n, 4) are tilted."""
+        direction, axes = np.array(self.direction, dtype=np.float64), self.axes(quaternions)
+        along, across = axes @ direction, np.linalg.norm(np.cross(axes, direction), axis=1)
         return np.asarray(np.degrees(np.arctan2(across, along)))
 
 

@@ -169,6 +169,30 @@ def test_a_robot_that_is_not_there() -> None:
     assert refused.value.findings[0].code == "CK413"
 
 
+@pytest.mark.parametrize(
+    "more",
+    [
+        {"seconds": float("nan")},
+        {"seconds": float("inf")},
+        {"margin": -1.0},
+        {"margin": float("nan")},
+        {"cone": Cone((0.0, 0.0, 0.0), 10.0)},
+        {"cone": Cone((0.0, 0.0, 1.0), 10.0, (0.0, float("nan"), 1.0))},
+        {"cone": Cone((0.0, 0.0, 1.0), -1.0)},
+        {"goal": Pose((float("nan"), 0.0, 0.0))},
+    ],
+)
+def test_numbers_that_cannot_be_meant(more: dict[str, Any]) -> None:
+    goal = more.pop("goal", ARM.home)
+    assert finding(scene_of(), ARM.home, goal, **more).code == "CK486"
+
+
+@pytest.mark.parametrize("name", ["leg", "arm"])
+def test_joints_of_another_robot_that_is_not_there(name: str) -> None:
+    one = finding(scene_of(), ARM.home, ARM.home, others={name: ARM.home})
+    assert one.code == "CK413"
+
+
 def test_a_goal_in_a_closed_box() -> None:
     x, y, z, edge = 480.0, 350.0, 450.0, 500.0
     far = edge / 2.0
