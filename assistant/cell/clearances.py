@@ -9,12 +9,14 @@ from typing import Final
 
 import numpy as np
 
+from assistant.cell.collision.carriers import Carriers
 from assistant.cell.collision.continuous import Hit, Way, hits
 from assistant.cell.collision.model import Contact, Model
 from assistant.cell.holding import Holding
-from assistant.cell.scene import Placed, Scene
+from assistant.cell.scene import FLANGE, Placed, Scene
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Span
+from assistant.program.geometry import Pose
 from assistant.robots.robot import Robot
 from assistant.robots.timing import Carried, Simulation
 from assistant.robots.timing.passed import Passed, Stretches, stretches_of
@@ -99,6 +101,24 @@ def robot_of(scene: Scene, robot: Robot, name: str | None = None) -> Placed:
     if len(found) != 1:
         raise LookupError(name or robot.name)
     return found[0]
+
+
+def beyond_bodies(scene: Scene, placed: Placed, tip: Pose) -> float:
+    """Mm from a tip in the flange frame to the boxes around what a robot carries there: 0 if it is
+    in one of them.
+    """
+    model, carriers = Model(scene), Carriers(scene.robots)
+    home = np.concatenate([one.robot.home for one in scene.robots])[None]
+    flange = carriers.names[f"{placed.name}.{FLANGE}"]
+    moved = carriers.moved_by(flange)
+    origins, turns = carriers.at(home)
+    point = origins[0, flange] + turns[0, flange] @ np.array(tip.position)
+    gaps = [
+        model.beyond(number, origins[0], turns[0], point)
+        for number, item in enumerate(model.items)
+        if carriers.moved_by(item.carrier) == moved
+    ]
+    return min(gaps, default=float(np.linalg.norm(tip.position)))
 
 
 def rows_of(scene: Scene, placed: Placed, stretches: Stretches) -> tuple[Floats, Floats]:

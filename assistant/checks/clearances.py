@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.program.diagnostics import Diagnostic, Rule, Span, error, info, warning
+from assistant.program.subjects import Declared
 from assistant.robots import SolvedProgram
 
 if TYPE_CHECKING:
@@ -40,11 +41,21 @@ NOTHING_TAKEN: Final = warning(
     "`{name}` = {value:g} takes something by the cell file, and nothing is at the tool then",
     "move the tool or the body, or state a larger margin of the body",
 )
+BARE_TOOL: Final = warning(
+    "CK427",
+    "the tip of `{name}` is {far:.0f} mm from everything that the flange carries by the cell file: "
+    "nothing is looked for that the tool touches",
+    "write its body under [bodies], and name that as `tool` of the robot",
+)
 NOT_LOOKED: Final = info(
     "CK424",
     "{what}, so that collisions there are not looked for",
     "see docs/simulating.md for what is timed",
 )
+
+
+BARE: Final = 50.0
+"""mm from a tip to the next body from which on the tool is taken to have none."""
 
 
 def clearances(
@@ -63,7 +74,7 @@ def placed_clearances(
     solution: SolvedProgram, scene: Scene, simulation: Simulation | None = None
 ) -> Iterator[tuple[Diagnostic, Closeness | None]]:
     """The same, each with where in the scene it is; None for what is about no place."""
-    from assistant.cell.clearances import closeness, robot_of
+    from assistant.cell.clearances import beyond_bodies, closeness, robot_of
     from assistant.cell.holding import Holding
     from assistant.program.diagnostics import has_errors
     from assistant.robots.timing import simulate
@@ -86,6 +97,10 @@ def placed_clearances(
     for key, one in _worst(one for one in near if one.least > 0.0).items():
         if key not in touched:
             yield _told(solution, scene, one, NEAR), one
+    for name, tool in solution.tools.items():
+        far = beyond_bodies(scene, placed, tool.tip) if tool.held else 0.0
+        if far > BARE:
+            yield BARE_TOOL(name=name, far=far, about=Declared(name, "tools")), None
     for name, value in sorted(holding.doubts.empty):
         yield NOTHING_TAKEN(name=name, value=value), None
     for name in sorted(holding.doubts.lost):

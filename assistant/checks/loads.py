@@ -7,8 +7,6 @@ from typing import Final
 
 from assistant.checks.views import ProgramView
 from assistant.program.diagnostics import Diagnostic, warning
-from assistant.program.geometry import FLANGE, Tool
-from assistant.program.statements import Follow
 from assistant.program.subjects import Declared
 from assistant.robots.programming import has
 
@@ -28,7 +26,7 @@ TOO_HEAVY: Final = warning(
 def loads(view: ProgramView) -> Iterator[Diagnostic]:
     """Of tools that the program moves; what weight is not known is not told of."""
     robot = view.robot
-    for name, tool in _used(view).items():
+    for name, tool in view.solution.tools.items():
         if not tool.held or tool.load is None:
             continue
         mass = tool.load.mass
@@ -43,15 +41,3 @@ def loads(view: ProgramView) -> Iterator[Diagnostic]:
                 payload=robot.payload,
                 about=about,
             )
-
-
-def _used(view: ProgramView) -> dict[str, Tool]:
-    """The declared tools that moves name, in order of the declarations."""
-    named: set[str] = set()
-    for legs in view.solution.legs.values():
-        for statement in (leg.statement for leg in legs):
-            if isinstance(statement, Follow):
-                named.update(map(str.lower, statement.path.tools))
-            else:
-                named.add(statement.motion.tool.lower())
-    return {n: t for n, t in view.program.tools.items() if n.lower() in named and n != FLANGE}

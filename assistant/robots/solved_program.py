@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Diagnostic
+from assistant.program.geometry import FLANGE, Tool
 from assistant.program.program import Program
-from assistant.program.statements import Moving
+from assistant.program.statements import Follow, Moving
 from assistant.robots.motion.run import Run
 from assistant.robots.robot import Robot
 
@@ -63,3 +64,15 @@ class SolvedProgram:
         return tuple(
             {id(solved_run): solved_run for solved_run in runs if solved_run is not None}.values()
         )
+
+    @property
+    def tools(self) -> dict[str, Tool]:
+        """The declared tools that moves name, in order of the declarations."""
+        named: set[str] = set()
+        for statement in (leg.statement for legs in self.legs.values() for leg in legs):
+            if isinstance(statement, Follow):
+                named.update(map(str.lower, statement.path.tools))
+            else:
+                named.add(statement.motion.tool.lower())
+        tools = self.program.tools.items()
+        return {name: tool for name, tool in tools if name.lower() in named and name != FLANGE}

@@ -182,3 +182,13 @@ def test_without_the_library_the_extra_is_named(
         check_files([across], cell=written(tmp_path / "post.toml", POST))
     (finding,) = refused.value.findings
     assert (finding.code, "robot-assistant[cell]" in (finding.cure or "")) == ("CK400", True)
+
+
+@pytest.mark.parametrize(("length", "told"), [(80, []), (129, []), (200, ["CK427"])])
+def test_a_tool_without_a_body_is_told_of(tmp_path: Path, length: float, told: list[str]) -> None:
+    """The needle ends at 80 mm; what a program's tool has beyond it is not looked at."""
+    tool = f"tool gun tip [0, 0, {length}] [1, 0, 0, 0]\ntarget a"
+    program = ACROSS.replace("target a", tool, 1).replace("fine", "fine tool gun")
+    file = written(tmp_path / "gun.pseudo", program)
+    cell = written(tmp_path / "post.toml", POST.replace("20.1, 330", "900, 330"))
+    assert codes(check_files([file], cell=cell).findings) == told

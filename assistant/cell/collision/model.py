@@ -148,6 +148,15 @@ class Model:
         ]
         return np.asarray(np.maximum(*apart) - self._off[pair])
 
+    def beyond(self, item: int, origins: Floats, turns: Floats, point: Floats) -> float:
+        """Mm from a point (3,) of the world to the box around an item, 0 inside.
+
+        origins (c, 3), turns (c, 3, 3): of the carriers.
+        """
+        row, one = np.zeros(1, dtype=np.intp), np.array([item])
+        middle, box = self._boxes(origins[None], turns[None], row, one)
+        return float(_beyond((point - middle)[:, None] @ box, self._halves[one])[0])
+
     def _boxes(
         self, origins: Floats, turns: Floats, row: Rows, item: Rows
     ) -> tuple[Floats, Floats]:
