@@ -87,14 +87,18 @@ class Holding:
         return f"{self.robot.name}.{FLANGE}"
 
     def scene_now(self) -> Scene:
-        """The scene with each body where it is, without those that are lost."""
+        """The scene with each body where it is, without those that are lost and what they bear."""
         places = dict(zip((body.name for body in takeable(self.scene)), self.places, strict=True))
+        lost = {name for name, place in places.items() if place is None}
+        while more := {b.name for b in self.scene.bodies if b.parent in lost} - lost - {*places}:
+            lost |= more
         bodies = []
         for body in self.scene.bodies:
-            if body.name not in places:
-                bodies.append(body)
-            elif (place := places[body.name]) is not None:
+            place = places.get(body.name)
+            if place is not None:
                 bodies.append(replace(body, parent=place[0], pose=place[1]))
+            elif body.name not in lost:
+                bodies.append(body)
         return replace(self.scene, bodies=tuple(bodies))
 
     def _lost(self, body: Body) -> Place:

@@ -16,6 +16,10 @@ FLANGE: Final = "flange"
 """What a body hangs on that a robot's flange carries: `ROBOT.flange`, of the only one `flange`."""
 MARGIN: Final = 5.0
 """mm under which a distance is a warning, where neither body says another."""
+UNKNOWN: Final = ".unknown"
+"""How the body of a robot is called that stands for space of which nothing is known."""
+CORE: Final = ".core"
+"""How the thinner body of what moves is called that must keep out of such space."""
 
 Colour = tuple[int, int, int]
 
@@ -35,7 +39,8 @@ class Body:
     parent: the frame that its pose is in: `WORLD`, a named frame, another body, a link of a robot
     (`robot.J3`, `robot.flange`). margin: mm that others keep from it, None for the scene's.
     locations: named poses in its frame. source: where it was read, for messages. taken, released:
-    the output that makes the tool take it or let it go, with its value; `hand 1` is a hand.
+    the output that makes the tool take it or let it go, with its value; `hand 1` is a hand. shown:
+    whether it is a thing, which pictures and files show; space that nobody knows is none.
     """
 
     name: str
@@ -48,6 +53,7 @@ class Body:
     source: str = ""
     taken: tuple[str, float] | None = None
     released: tuple[str, float] | None = None
+    shown: bool = True
 
 
 @dataclass(frozen=True, slots=True)

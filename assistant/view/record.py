@@ -81,7 +81,7 @@ def record(shown: Shown) -> Record:
         "title": shown.title,
         "robot": shown.placed.robot.title,
         "robots": [_arm(one, one is shown.placed) for one in shown.scene.robots],
-        "bodies": [_body(shown, body, carriers) for body in shown.scene.all_bodies()],
+        "bodies": [_body(shown, body, carriers) for body in shown.scene.all_bodies() if body.shown],
         "motion": motion.record(),
         "tips": [_pose(tip) for tip in _tips(shown.simulation)],
         "targets": names[:MOST_NAMES],

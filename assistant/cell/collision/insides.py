@@ -11,7 +11,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from assistant.cell.shapes import Mesh, Shape, extent
+from assistant.cell.shapes import Convex, Mesh, Shape, extent
 from assistant.program.arrays import Floats
 
 RAYS: Final = (
@@ -49,12 +49,16 @@ class Inside:
         shape = self._shapes[number]
         if isinstance(shape, Mesh):
             return np.asarray(shape.points[shape.triangles[0, 0]])
+        if isinstance(shape, Convex):  # the middle of the box about it may be outside
+            return np.asarray(shape.points[0])
         low, high = self._extents[number]
         return np.asarray((low + high) / 2.0)
 
 
 def inside(mesh: Mesh, points: Floats) -> Any:
     """(n,) whether points (n, 3) lie inside a closed mesh, in its frame."""
+    if mesh.within is not None:
+        return mesh.within(points)
     votes = sum((crossings(mesh, points, np.array(ray)) % 2 for ray in RAYS), np.zeros(len(points)))
     return votes >= 2
 

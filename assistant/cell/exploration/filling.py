@@ -118,6 +118,32 @@ class Filler:
                 self._mark(marks, first, part, at[n], turn[n], box[0][n], box[1][n], float(less[n]))
         return keys_of(np.argwhere(marks) + first)
 
+    def inside(self, body: Body, pose: Pose) -> Ints:
+        """Keys of the cells that lie wholly inside a body that stands at a pose in the base.
+
+        Of open meshes none.
+        """
+        found = [np.zeros(0, dtype=np.int64)]
+        for part in body.parts:
+            solid = solid_of(part.shape)
+            if solid is not None:
+                still = Moved(body, part, 0, pose @ part.pose, solid, *_box(part.shape))
+                found.append(self._still(still))
+        return np.unique(np.concatenate(found))
+
+    def _still(self, part: Moved) -> Ints:
+        """As `inside`, of one part, whose pose is in the base."""
+        at = np.array([part.pose.position])
+        turn = rotations.to_matrix(np.array([part.pose.quaternion]))
+        low, high = _bounds(part, at, turn)
+        first = np.floor(low[0] / self.size).astype(np.int64)
+        count = np.ceil(high[0] / self.size).astype(np.int64) - first
+        if int(np.prod(count)) > MOST:
+            raise Refused(TOO_FINE(size=self.size, count=int(np.prod(count)), most=MOST))
+        marks = np.zeros(tuple(count), dtype=np.bool_)
+        self._mark(marks, first, part, at[0], turn[0], low[0], high[0], 0.0)
+        return keys_of(np.argwhere(marks) + first)
+
     def _placed(self, part: Moved, origins: Floats, turns: Floats) -> tuple[Floats, Floats]:
         """(n, 3) where the frame of a part is in the base, and (n, 3, 3) how it is turned."""
         turn = turns[:, part.link]

@@ -55,6 +55,8 @@ def gltf(scene: Scene, joints: Mapping[str, Floats] | None = None) -> bytes:
             nodes[first + i] = file.posed(title, local, parent)
     links = {id(link) for placed in scene.robots for link in placed.links}
     for body in scene.all_bodies():
+        if not body.shown:
+            continue
         carrier, pose = carried(scene, body, carriers)
         _add(file, body, pose, nodes[carrier], ORANGE if id(body) in links else GREY)
     return file.bytes()
