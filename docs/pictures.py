@@ -71,7 +71,21 @@ def contact() -> bytes:
     )
 
 
-PICTURES: Final[dict[str, Callable[[], bytes]]] = {"contact": contact}
+def reach() -> bytes:
+    """What the arm reaches over its stand, in three levels."""
+    region = ("--tip", "0,0,60", "--x", "0:700:25", "--y", "-400:400:25", "--z", "250:450:100")
+    return drawn("reach", "map", "--cell", "samples/cell/stand.toml", *region)
+
+
+def drawn(*words: str) -> bytes:
+    """The picture that a command writes with `-o`."""
+    with chdir(PROJECT), tempfile.TemporaryDirectory() as folder:
+        picture = Path(folder) / "picture.png"
+        app([*words, "-o", str(picture)], standalone_mode=False)
+        return picture.read_bytes()
+
+
+PICTURES: Final[dict[str, Callable[[], bytes]]] = {"contact": contact, "reach": reach}
 """Each picture by the name of its file."""
 
 

@@ -15,6 +15,7 @@ KNOWN = {
     "program/pseudo/tables.py": "into memory",
     "cell/exploration/map_file.py": "into memory",
     "report/figures.py": "into memory",
+    "report/reach_map.py": "into memory",
     "report/timing.py": "into memory",
     "cli/monitoring.py": "a log, which grows by a row at a time",
     "controllers/abb/ftp_resuming.py": "a part that later runs go on with",

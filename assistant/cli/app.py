@@ -45,6 +45,7 @@ from assistant.cli.presentation import (
     TranslationFormat,
     answer_as,
 )
+from assistant.cli.reaching import reach
 from assistant.cli.virtual_commands import virtual
 from assistant.cli.virtual_runs import debug, run
 
@@ -63,6 +64,7 @@ robots: Final = typer.Typer(
 )
 app.add_typer(robots, name="robots")
 app.add_typer(exchange, name="exchange")
+app.add_typer(reach, name="reach")
 
 
 def _budget(text: str | None) -> None:

@@ -1,0 +1,74 @@
+"""Which part of a region an arm reaches with which directions of its tool: a map in columns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from assistant.cell.planning.space import Space
+from assistant.cell.reach.holding import Held, held
+from assistant.cell.reach.region import Directions
+from assistant.cell.scene import Placed, Scene
+from assistant.program import rotations
+from assistant.program.arrays import Floats, Truths
+from assistant.program.geometry import IDENTITY, Pose
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ReachMap:
+    """A map of n points and d directions.
+
+    points: (n, 3) mm of the world. reached, touching: (n, d), see `Held`; touching is inside the
+    limits, but not without coming too near to something. room: (n, d) 0 to 1, NaN where it is not
+    reached. limits, away, clearance: (n, d) what it is the least of. joints: (n, d, a).
+    """
+
+    points: Floats
+    directions: Directions
+    reached: Truths
+    touching: Truths
+    room: Floats
+    limits: Floats
+    away: Floats
+    clearance: Floats
+    joints: Floats
+
+    @property
+    def share(self) -> Floats:
+        """(n,) of the directions that are reached."""
+        return np.asarray(self.reached.mean(axis=1))
+
+
+def reach_map(
+    scene: Scene,
+    placed: Placed,
+    points: Floats,
+    directions: Directions,
+    *,
+    tip: Pose = IDENTITY,
+    bodies: bool = True,
+    margin: float | None = None,
+) -> ReachMap:
+    """What a robot of a scene reaches of points (n, 3) mm of the world.
+
+    directions: of the tip, in the world. tip: in the flange. bodies: whether anything may be
+    touched; False for reach and limits alone, which needs no library for collisions. margin: mm,
+    None for those of the scene. Other robots stand at home.
+    """
+    space = Space(scene, placed, margin=margin, tool=tip) if bodies else None
+    into = placed.base.inverse()
+    there = rotations.rotate(np.array(into.quaternion), points) + np.array(into.position)
+    columns: list[Held] = []
+    for quaternions in directions.quaternions:
+        own = rotations.multiply(np.array(into.quaternion), quaternions)
+        columns.append(held(placed.robot, there, own, space, tip))
+
+    def together(name: str) -> Floats:
+        some = [getattr(column, name) for column in columns]
+        return np.stack(some, axis=1)
+
+    reached = np.stack([column.reached for column in columns], axis=1)
+    touching = np.stack([column.touching for column in columns], axis=1)
+    figures = (together(name) for name in ("room", "limits", "away", "clearance", "joints"))
+    return ReachMap(points, directions, reached, touching, *figures)

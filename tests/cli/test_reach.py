@@ -1,0 +1,99 @@
+"""`reach`: tables on the screen, columns and pictures in files."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.cli.test_commands import run
+
+SAMPLES = Path(__file__).parents[2] / "samples"
+STAND = SAMPLES / "cell" / "stand.toml"
+FEW = ("--x", "200:500:100", "--y", "0:200:200", "--z", "300:400:100")
+PNG = b"\x89PNG\r\n\x1a\n"
+
+
+def test_map_prints_a_table_and_writes_columns_and_a_picture(capsys, tmp_path):
+    names = [tmp_path / name for name in ("map.csv", "map.npz", "map.png", "map.svg")]
+    outputs = [word for name in names for word in ("-o", name)]
+    status, out, err = run(
+        *(capsys, "reach", "map", "--cell", STAND, "--tip", "0,0,60", *FEW),
+        *("--direction", "down", "--direction", "1,0,-1", *outputs),
+    )
+    assert (status, err) == (0, "")
+    assert "16 points" in out
+    rows = list(csv.DictReader(io.StringIO(names[0].read_text())))
+    assert len(rows) == 32
+    assert {row["direction"] for row in rows} == {"down", "1,0,-1"}
+    down = [row for row in rows if row["direction"] == "down"]
+    reached = sum(row["reached"] == "1" for row in down)
+    (line,) = [line for line in out.splitlines() if line.startswith("down")]
+    assert line.split()[1] == str(reached)
+    assert 0 < reached <= 16
+    for row in rows:
+        assert (row["room"] != "") == (row["reached"] == "1")
+    with np.load(names[1]) as found:
+        assert found["reached"].shape == (16, 2)
+        assert int(found["reached"][:, 0].sum()) == reached
+    assert names[2].read_bytes().startswith(PNG)
+    assert b"<svg" in names[3].read_bytes()
+
+
+def test_map_answers_in_json(capsys):
+    status, out, _ = run(
+        *(capsys, "reach", "map", "-r", "rh-6frh5520", "--direction", "up", "--format", "json"),
+        *("--x", "200:600:100", "--y", "0", "--z", "200"),
+    )
+    answer = json.loads(out)
+    assert (status, answer["points"], answer["all"]) == (0, 5, 4)  # not 600 mm
+    assert answer["directions"][0]["reached"] == 4
+    assert answer["findings"] == []
+
+
+def test_nothing_reached_is_said_with_where_the_flange_points(capsys):
+    status, out, err = run(capsys, "reach", "map", "-r", "rh-6frh5520", "--x", "300", "--y", "0")
+    assert status == 0
+    assert "CK463" in err
+    assert "(0.0, 0.0, 1.0)" in err
+    assert "0.0 %" in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code"),
+    [
+        ((), "CL036"),
+        (("-r", "nobody"), "CO002"),
+        (("-r", "rv-2aj", "--cell", STAND), "CK413"),
+        (("--cell", STAND, "--x", "1:2"), "CK460"),
+        (("--cell", STAND, "--x", "0:100000:0.001"), "CK461"),
+        (("--cell", STAND, "--turns", "0"), "CK461"),
+        (("--cell", STAND, "--direction", "left"), "CK462"),
+        (("--cell", STAND, "--tip", "1,2"), "CL038"),
+        (("--cell", STAND, "--tip", "1,2,3,0,0,0,0"), "CL038"),
+        (("--cell", STAND, "--margin", "-1"), "CL039"),
+        (("--cell", STAND, "--margin", "nan"), "CL039"),
+        (("--cell", STAND, "-o", "map.txt"), "CL037"),
+        (("--cell", "nowhere.toml"), ""),
+    ],
+)
+def test_bad_input_is_refused_with_one_finding(capsys, arguments, code, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    status, out, err = run(capsys, "reach", "map", *arguments)
+    assert (status, out) == (2, "")
+    assert code in err
+    assert err.count(" error") == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_source_is_not_written_over(capsys, tmp_path):
+    cell = tmp_path / "cell.csv"
+    cell.write_bytes(STAND.read_bytes())
+    status, _, err = run(capsys, "reach", "map", "--cell", cell, *FEW, "-o", cell)
+    assert status == 2
+    assert cell.read_bytes() == STAND.read_bytes()
+    assert "error" in err
