@@ -56,7 +56,7 @@ def closeness(
     models: dict[Carried | None, Model] = {}
     placed = robot_of(scene, simulation.robot, name)
     for passed in simulation.passed:
-        for carried, stretches in _carrying(passed):
+        for carried, stretches in carrying(passed):
             if carried not in models:
                 now = carried.scene_now() if isinstance(carried, Holding) else scene
                 models[carried] = Model(now)
@@ -67,7 +67,7 @@ def closeness(
                 yield _closeness(simulation, model, passed, stretches, way, hit)
 
 
-def _carrying(passed: Passed) -> Iterator[tuple[Carried | None, Stretches]]:
+def carrying(passed: Passed) -> Iterator[tuple[Carried | None, Stretches]]:
     """The stretches of a plan, split where what the arm carries changes."""
     whole = stretches_of(passed.plan)
     kinds = list(dict.fromkeys(piece.carried for piece in passed.pieces))

@@ -8,8 +8,6 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-import numpy as np
-
 from assistant.cli.compiling import working
 from assistant.cli.presentation import print_findings, say
 from assistant.program.diagnostics import Refused, Severity
@@ -65,6 +63,7 @@ def _section(
     output: Path, source: Path, title: str, controllers: Mapping[str, Programs]
 ) -> Section:
     from assistant.report import page, plots
+    from assistant.report.drawn import drawn_lines
     from assistant.report.track import track
 
     programs = []
@@ -77,7 +76,8 @@ def _section(
 
     (png,) = write_files({f"{source.stem}.png": plot}, output)
     say(f"  plot: {png}")
-    return page.Section(title, tuple(programs), page.plan_view(_drawn(source), way), plot)
+    drawn = [line.points for line in drawn_lines(source)]
+    return page.Section(title, tuple(programs), page.plan_view(drawn, way), plot)
 
 
 def _compiled(source: Path, robot: str) -> Compiled:
@@ -119,14 +119,3 @@ def _installed(
         done.summary,
         tuple(texts.items()),
     )
-
-
-def _drawn(source: Path) -> list[np.ndarray[tuple[int, ...], np.dtype[np.float64]]]:
-    """The curves of a drawing as points; nothing for other sources."""
-    if source.suffix != ".dxf":
-        return []
-    from assistant.sources import process_of
-    from assistant.sources.drawing import read_contents
-
-    steps = np.linspace(0.0, 1.0, 65)
-    return [curve.at(steps) for curve in read_contents(source, process_of(source)).curves]

@@ -35,8 +35,10 @@ def run_view(source: str, options: Options, html: Path | None, format: Format) -
     html: where it is written; None to open it in the browser, from a folder for temporary files.
     """
     from assistant import checks
+    from assistant.cell.holding import Holding, takeable
     from assistant.checks.clearances import placed_clearances
     from assistant.findings.formats import finding_record
+    from assistant.report.drawn import drawn_lines
     from assistant.robots.timing import simulate
     from assistant.view.page import page
     from assistant.view.record import Shown
@@ -49,14 +51,17 @@ def run_view(source: str, options: Options, html: Path | None, format: Format) -
         if has_errors(ready.findings):
             return refused(source, solution.robot, ready.findings, format, "shown")
         scene, placed = _standing(ready.scene, solution)
-        done = simulate(solution, acceleration=options.acceleration)
+        holding = Holding.at_first(scene, placed) if takeable(scene) else None
+        done = simulate(solution, acceleration=options.acceleration, carried=holding)
         marked: list[tuple[Diagnostic, Closeness | None]]
         marked = [(one, None) for one in (*ready.findings, *checks.with_robot(solution))]
         if ready.scene is not None:
             marked += placed_clearances(solution, scene, done)
         worst = list(Severity)
         marked.sort(key=lambda one: worst.index(one[0].severity))  # the page cannot hold all
-        shown = Shown(Path(source).name, solution, done, scene, placed, places, marked)
+        drawn = drawn_lines(source, options.process, options.unit)
+        title = Path(source).name
+        shown = Shown(title, solution, done, scene, placed, places, marked, drawn)
         path = _written(source, options.cell, html, page(shown))
     findings = [places.finding(one).within(source) for one, _ in marked]
     if format is Format.JSON:

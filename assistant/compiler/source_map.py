@@ -42,6 +42,26 @@ class Places:
         self._starts = starts_of(self._texts)
 
     @property
+    def texts(self) -> tuple[SourceText, ...]:
+        """In their order; the lines of one are counted on behind those of the one before."""
+        return tuple(self._texts)
+
+    def lines(self, span: Span) -> tuple[int, int]:
+        """First and last line of a span, counted from 1 through all texts; 0, 0 if in none."""
+        found = self._local(span)
+        if found is None:
+            return 0, 0
+        source, local = found
+        before = 0
+        for one in self._texts:
+            if one is source:
+                break
+            before += one.line_count
+        last = max(local.start, local.end - 1)
+        first, last = (before + source.line_column(at)[0] for at in (local.start, last))
+        return first, last
+
+    @property
     def several(self) -> bool:
         """Whether it is more than one text."""
         return len(self._texts) > 1

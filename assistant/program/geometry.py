@@ -45,6 +45,11 @@ class Pose:
         a, b, c = _turned(back, self.position)
         return Pose((0.0 - float(a), 0.0 - float(b), 0.0 - float(c)), _canonical(back))
 
+    def moved(self, points: Floats) -> Floats:
+        """Points (n, 3) of this frame, in its own frame."""
+        turned = rotations.rotate(np.array(self.quaternion), points)
+        return np.asarray(turned + np.array(self.position))
+
     def offset(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Pose:
         """Moved along its own axes (mm); negative z backs off along the tool."""
         return self @ Pose((x, y, z))

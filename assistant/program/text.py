@@ -83,6 +83,13 @@ class SourceText:
         line = bisect_right(self._starts, offset)
         return line, offset - self._starts[line - 1] + 1
 
+    @property
+    def line_count(self) -> int:
+        """How many lines there are; what stands behind the last line end counts as one, if only
+        as an empty one.
+        """
+        return len(self._starts)
+
     def line_text(self, line: int) -> str:
         """The line with that number, without its line end."""
         start = self._starts[line - 1]

@@ -7,10 +7,13 @@ import json
 from importlib.resources import files
 from typing import Final
 
-from assistant.view.record import Record, Shown, record
+from assistant.view.motion import Record
+from assistant.view.record import Shown, record
 
 LIBRARY: Final = "three/three.js"
 """three.js, see `three/README.md` for its version, its licence and how it is made."""
+SCRIPTS: Final = ("data", "scene", "lines", "camera", "time", "lists", "source", "live", "start")
+"""What draws, in its order; together they are one function of the page."""
 
 
 def page(shown: Shown) -> str:
@@ -27,7 +30,9 @@ def filled(data: Record) -> str:
         # `<` ends a script wherever it stands in front of `/script`, also in a string.
         "data": text.replace("<", "\\u003c").replace("\u2028", "\\u2028"),
         "library": _own(LIBRARY).replace("</script", "<\\/script"),
-        "viewer": _own("viewer.js"),
+        "viewer": "".join(_own(f"scripts/{name}.js") for name in SCRIPTS),
+        # A page that follows a controller asks where it comes from for that; any other asks nobody.
+        "asked": "'none'" if data.get("live") is None else "'self'",
     }
     out = _own("viewer.html")
     head, *rest = out.split("{{")

@@ -10,7 +10,6 @@ import numpy as np
 
 from assistant.cell.scene import Part
 from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Shape, Sphere
-from assistant.program import rotations
 from assistant.program.arrays import Floats, Ints
 from assistant.program.geometry import Pose
 
@@ -34,8 +33,7 @@ class Surface:
 
     def at(self, pose: Pose) -> Surface:
         """The surface of what has a pose, in the frame of that pose."""
-        turned = rotations.rotate(np.array(pose.quaternion), self.points)
-        return Surface(turned + np.array(pose.position), self.triangles, self.flat)
+        return Surface(pose.moved(self.points), self.triangles, self.flat)
 
 
 def surface_of(part: Part) -> Surface:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import re
 from pathlib import Path
@@ -68,6 +69,10 @@ def test_moves_have_their_lines_and_every_round_of_a_loop(page: str) -> None:
     ]
     assert moves[0]["time"] == 0.0
     begins = numbers(data["played"]["times"])
+    lines = np.frombuffer(base64.b64decode(data["played"]["lines"]), "<u4")
+    assert lines.tolist() == [7, *[14, 16] * 3]
+    (text,) = data["texts"]
+    assert text["lines"][13].strip().startswith("move linear b")
     assert len(begins) == 1 + 3 * 2
     rounds = np.diff(begins[1::2])
     assert np.allclose(rounds, rounds[0])
@@ -93,7 +98,8 @@ def test_targets_and_locations_have_names(page: str) -> None:
     places = {one["name"]: one["pose"][:3] for one in data["targets"]}
     assert places == {"a": [450.0, -100.0, 420.0], "b": [450.0, 100.0, 420.0]}
     post = next(body for body in data["bodies"] if body["name"] == "post")
-    assert post["locations"][0]["pose"][:3] == [450.0, 0.0, 570.0]
+    assert post["locations"][0]["pose"][:3] == [0.0, 0.0, 150.0]
+    assert post["pose"][:3] == [450.0, 0.0, 420.0]
 
 
 def test_without_a_cell_the_robot_stands_alone(tmp_path: Path, capsys: Capture) -> None:

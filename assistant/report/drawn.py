@@ -1,0 +1,57 @@
+"""The lines of a drawing, as they stand before the robot that follows them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path as FilePath
+from typing import Final
+
+import numpy as np
+
+from assistant.program.arrays import Floats
+from assistant.program.geometry import BASE, Frame
+from assistant.sources import process_of
+from assistant.sources.lengths import known_unit
+
+SUFFIX: Final = ".dxf"
+PIECES: Final = 64
+"""Straight pieces of a curve."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Line:
+    """A curve of a drawing as points (n, 3) mm in the robot's base. layer: that it is on."""
+
+    layer: str
+    points: Floats
+
+
+def drawn_lines(
+    source: str | FilePath,
+    process: str | FilePath | None = None,
+    unit: str | None = None,
+) -> list[Line]:
+    """The curves of a drawing in order; nothing for other sources, and for a drawing whose frame
+    the robot or something else carries.
+
+    process, unit: as for reading the drawing as a program. Raises Unreadable or Refused as that.
+    """
+    path = FilePath(source)
+    if path.suffix.lower() != SUFFIX:
+        return []
+    from assistant.sources.contours.curves import Line as Straight
+    from assistant.sources.drawing import read_contents
+
+    chosen = process_of(path, process)
+    if unit is not None:
+        chosen = replace(chosen, unit=known_unit(unit))
+    name = chosen.defaults.frame
+    frame = Frame() if name == BASE else chosen.frames.get(name)
+    if frame is None or frame.held or frame.mechanism:
+        return []
+    found = []
+    for curve in read_contents(path, chosen).curves:
+        steps = 1 if isinstance(curve, Straight) else PIECES
+        points = np.asarray(curve.at(np.linspace(0.0, 1.0, steps + 1)))
+        found.append(Line(curve.layer, frame.pose.moved(points)))
+    return found

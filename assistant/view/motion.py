@@ -1,0 +1,114 @@
+"""The way that a page plays: samples of the arm over time, and how near it comes to its limits."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.cell.scene import Placed
+from assistant.program.arrays import Floats
+from assistant.program.geometry import Pose
+from assistant.robots.robot import Robot
+from assistant.robots.timing import Simulation
+from assistant.robots.timing.rows import Mount
+
+MOST_SAMPLES: Final = 20_000
+"""Places of the arm that a page holds."""
+NEAR: Final = 0.5
+"""Degrees (mm) that a place on the time line is away from joints that it stands for, at most."""
+
+Record = dict[str, Any]
+
+
+def column(values: NDArray[Any]) -> str:
+    """An array as base64 of its little-endian numbers: float32, or uint32 if it holds integers."""
+    kind = "<u4" if np.issubdtype(values.dtype, np.integer) else "<f4"
+    return base64.b64encode(np.ascontiguousarray(values, dtype=kind).tobytes()).decode("ascii")
+
+
+class Motion:
+    """The way that the page plays: k samples of time, joints and the tool.
+
+    held: whether the tool is at the arm for all of it; else its path is that of the flange.
+    """
+
+    def __init__(self, simulation: Simulation, placed: Placed) -> None:
+        samples = sparse(simulation).samples
+        self.robot = placed.robot
+        self.times, self.joints, self.speeds = samples.t, samples.joints, samples.tcp_speed
+        self.held = tool_held(simulation)
+        places = samples.position
+        if not self.held:
+            places = self.robot.link_frames(self.joints)[0][:, -1]
+        self.places = placed.base.moved(places)
+
+    def record(self) -> Record:
+        room, axis = room_left(self.robot, self.joints)
+        return {
+            "times": column(self.times),
+            "joints": column(self.robot.chained(self.joints)),
+            "places": column(self.places),
+            "speeds": column(self.speeds),
+            "room": column(room),
+            "nearest": column(axis),
+            "axes": len(self.robot.axes),
+            "names": list(self.robot.axes),
+            "held": self.held,
+        }
+
+    def when(self, joints: Floats) -> float | None:
+        """Seconds at which joints (a,) are first passed, None if they are not on this way."""
+        start = self.joints[:-1]
+        if not len(start):
+            return None
+        step = np.diff(self.joints, axis=0)
+        square = np.einsum("ij,ij->i", step, step)
+        along = np.einsum("ij,ij->i", joints - start, step)
+        part = np.clip(along / np.where(square > 0.0, square, 1.0), 0.0, 1.0)
+        off = np.abs(start + part[:, None] * step - joints).max(axis=1)
+        if off.min() > NEAR:
+            return None
+        at = int(np.flatnonzero(off <= off.min() + NEAR / 10.0)[0])
+        return float(self.times[at] + part[at] * (self.times[at + 1] - self.times[at]))
+
+
+def room_left(robot: Robot, joints: Floats) -> tuple[Floats, NDArray[np.intp]]:
+    """(k, a) joints → (k,) how near they are to a limit, and (k,) of which axis.
+
+    0 at a limit, 1 in the middle between both, of the axis that has the least: so degrees and mm
+    of axes with wide and narrow ranges are compared.
+    """
+    low, high = robot.limits.T
+    half = (high - low) / 2.0
+    least = np.minimum(joints - low, high - joints)
+    part = np.where(np.isfinite(half) & (half > 0.0), least / np.where(half > 0.0, half, 1.0), 1.0)
+    axis = part.argmin(axis=1)
+    return np.clip(part[np.arange(len(part)), axis], 0.0, 1.0), axis
+
+
+def sparse(simulation: Simulation) -> Simulation:
+    """With no more samples than a page holds."""
+    least = simulation.seconds / (MOST_SAMPLES - 1)
+    return replace(simulation, wanted_period=least) if simulation.period < least else simulation
+
+
+def tool_held(simulation: Simulation) -> bool:
+    """Whether the tool is at the arm, and no work piece, for all of the program."""
+    return all(mount.tool.held and not mount.frame.held for mount in _mounts(simulation))
+
+
+def tips(simulation: Simulation) -> list[Pose]:
+    """Tips of the tools that the arm carries, without the bare flange."""
+    found = {mount.tool.tip: None for mount in _mounts(simulation) if mount.tool.held}
+    return [tip for tip in found if tip != Pose()]
+
+
+def _mounts(simulation: Simulation) -> Iterator[Mount]:
+    for passed in simulation.passed:
+        for piece in passed.pieces:
+            yield from piece.moves.mounts

@@ -1,0 +1,181 @@
+"""The motion statements of a program: where they stand in its text, and when they are come to."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import groupby
+from typing import Final
+
+import numpy as np
+
+from assistant.compiler.source_map import Places
+from assistant.program.diagnostics import Diagnostic
+from assistant.program.lines import lines_of
+from assistant.program.path import Kind
+from assistant.program.visible import visible
+from assistant.robots.solved_program import Leg, SolvedProgram
+from assistant.robots.timing import Simulation
+from assistant.robots.timing.passed import Passed, stretches_of
+from assistant.robots.timing.pieces import Piece
+from assistant.view.motion import Record, column
+from assistant.view.stages import stages
+
+MOST_MOVES: Final = 2_000
+"""Motion statements in the list."""
+MOST_PLAYED: Final = 40_000
+"""Passings of moves that the time line knows; loops have many."""
+MOST_TEXT: Final = 200
+"""Characters of a statement, or of a line, that are shown."""
+MOST_LINES: Final = 100_000
+"""Lines of the program's texts."""
+
+Key = tuple[str, int]
+"""Procedure, and number of a motion statement in it."""
+
+
+class Moves:
+    """The motion statements in order of text, and when they are come to in the way that is played.
+
+    keys: procedure and number of each. begins: seconds, place in the list and line of the text
+    (0 for none), in order of time, of at most `MOST_PLAYED`. until: seconds up to which these are
+    all.
+    """
+
+    def __init__(self, solution: SolvedProgram, simulation: Simulation, places: Places) -> None:
+        self.solution, self.labels, self.texts = solution, simulation.labels, places
+        self.keys = list(simulation.labels)
+        self.places = {key: i for i, key in enumerate(self.keys)}
+        self._in_run = set[Key]()  # statements that are a line each of a run with one span
+        self._lines = dict(self._numbered())
+        self.begins: list[tuple[float, int, int]] = []
+        self.until = simulation.seconds
+        known: dict[int, list[tuple[float, int, int]]] = {}
+        for start, passed in stages(simulation):
+            if len(self.begins) >= MOST_PLAYED:
+                self.until = start
+                break
+            if id(passed) not in known:
+                known[id(passed)] = list(self._passings(passed))
+            self.begins += [(start + time, at, line) for time, at, line in known[id(passed)]]
+        self.spans = {
+            span.start: self.places[name, number]
+            for name, legs in solution.legs.items()
+            for number, leg in enumerate(legs, start=1)
+            if (span := leg.statement.span) is not None and (name, number) in self.places
+        }
+
+    def __len__(self) -> int:
+        return len(self.keys)
+
+    def records(self) -> list[Record]:
+        """Those of the list; `time` is when each begins first, None if it is not played."""
+        first: dict[int, float] = {}
+        for time, place, _ in self.begins:
+            first.setdefault(place, time)
+        return [self._record(key, first.get(i)) for i, key in enumerate(self.keys[:MOST_MOVES])]
+
+    def played(self) -> Record:
+        times, places, lines = zip(*self.begins, strict=True) if self.begins else ((), (), ())
+        return {
+            "times": column(np.array(times, dtype=np.float64)),
+            "moves": column(np.array(places, dtype=np.int64)),
+            "lines": column(np.array(lines, dtype=np.int64)),
+            "until": self.until,
+        }
+
+    def lines(self) -> tuple[list[Record], int]:
+        """The texts, each with its lines and the number of the first; and lines left out."""
+        found: list[Record] = []
+        first = 1
+        for source in self.texts.texts:
+            count = max(0, min(source.line_count, MOST_LINES + 1 - first))
+            lines = [visible(source.line_text(i + 1))[:MOST_TEXT] for i in range(count)]
+            path = None if source.path is None else visible(source.path)
+            found.append({"path": path, "first": first, "lines": lines})
+            first += source.line_count
+        return found, max(0, first - 1 - MOST_LINES)
+
+    def of_finding(self, finding: Diagnostic) -> int | None:
+        """The place in the list of the statement that a finding is at."""
+        return None if finding.span is None else self.spans.get(finding.span.start)
+
+    def line_of(self, key: Key, row: int = 0) -> int:
+        """The line of a move, counted through all texts from 1; 0 if it stands in none."""
+        rows = self._lines.get(key, ())
+        return rows[row] if row < len(rows) else rows[0] if rows else 0
+
+    def _passings(self, passed: Passed) -> Iterator[tuple[float, int, int]]:
+        """Moves of a stretch that have a line of their own, and statements, with the seconds in it
+        after which they begin.
+        """
+        stretches = stretches_of(passed.plan)
+        before: tuple[Piece, int] | None = None
+        rows, first = np.unique(stretches.row, return_index=True)
+        for row, at in zip(rows.tolist(), first.tolist(), strict=True):
+            piece, inner = passed.piece_of(row)
+            key = piece.procedure, piece.number
+            line = self.line_of(key, inner)
+            if before is None or before[0] is not piece or before[1] != line:
+                yield float(stretches.times[at]), self.places[key], line
+            before = piece, line
+
+    def _leg(self, key: Key) -> Leg | None:
+        procedure, number = key
+        legs = self.solution.legs.get(procedure, ())
+        return legs[number - 1] if number <= len(legs) else None
+
+    def _numbered(self) -> Iterator[tuple[Key, Sequence[int]]]:
+        """Each statement with its line, or with those of its moves.
+
+        A run of like lines has one span: if it has as many lines as moves, each is one of them.
+        """
+        for name, legs in self.solution.legs.items():
+            numbered = enumerate(legs, start=1)
+            for span, same in groupby(numbered, key=lambda one: one[1].statement.span):
+                run = list(same)
+                first, last = (0, 0) if span is None else self.texts.lines(span)
+                if first == 0:
+                    continue
+                moves = [_ends(leg) for _, leg in run]
+                told = sum(map(len, moves)) and sum(sum(ends) for ends in moves) == last - first + 1
+                line = first
+                for (number, _), ends in zip(run, moves, strict=True):
+                    lines = []
+                    for end in ends or (True,):
+                        lines.append(line)
+                        line += int(told and end)
+                    yield (name, number), tuple(lines) if told else (first,)
+                    if told and len(run) > 1:
+                        self._in_run.add((name, number))
+
+    def _record(self, key: Key, time: float | None) -> Record:
+        procedure, number = key
+        leg = self._leg(key)
+        span = None if leg is None else leg.statement.span
+        place = None if span is None else self.texts.of(span)
+        path = None if place is None or place.path is None else visible(place.path)
+        line = self.line_of(key)
+        if place is not None and span is not None:
+            own = line - self.texts.lines(span)[0]
+            if key in self._in_run:
+                place = replace(
+                    place, line=place.line + own, text=lines_of(place.text)[own].strip()
+                )
+        return {
+            "procedure": visible(procedure),
+            "number": number,
+            "label": visible(self.labels[key].strip("`")),
+            "time": time,
+            "line": None if place is None else place.line,
+            "global": line,
+            "path": path,
+            "text": "" if place is None else visible(place.text[:MOST_TEXT]),
+        }
+
+
+def _ends(leg: Leg) -> list[bool]:
+    """Of each move of a statement whether a line of the text ends with it; two of an arc."""
+    if leg.solved_run is None:
+        return [True] if len(leg.joints) <= 1 else [False] * (len(leg.joints) - 1) + [True]
+    return [bool(end) for end in leg.solved_run.run.kinds[leg.rows] != Kind.VIA]

@@ -1,0 +1,76 @@
+"""Bodies that the arm takes and lets go on the way that a page plays: what each rides on, when."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Final
+
+from assistant.cell.clearances import carrying
+from assistant.cell.collision.carriers import Carriers, carried
+from assistant.cell.holding import Holding, takeable
+from assistant.cell.scene import Body, Scene
+from assistant.program.geometry import Pose
+from assistant.robots.timing import Simulation
+from assistant.view.stages import stages
+
+MOST_STAGES: Final = 40_000
+"""Stretches of moves that are looked at; where bodies are behind them the page does not tell."""
+
+Ride = tuple[int, Pose] | None
+"""The carrier of a body and its pose on it; None where only running the program tells."""
+
+
+def rides(simulation: Simulation, scene: Scene) -> Mapping[str, list[tuple[float, Ride]]]:
+    """What each body rides on, by seconds, of those that do not stay where they are at first.
+
+    simulation: of a program that carries, with the `Holding` of the scene.
+    """
+    if not takeable(scene):
+        return {}
+    carriers = Carriers(scene.robots)
+    at: dict[str, list[tuple[float, Ride]]] = {
+        name: [(0.0, ride)] for name, ride in _all(scene, scene, carriers).items()
+    }
+    known: dict[Holding, Mapping[str, Ride]] = {}
+    for time, holding in _held(simulation):
+        riding: Mapping[str, Ride]
+        if holding is None:
+            riding = {name: None for name, rode in at.items() if len(rode) > 1}
+        else:
+            if holding not in known:
+                known[holding] = _all(scene, holding.scene_now(), carriers)
+            riding = known[holding]
+        for name, ride in riding.items():
+            if ride != at[name][-1][1]:
+                at[name].append((time, ride))
+    return {name: rode for name, rode in at.items() if len(rode) > 1}
+
+
+def _held(simulation: Simulation) -> Iterator[tuple[float, Holding | None]]:
+    """What is carried from when on; None from where nobody looks any more."""
+    known: dict[int, list[tuple[float, Holding]]] = {}
+    for number, (start, passed) in enumerate(stages(simulation)):
+        if number >= MOST_STAGES:
+            yield start, None
+            return
+        if id(passed) not in known:
+            known[id(passed)] = [
+                (float(stretches.times[0]), held)
+                for held, stretches in carrying(passed)
+                if isinstance(held, Holding)
+            ]
+        for time, held in known[id(passed)]:
+            yield start + time, held
+
+
+def _all(scene: Scene, now: Scene, carriers: Carriers) -> Mapping[str, Ride]:
+    """The bodies of a scene as they are in that of a moment, which lacks those that are lost."""
+    return {body.name: _ride(now, now.body(body.name), carriers) for body in scene.bodies}
+
+
+def _ride(now: Scene, body: Body | None, carriers: Carriers) -> Ride:
+    """None also for what stands in a body that is lost."""
+    upper = body
+    while upper is not None and upper.parent not in carriers.names | now.frames.keys():
+        upper = now.body(upper.parent)
+    return None if body is None or upper is None else carried(now, body, carriers)

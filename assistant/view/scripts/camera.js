@@ -1,0 +1,55 @@
+// What is looked at, and drawing it.
+const camera = new THREE.PerspectiveCamera(40, 1, 1, 1e5);
+camera.up.set(0, 0, 1);
+let renderer = null;
+try {
+  renderer = new THREE.WebGLRenderer({ antialias: true });
+} catch {
+  notice("This browser draws no scenes, as it has no WebGL; the lists beside this place work all the same.");
+}
+const controls = renderer && new THREE.OrbitControls(camera, renderer.domElement);
+if (renderer) stage.prepend(renderer.domElement);
+
+/** Turns the view to the whole scene. */
+function look() {
+  const around = new THREE.Box3().setFromObject(scene);
+  if (around.isEmpty()) around.set(new THREE.Vector3(-500, -500, 0), new THREE.Vector3(500, 500, 1000));
+  const ball = around.getBoundingSphere(new THREE.Sphere());
+  const far = ball.radius / Math.sin((camera.fov * Math.PI) / 360);
+  camera.position.copy(ball.center).add(new THREE.Vector3(0.75, -1, 0.6).normalize().multiplyScalar(far));
+  camera.near = ball.radius / 500;
+  camera.far = far + 20 * ball.radius;
+  camera.updateProjectionMatrix();
+  camera.lookAt(ball.center);
+  if (controls) controls.target.copy(ball.center);
+  const cells = 20, size = Math.pow(10, Math.ceil(Math.log10(ball.radius * 2)));
+  const grid = new THREE.GridHelper(size, cells, "#aab4bf", "#d3d9df");
+  grid.rotation.x = Math.PI / 2;
+  grid.position.z = Math.min(around.min.z, 0) - 0.5;
+  scene.add(grid);
+}
+
+function draw() {
+  if (!renderer) return;
+  if (controls.update()) dirty = true;
+  if (!dirty) return;
+  dirty = false;
+  renderer.render(scene, camera);
+  const width = stage.clientWidth, height = stage.clientHeight, place = new THREE.Vector3();
+  for (const { element, object, on } of named) {
+    place.setFromMatrixPosition(object.matrixWorld).project(camera);
+    const seen = on.visible && place.z > -1 && place.z < 1 && find("with-names").checked;
+    element.style.display = seen ? "" : "none";
+    if (seen) element.style.transform = `translate(${((place.x + 1) / 2) * width + 6}px, ${((1 - place.y) / 2) * height - 18}px)`;
+  }
+}
+function resized() {
+  if (!renderer) return;
+  camera.aspect = stage.clientWidth / Math.max(1, stage.clientHeight);
+  camera.updateProjectionMatrix();
+  renderer.setPixelRatio(window.devicePixelRatio);
+  renderer.setSize(stage.clientWidth, stage.clientHeight);
+  dirty = true;
+}
+if (controls) controls.addEventListener("change", () => { dirty = true; });
+new ResizeObserver(resized).observe(stage);

@@ -1,0 +1,88 @@
+// What is drawn about the program: path, zones, lines of the drawing, targets, and places of findings.
+let fastest = 1e-9;
+for (const speed of motion.speeds) fastest = Math.max(fastest, speed);
+const ramp = (part) => {
+  const at = Math.min(Math.max(part, 0), 1) * (COLOURS.length - 1);
+  const low = Math.min(Math.floor(at), COLOURS.length - 2);
+  return COLOURS[low].clone().lerp(COLOURS[low + 1], at - low);
+};
+/** What the path is coloured by: of a sample 0 to 1, and what stands at the ends of the key. */
+const COLOURED = {
+  speed: { part: (i) => motion.speeds[i] / fastest, ends: ["0", `${fastest < 1e-6 ? 0 : Math.round(fastest)} mm/s`] },
+  room: { part: (i) => 1 - motion.room[i], ends: ["far from limits", "at a limit"] },
+};
+const path = line(motion.places, "#ffffff");
+path.material.vertexColors = true;
+attribute(path.geometry, "color", new Float32Array(3 * count));
+scene.add(path);
+function colourBy(what) {
+  const colours = path.geometry.getAttribute("color"), { part, ends } = COLOURED[what];
+  for (let i = 0; i < count; i++) ramp(part(i)).toArray(colours.array, 3 * i);
+  colours.needsUpdate = true;
+  [find("least").textContent, find("most").textContent] = ends;
+  dirty = true;
+}
+
+const tips = new THREE.Group();
+for (const tip of data.tips) {
+  tips.add(line(new Float32Array([0, 0, 0, ...tip.slice(0, 3)]), "#1d2733"), framed(tip, 40));
+}
+if (!data.tips.length) tips.add(cross(40));
+carriers[flange].add(tips);
+
+const targets = new THREE.Group();
+for (const target of data.targets) {
+  const lines = framed(target.pose, 30);
+  targets.add(lines);
+  name(target.name, lines, targets);
+}
+scene.add(targets);
+
+/** Balls about centres, (x, y, z, radius) each, as one surface. */
+function balls(places, material) {
+  const around = 10, up = 6, one = (around * (up + 1));
+  const points = new Float32Array((places.length / 4) * one * 3);
+  const triangles = new Uint32Array((places.length / 4) * around * up * 6);
+  let p = 0, t = 0;
+  for (let i = 0; i < places.length; i += 4) {
+    const first = p / 3, [x, y, z, r] = places.subarray(i, i + 4);
+    for (let k = 0; k <= up; k++) for (let j = 0; j < around; j++) {
+      const a = (2 * Math.PI * j) / around, b = (Math.PI * k) / up;
+      points[p++] = x + r * Math.sin(b) * Math.cos(a);
+      points[p++] = y + r * Math.sin(b) * Math.sin(a);
+      points[p++] = z + r * Math.cos(b);
+    }
+    for (let k = 0; k < up; k++) for (let j = 0; j < around; j++) {
+      const a = first + k * around + j, b = first + k * around + ((j + 1) % around);
+      for (const corner of [a, a + around, b, b, a + around, b + around]) triangles[t++] = corner;
+    }
+  }
+  return surface(points, triangles, false, material);
+}
+const zones = balls(numbers(data.zones), { color: "#7a4fb5", transparent: true, opacity: 0.28, depthWrite: false });
+scene.add(zones);
+
+const drawn = new THREE.Group();
+for (const one of data.drawn) drawn.add(line(numbers(one.points), "#14202e"));
+scene.add(drawn);
+
+const marks = new THREE.Group();
+const ARROW = { least: 40, most: 250 }; // mm
+const ball = (place, colour, size) => {
+  const shape = new THREE.BufferGeometry();
+  attribute(shape, "position", new Float32Array(place));
+  return new THREE.Points(shape, new THREE.PointsMaterial({ color: colour, size, sizeAttenuation: false, depthTest: false }));
+};
+/** Of a contact both points, and the vector that leads out of it, ten times as long as it is deep. */
+for (const finding of data.findings) {
+  if (!finding.mark) continue;
+  const colour = SEVERITIES[finding.severity], [one, other] = finding.mark.points;
+  const long = Math.min(ARROW.most, Math.max(ARROW.least, 10 * Math.abs(finding.mark.distance)));
+  const arrow = new THREE.ArrowHelper(new THREE.Vector3(...finding.mark.normal), new THREE.Vector3(...one), long, colour, 22, 12);
+  arrow.line.material.depthTest = arrow.cone.material.depthTest = false;
+  const group = new THREE.Group();
+  group.add(ball(one, colour, 9), ball(other, colour, 6), arrow);
+  group.renderOrder = 1;
+  marks.add(group);
+}
+scene.add(marks);

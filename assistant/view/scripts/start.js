@@ -1,0 +1,43 @@
+// Beginning: what the page is given, and keys.
+document.querySelector("h1").textContent = data.title;
+find("robot").textContent = data.robot;
+find("time").max = String(seconds);
+find("time").addEventListener("input", (event) => go(Number(event.target.value)));
+find("play").addEventListener("click", () => play(!playing));
+find("before").addEventListener("click", before);
+find("after").addEventListener("click", after);
+find("by").addEventListener("change", (event) => colourBy(event.target.value));
+document.addEventListener("keydown", (event) => {
+  const keys = {
+    " ": () => play(!playing), PageUp: before, PageDown: after,
+    ArrowLeft: () => go(now - STEP), ArrowRight: () => go(now + STEP),
+    Home: () => go(0), End: () => go(seconds),
+  };
+  if (!keys[event.key] || ["SELECT", "BUTTON"].includes(event.target.tagName)) return;
+  event.preventDefault();
+  keys[event.key]();
+});
+colourBy("speed");
+setTime(0);
+scene.updateMatrixWorld(true);
+look();
+if (live.line) scene.add(live.line); // it is nowhere at first
+follow(true);
+resized();
+requestAnimationFrame(tick);
+// What tests and other scripts on the page may ask.
+window.view = {
+  setTime, play, seconds, choose: (i) => findingButtons[i].click(),
+  time: () => now,
+  carriers: () => shown.map((at) => Array.from(at.toArray())),
+  body: (name) => {
+    const { group, known } = bodies.find((one) => one.name === name);
+    scene.updateMatrixWorld(true);
+    return known ? Array.from(group.matrixWorld.toArray()) : null;
+  },
+  line: () => lineNow,
+  following: () => live.on,
+  told: () => live.count,
+  pathPoints: count,
+  drawn: () => (renderer ? renderer.info.render.triangles : 0),
+};

@@ -1,0 +1,29 @@
+"""What is done one after the other on the way that a page plays."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from assistant.robots.timing import Simulation
+from assistant.robots.timing.passed import Passed
+from assistant.robots.timing.plan import Plan
+from assistant.robots.timing.state import History
+
+
+def stages(simulation: Simulation) -> Iterator[tuple[float, Passed]]:
+    """Stretches of moves with the seconds at which each begins, those of a loop in each round."""
+    by_plan = {id(passed.plan): passed for passed in reversed(simulation.passed)}
+    for start, plan in _plans(simulation.history, 0.0):
+        passed = by_plan.get(id(plan))
+        if passed is not None:
+            yield start, passed
+
+
+def _plans(history: History | None, start: float) -> Iterator[tuple[float, Plan]]:
+    for node in () if history is None else history.chain():
+        if isinstance(node.done, Plan):
+            yield start + node.start, node.done
+        elif isinstance(node.done, tuple):
+            inner, count = node.done
+            for i in range(count if inner.last is not None else 0):
+                yield from _plans(inner, start + node.start + i * inner.seconds)
