@@ -12,6 +12,7 @@ from assistant.robots import SolvedProgram
 if TYPE_CHECKING:
     from assistant.cell.clearances import Closeness
     from assistant.cell.scene import Scene
+    from assistant.robots.robot import Robot
     from assistant.robots.timing import Simulation
 
 TOUCHES: Final = error(
@@ -84,7 +85,7 @@ def placed_clearances(
     try:
         placed = robot_of(scene, solution.robot)
     except LookupError:
-        yield no_robot(solution, scene), None
+        yield no_robot(solution.robot, scene), None
         return
     holding = Holding.at_first(scene, placed)
     if simulation is None or holding.places:
@@ -122,9 +123,8 @@ def _worst(found: Iterable[Closeness]) -> dict[tuple[str, int, str, str], Closen
     return worst
 
 
-def no_robot(solution: SolvedProgram, scene: Scene) -> Diagnostic:
-    """Why `robot_of` finds none of the scene that runs the program."""
-    robot = solution.robot
+def no_robot(robot: Robot, scene: Scene) -> Diagnostic:
+    """Why `robot_of` finds none of the scene that runs a program for a robot."""
     alike = [placed.name for placed in scene.robots if placed.robot.name == robot.name]
     if scene.runs is not None or not alike:
         return NO_ROBOT(robot=robot.title)

@@ -63,9 +63,18 @@ NEW_OBJECTS: Final = 100_000
 def _settle_in() -> None:
     """What a process does that is there for one command, which starts and ends faster by it."""
     gc.set_threshold(NEW_OBJECTS)
+    atexit.register(_discard_leaks)  # what is registered first is called last
     atexit.register(gc.freeze)  # what ends with the process is not looked through before
     # Matrices of poses are small. Starting threads for large ones takes longer than all the rest.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+
+def _discard_leaks() -> None:
+    """The planner's library tells its developers, behind all else, what it did not free."""
+    if "ompl" in sys.modules:
+        with suppress(OSError, ValueError):
+            sys.stderr.flush()
+            os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
 
 
 def _run(arguments: list[str] | None) -> None:

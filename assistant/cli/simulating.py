@@ -104,6 +104,7 @@ def solved(source: str, options: Options) -> Solved:
     from assistant.compiler.crossing import for_arm
     from assistant.compiler.scenes import in_cell
     from assistant.compiler.source_map import Places
+    from assistant.compiler.travelling import travelled
 
     stands = in_cell(options.cell, options.robot)
     arms = stands.arms(robot_of(options.from_robot))
@@ -116,10 +117,13 @@ def solved(source: str, options: Options) -> Solved:
     if arm is None:
         raise Refused(NO_ROBOT(path=source), exit_status=2)
     program, changed = for_arm(program, taught_on(program, replace(arms, robot=arm)), arm)
-    solution = robots.solve_program(replace(program, robot=arm.name), arm)
-    found = (*loaded.findings, *changed, *solution.findings)
+    places = Places(loaded.program, loaded.text)
+    ways = travelled(program, arm, arms.scene, places)
+    solution = robots.solve_program(replace(ways.program, robot=arm.name), arm)
+    also = () if has_errors(ways.findings) else solution.findings
+    found = (*loaded.findings, *changed, *map(places.finding, ways.findings), *also)
     said = [*stands.findings, *fold(f.within(source) for f in found)]
-    return Solved(solution, arms.scene, Places(loaded.program, loaded.text), said)
+    return Solved(solution, arms.scene, places, said)
 
 
 def refused(

@@ -91,7 +91,7 @@ def _standing(scene: Scene | None, solution: SolvedProgram) -> tuple[Scene, Plac
     try:
         return scene, robot_of(scene, solution.robot)
     except LookupError:
-        raise Refused(no_robot(solution, scene), exit_status=2) from None
+        raise Refused(no_robot(solution.robot, scene), exit_status=2) from None
 
 
 def _written(source: str, cell: Path | None, html: Path | None, text: str) -> Path:

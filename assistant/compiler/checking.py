@@ -26,6 +26,7 @@ from assistant.compiler.loading import (
 from assistant.compiler.project import configured
 from assistant.compiler.scenes import InCell, in_cell
 from assistant.compiler.source_map import Places, at_moves
+from assistant.compiler.travelling import travelled
 from assistant.program import pseudo
 from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors, info
 from assistant.program.failing import details_wanted, failure
@@ -319,11 +320,14 @@ def _check_meaning(
     arms = standing(program, stands.arms())
     arm = arms.robot or known_robot(program.robot)
     if arm is None:
-        return found
+        return (*found, *travelled(program, None, arms.scene, Places(program)).findings)
     if program.origin is None:  # a controller takes the numbers of its own text as they stand
         program, changed = for_arm(program, taught_on(program, replace(arms, robot=arm)), arm)
         found += changed
-    solution = robots.solve_program(program, arm)
-    solved = (*solution.findings, *checks.with_robot(solution, scene=arms.scene))
     places = Places(program) if places is None else places
-    return (*found, *at_moves(solved, solution.program, places))
+    ways = travelled(program, arm, arms.scene, places)
+    if has_errors(ways.findings):
+        return (*found, *ways.findings)
+    solution = robots.solve_program(ways.program, arm)
+    solved = (*solution.findings, *checks.with_robot(solution, scene=arms.scene))
+    return (*found, *ways.findings, *at_moves(solved, solution.program, places))

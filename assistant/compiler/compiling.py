@@ -21,6 +21,7 @@ from assistant.compiler.opening import load
 from assistant.compiler.proof import SAYS_OTHERWISE, Proof, prove
 from assistant.compiler.scenes import InCell, in_cell
 from assistant.compiler.source_map import Places, at_moves
+from assistant.compiler.travelling import travelled, travels
 from assistant.program.contents import saying
 from assistant.program.diagnostics import (
     Diagnostic,
@@ -201,6 +202,13 @@ def compile_program(
         program, changed = for_arm(program, taught, arm)
         findings += changed
         passed("for-the-arm", program)
+    if travels(program):
+        ways = travelled(program, arm, arms.scene, places)
+        findings += ways.findings
+        source = before = program = passed("travelled", ways.program)
+        if has_errors(ways.findings):
+            compiled = Compiled(program, target.name, Proof(None), source, places)
+            return replace(compiled, found=tuple(findings))
     conversion = target.convert(program, arm) if most_targets is None else None
     if conversion is not None:
         return _converted(conversion, findings, source, places, target, (arm, arms.scene))

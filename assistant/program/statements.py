@@ -99,6 +99,18 @@ class MoveJoints(Spanned):
 
 
 @dataclass(frozen=True, slots=True)
+class Travel(Spanned):
+    """To a target or joints by a way that touches nothing in the cell, which is planned before any
+    language is told of it: `compiler/travelling.py`.
+
+    motion: blend at the end of the way; those on it are chosen with it.
+    """
+
+    target: Expression
+    motion: Motion
+
+
+@dataclass(frozen=True, slots=True)
 class Follow(Spanned):
     """Along a path of the program's own."""
 
@@ -335,12 +347,13 @@ class Opaque(Spanned):
 MoveStatement = Move | MoveCircular | MoveJoints
 """Moves to one target."""
 Moving = MoveStatement | Follow
-"""Moves the robot."""
+"""Moves the robot, on a way that the statement says."""
 
 Statement = (
     Move
     | MoveCircular
     | MoveJoints
+    | Travel
     | Follow
     | Wait
     | WaitSignal
@@ -380,7 +393,7 @@ place that is jumped to; ends or stops the procedure or program; holds other sta
 something to people alone; or is kept as its text, which may do any of them."""
 
 TRAITS: Final[Mapping[type, Trait]] = {
-    **dict.fromkeys((Move, MoveCircular, MoveJoints, Follow), "moves"),
+    **dict.fromkeys((Move, MoveCircular, MoveJoints, Travel, Follow), "moves"),
     **dict.fromkeys((Wait, WaitSignal, WaitUntil), "waits"),
     **dict.fromkeys((StartTimer, SetSignal, Gripper, Assign), "sets"),
     **dict.fromkeys((SetAcceleration, SetOverride, Attach, Detach, Send), "sets"),

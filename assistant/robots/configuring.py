@@ -31,6 +31,7 @@ from assistant.program.statements import (
     MoveJoints,
     Moving,
     Statement,
+    Travel,
     trait,
 )
 from assistant.program.subjects import Declared, Goal, NumberedMove
@@ -153,6 +154,8 @@ class _Survey:
                     )
                 case Follow():
                     self.follow(statement)
+                case Travel():
+                    self.flush()  # what stands before it does not depend on what comes after
                 case Assign(Name(name), value):
                     self.origins[name.lower()] = self.coming_from(value)
                 case _ if trait(statement) == "holds":

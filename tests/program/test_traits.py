@@ -17,6 +17,7 @@ LINES: dict[type, str] = {
     p.MoveCircular: "move circular via target [390, 60, 400] [0, 0, 1, 0] to "
     "target [400, 0, 400] [0, 0, 1, 0] speed 100 mm/s blend fine",
     p.MoveJoints: "move absolute there speed 100 mm/s blend fine",
+    p.Travel: "travel to start speed 100 mm/s blend fine",
     p.Follow: "follow seam\n linear [400, 0, 400] [0, 0, 1, 0] speed 100 mm/s blend fine\n"
     " linear [380, 0, 400]\nend",
     p.Wait: "wait 2 s",

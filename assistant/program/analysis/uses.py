@@ -22,7 +22,8 @@ POSITION: Final = "<position>"
 """Stands among names for where the robot is."""
 TIME: Final = "<time>"
 """Stands among names for what timers count."""
-_LASTING = p.Moving | p.Wait | p.WaitSignal | p.WaitUntil | p.Gripper | p.Stop | p.StartTimer
+_MOVING = p.Moving | p.Travel
+_LASTING = _MOVING | p.Wait | p.WaitSignal | p.WaitUntil | p.Gripper | p.Stop | p.StartTimer
 _CALLED: Final = {POSITION: "the position of the robot", TIME: "a timer"}
 
 
@@ -286,7 +287,7 @@ def _acts(procedure: Procedure, inputs: frozenset[str]) -> frozenset[str]:
                 names.add(signal.lower())
             case p.Opaque():
                 names |= {POSITION, TIME, *inputs, *effect_of(record).names}
-        if isinstance(record, p.Moving):
+        if isinstance(record, _MOVING):
             names.add(POSITION)
         if isinstance(record, _LASTING):
             names |= {TIME, *inputs}

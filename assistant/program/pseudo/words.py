@@ -20,8 +20,8 @@ KEYWORDS: Final = frozenset(
         *("elseif", "end", "exit", "false", "fine", "follow", "for", "full", "goto", "if", "inf"),
         *("inout", "interrupt", "interrupts", "joints", "label", "local", "maximum", "message"),
         *("move", "nan", "not", "opaque", "open", "override", "persistent", "pose", "restart"),
-        *("return", "send", "set", "stop", "switch", "target", "true", "until", "variable"),
-        *("verbatim", "wait", "while"),
+        *("return", "send", "set", "stop", "switch", "target", "travel", "true", "until"),
+        *("variable", "verbatim", "wait", "while"),
     }
 )
 """Words that mean something where a name may stand too; a name like them is quoted."""

@@ -31,6 +31,7 @@ from assistant.program.statements import (
     Statement,
     Stop,
     Switch,
+    Travel,
     Wait,
     WaitSignal,
     WaitUntil,
@@ -221,7 +222,8 @@ class Walker:
                 return replace(state, known={**state.known, name.lower(): self.values.value(value)})
             case Assign(target=target):
                 return state.without({root(target)})
-        return None if trait(statement) in STANDING else state
+        standing = trait(statement) in STANDING or isinstance(statement, Travel)
+        return None if standing else state
 
     def acting(self, statement: Statement, state: State) -> State | None:
         """What the arm stands still for; None if nothing behind it is reached."""
@@ -251,6 +253,9 @@ class Walker:
                 self.note(f"the jump to {label} is not followed")
             case Opaque():
                 return self.kept(statement, state)
+            case Travel(target=target):
+                self.note(f"the way to {expression_text(target)} is not planned, nor timed")
+                return replace(state, places=())
         return state
 
     def kept(self, statement: Opaque, state: State) -> State:

@@ -1,0 +1,306 @@
+"""`travel to` as moves: each way is planned from where the arm stands when it begins."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from assistant.compiler.source_map import Places, at_moves
+from assistant.program.diagnostics import Diagnostic, Refused, Rule, error, has_errors, info
+from assistant.program.geometry import IDENTITY, JointTarget, Pose, Tool
+from assistant.program.program import Program, walk
+from assistant.program.pseudo.expressions import expression_text
+from assistant.program.rewriting import Body, map_bodies
+from assistant.program.statements import Comment, Move, MoveJoints, Statement, Travel
+from assistant.robots.target_lookup import Names
+
+if TYPE_CHECKING:
+    from assistant.cell.planning.planner import Planned
+    from assistant.cell.scene import Placed, Scene
+    from assistant.robots import Robot
+    from assistant.robots.timing.arrivals import Arrival
+
+NO_CELL = error(
+    "CK470",
+    "a way to `{target}` is planned through a cell, and none is told",
+    "name the file of the cell: --cell cell.toml",
+)
+START_UNKNOWN = error(
+    "CK471",
+    "where the arm is when it begins to travel to `{target}` is not known: {why}",
+    "move to a place that the text tells, right before it",
+)
+SEVERAL = error(
+    "CK472",
+    "the way to `{target}` is not the same each time: it {what}",
+    "move to one place before it, or write a `travel to` for each of them",
+)
+GOAL_UNKNOWN = error(
+    "CK473",
+    "only running the program tells where `{target}` is, so no way there can be planned",
+    "travel to a target whose place the text tells",
+)
+NEVER = error(
+    "CK474",
+    "no way through the program leads to `travel to {target}`, so nothing tells where it begins",
+    "take it out, or call its procedure from where the program begins",
+)
+EXTERNAL = error(
+    "CK475",
+    "`{target}` moves external axes, for which no way is planned",
+    "move them before, and travel to a target that says nothing of them",
+)
+FROM_HOME = info(
+    "CK476",
+    "the way to `{target}` is planned from where the robot is at home, as nothing moves before it",
+    "begin the program with a move to a known place, from which the way leads",
+)
+MOST_PLANS: Final = 3
+"""Ways that are planned for one statement, when what comes before it changes."""
+
+
+@dataclass(frozen=True, slots=True)
+class Travelled:
+    """A program whose travels are moves, or findings that tell why it is not."""
+
+    program: Program
+    findings: tuple[Diagnostic, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Way:
+    """A way that was planned, and for which arrival."""
+
+    arrival: Arrival
+    planned: Planned
+
+    def fits(self, other: Arrival) -> bool:
+        mine = self.arrival
+        return (mine.places, mine.carried, mine.goal) == (other.places, other.carried, other.goal)
+
+
+def travels(program: Program) -> bool:
+    """Whether ways have to be planned for it."""
+    return any(isinstance(statement, Travel) for statement in program.statements())
+
+
+def travelled(
+    program: Program, robot: Robot | None, scene: Scene | None, places: Places
+) -> Travelled:
+    """The program with planned joint moves in place of each `travel to`, behind a comment.
+
+    robot: that runs it. scene: its cell, None if none is told. places: of its statements. The same
+    program in the same cell gives the same moves. A travel that stands in a procedure which is
+    called twice, or in a loop, has one way, so it has to begin and end at the same places each
+    time, with the same bodies held. Findings with an error mean that not all ways are planned.
+    """
+    if not travels(program):
+        return Travelled(program)
+    if scene is None or robot is None:
+        statements = [s for s in program.statements() if isinstance(s, Travel)]
+        return Travelled(program, tuple(_said(NO_CELL, s) for s in statements))
+    planning = _Planning(replace(program, robot=robot.name), robot, scene, places)
+    try:
+        ways = planning.ways()
+    except Refused as refused:
+        return Travelled(program, refused.findings)
+    done = _exchanged(program, lambda number, one: planning.moves(ways[number], one, said=True))
+    return Travelled(done, tuple(planning.findings(ways)))
+
+
+class _Planning:
+    def __init__(self, program: Program, robot: Robot, scene: Scene, places: Places) -> None:
+        self.program, self.robot, self.scene, self.places = program, robot, scene, places
+        self.statements = [s for s in program.statements() if isinstance(s, Travel)]
+        self.names = Names(program)
+
+    def ways(self) -> dict[int, _Way]:
+        """A way for each travel, by its number. Raises Refused.
+
+        What was planned stands in the program, what was not as a move, whose end the branches
+        behind it are chosen with; so often until every travel begins where its way does.
+        """
+        ways: dict[int, _Way] = {}
+        plans = Counter[int]()
+        while True:
+            found = self.arrivals(ways)
+            new = set[int]()
+            for arrival in found:
+                number = arrival.number
+                if number in ways:
+                    continue
+                ways[number] = way = self.planned(arrival)
+                plans[number] += 1
+                new.add(number)
+                if tuple(way.planned.rows[-1].tolist()) != arrival.joints:
+                    break  # what comes behind it begins elsewhere
+            if new:
+                continue
+            for number, statement in enumerate(self.statements):
+                theirs = [arrival for arrival in found if arrival.number == number]
+                if not theirs:
+                    raise Refused(_said(NEVER, statement))
+                self.same(statement, theirs)
+                if not ways[number].fits(theirs[0]):
+                    if plans[number] == MOST_PLANS:
+                        what = "begins elsewhere each time that it is planned"
+                        raise Refused(_said(SEVERAL, statement, what=what))
+                    del ways[number]
+                    break
+            else:
+                return ways
+
+    def arrivals(self, ways: Mapping[int, _Way]) -> tuple[Arrival, ...]:
+        """With each travel, the moves that stand for it. Raises Refused for what is not reached."""
+        from assistant import robots
+        from assistant.cell.holding import Holding
+        from assistant.robots.timing.arrivals import arrivals
+
+        def standing(number: int, one: Travel) -> Body:
+            if number in ways:
+                return one, *self.moves(ways[number], one)
+            return one, self.straight(one)
+
+        solution = robots.solve_program(_exchanged(self.program, standing), self.robot)
+        if has_errors(solution.findings):
+            raise Refused(*at_moves(solution.findings, solution.program, self.places))
+        holding = Holding.at_first(self.scene, self.placed())
+        return arrivals(solution, holding if holding.places else None)
+
+    def placed(self) -> Placed:
+        from assistant.cell.clearances import robot_of
+        from assistant.checks.clearances import no_robot
+
+        try:
+            return robot_of(self.scene, self.robot)
+        except LookupError:
+            raise Refused(no_robot(self.robot, self.scene)) from None
+
+    def straight(self, one: Travel) -> Statement:
+        """The joint move that goes where a travel leads, through whatever is there."""
+        if self.names.joints(one.target) is not None:
+            return MoveJoints(one.target, one.motion, span=one.span)
+        return Move("joint", one.target, one.motion, span=one.span)
+
+    def open(self, number: int) -> bool:
+        """Whether the arm may come to a travel's target in another branch than it came in."""
+        at = 0
+        for procedure in self.program.procedures:
+            at += sum(isinstance(one, Travel) for one in walk(procedure.body))
+            if number < at:
+                names = Names(self.program)
+                names.enter(procedure)
+                place = names.place(self.statements[number].target)
+                return place is not None and place.target.configuration is None
+        return False
+
+    def same(self, statement: Travel, arrivals: list[Arrival]) -> None:
+        """Raises Refused unless a travel is the same each time, from a place that is known."""
+        for arrival in arrivals:
+            self.known(statement, arrival)
+        for what, values in (
+            ("begins at {count} places", [a.places for a in arrivals]),
+            ("leads to {count} places", [a.goal for a in arrivals]),
+            ("goes with other bodies held", [a.carried for a in arrivals]),
+        ):
+            count = sum(value not in values[:at] for at, value in enumerate(values))
+            if count > 1:
+                raise Refused(_said(SEVERAL, statement, what=what.format(count=count)))
+
+    def known(self, statement: Travel, arrival: Arrival) -> None:
+        if arrival.goal is None:
+            raise Refused(_said(GOAL_UNKNOWN, statement))
+        if arrival.external:
+            raise Refused(_said(EXTERNAL, statement))
+        if arrival.doubt:
+            raise Refused(_said(START_UNKNOWN, statement, why=arrival.doubt))
+        if len(arrival.places) > 1:
+            what = f"begins at {len(arrival.places)} places"
+            raise Refused(_said(SEVERAL, statement, what=what))
+        if not arrival.places:
+            why = "only running the program tells what moves before it"
+            raise Refused(_said(START_UNKNOWN, statement, why=why))
+
+    def planned(self, arrival: Arrival) -> _Way:
+        """Raises Refused if the start is not known, or if there is no way."""
+        from assistant.cell.holding import Holding
+        from assistant.cell.planning.planner import plan
+
+        statement = self.statements[arrival.number]
+        self.known(statement, arrival)
+        if arrival.joints is None or arrival.goal is None:
+            raise Refused(_said(GOAL_UNKNOWN, statement))
+        scene, carried = self.scene, arrival.carried
+        if isinstance(carried, Holding):
+            scene = carried.scene_now()
+        tool = self.names.tool(statement.motion.tool) or Tool()
+        tip = tool.tip if tool.held else IDENTITY
+        (start,), goal = arrival.places, np.array(arrival.joints)
+        robot = self.placed().name
+        try:
+            try:
+                return _Way(arrival, plan(scene, start, goal, robot=robot, tool=tip))
+            except Refused:
+                if isinstance(arrival.goal, JointTarget) or not self.open(arrival.number):
+                    raise
+            p, q = self.robot.fk(goal)
+            pose = Pose.of(p[0], q[0]) @ tip
+            return _Way(arrival, plan(scene, start, pose, robot=robot, tool=tip))
+        except Refused as refused:
+            found = (replace(one, span=statement.span) for one in refused.findings)
+            raise Refused(*found) from None
+
+    def moves(self, way: _Way, one: Travel, *, said: bool = False) -> Body:
+        """The moves of a way, the last with the blend of the travel; said: behind a comment."""
+        made = way.planned.statements(tool=one.motion.tool)
+        moves: list[Statement] = []
+        for number, move in enumerate(made, start=1):
+            blend = one.motion.blend if number == len(made) else move.motion.blend
+            motion = replace(move.motion, speed=one.motion.speed, blend=blend)
+            moves.append(replace(move, motion=motion, span=one.span))
+        if said:
+            place = None if one.span is None else self.places.of(one.span)
+            line = "" if place is None else f", line {place.line}"
+            many = "a planned move" if len(made) == 1 else f"{len(made)} planned moves"
+            target = expression_text(one.target)
+            moves.insert(0, Comment(f"travel to {target}{line}: {many}"))
+        return tuple(moves)
+
+    def findings(self, ways: Mapping[int, _Way]) -> Iterator[Diagnostic]:
+        for number, statement in enumerate(self.statements):
+            way = ways[number]
+            if way.arrival.first:
+                yield _said(FROM_HOME, statement)
+            for finding in way.planned.findings:
+                yield replace(finding, span=statement.span)
+
+
+def _said(rule: Rule, statement: Travel, **values: Any) -> Diagnostic:
+    return rule(target=expression_text(statement.target), span=statement.span, **values)
+
+
+def _exchanged(program: Program, made: Callable[[int, Travel], Body]) -> Program:
+    """The program with what is made of each travel, which are counted in order of text.
+
+    A travel that stands in it again is another object there, as those that walk through a program
+    know its statements by what they are.
+    """
+    count = iter(range(program.size() + 1))
+
+    def body(statements: Body) -> Body:
+        return tuple(
+            part
+            for node in statements
+            for part in (
+                made(next(count), replace(node))
+                if isinstance(node, Travel)
+                else (map_bodies(node, body),)
+            )
+        )
+
+    procedures = tuple(replace(one, body=body(one.body)) for one in program.procedures)
+    return replace(program, procedures=procedures)

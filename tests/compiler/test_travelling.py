@@ -1,0 +1,176 @@
+"""`travel to`: ways around what stands in the cell, from where the arm is then."""
+
+from __future__ import annotations
+
+import re
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from assistant import robots
+from assistant.compiler import check_files, compile
+from assistant.program.arrays import Floats
+from assistant.program.rotations import to_matrix
+
+pytest.importorskip("ompl")
+pytest.importorskip("coal")
+
+CELL = Path("samples/cell/clamped.toml").resolve()
+ARM = robots.get("irb1200-7-0.7")
+HEAD = """program around for irb1200-7-0.7
+tool grip tip [0, 0, 58]
+frame plate object [272, 0, 260]
+target one [-10, -60, 15] [0, 0, 1, 0]
+target two [-10, 40, 15] [0, 0, 1, 0]
+target through [-10, -10, 15] [0, 0, 1, 0]
+joints ready [0, 0, 0, 0, 90, 0]
+signal part digital input 1
+variable n number = 0
+procedure main
+move absolute ready speed maximum blend fine
+"""
+MOTION = "speed 500 mm/s blend fine tool grip frame plate"
+ONE, TWO = f"travel to one {MOTION}", f"travel to two {MOTION}"
+
+
+def written(folder: Path, *lines: str, more: str = "") -> Path:
+    file = folder / "around.pseudo"
+    file.write_text("\n".join([HEAD + lines[0], *lines[1:], "end", more]), encoding="utf-8")
+    return file
+
+
+def text_of(file: Path, cell: Path = CELL) -> str:
+    done = compile(file, language="rapid", cell=cell)
+    assert done.ok, [str(one) for one in done.findings]
+    (text,) = done.files.values()
+    return text.decode()
+
+
+def codes(file: Path, cell: Path | None = CELL) -> list[str]:
+    """Of the errors and of what is said of travels."""
+    found = check_files([file], cell=cell).findings
+    return sorted(one.code for one in found if one.code > "CK44" and one.code[:2] == "CK")
+
+
+def rows_in(text: str) -> list[Floats]:
+    """Joints of the absolute moves of a text, read by no parser of ours."""
+    found = re.findall(r"MoveAbsJ \[\[([^\]]*)\]", text)
+    return [np.array([float(value) for value in one.split(",")]) for one in found]
+
+
+def nearest(rows: list[Floats]) -> float:
+    """Mm between the gripper and the clamp on straight joint moves, by points of the gripper.
+
+    The gripper is a cylinder of radius 12 and length 58, the clamp a box; both are those of the
+    cell file.
+    """
+    steps = [a + np.linspace(0.0, 1.0, 400)[:, None] * (b - a) for a, b in pairwise(rows)]
+    p, q = ARM.fk(np.concatenate(steps))
+    along = np.linspace(0.0, 58.0, 30)
+    middle = p[:, None] + along[:, None] * to_matrix(q)[:, None, :, 2]
+    low, high = np.array([252.0, -20.0, 260.0]), np.array([272.0, 0.0, 305.0])
+    return float(np.linalg.norm(middle - np.clip(middle, low, high), axis=2).min()) - 12.0
+
+
+def test_a_way_leads_around_what_a_straight_move_hits(tmp_path: Path) -> None:
+    text = text_of(written(tmp_path, ONE, TWO))
+    rows = rows_in(text)
+    straight = [rows[0], rows[-1]]
+    assert nearest(straight) < 0.0 < nearest(rows)
+    for row, y in ((rows[0], -60.0), (rows[-1], 40.0)):
+        p, q = ARM.fk(row[None])
+        tip = p[0] + to_matrix(q)[0] @ [0.0, 0.0, 58.0]
+        assert np.allclose(tip, [262.0, y, 275.0], atol=1e-3)
+    moves = len(rows) - 1
+    assert f"! travel to two, line 13: {moves} planned moves" in text
+
+
+def test_the_same_program_gives_the_same_text(tmp_path: Path) -> None:
+    file = written(tmp_path, ONE, TWO)
+    assert text_of(file) == text_of(file)
+
+
+@pytest.mark.parametrize(
+    ("lines", "found"),
+    [
+        ([ONE, TWO], []),
+        (["move joint one " + MOTION, TWO], []),
+        # Where the arm is then: on all ways that lead there.
+        (["if part = 1", f"move linear two {MOTION}", "end", ONE], ["CK472"]),
+        (["if part = 1", ONE, "else", ONE, "end", TWO], []),
+        (["while part = 1", ONE, TWO, "end"], ["CK472"]),
+        (["while part = 1", ONE, TWO, "move absolute ready speed maximum blend fine", "end"], []),
+        (["for i from 1 to 3", ONE, TWO, "end"], ["CK472"]),
+        (["call there", TWO, "call there"], ["CK472"]),
+        (["call there", TWO], []),
+        (["label again", ONE, "goto again"], ["CK471"]),
+        (["if part = 1", "goto on", "end", f"move joint two {MOTION}", "label on", ONE], ["CK471"]),
+        ([f"move linear two {MOTION} until part = 1", ONE], ["CK471"]),
+        (["interrupt hand when part = 1 calls there", "interrupt hand on", TWO], ["CK471"]),
+        # Where it leads.
+        ([f"travel to offset(one, 0, 0, n) {MOTION}"], []),
+        (["for n from 0 to 2", f"travel to offset(one, 0, 0, n) {MOTION}",
+          "move absolute ready speed maximum blend fine", "end"], ["CK472"]),
+        ([f"travel to offset(one, 0, 0, part) {MOTION}"], ["CK473"]),
+        (["return", ONE], ["CK474"]),
+        ([f"travel to through {MOTION}"], ["CK444"]),
+        (["travel to ready " + MOTION, f"move linear two {MOTION}"], []),
+    ],
+)  # fmt: skip
+def test_ways_are_planned_from_one_known_place(
+    tmp_path: Path, lines: list[str], found: list[str]
+) -> None:
+    there = ["procedure there", ONE, "end"] if any("there" in line for line in lines) else []
+    told = codes(written(tmp_path, *lines, more="\n".join(there)))
+    assert [code for code in told if code != "CK448"] == found
+
+
+def test_what_goes_wrong_is_told_at_the_line_and_nothing_is_written(tmp_path: Path) -> None:
+    file = written(tmp_path, ONE, f"travel to target [2000, 0, 0] [0, 0, 1, 0] {MOTION}")
+    done = compile(file, language="rapid", cell=CELL)
+    (found,) = [one for one in done.findings if one.severity.value == "error"]
+    assert (found.line, done.files) == (13, {})
+    (told,) = check_files([written(tmp_path, ONE)]).findings
+    assert (told.code, told.line) == ("CK470", 12)
+    assert "--cell" in told.cure
+    done = compile(file, language="rapid")
+    assert not done.files
+
+
+def test_a_program_that_begins_with_a_travel_is_told_to_be_at_home(tmp_path: Path) -> None:
+    file = written(tmp_path, ONE)
+    file.write_text(file.read_text().replace("move absolute ready speed maximum blend fine\n", ""))
+    assert codes(file) == ["CK476"]
+
+
+HELD = """
+[robots.arm]
+robot = "irb1200-7-0.7"
+tool = "grip"
+[bodies.grip]
+cylinder = [12, 58]
+position = [0, 0, 29]
+[bodies.part]
+box = [20, 20, 120]
+position = [262, -60, 211]
+taken = {grab = 1}
+released = {grab = 0}
+[bodies.wall]
+box = [20, 20, 40]
+position = [262, -10, 195]
+"""
+
+
+def test_what_is_held_goes_along(tmp_path: Path) -> None:
+    """The bare gripper passes over a wall that the part in it would hit."""
+    cell = tmp_path / "cell.toml"
+    cell.write_text(HELD, encoding="utf-8")
+    grab = "signal grab digital output 1\nprocedure main"
+    texts = []
+    for lines in ([], ["set grab = true"]):
+        file = written(tmp_path, f"move joint one {MOTION}", *lines, TWO)
+        file.write_text(file.read_text().replace("procedure main", grab, 1))
+        texts.append(text_of(file, cell))
+    assert [len(rows_in(text)) > 2 for text in texts] == [False, True]
