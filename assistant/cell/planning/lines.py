@@ -19,6 +19,8 @@ from assistant.robots.configurations import QUADRANTS
 
 PARTS: Final = 8
 """That a joint move is cut into, for lines."""
+MOST: Final = 32
+"""Parts of a way of several moves, about."""
 SHORT: Final = 1.0
 """mm that the tip goes at least on a line that is worth one."""
 
@@ -38,7 +40,8 @@ def with_lines(space: Space, rows: Floats) -> tuple[Floats, Truths]:
     From each place on a line goes as far as one is found that is clear; where none is, the joint
     move stays.
     """
-    moves = [_cut(space, one, other) for one, other in pairwise(rows)]
+    parts = int(np.clip(MOST // (len(rows) - 1), 1, PARTS))
+    moves = [_cut(space, one, other, parts) for one, other in pairwise(rows)]
     places = np.concatenate([rows[:1], *moves])
     move = np.repeat(np.arange(len(moves)), [len(part) for part in moves])  # to a place but one
     kept, linear, at = [0], list[bool](), 0
@@ -63,11 +66,11 @@ def in_branch(space: Space, start: Floats, goals: Floats) -> Floats:
     return np.asarray(goals[(shapes[1:] == shapes[0]).all(axis=1)])
 
 
-def _cut(space: Space, start: Floats, end: Floats) -> Floats:
+def _cut(space: Space, start: Floats, end: Floats, parts: int) -> Floats:
     """(k, a) joints on a joint move, its end the last."""
     if not len(in_branch(space, start, end[None])):
         return end[None]
-    rows = start + np.linspace(0.0, 1.0, PARTS + 1)[1:, None] * (end - start)
+    rows = start + np.linspace(0.0, 1.0, parts + 1)[1:, None] * (end - start)
     rows[-1] = end
     return np.asarray(rows)
 
@@ -87,5 +90,4 @@ def line_is_clear(space: Space, start: Floats, end: Floats) -> bool:
         return False
     # The first move stands still: it tells the branch and the turns that the line begins with.
     route = Route(space.robot, rows[[0, 0, 1]], np.zeros(2), np.array([False, True]), space.tool)
-    seen = looked_at(space, route)
-    return seen.driven and not seen.moves
+    return looked_at(space, route).good

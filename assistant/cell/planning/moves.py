@@ -82,12 +82,30 @@ class Route:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Rounded:
-    """Radii (n - 1,) mm of blends, with `driven` and `hits` as of `Seen`."""
+class Seen:
+    """What a route meets as the controller goes it.
 
-    radii: Floats
+    driven: whether the arm goes all of it as its moves say: within reach and limits, in the branch
+    that they begin with, and to the joints of the route. hits: where it is too near to something.
+    moves: the numbers of the moves that are, or that tilt the tool too far.
+    """
+
     driven: bool
     hits: tuple[Hit, ...]
+    moves: tuple[int, ...]
+
+    @property
+    def good(self) -> bool:
+        """Whether the route is proven."""
+        return self.driven and not self.moves
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rounded:
+    """Radii (n - 1,) mm of blends, and what is seen with them."""
+
+    radii: Floats
+    seen: Seen
 
 
 def rounded(space: Space, rows: Floats, linear: Truths) -> Rounded:
@@ -105,22 +123,8 @@ def rounded(space: Space, rows: Floats, linear: Truths) -> Rounded:
         corners = np.unique([c for m in seen.moves for c in (m - 1, m) if c >= 0])
         corners = corners[level[corners] < len(RADII)] if len(corners) else corners
         if not len(corners):
-            return Rounded(radii, seen.driven, seen.hits)
+            return Rounded(radii, seen)
         level[corners.astype(np.intp)] += 1
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Seen:
-    """What a route meets as the controller goes it.
-
-    driven: whether the arm goes all of it as its moves say: within reach and limits, in the branch
-    that they begin with, and to the joints of the route. hits: where it is too near to something.
-    moves: the numbers of the moves that are, or that tilt the tool too far.
-    """
-
-    driven: bool
-    hits: tuple[Hit, ...]
-    moves: tuple[int, ...]
 
 
 def looked_at(space: Space, route: Route) -> Seen:
@@ -146,10 +150,8 @@ def looked_at(space: Space, route: Route) -> Seen:
             at = min(int(hit.at), len(way.row) - 1)
             numbers.add(passed.piece_of(int(way.row[at]))[0].number - 1)
         if space.cone is not None:
-            turned = (np.abs(np.diff(way.joints, axis=0)) / 2.0 + way.slack) @ space.turning
-            tilt = space.tilt(way.joints)
-            high = np.maximum(tilt[1:], tilt[:-1]) + turned > space.cone.angle + SLACK
-            numbers |= {passed.piece_of(int(m))[0].number - 1 for m in way.row[high]}
+            upright = space.upright(way.joints[:-1], way.joints[1:], SLACK, way.slack)
+            numbers |= {passed.piece_of(int(m))[0].number - 1 for m in way.row[~upright]}
     return Seen(driven, tuple(found), tuple(sorted(numbers)))
 
 

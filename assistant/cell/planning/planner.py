@@ -14,10 +14,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from assistant.cell.collision.continuous import RESOLUTION, Hit
+from assistant.cell.collision.continuous import RESOLUTION
 from assistant.cell.planning.goals import held
 from assistant.cell.planning.lines import direct, in_branch, with_lines
-from assistant.cell.planning.moves import Route, rounded
+from assistant.cell.planning.moves import Route, Seen, rounded
 from assistant.cell.planning.rules import (
     GOAL_TOUCHES,
     LESS_MARGIN,
@@ -150,9 +150,10 @@ def plan(
     if searched.rows is None:
         raise Refused(_no_way(space, goals, goal, searched.nearest, searched.seconds))
     rows = shortened(space, searched.rows, seed=seed)
-    route, hits = _route(space, rows, linear)
-    if hits:  # nothing that `Space.clear` proves is hit: a guard, should that be wrong
-        raise Refused(_no_way(space, goals, goal, hits[0].joints, searched.seconds))
+    route, seen = _route(space, rows, linear)
+    if seen.moves:  # nothing that `Space.clear` proves is hit: a guard, should that be wrong
+        near = seen.hits[0].joints[space.columns] if seen.hits else begin
+        raise Refused(_no_way(space, goals, goal, near, searched.seconds))
     found += _told(route, linear)
     return Planned(route, searched.seconds, space.asked, tuple(found))
 
@@ -176,16 +177,16 @@ def _searched(
     return replace(found, seconds=found.seconds + seconds - rest)
 
 
-def _route(space: Space, rows: Floats, linear: bool) -> tuple[Route, tuple[Hit, ...]]:
-    """The moves through joints (n, a), and what they hit nonetheless."""
-    kinds = np.zeros(len(rows) - 1, dtype=bool)
+def _route(space: Space, rows: Floats, linear: bool) -> tuple[Route, Seen]:
+    """The moves through joints (n, a), and what is met on them nonetheless."""
     if linear:
         straight, lines = with_lines(space, rows)
         done = rounded(space, straight, lines)
-        if done.driven and not done.hits:
-            return Route(space.robot, straight, done.radii, lines, space.tool), ()
-    done = rounded(space, rows, kinds)
-    return Route(space.robot, rows, done.radii, kinds, space.tool), done.hits
+        if done.seen.good:
+            return Route(space.robot, straight, done.radii, lines, space.tool), done.seen
+    none = np.zeros(len(rows) - 1, dtype=bool)
+    done = rounded(space, rows, none)
+    return Route(space.robot, rows, done.radii, none, space.tool), done.seen
 
 
 def _told(route: Route, linear: bool) -> Iterator[Diagnostic]:

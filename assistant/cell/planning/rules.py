@@ -51,8 +51,9 @@ TILTED = error(
 )
 STOPS = info(
     "CK448",
-    "the way stops at {count} of its {total} corners: rounded, they would come too near to a body",
-    "nothing, or plan with a larger margin",
+    "the way stops at {count} of its {total} corners: rounded, they would come too near to a body "
+    "or tilt the tool too far",
+    "nothing, or plan with a larger margin or cone",
 )
 NO_JOINTS = error(
     "CK449",

@@ -2,7 +2,8 @@
 
 The straight moves come first. Then two trees of straight moves, one from the start and one from all
 goals, grow to random places and to each other (Kuffner and LaValle, 2000) until they meet. Every
-move is proven by `Space.clear`, so no place between two states is left out.
+move is proven by `Space.clear`, so no place between two states is left out. A tool that has to stay
+in a cone takes the trees of `leaning`.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from assistant.cell.planning.leaning import Leaning, Trees
 from assistant.cell.planning.rules import NO_PLANNER
 from assistant.cell.planning.space import Space
 from assistant.program.arrays import Floats
@@ -52,10 +54,25 @@ def search(
         lengths = space.length(start, goals[straight])
         goal = goals[straight[int(np.argmin(lengths))]]
         return Searched(np.stack([start, goal]), goal, time.monotonic() - begun)
-    trees = _Trees(space, start, goals)
+    trees: _Trees | Trees
+    if space.cone is None:
+        trees = _Trees(space, start, goals)
+    else:
+        low, high = bounds(space, start, goals)
+        trees = Trees(Leaning(space, space.cone, low, high), start, goals)
     rows = trees.grow(begun + seconds, seed)
     nearest = rows[-1] if rows is not None else trees.nearest()
     return Searched(rows, nearest, time.monotonic() - begun)
+
+
+def bounds(space: Space, start: Floats, goals: Floats) -> tuple[Floats, Floats]:
+    """(a,) the least and the largest joints that are gone through between joints (k, a)."""
+    ends = np.vstack([goals, start])
+    low, high = space.robot.limits.T
+    return (
+        np.maximum(low, ends.min(axis=0) - BEYOND),
+        np.minimum(high, ends.max(axis=0) + BEYOND),
+    )
 
 
 class _Trees:
@@ -63,10 +80,7 @@ class _Trees:
 
     def __init__(self, space: Space, start: Floats, goals: Floats) -> None:
         self.space, self.start, self.goals = space, start, goals
-        ends = np.vstack([goals, start])
-        low, high = space.robot.limits.T
-        self.low = np.maximum(low, ends.min(axis=0) - BEYOND)
-        self.high = np.minimum(high, ends.max(axis=0) + BEYOND)
+        self.low, self.high = bounds(space, start, goals)
         self.moves: list[tuple[Floats, Floats]] = []
 
     def grow(self, end: float, seed: int) -> Floats | None:

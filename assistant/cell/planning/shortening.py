@@ -6,6 +6,7 @@ from typing import Final
 
 import numpy as np
 
+from assistant.cell.planning.leaning import Leaning
 from assistant.cell.planning.space import Space
 from assistant.program.arrays import Floats
 
@@ -23,14 +24,17 @@ def shortened(space: Space, rows: Floats, *, rounds: int = ROUNDS, seed: int = 1
     """A way through joints (n, a) without what can be left out, and with corners cut.
 
     Between two places of the way that are drawn at random the straight move is taken if it is
-    free (Geraerts and Overmars, 2007), in each round the one that saves most.
+    free (Geraerts and Overmars, 2007), in each round the one that saves most. In a cone where none
+    is, moves that are brought into it are tried.
     """
+    cone = space.cone
+    leaning = None if cone is None else Leaning(space, cone, *space.robot.limits.T)
     rows = without_corners(space, rows)
     draw = np.random.default_rng(seed)
     for _ in range(rounds):
         if len(rows) < 3:
             break
-        shorter = _shortcut(space, rows, draw)
+        shorter = _shortcut(space, leaning, rows, draw)
         rows = rows if shorter is None else shorter
     return without_corners(space, rows)
 
@@ -47,7 +51,9 @@ def without_corners(space: Space, rows: Floats) -> Floats:
     return rows[kept]
 
 
-def _shortcut(space: Space, rows: Floats, draw: np.random.Generator) -> Floats | None:
+def _shortcut(
+    space: Space, leaning: Leaning | None, rows: Floats, draw: np.random.Generator
+) -> Floats | None:
     """The way with the best of some shortcuts, None if none is free."""
     lengths = space.length(rows[:-1], rows[1:])
     gone = np.concatenate([[0.0], np.cumsum(lengths)])
@@ -57,9 +63,18 @@ def _shortcut(space: Space, rows: Floats, draw: np.random.Generator) -> Floats |
     ends = rows[legs] + part[..., None] * (rows[legs + 1] - rows[legs])
     saved = places[:, 1] - places[:, 0] - space.length(ends[:, 0], ends[:, 1])
     some = np.flatnonzero((legs[:, 0] < legs[:, 1]) & (saved > WORTH * gone[-1]))
-    some = some[space.clear(ends[some, 0], ends[some, 1], ROOM)]
-    if not len(some):
+    free = some[space.clear(ends[some, 0], ends[some, 1], ROOM)]
+    if len(free):
+        best = int(free[int(np.argmax(saved[free]))])
+        between = ends[best]
+    elif leaning is not None and len(some):  # no straight move stays in the cone: several may
+        best = int(some[int(np.argmax(saved[some]))])
+        between = leaning.clear_chain(*ends[best])
+        length = float(space.length(between[:-1], between[1:]).sum())
+        apart = float(places[best, 1] - places[best, 0])
+        if not np.array_equal(between[-1], ends[best, 1]) or apart - length <= WORTH * gone[-1]:
+            return None
+    else:
         return None
-    best = some[int(np.argmax(saved[some]))]
     first, last = legs[best]
-    return np.concatenate([rows[: first + 1], ends[best], rows[last + 1 :]])
+    return np.concatenate([rows[: first + 1], between, rows[last + 1 :]])

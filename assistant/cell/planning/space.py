@@ -27,6 +27,8 @@ COARSEST: Final = 120.0
 """mm that anything moves in the parts that a move is cut into at first."""
 MOST_PARTS: Final = 64
 """Parts that a move is cut into at first, at most."""
+TURNED: Final = 10.0
+"""degrees that the tool turns in the parts that a move is cut into at first for its tilt."""
 TURN: Final = 0.05
 """degrees that the tool turns in the shortest part of a move whose tilt is looked at."""
 
@@ -143,13 +145,14 @@ class Space:
         out = np.ones(len(starts), dtype=bool)
         self.asked += len(starts)
         if self.cone is not None:
-            out = self._upright(starts, ends)
+            out = self.upright(starts, ends)
         if len(self.model):
             some = np.flatnonzero(out)
-            out[some] = self._apart(starts[some], ends[some], room)
+            out[some] = self.apart(starts[some], ends[some], room)
         return out
 
-    def _apart(self, starts: Floats, ends: Floats, room: float) -> Truths:
+    def apart(self, starts: Floats, ends: Floats, room: float = 0.0) -> Truths:
+        """(n,) whether the straight moves from joints (n, a) to (n, a) keep the margins."""
         out = np.ones(len(starts), dtype=bool)
         lever = self.model.leverage[self.columns]
         limit = (
@@ -159,10 +162,7 @@ class Space:
         whole = np.abs(step) @ lever  # (n, p) mm
         most = whole.max(axis=1, initial=0.0, where=self.moved)
         parts = np.clip(np.ceil(most / COARSEST), 1, MOST_PARTS).astype(np.intp)
-        edge = np.repeat(np.arange(len(starts)), parts)
-        first = np.repeat(np.cumsum(parts) - parts, parts)
-        half = 0.5 / parts[edge]
-        middle = (2.0 * (np.arange(len(edge)) - first) + 1.0) * half
+        edge, half, middle = _halves(parts)
         while len(edge):
             rows = self.all_joints(starts[edge] + middle[:, None] * step[edge])
             moved = whole[edge] * half[:, None]
@@ -181,25 +181,41 @@ class Space:
         """(n,) degrees by which the tool is tilted from the cone's direction; 0 without one."""
         return np.zeros(len(rows)) if self.cone is None else self.cone.tilt(self.tip(rows)[1])
 
-    def _upright(self, starts: Floats, ends: Floats) -> Truths:
-        """(n,) whether the tool stays in the cone: it tilts by no more than it turns."""
-        assert self.cone is not None
+    def upright(
+        self, starts: Floats, ends: Floats, beyond: float | None = None, slack: Floats | None = None
+    ) -> Truths:
+        """(n,) whether the tool stays in the cone: it tilts by no more than it turns.
+
+        beyond: degrees that it may be tilted further, `TILT` if it is not said. slack: (n, a) how
+        far the joints may be from a straight move.
+        """
+        if self.cone is None:
+            return np.ones(len(starts), dtype=bool)
+        most = self.cone.angle + (TILT if beyond is None else beyond)
+        off = np.zeros(len(starts)) if slack is None else slack @ self.turning
         out = np.ones(len(starts), dtype=bool)
         step = ends - starts
         whole = np.abs(step) @ self.turning
-        edge: Rows = np.arange(len(starts))
-        half = np.full(len(starts), 0.5)
-        middle = half.copy()
+        parts = np.clip(np.ceil(whole / TURNED), 1, MOST_PARTS).astype(np.intp)
+        edge, half, middle = _halves(parts)
         while len(edge):
             tilt = self.tilt(starts[edge] + middle[:, None] * step[edge])
             turned = whole[edge] * half
-            out[edge[tilt > self.cone.angle + TILT]] = False
-            near = tilt + turned > self.cone.angle + TILT
+            out[edge[tilt + off[edge] > most]] = False
+            near = tilt + off[edge] + turned > most
             out[edge[near & (turned <= TURN)]] = False
             again = np.flatnonzero(near & out[edge])
             edge, half = np.repeat(edge[again], 2), np.repeat(half[again] / 2.0, 2)
             middle = np.repeat(middle[again], 2) + half * np.tile([-1.0, 1.0], len(again))
         return out
+
+
+def _halves(parts: Rows) -> tuple[Rows, Floats, Floats]:
+    """Moves cut into parts (n,): for each part its move, half its share of that, and its middle."""
+    edge = np.repeat(np.arange(len(parts)), parts)
+    first = np.repeat(np.cumsum(parts) - parts, parts)
+    half = 0.5 / parts[edge]
+    return edge, half, (2.0 * (np.arange(len(edge)) - first) + 1.0) * half
 
 
 TILT: Final = 0.1

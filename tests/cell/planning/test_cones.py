@@ -1,0 +1,104 @@
+"""Tools that have to stay in a cone: however narrow it is, and all along the way."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from assistant import robots
+from assistant.cell import arms
+from assistant.cell.planning.goals import held
+from assistant.cell.planning.planner import Planned, plan
+from assistant.cell.planning.space import Cone
+from assistant.cell.scene import Body, Part, Scene
+from assistant.cell.shapes import Cylinder
+from assistant.program.geometry import Pose
+from assistant.robots.timing import simulate
+from benchmarks.cells import AHEAD, ARM, TIP, box, scene_of
+from tests.cell.planning.test_planner import ends_at, finding, proven
+
+DOWN = (0.0, 0.0, 1.0, 0.0)
+DOWNWARDS = (0.0, 0.0, -1.0)
+
+
+def most_tilted(way: Planned, axis: tuple[float, ...], to: tuple[float, ...]) -> float:
+    """Degrees, at samples of the program as it is timed."""
+    simulation = simulate(
+        robots.solve_program(way.program(), way.robot), start=way.rows[0], period=0.002
+    )
+    samples = simulation.samples
+    tilt = []
+    for row in samples.joints:
+        _, q = way.robot.fk(row[None])
+        turned = Pose((0.0, 0.0, 0.0), tuple(q[0].tolist())) @ Pose((0, 0, 0), way.tool.quaternion)
+        there = np.array((turned @ Pose((axis[0], axis[1], axis[2]))).position)
+        tilt.append(np.degrees(np.arccos(np.clip(there @ np.array(to), -1.0, 1.0))))
+    assert len(tilt) > 50
+    return float(max(tilt))
+
+
+@pytest.mark.parametrize(
+    ("angle", "linear"),
+    [
+        (5.0, False),
+        (5.0, True),
+        *(pytest.param(a, b, marks=pytest.mark.slow) for a in (0.5, 25.0) for b in (False, True)),
+    ],
+)
+def test_around_a_post_with_the_tool_upright(angle: float, linear: bool) -> None:
+    scene = scene_of(box("post", (40, 40, 500), (500, 0, 250)))
+    begin = held(ARM, Pose((430.0, -260.0, 300.0), DOWN), ARM.home, TIP)[0]
+    goal, cone = Pose((430.0, 260.0, 300.0), DOWN), Cone(DOWNWARDS, angle)
+    way = plan(scene, begin, goal, robot="arm", tool=TIP, cone=cone, seconds=60.0, linear=linear)
+    assert len(way.rows) > 2
+    assert most_tilted(way, (0.0, 0.0, 1.0), DOWNWARDS) < angle + 0.25
+    proven(scene, way, {})
+    ends_at(way, goal)
+
+
+def test_a_tool_that_is_tilted_at_its_start_straightens() -> None:
+    scene = scene_of(box("post", (40, 40, 500), (500, 0, 250)))
+    leaning = Pose((430.0, -260.0, 300.0), DOWN) @ Pose.of(
+        np.zeros(3), np.array([np.cos(np.radians(2.4)), np.sin(np.radians(2.4)), 0.0, 0.0])
+    )
+    begin = held(ARM, leaning, ARM.home, TIP)[0]
+    goal = Pose((430.0, 260.0, 300.0), DOWN)
+    cone = Cone(DOWNWARDS, 5.0)
+    way = plan(scene, begin, goal, robot="arm", tool=TIP, cone=cone, seconds=60.0)
+    assert most_tilted(way, (0.0, 0.0, 1.0), DOWNWARDS) < 5.25
+    proven(scene, way, {})
+    steep = Cone(DOWNWARDS, 4.0)
+    assert finding(scene, begin, goal, cone=steep).code == "CK447"
+
+
+def test_a_carried_glass_stays_level() -> None:
+    """The gripper holds it from the side: the axis of the tool that points up is not its z."""
+    glass = Body(
+        "glass",
+        (Part(Cylinder(30.0, 100.0)),),
+        Pose.of((0.0, 0.0, 160.0), np.array([0.5**0.5, 0.0, 0.5**0.5, 0.0])),
+        "arm.flange",
+    )
+    whole = scene_of(box("post", (40, 40, 1400), (560, 0, 700)), glass)
+    scene = Scene(whole.bodies, whole.robots, allowed=whole.allowed | {("glass", "tool")})
+    begin = held(ARM, Pose((400.0, -250.0, 450.0), AHEAD), ARM.home, TIP)[0]
+    goal = Pose((400.0, 250.0, 450.0), AHEAD)
+    up = Cone((0.0, 0.0, 1.0), 5.0, (-1.0, 0.0, 0.0))
+    way = plan(scene, begin, goal, robot="arm", tool=TIP, cone=up, seconds=60.0)
+    assert len(way.rows) > 2
+    assert most_tilted(way, (-1.0, 0.0, 0.0), (0.0, 0.0, 1.0)) < 5.25
+    proven(scene, way, {})
+    ends_at(way, goal)
+
+
+def test_five_axes_keep_their_tool_upright() -> None:
+    robot = robots.get("rv-2aj")
+    arm = arms.placed("arm", robot)
+    post = box("post", (30, 30, 320), (250, 0, 160))
+    scene = Scene((post,), (arm,), allowed=arms.touching_links(arm))
+    begin, goal = (
+        held(robot, Pose((220.0, y, 220.0), DOWN), robot.home)[0] for y in (-120.0, 120.0)
+    )
+    way = plan(scene, begin, goal, cone=Cone(DOWNWARDS, 3.0), seconds=60.0)
+    assert most_tilted(way, (0.0, 0.0, 1.0), DOWNWARDS) < 3.25
+    proven(scene, way, {})
