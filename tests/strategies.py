@@ -235,7 +235,7 @@ def blends() -> st.SearchStrategy[Blend]:
 @cache
 def tools() -> st.SearchStrategy[Tool]:
     load = st.builds(Load, amounts(), vectors(), quaternions(), vectors())
-    return st.builds(Tool, poses(), st.none() | load, st.booleans())
+    return st.builds(Tool, poses(), st.none() | load, st.booleans(), st.booleans())
 
 
 @cache

@@ -105,6 +105,7 @@ def solved(source: str, options: Options) -> Solved:
     from assistant.compiler.scenes import in_cell
     from assistant.compiler.source_map import Places
     from assistant.compiler.travelling import travelled
+    from assistant.compiler.turning import with_turns
 
     stands = in_cell(options.cell, options.robot)
     arms = stands.arms(robot_of(options.from_robot))
@@ -117,6 +118,8 @@ def solved(source: str, options: Options) -> Solved:
     if arm is None:
         raise Refused(NO_ROBOT(path=source), exit_status=2)
     program, changed = for_arm(program, taught_on(program, replace(arms, robot=arm)), arm)
+    program, turned = with_turns(program, arm, arms.scene)
+    changed += turned
     places = Places(loaded.program, loaded.text)
     ways = travelled(program, arm, arms.scene, places)
     solution = robots.solve_program(replace(ways.program, robot=arm.name), arm)

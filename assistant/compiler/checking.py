@@ -27,6 +27,7 @@ from assistant.compiler.project import configured
 from assistant.compiler.scenes import InCell, in_cell
 from assistant.compiler.source_map import Places, at_moves
 from assistant.compiler.travelling import travelled
+from assistant.compiler.turning import with_turns
 from assistant.program import pseudo
 from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors, info
 from assistant.program.failing import details_wanted, failure
@@ -324,6 +325,8 @@ def _check_meaning(
     if program.origin is None:  # a controller takes the numbers of its own text as they stand
         program, changed = for_arm(program, taught_on(program, replace(arms, robot=arm)), arm)
         found += changed
+    program, turned = with_turns(program, arm, arms.scene)
+    found += turned
     places = Places(program) if places is None else places
     ways = travelled(program, arm, arms.scene, places)
     if has_errors(ways.findings):

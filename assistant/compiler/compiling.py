@@ -22,6 +22,7 @@ from assistant.compiler.proof import SAYS_OTHERWISE, Proof, prove
 from assistant.compiler.scenes import InCell, in_cell
 from assistant.compiler.source_map import Places, at_moves
 from assistant.compiler.travelling import travelled, travels
+from assistant.compiler.turning import with_turns
 from assistant.program.contents import saying
 from assistant.program.diagnostics import (
     Diagnostic,
@@ -202,6 +203,9 @@ def compile_program(
         program, changed = for_arm(program, taught, arm)
         findings += changed
         passed("for-the-arm", program)
+    program, changed = with_turns(program, arm, arms.scene)
+    findings += changed
+    passed("with-turns", program)
     if travels(program):
         ways = travelled(program, arm, arms.scene, places)
         findings += ways.findings

@@ -13,6 +13,7 @@ from assistant.compiler.arms import Arms, taught_on
 from assistant.compiler.crossing import for_arm
 from assistant.compiler.loading import load
 from assistant.compiler.teaching import own_joints
+from assistant.compiler.turning import with_turns
 from assistant.controllers.following import Led
 from assistant.controllers.states import Position
 from assistant.program.arrays import Floats
@@ -51,6 +52,8 @@ def led_along(
     from assistant import robots
     from assistant.robots.timing import simulate
 
+    program, turned = with_turns(program, robot)
+    changed += turned
     solved = robots.solve_program(replace(program, robot=robot.name), robot)
     found = (*loaded.findings, *changed, *solved.findings)
     findings = tuple(fold(finding.within(source) for finding in found))

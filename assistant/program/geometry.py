@@ -104,12 +104,14 @@ class Load:
 class Tool:
     """A tool: pose of its tip in the flange frame, and its load if that is known.
 
-    held: the robot carries it; False for a tool that stands in the room.
+    held: the robot carries it; False for a tool that stands in the room. free_turn: how it is
+    turned about its own z axis means nothing to the work, as of a round nozzle or a milling cutter.
     """
 
     tip: Pose = IDENTITY
     load: Load | None = None
     held: bool = True
+    free_turn: bool = False
 
 
 @dataclass(frozen=True, slots=True)

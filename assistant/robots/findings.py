@@ -6,6 +6,41 @@ from typing import Final
 
 from assistant.program.diagnostics import error, info, warning
 
+TURNED: Final = info(
+    "RB119",
+    "its turn about its axis is free: {count} targets are turned by up to {most:.1f} degrees from "
+    "how they were drawn",
+    "say nothing of a free turn where the tool has to stand as it was drawn",
+)
+NO_TURN: Final = warning(
+    "RB120",
+    "no turn of the tool about its axis leads {robot} to it in one arm branch and within limits; "
+    "the turns stay as they were drawn",
+    "move the work piece or the robot, tilt the tool, or go on from here after a joint move",
+)
+NO_TURN_CLEAR: Final = warning(
+    "RB121",
+    "no turn of the tool about its axis leads {robot} to it without coming too near to something; "
+    "the turns stay as they were drawn",
+    "move the work piece or what is in the way, tilt the tool, or state a smaller margin",
+)
+TURN_KEPT: Final = warning(
+    "RB122",
+    "the turns that were found for free tools do not hold between their targets; all stay as they "
+    "were drawn",
+    "give the paths more targets",
+)
+NOT_TURNED: Final = info(
+    "RB123",
+    "the arm of {robot} has no branches that a configuration could name: the turns of free tools "
+    "stay as they were drawn",
+    "turn the tool in the source, or take a robot of the catalogue",
+)
+NO_ARM: Final = info(
+    "RB124",
+    "no robot is named, so the turns of free tools stay as they were drawn",
+    "name the robot that runs the program: --robot",
+)
 NO_NUMBER: Final = error(
     "RB101", "the pose is no number", "look for the value where it was computed or read"
 )

@@ -64,6 +64,7 @@ _SPOKEN: Final = {
     "INFINITE": "a number",
     "NAN": "a number",
     "WITHOUT_ENTRY": "`without entry`",
+    "FREE_TURN": "`free turn`",
 }
 _MOST_EXPECTED: Final = 8
 _GOING_ON: Final = frozenset(f"`{word}`" for word in ("or", "xor", "and", "=", "+", "-", "*", "^"))

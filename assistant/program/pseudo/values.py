@@ -238,7 +238,7 @@ def read_blend(tree: object) -> Blend | Name:
 
 
 def tool_text(tool: Tool) -> str:
-    """`tip … mass … stationary`, as far as they are not usual."""
+    """`tip … mass … stationary free turn`, as far as they are not usual."""
     parts = _pose_parts("tip", tool.tip)
     if tool.load is not None:
         load = tool.load
@@ -250,12 +250,17 @@ def tool_text(tool: Tool) -> str:
         ):
             text = numbers_text(values)
             parts += [] if text == usual else [f"{word} {text}"]
-    return " ".join(parts + ([] if tool.held else ["stationary"]))
+    parts += [] if tool.held else ["stationary"]
+    return " ".join(parts + (["free turn"] if tool.free_turn else []))
 
 
-def read_tool(tip: object, load: object, stationary: object) -> Tool:
-    pose = read_pose(None if tip is None else _tree(tip))
-    return Tool(pose, None if load is None else _read_load(_tree(load)), stationary is None)
+def read_tool(tip: object, load: object, stationary: object, free: object) -> Tool:
+    return Tool(
+        read_pose(None if tip is None else _tree(tip)),
+        None if load is None else _read_load(_tree(load)),
+        held=stationary is None,
+        free_turn=free is not None,
+    )
 
 
 def frame_text(frame: Frame) -> str:

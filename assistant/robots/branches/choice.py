@@ -125,7 +125,7 @@ def choices(run: Run, robot: Robot, survey: Survey, every: Singles, own: Rows) -
             bound = np.take_along_axis(bound, sheet, axis=0)
     same = np.ones(robot.branches, bool)
     if continued(run):
-        same = _branches_at(run.before, robot)
+        same = branches_at(run.before, robot)
     if (bound[:, 0] & same).any():
         bound[:, 0] &= same
     starts = chain_starts(run)
@@ -140,7 +140,7 @@ def chain_starts(run: Run) -> Rows:
     return np.flatnonzero(first)
 
 
-def _branches_at(joints: Floats, robot: Robot) -> Truths:
+def branches_at(joints: Floats, robot: Robot) -> Truths:
     """(b,) which branches joints (a,) belong to; several at a singularity."""
     p, q = robot.fk(joints)
     found, _ = robot.solve(p, q)

@@ -23,6 +23,7 @@ masses kg; names are letters, digits and `_`, a letter first.
     mass = 1.2
     centre = [0, 0, 60]           # of gravity; needs a mass
     held = true                   # false: stands in the room
+    free_turn = false             # true: its turn about its axis is free, as of a round nozzle
 
     [frames.table]
     position = [400, 0, 20]       # in the robot's base frame
@@ -94,6 +95,11 @@ NO_LINE = error(
     "`{name}` is no communication line",
     "name it line_1 to line_8, and give its role, port and, but for a serial one, its address",
 )
+TURNS_FREELY = error(
+    "CT322",
+    "the x axis of `{name}` cannot follow the contour: its turn is free",
+    "leave out `tangential`, or `free_turn` of the tool",
+)
 ONE_BIT = error("CT312", "the {kind} signal `{name}` has no bits", 'write kind = "group"')
 
 ENCODINGS: Final = ("utf-8-sig", "utf-8")
@@ -122,6 +128,7 @@ ORIENTATION: Final[Mapping[str, Read]] = {
 TOOL: Final[Mapping[str, Read]] = {
     "tip": values.position,
     **ORIENTATION,
+    "free_turn": values.truth,
     "mass": values.number("kg", above=0.0),
     "centre": values.position,
 }
@@ -255,7 +262,8 @@ def _tool(name: str, table: Table) -> Tool:
     if "centre" in found and "mass" not in table.content:
         table.say(NO_MASS, "centre", name=name)
     load = Load(found["mass"], found.get("centre", (0.0, 0.0, 0.0))) if "mass" in found else None
-    return Tool(_pose(name, table, found, "tip"), load, found.get("held", True))
+    free = found.get("free_turn", False)
+    return Tool(_pose(name, table, found, "tip"), load, found.get("held", True), free)
 
 
 def _frame(name: str, table: Table) -> Frame:
@@ -301,6 +309,9 @@ def _layer(name: str, table: Table, defaults: Defaults, names: _Names) -> Layer:
         for key in ("on", "off")
         if key in found
     }
+    tool = parts.get("tool", defaults.tool)
+    if found.get("tangential", False) and names.turns_freely(tool):
+        table.say(TURNS_FREELY, "tangential", name=tool)
     process = found.pop("process", shown(name))
     rounded = defaults.blend is None and "blend" not in parts
     return Layer(process, Motion(**(usual | parts)), rounded=rounded, **switched, **found)
@@ -311,10 +322,11 @@ class _Names:
 
     def __init__(
         self,
-        tools: Iterable[str],
+        tools: Mapping[str, Tool],
         frames: Iterable[str],
         signals: Mapping[str, Signal],
     ) -> None:
+        self._tools = tools
         self._known = {"tool": [*tools, FLANGE], "frame": [*frames, BASE]}
         self._signals = signals
 
@@ -329,6 +341,9 @@ class _Names:
                 else:
                     found[kind] = name
         return found
+
+    def turns_freely(self, tool: str) -> bool:
+        return tool in self._tools and self._tools[tool].free_turn
 
     def switched(self, table: Table, wanted: Mapping[str, float]) -> Iterable[tuple[str, float]]:
         for given, value in wanted.items():

@@ -1,0 +1,41 @@
+"""Free turns of tools, chosen for the arm that runs a program and the cell that it stands in."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from assistant.program.diagnostics import Diagnostic
+from assistant.program.program import Program
+
+if TYPE_CHECKING:
+    from assistant.cell.scene import Scene
+    from assistant.robots import Robot
+    from assistant.robots.turning.choosing import Clear
+
+
+def with_turns(
+    program: Program, arm: Robot | None, scene: Scene | None = None
+) -> tuple[Program, tuple[Diagnostic, ...]]:
+    """A program whose tools have the turns that suit an arm best, where they are free.
+
+    scene: of the cell, None without one: then nothing is there to be touched.
+    """
+    from assistant.robots.findings import NO_ARM
+    from assistant.robots.turning.programs import has_free_turns, turned, without_free_turns
+
+    if not has_free_turns(program):
+        return program, ()
+    if arm is None:
+        return without_free_turns(program), (NO_ARM(),)
+    return turned(program, arm, None if scene is None else _clear(scene, arm))
+
+
+def _clear(scene: Scene, arm: Robot) -> Clear | None:
+    """What touches nothing in a scene, with its margins, while all else stands."""
+    from assistant.cell.clearances import robot_of
+    from assistant.cell.planning.space import Space
+
+    try:
+        return Space(scene, robot_of(scene, arm)).clear
+    except LookupError:  # which the check of the cell tells
+        return None

@@ -1,0 +1,282 @@
+"""The turns of a course: first on a coarse grid of all turns, then closer about what was found."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+
+from assistant.program.arrays import Floats, Rows, Truths
+from assistant.program.path import Kind
+from assistant.robots.branches.choice import branches_at
+from assistant.robots.motion.run import continued
+from assistant.robots.robot import Robot
+from assistant.robots.turning.search import Found, Problem, Search, Stuck
+from assistant.robots.turning.stations import Course, stations
+from assistant.robots.turning.steps import Looker, Station, Step
+
+COARSE: Final = 10.0
+"""degrees between the turns that are tried first."""
+CLOSER: Final = 2.5
+"""degrees between those that are tried about what was found, and where nothing was."""
+ABOUT: Final = 4
+"""So many of them to either side."""
+FEW: Final = 400
+"""Stations up to which all closer turns are tried where the coarse ones lead nowhere."""
+TRIES: Final = 60
+"""Ways that are looked for until one touches nothing."""
+
+Clear = Callable[[Floats, Floats], Truths]
+"""Whether the straight moves of the arm from joints (n, a) to (n, a) touch nothing, (n,)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Chosen:
+    """turns: (n,) degrees from how the targets were drawn. last: (a,) joints at the end."""
+
+    turns: Floats
+    last: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class Nowhere:
+    """row: up to which no turn leads. touching: whether only because something is in the way."""
+
+    row: int
+    touching: bool = False
+
+
+def choose(course: Course, robot: Robot, clear: Clear | None = None) -> Chosen | Nowhere:
+    """Turns with which a course is within reach and limits, keeps its branch, touches nothing and
+    takes the axes the shortest way.
+
+    clear: None without a cell.
+    """
+    looker = Looker(course, robot)
+    found = _searched(_Grid(looker, COARSE), clear)
+    if isinstance(found, Nowhere):
+        fine = _Grid(looker, CLOSER)
+        if len(fine.rows) > FEW:
+            return found
+        found = _searched(fine, clear)
+        return found if isinstance(found, Nowhere) else found.chosen()
+    closer = _searched(_Grid(looker, CLOSER, found), clear)
+    return found.chosen() if isinstance(closer, Nowhere) else closer.chosen()
+
+
+class _Grid:
+    """A course with turns to choose from: all, `step` degrees apart, or those about a way."""
+
+    def __init__(self, looker: Looker, step: float, about: _Way | None = None) -> None:
+        self.looker, self.course, self.step, self.about = looker, looker.course, step, about
+        self.rows: Rows = stations(self.course, COARSE) if about is None else about.grid.rows
+        self.ramp = self._ramp()
+        robot = looker.robot
+        every = tuple(range(robot.branches))
+        self.stations: list[Station] = []
+        for at, row in enumerate(self.rows.tolist()):
+            settled = float(self.course.fixed[row])
+            if np.isfinite(settled):
+                turns = np.array([settled])
+            elif about is None:
+                turns = np.arange(0.0, 360.0, step) + self.ramp[at]
+            else:
+                turns = about.turns[at] + step * np.arange(-ABOUT, ABOUT + 1)
+            branches = every if about is None else (about.branches[at],)
+            self.stations.append(looker.station(row, turns, branches))
+        self.steps = [self._step(at) for at in range(1, len(self.rows))]
+
+    def _step(self, at: int) -> Step | None:
+        one, other = self.stations[at - 1], self.stations[at]
+        if self.course.run.kinds[other.row] == Kind.JOINT:
+            return None
+        ramp = float(self.ramp[at] - self.ramp[at - 1])
+        settled = np.isfinite(self.course.fixed[[one.row, other.row]]).any()
+        return self.looker.step(one, other, ramp, self.step / 2.0 + 1e-6 if settled else 0.0)
+
+    def _ramp(self) -> Floats:
+        """(s,) degrees by which the turns to choose from are on, so that what comes back to a
+        target finds the turn again that it has there.
+        """
+        course, rows = self.course, self.rows
+        out = np.zeros(len(rows))
+        for one, other in self._ties():
+            drawn = course.drawn[rows[other]] - course.drawn[rows[one]]
+            off = out[one] + drawn - out[other]
+            off -= 360.0 * np.round(off / 360.0)
+            if abs(off) < 1e-9:
+                continue
+            seconds = np.cumsum(course.seconds[rows[one] : rows[other] + 1])
+            whole = float(seconds[-1] - seconds[0])
+            at = rows[one : other + 1] - rows[one]
+            part = (seconds[at] - seconds[0]) / whole if whole > 0.0 else at / at[-1]
+            out[one : other + 1] += off * part
+            out[other + 1 :] += off
+        return out
+
+    def _ties(self) -> list[tuple[int, int]]:
+        number = {row: at for at, row in enumerate(self.rows.tolist())}
+        tied = self.course.tied
+        return [
+            (number[int(tied[row])], at)
+            for at, row in enumerate(self.rows.tolist())
+            if tied[row] >= 0 and not np.isfinite(self.course.fixed[row])
+        ]
+
+    def problem(self) -> Problem:
+        run, robot = self.course.run, self.looker.robot
+        ties, end = [], 0
+        for one, other in sorted(self._ties()):
+            if other > one + 1 and one >= end:
+                ties.append((one, other))
+                end = other
+        alike = frozenset(other for one, other in self._ties() if other == one + 1)
+        same = branches_at(run.before, robot)
+        drawn = self.course.drawn[self.rows]
+        goes_on = continued(run)
+        return Problem(
+            self.stations, self.steps, drawn, run.before, goes_on, same, tuple(ties), alike
+        )
+
+    def untied(self, turns: Floats) -> list[tuple[int, int]]:
+        """Stations that have one target but not one turn."""
+        out = []
+        for one, other in self._ties():
+            drawn = self.course.drawn[self.rows[other]] - self.course.drawn[self.rows[one]]
+            off = turns[other] - turns[one] - drawn
+            if abs(off - 360.0 * np.round(off / 360.0)) > 1e-3:
+                out.append((one, other))
+        return out
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Way:
+    """A way through a grid. turns: (s,) degrees. branches: (s,)."""
+
+    grid: _Grid
+    found: Found
+    turns: Floats
+    branches: list[int]
+
+    @staticmethod
+    def of(grid: _Grid, found: Found) -> _Way:
+        pairs = list(zip(grid.stations, found.states, strict=True))
+        turns = np.array([one.turns[state[0]] for one, state in pairs])
+        return _Way(grid, found, turns, [one.branches[state[1]] for one, state in pairs])
+
+    def changes(self, at: int) -> tuple[float, float]:
+        """The turn at a station, and the degrees from it to the next one."""
+        ramp = float(self.grid.ramp[at + 1] - self.grid.ramp[at])
+        change = float(self.turns[at + 1] - self.turns[at]) - ramp
+        return float(self.turns[at]), change - 360.0 * round(change / 360.0) + ramp
+
+    def chosen(self) -> Chosen:
+        course, grid = self.grid.course, self.grid
+        out = np.empty(len(course))
+        out[grid.rows] = self.turns
+        for at, (one, other) in enumerate(pairwise(grid.stations)):
+            if grid.steps[at] is not None and other.row > one.row + 1:
+                turns = grid.looker.row_turns(one, other, self.changes(at))
+                out[one.row + 1 : other.row] = turns[:-1]
+        away = out - course.drawn
+        return Chosen(away - 360.0 * np.round(away / 360.0), self.found.joints[-1])
+
+    def legs(self) -> list[tuple[int, Floats]]:
+        """Stations with the joints (s, a) on the way to them, the one before included."""
+        grid, out = self.grid, [(0, self.found.joints[:1])]
+        for at, (one, other) in enumerate(pairwise(grid.stations)):
+            ends = self.found.joints[at : at + 2]
+            if grid.steps[at] is not None:
+                ends = grid.looker.along(one, other, self.changes(at), self.branches[at])
+            else:
+                ends = ends[
+                    1:
+                ]  # the way of a joint move is that of its ends: the check looks at it
+            out.append((at + 1, ends))
+        return out
+
+
+def _searched(grid: _Grid, clear: Clear | None) -> _Way | Nowhere:
+    """The cheapest way through a grid that touches nothing."""
+    problem = grid.problem()
+    search = Search(problem, grid.looker.robot)
+    barred: dict[int, set[tuple[int, int, int]]] = {}
+    for _ in range(TRIES):
+        found = search.best(barred)
+        if isinstance(found, Stuck):
+            return Nowhere(int(grid.rows[found.station]), touching=bool(barred))
+        way = _Way.of(grid, found)
+        bad = [] if clear is None else _touching(way, clear)
+        if not bad:
+            untied = grid.untied(way.turns)
+            return way if not untied else _settled(way, untied, clear)
+        assert clear is not None
+        for at in bad:
+            _bar(way, at, clear, barred.setdefault(at, set()))
+    return Nowhere(int(grid.rows[bad[0]]), touching=True)
+
+
+def _touching(way: _Way, clear: Clear) -> list[int]:
+    """Stations on whose way something is touched."""
+    legs = way.legs()
+    starts = np.concatenate([joints[:-1] if len(joints) > 1 else joints for _, joints in legs])
+    ends = np.concatenate([joints[1:] if len(joints) > 1 else joints for _, joints in legs])
+    of = np.repeat([at for at, _ in legs], [max(len(joints) - 1, 1) for _, joints in legs])
+    return [int(at) for at in np.unique(of[~clear(starts, ends)])]
+
+
+def _bar(way: _Way, at: int, clear: Clear, barred: set[tuple[int, int, int]]) -> None:
+    """Rules out what touches something at a station, or else on the ways to it, in one branch."""
+    grid, station = way.grid, way.grid.stations[at]
+    turn, branch, _ = way.found.states[at]
+    joints = station.joints[:, branch]
+    known = np.flatnonzero(station.possible[:, branch])
+    for bad in known[~clear(joints[known], joints[known])].tolist():
+        barred.add((bad, -1, branch))
+    if (turn, -1, branch) in barred:
+        return
+    step = grid.steps[at - 1] if at else None
+    if step is None:
+        barred.add((turn, -1, branch))
+        return
+    one = grid.stations[at - 1]
+    pairs = np.argwhere(np.isfinite(step.seconds[:, :, branch])).tolist()
+    ways = []
+    for k, m in pairs:
+        ends = float(one.turns[step.before[k, m]]), float(station.turns[k])
+        change = ends[1] - ends[0] - float(grid.ramp[at] - grid.ramp[at - 1])
+        change += float(grid.ramp[at] - grid.ramp[at - 1]) - 360.0 * round(change / 360.0)
+        ways.append(grid.looker.along(one, station, (ends[0], change), station.branches[branch]))
+    starts = np.concatenate([joints[:-1] for joints in ways])
+    free = clear(starts, np.concatenate([joints[1:] for joints in ways]))
+    of = np.repeat(np.arange(len(ways)), [len(joints) - 1 for joints in ways])
+    for number in np.unique(of[~free]).tolist():
+        barred.add((*pairs[number], branch))
+    before = way.found.states[at - 1][0]
+    m = int(np.flatnonzero(step.before[turn] == before)[0])
+    barred.add((turn, m, branch))
+
+
+def _settled(way: _Way, untied: list[tuple[int, int]], clear: Clear | None) -> _Way | Nowhere:
+    """The way when targets that are come back to have the turn that they were first found with."""
+    grid, course = way.grid, way.grid.course
+    fixed = course.fixed.copy()
+    for one, _ in untied:
+        row, first = int(grid.rows[one]), way.turns[one] - course.drawn[grid.rows[one]]
+        if np.isfinite(fixed[row]):
+            first = fixed[row] - course.drawn[row]
+        alike = _with_target(course, row)
+        fixed[alike] = np.where(np.isnan(fixed[alike]), first + course.drawn[alike], fixed[alike])
+    looker = Looker(replace(course, fixed=fixed), grid.looker.robot)
+    return _searched(_Grid(looker, grid.step, grid.about), clear)
+
+
+def _with_target(course: Course, row: int) -> Rows:
+    """The rows that have the target of one."""
+    first = np.arange(len(course))
+    for at in np.flatnonzero(course.tied >= 0).tolist():
+        first[at] = first[course.tied[at]]
+    return np.flatnonzero(first == first[row])
