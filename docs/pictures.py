@@ -71,6 +71,14 @@ def contact() -> bytes:
     )
 
 
+def viewing() -> bytes:
+    """The tool on its way along what is glued, with the line of the program that it is at."""
+    return scene(
+        *("samples/rapid/gluing.mod", "--robot", "irb1200-7-0.7"),
+        does=["view.setTime(4)", "view.aim([420, 0, 330], 1300)"],
+    )
+
+
 def reach() -> bytes:
     """What the arm reaches over its stand, in three levels."""
     region = ("--tip", "0,0,60", "--x", "0:700:25", "--y", "-400:400:25", "--z", "250:450:100")
@@ -85,7 +93,11 @@ def drawn(*words: str) -> bytes:
         return picture.read_bytes()
 
 
-PICTURES: Final[dict[str, Callable[[], bytes]]] = {"contact": contact, "reach": reach}
+PICTURES: Final[dict[str, Callable[[], bytes]]] = {
+    "contact": contact,
+    "reach": reach,
+    "viewing": viewing,
+}
 """Each picture by the name of its file."""
 
 

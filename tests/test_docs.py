@@ -61,7 +61,7 @@ def test_there_are_commands_in_the_readme():
 @pytest.mark.parametrize("page", PAGES, ids=NAMES.get)
 def test_the_commands_of_a_page_work(page, tmp_path, forks):
     shutil.copytree(PROJECT / "samples", tmp_path / "samples")
-    environment = forks.environment(ROBOT_ASSISTANT_PASSWORD="secret", NO_COLOR="1")
+    environment = forks.environment(ROBOT_ASSISTANT_PASSWORD="secret", NO_COLOR="1", BROWSER="true")
     servers: list[subprocess.Popen[bytes]] = []
     try:
         for line in commands(page):

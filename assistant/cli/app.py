@@ -363,6 +363,13 @@ def view(
         Path | None,
         typer.Option(help="File for the page, which needs no other; default it is opened."),
     ] = None,
+    live: Annotated[
+        str | None,
+        typer.Option(
+            help="Controller that the page follows until Ctrl-C; it is only looked at.",
+            metavar="CONTROLLER",
+        ),
+    ] = None,
     acceleration: AccelerationOption = None,
     process: ProcessOption = None,
     unit: UnitOption = None,
@@ -378,7 +385,7 @@ def view(
     options = Options(
         robot, process, unit, from_language, from_robot, acceleration, None, entry, cell
     )
-    raise typer.Exit(run_view(program, options, html, format))
+    raise typer.Exit(run_view(program, options, html, format, live))
 
 
 app.command()(run)

@@ -5,8 +5,10 @@ from __future__ import annotations
 import shutil
 import tempfile
 import webbrowser
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from assistant.cli.compiling import STANDARD, keep_sources, working
 from assistant.cli.presentation import Format, print_findings, print_json, say
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
     from assistant.cell.clearances import Closeness
     from assistant.cell.scene import Placed, Scene
     from assistant.robots import SolvedProgram
+    from assistant.view.record import Shown
 
 NO_PAGE = error(
     "CL034", "a page for the browser is not written as `{name}`", "end the name in .html"
@@ -26,13 +29,21 @@ NO_BROWSER = error(
     "no browser could be opened here",
     "write the page with --html FILE.html, and open that",
 )
+NOT_WRITTEN = error(
+    "CL046",
+    "a page that follows a controller is served, and cannot be written to a file",
+    "leave out --html or --live",
+)
 SUFFIXES: Final = (".html", ".htm")
 
 
-def run_view(source: str, options: Options, html: Path | None, format: Format) -> int:
+def run_view(
+    source: str, options: Options, html: Path | None, format: Format, live: str | None = None
+) -> int:
     """1 if the robot cannot run the program, or not without contact, else 0.
 
     html: where it is written; None to open it in the browser, from a folder for temporary files.
+    live: the controller that the page follows until Ctrl-C, from where it is served then.
     """
     from assistant import checks
     from assistant.cell.holding import Holding, takeable
@@ -45,6 +56,8 @@ def run_view(source: str, options: Options, html: Path | None, format: Format) -
 
     if html is not None and (html.suffix.lower() not in SUFFIXES or not html.stem):
         raise Refused(NO_PAGE(name=html), exit_status=2)
+    if html is not None and live is not None:
+        raise Refused(NOT_WRITTEN(), exit_status=2)
     with working(f"looking at {source}"):
         ready = solved(source, options)
         solution, places = ready.solution, ready.places
@@ -62,17 +75,28 @@ def run_view(source: str, options: Options, html: Path | None, format: Format) -
         drawn = drawn_lines(source, options.process, options.unit)
         title = Path(source).name
         shown = Shown(title, solution, done, scene, placed, places, marked, drawn)
-        path = _written(source, options.cell, html, page(shown))
+        path = None if live is not None else _written(source, options.cell, html, page(shown))
     findings = [places.finding(one).within(source) for one, _ in marked]
-    if format is Format.JSON:
-        records = [finding_record(one) for one in findings]
-        robot = solution.robot.name
-        answer = {"source": source, "robot": robot, "findings": records, "written": [str(path)]}
-        print_json(answer)
-    else:
+    records = [finding_record(one) for one in findings]
+    answer: dict[str, Any] = {"source": source, "robot": solution.robot.name, "findings": records}
+    if format is not Format.JSON:
         print_findings(fold(findings), explained=True)
+    if live is not None:
+        from assistant.cli.live_view import run_live
+
+        following = partial(_following, shown)
+        run_live(live, solution.robot, following, answer, format)
+    elif format is Format.JSON:
+        print_json(answer | {"written": [str(path)]})
+    else:
         say(f"wrote {path}")
     return 1 if has_errors(findings) else 0
+
+
+def _following(shown: Shown, name: str) -> str:
+    from assistant.view.page import page
+
+    return page(replace(shown, live=name))
 
 
 def _standing(scene: Scene | None, solution: SolvedProgram) -> tuple[Scene, Placed]:

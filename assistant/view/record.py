@@ -201,7 +201,7 @@ def _finding(shown: Shown, motion: Motion, moves: Moves, marked: Marked) -> Reco
             "other": visible(contact.other),
             "points": [list(point) for point in contact.points],
             "normal": list(contact.normal),
-            "distance": contact.distance,
+            "deep": max(0.0, -min(close.least, contact.distance)),
             "joints": motion.robot.chained(at[None])[0].tolist(),
             "time": motion.when(at),
         }

@@ -10,18 +10,30 @@ try {
 const controls = renderer && new THREE.OrbitControls(camera, renderer.domElement);
 if (renderer) stage.prepend(renderer.domElement);
 
-/** Turns the view to the whole scene. */
+/** Turns the view to a place, from a distance. */
+function aim(place, far) {
+  camera.position.copy(place).add(new THREE.Vector3(0.75, -1, 0.6).normalize().multiplyScalar(far));
+  camera.lookAt(place);
+  if (controls) controls.target.copy(place);
+  dirty = true;
+}
+/** Turns the view to the arms and what the program goes through. */
 function look() {
-  const around = new THREE.Box3().setFromObject(scene);
+  const around = new THREE.Box3();
+  const grow = (object) => {
+    const box = new THREE.Box3().setFromObject(object);
+    if (!box.isEmpty()) around.expandByPoint(box.min).expandByPoint(box.max);
+  };
+  [...carriers.slice(1), path, targets].forEach(grow);
+  if (around.isEmpty()) grow(scene);
   if (around.isEmpty()) around.set(new THREE.Vector3(-500, -500, 0), new THREE.Vector3(500, 500, 1000));
   const ball = around.getBoundingSphere(new THREE.Sphere());
   const far = ball.radius / Math.sin((camera.fov * Math.PI) / 360);
-  camera.position.copy(ball.center).add(new THREE.Vector3(0.75, -1, 0.6).normalize().multiplyScalar(far));
   camera.near = ball.radius / 500;
-  camera.far = far + 20 * ball.radius;
+  camera.far = far + 40 * ball.radius;
   camera.updateProjectionMatrix();
-  camera.lookAt(ball.center);
-  if (controls) controls.target.copy(ball.center);
+  aim(ball.center, far);
+  grow(scene);
   const cells = 20, size = Math.pow(10, Math.ceil(Math.log10(ball.radius * 2)));
   const grid = new THREE.GridHelper(size, cells, "#aab4bf", "#d3d9df");
   grid.rotation.x = Math.PI / 2;

@@ -77,7 +77,7 @@ const ball = (place, colour, size) => {
 for (const finding of data.findings) {
   if (!finding.mark) continue;
   const colour = SEVERITIES[finding.severity], [one, other] = finding.mark.points;
-  const long = Math.min(ARROW.most, Math.max(ARROW.least, 10 * Math.abs(finding.mark.distance)));
+  const long = Math.min(ARROW.most, Math.max(ARROW.least, 10 * finding.mark.deep));
   const arrow = new THREE.ArrowHelper(new THREE.Vector3(...finding.mark.normal), new THREE.Vector3(...one), long, colour, 22, 12);
   arrow.line.material.depthTest = arrow.cone.material.depthTest = false;
   const group = new THREE.Group();

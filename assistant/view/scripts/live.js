@@ -15,6 +15,7 @@ function follow(on) {
     currentLine(0);
     current.at = null;
     find("clock").textContent = "live";
+    find("reading").textContent = "";
     if (live.to) stand(live.to);
   } else setTime(now);
 }

@@ -27,7 +27,9 @@ resized();
 requestAnimationFrame(tick);
 // What tests and other scripts on the page may ask.
 window.view = {
-  setTime, play, seconds, choose: (i) => findingButtons[i].click(),
+  setTime, play, seconds,
+  aim: (place, far) => aim(new THREE.Vector3(...place), far),
+  choose: (i) => findingButtons[i].click(),
   time: () => now,
   carriers: () => shown.map((at) => Array.from(at.toArray())),
   body: (name) => {
