@@ -85,6 +85,12 @@ def reach() -> bytes:
     return drawn("reach", "map", "--cell", "samples/cell/stand.toml", *region)
 
 
+def places() -> bytes:
+    """Where a tray stands best."""
+    grid = ("--tip", "0,0,60", "--x", "-300:100:25", "--y", "-600:100:25")
+    return drawn("reach", "place", "tray", "--cell", "samples/cell/tray.toml", *grid)
+
+
 def drawn(*words: str) -> bytes:
     """The picture that a command writes with `-o`."""
     with chdir(PROJECT), tempfile.TemporaryDirectory() as folder:
@@ -97,6 +103,7 @@ PICTURES: Final[dict[str, Callable[[], bytes]]] = {
     "contact": contact,
     "reach": reach,
     "viewing": viewing,
+    "places": places,
 }
 """Each picture by the name of its file."""
 

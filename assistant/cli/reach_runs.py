@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from assistant.cell.reach.region import Range
     from assistant.cell.scene import Placed, Scene
     from assistant.program.geometry import Pose
+    from assistant.robots import Robot
 
 NO_ARM = error(
     "CL036",
@@ -64,7 +65,7 @@ def run_map(
     from assistant.cell.reach.rules import NOTHING_REACHED
     from assistant.report import reach_map as report
 
-    files = _wanted(outputs, MAPS)
+    files = wanted(outputs, MAPS)
     turned = directions_of(directions, tool.turns)
     with working("looking at what is reached"):
         there = standing(tool)
@@ -79,7 +80,7 @@ def run_map(
             margin=tool.margin,
         )
         title = f"{there.placed.robot.title}, {', '.join(directions)}"
-        written = _put(tool, {path: MAPS[path.suffix.lower()](found, title) for path in files})
+        written = put(tool, {path: MAPS[path.suffix.lower()](found, title) for path in files})
     findings = list(there.findings)
     if not found.reached.any():
         findings.append(NOTHING_REACHED(why=_why(there, found)))
@@ -105,8 +106,11 @@ def print_answer(
     print_json({**answer, "findings": found, "written": [str(path) for path in written]})
 
 
-def standing(tool: Tool) -> Standing:
-    """Raises Refused if no arm is named, or none that stands in the cell."""
+def standing(tool: Tool, known: Robot | None = None) -> Standing:
+    """The arm, alone in the world if no cell is told. known: that of a program.
+
+    Raises Refused if no arm is named, or none that stands in the cell.
+    """
     from assistant.cell import arms
     from assistant.cell.clearances import robot_of
     from assistant.cell.rules import NO_ROBOT
@@ -117,23 +121,20 @@ def standing(tool: Tool) -> Standing:
     if tool.margin is not None and not tool.margin >= 0.0:
         raise Refused(BAD_MARGIN(given=tool.margin), exit_status=2)
     found = in_cell(tool.cell, tool.robot)
-    scene = found.scene
-    if scene is None or not scene.robots:
-        if found.robot is None:
+    robot, scene = found.robot or known, found.scene
+    if scene is None:
+        if robot is None:
             raise Refused(NO_ARM(), exit_status=2)
-        alone = arms.placed("robot", found.robot)
-        bodies = () if scene is None else scene.bodies
-        if bodies:
-            raise Refused(NO_ROBOT(name=found.robot.name, names="none"), exit_status=2)
+        alone = arms.placed("robot", robot)
         return Standing(Scene(robots=(alone,)), alone, tip, False, found.findings)
-    names = ", ".join(placed.name for placed in scene.robots)
-    if found.robot is None and len(scene.robots) == 1:
+    if robot is None and len(scene.robots) == 1:
         return Standing(scene, scene.robots[0], tip, True, found.findings)
     try:
-        if found.robot is None:
+        if robot is None:
             raise LookupError
-        return Standing(scene, robot_of(scene, found.robot), tip, True, found.findings)
+        return Standing(scene, robot_of(scene, robot), tip, True, found.findings)
     except LookupError:
+        names = ", ".join(placed.name for placed in scene.robots) or "none"
         raise Refused(NO_ROBOT(name=tool.robot or "", names=names), exit_status=2) from None
 
 
@@ -184,7 +185,7 @@ def _why(there: Standing, found: ReachMap) -> str:
     return f"; at home the flange of the arm points to {tuple(z.tolist())} of its base"
 
 
-def _wanted(outputs: Sequence[str], writers: Mapping[str, Any]) -> list[Path]:
+def wanted(outputs: Sequence[str], writers: Mapping[str, Any]) -> list[Path]:
     """The files that are to be written; raises Refused for a name that tells no kind."""
     for output in outputs:
         if Path(output).suffix.lower() not in writers:
@@ -195,7 +196,7 @@ def _wanted(outputs: Sequence[str], writers: Mapping[str, Any]) -> list[Path]:
     return list(dict.fromkeys(map(Path, outputs)))
 
 
-def _put(tool: Tool, files: Mapping[Path, bytes], *sources: str) -> list[Path]:
+def put(tool: Tool, files: Mapping[Path, bytes], *sources: str) -> list[Path]:
     from assistant.program.system.writing import write_all
 
     keep_sources([*sources, *([] if tool.cell is None else [str(tool.cell)])], list(files))

@@ -6,11 +6,18 @@ from typing import Annotated, Final
 
 import typer
 
-from assistant.cli.options import CellOption, FormatOption, RobotOption
+from assistant.cli.options import (
+    CellOption,
+    FormatOption,
+    FromLanguage,
+    ProcessOption,
+    RobotOption,
+    UnitOption,
+)
 from assistant.cli.presentation import Format
 
 reach: Final = typer.Typer(
-    help="What an arm reaches, where things stand best, which space a program sweeps.",
+    help="What an arm reaches, and where it or its work piece stands best.",
     no_args_is_help=True,
     rich_markup_mode=None,
 )
@@ -26,6 +33,18 @@ TurnsOption = Annotated[
 OutputOption = Annotated[
     list[str] | None,
     typer.Option("--output", "-o", help="File to write: .csv, .npz, .png or .svg; repeatable."),
+]
+PlacesOption = Annotated[
+    list[str] | None,
+    typer.Option("--output", "-o", help="File to write: .csv, .png or .svg; repeatable."),
+]
+GoalsArgument = Annotated[
+    str | None,
+    typer.Argument(help="Program whose targets are to be reached; default locations of bodies."),
+]
+FewTurnsOption = Annotated[
+    int,
+    typer.Option(help="Turns of the tool about its z axis that are tried; default its own alone."),
 ]
 MarginOption = Annotated[
     float | None, typer.Option(help="mm to keep from everything; default those of the cell file.")
@@ -57,3 +76,60 @@ def map(
     ranges = {"x": x, "y": y, "z": z}
     tool = Tool(robot, cell, tip, turns, margin)
     raise typer.Exit(run_map(tool, ranges, direction or ["down"], output or (), format))
+
+
+@reach.command()
+def base(
+    program: GoalsArgument = None,
+    robot: RobotOption = None,
+    cell: CellOption = None,
+    x: Annotated[str | None, typer.Option(metavar=RANGE, help="mm from where it is.")] = None,
+    y: Annotated[str | None, typer.Option(metavar=RANGE, help="mm from where it is.")] = None,
+    z: Annotated[str | None, typer.Option(metavar=RANGE, help="mm from where it is.")] = None,
+    turn: Annotated[str | None, typer.Option(metavar=RANGE, help="Degrees about z.")] = None,
+    turns: FewTurnsOption = 1,
+    tip: TipOption = None,
+    margin: MarginOption = None,
+    process: ProcessOption = None,
+    unit: UnitOption = None,
+    from_language: FromLanguage = None,
+    output: PlacesOption = None,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Find where the base of a robot stands best, for targets that stay where they are."""
+    from assistant.cli.place_runs import Goals, run_places
+    from assistant.cli.reach_runs import Tool
+
+    tool = Tool(robot, cell, tip, turns, margin)
+    goals = Goals(program, process, unit, from_language)
+    ranges = {"x": x, "y": y, "z": z, "turn": turn}
+    raise typer.Exit(run_places(None, tool, goals, ranges, output or (), format))
+
+
+@reach.command()
+def place(
+    body: Annotated[str, typer.Argument(help="Body of the cell; what stands on it is moved too.")],
+    program: GoalsArgument = None,
+    robot: RobotOption = None,
+    cell: CellOption = None,
+    x: Annotated[str | None, typer.Option(metavar=RANGE, help="mm from where it is.")] = None,
+    y: Annotated[str | None, typer.Option(metavar=RANGE, help="mm from where it is.")] = None,
+    z: Annotated[str | None, typer.Option(metavar=RANGE, help="mm from where it is.")] = None,
+    turn: Annotated[str | None, typer.Option(metavar=RANGE, help="Degrees about z.")] = None,
+    turns: FewTurnsOption = 1,
+    tip: TipOption = None,
+    margin: MarginOption = None,
+    process: ProcessOption = None,
+    unit: UnitOption = None,
+    from_language: FromLanguage = None,
+    output: PlacesOption = None,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Find where a work piece stands best, for targets that move with it."""
+    from assistant.cli.place_runs import Goals, run_places
+    from assistant.cli.reach_runs import Tool
+
+    tool = Tool(robot, cell, tip, turns, margin)
+    goals = Goals(program, process, unit, from_language)
+    ranges = {"x": x, "y": y, "z": z, "turn": turn}
+    raise typer.Exit(run_places(body, tool, goals, ranges, output or (), format))

@@ -6,6 +6,9 @@ import io
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Final
 
+import numpy as np
+
+from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Refused, error
 
 if TYPE_CHECKING:
@@ -29,6 +32,12 @@ def format_of(name: str) -> str:
     if known is None:
         raise Refused(NO_PICTURE(name=name), exit_status=2)
     return known
+
+
+def edges(values: Floats) -> Floats:
+    """(n + 1,) between coloured cells about values (n,) that are evenly apart."""
+    half = (values[1] - values[0]) / 2.0 if len(values) > 1 else 0.5
+    return np.append(values - half, values[-1] + half)
 
 
 def figure(width: float, height: float) -> Figure:

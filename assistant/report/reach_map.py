@@ -106,7 +106,7 @@ def map_picture(found: ReachMap, title: str, format: str = "png") -> bytes:
         rows_ = np.flatnonzero(found.points[:, through] == level)
         shape = (len(values[across]), len(values[up]))
         room, touching = _picture(found, rows_, values, across, up, shape)
-        edges = [_edges(values[axis]) for axis in (across, up)]
+        edges = [figures.edges(values[axis]) for axis in (across, up)]
         empty = np.where(touching, 1.0, 0.0)
         view.pcolormesh(*edges, empty.T, cmap=ListedColormap([NOTHING, TOUCHING]), vmin=0, vmax=1)
         shown = view.pcolormesh(*edges, room.T, cmap="viridis", vmin=0.0, vmax=1.0)
@@ -140,9 +140,3 @@ def _picture(
     room[i, k] = np.where(found.reached[rows].any(axis=1), mean, np.nan)
     touching[i, k] = found.touching[rows].any(axis=1)
     return room, touching
-
-
-def _edges(values: Floats) -> Floats:
-    """Between cells about values, which are as far apart as each other."""
-    half = (values[1] - values[0]) / 2.0 if len(values) > 1 else 0.5
-    return np.append(values - half, values[-1] + half)

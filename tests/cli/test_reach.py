@@ -71,7 +71,7 @@ def test_nothing_reached_is_said_with_where_the_flange_points(capsys):
         (("-r", "rv-2aj", "--cell", STAND), "CK413"),
         (("--cell", STAND, "--x", "1:2"), "CK460"),
         (("--cell", STAND, "--x", "0:100000:0.001"), "CK461"),
-        (("--cell", STAND, "--turns", "0"), "CK461"),
+        (("--cell", STAND, "--turns", "0"), "CK468"),
         (("--cell", STAND, "--direction", "left"), "CK462"),
         (("--cell", STAND, "--tip", "1,2"), "CL038"),
         (("--cell", STAND, "--tip", "1,2,3,0,0,0,0"), "CL038"),
@@ -97,3 +97,79 @@ def test_a_source_is_not_written_over(capsys, tmp_path):
     assert status == 2
     assert cell.read_bytes() == STAND.read_bytes()
     assert "error" in err
+
+
+TRAY = SAMPLES / "cell" / "tray.toml"
+TIP = ("--tip", "0,0,60")
+
+
+def test_place_finds_where_all_is_reached_and_says_it_as_the_cell_file_does(capsys, tmp_path):
+    names = [tmp_path / name for name in ("places.csv", "places.png", "places.svg")]
+    outputs = [word for name in names for word in ("-o", name)]
+    ranges = ("--x", "-150:0:75", "--y", "-200:0:100")
+    status, out, err = run(
+        capsys, "reach", "place", "tray", "--cell", TRAY, *TIP, *ranges, *outputs
+    )
+    assert status == 0
+    assert "CK467" in err or not err
+    best = out.splitlines()[3]
+    assert " 4/4 " in best
+    rows = list(csv.DictReader(io.StringIO(names[0].read_text())))
+    assert rows[0]["reached"] == rows[0]["targets"] == "4"
+    assert names[1].read_bytes().startswith(PNG)
+    assert b"<svg" in names[2].read_bytes()
+    # Put there, the tray is reached as was promised.
+    lines = out.splitlines()
+    start = lines.index("[bodies.tray]")
+    text = TRAY.read_text().replace("position = [560, 250, 10]", "\n".join(lines[start + 1 :][:2]))
+    moved = tmp_path / "moved.toml"
+    moved.write_text(text)
+    status, out, _ = run(capsys, "reach", "place", "tray", "--cell", moved, *TIP, "--x", "0")
+    assert status == 0
+    assert out.splitlines()[3].split()[3:] == best.split()[-len(out.splitlines()[3].split()) + 3 :]
+
+
+def test_place_says_what_is_reached_nowhere(capsys):
+    status, out, err = run(capsys, "reach", "place", "tray", "--cell", TRAY, *TIP, "--x", "0")
+    assert status == 1
+    assert "reaches the most, 2 of 4, and not `tray.c`" in err
+    assert "(not tray.c)" in out
+    assert "[bodies.tray]" not in out
+
+
+def test_base_answers_in_json_for_a_program_without_a_cell(capsys):
+    status, out, _ = run(
+        *(capsys, "reach", "base", SAMPLES / "plate.dxf", "--robot", "irb1200-7-0.7"),
+        *("--x", "-100:0:100", "--format", "json"),
+    )
+    answer = json.loads(out)
+    assert status == 0
+    assert answer["moved"] == "robot"
+    assert len(answer["places"]) == 2
+    assert answer["places"][0]["reached"] == answer["targets"]
+    assert answer["places"][0]["offset"] == [-100.0, 0.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code"),
+    [
+        (("place", "tray"), "CL040"),
+        (("place", "nothing", "--cell", TRAY), "CK465"),
+        (("place", "gripper", "--cell", TRAY), "CK465"),
+        (("place", "table", "--cell", TRAY), "CK464"),
+        (("place", "tray", "--cell", TRAY, "--turns", "9999"), "CK468"),
+        (("place", "tray", "--cell", TRAY, "--turn", "a"), "CK460"),
+        (("place", "tray", "--cell", TRAY, "-o", "a.npz"), "CL037"),
+        (("base",), "CL036"),
+        (("base", "--robot", "rv-2aj"), "CK464"),
+        (("base", SAMPLES / "plate.dxf", "--cell", TRAY, *TIP), "CL041"),
+        (("base", "nowhere.dxf", "--cell", TRAY), "IN"),
+    ],
+)
+def test_places_of_what_is_not_there_are_refused(capsys, arguments, code, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    status, out, err = run(capsys, "reach", *arguments)
+    assert (status, out) == (2, "")
+    assert code in err
+    assert err.count(" error") == 1
+    assert not list(tmp_path.iterdir())

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -80,7 +81,17 @@ def _convex(hull: Mesh) -> Any:
     return coal.Convex(_points(hull), _triangles(hull))
 
 
+_BUILT: Final[WeakKeyDictionary[Mesh, Any]] = WeakKeyDictionary()
+"""Surfaces of meshes, for as long as these are there: building one takes long."""
+
+
 def _surface(mesh: Mesh) -> Any:
+    if mesh not in _BUILT:
+        _BUILT[mesh] = _built(mesh)
+    return _BUILT[mesh]
+
+
+def _built(mesh: Mesh) -> Any:
     coal = library()
     model = coal.BVHModelOBBRSS()
     model.beginModel(len(mesh.triangles), len(mesh.points))

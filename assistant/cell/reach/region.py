@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.cell.reach.rules import NO_DIRECTION, NO_REGION, TOO_MANY
+from assistant.cell.reach.rules import NO_DIRECTION, NO_REGION, NO_TURNS, TOO_MANY
 from assistant.program import rotations
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Refused
@@ -86,9 +86,7 @@ def directions_of(given: Sequence[str], turns: int) -> Directions:
     turns: of the tool about each that are tried, from the shortest turn of the base's frame on.
     Raises Refused for what is none.
     """
-    if not 1 <= turns <= MOST_TURNS:
-        count = max(turns, 0)
-        raise Refused(TOO_MANY(count=count, what="turns", most=MOST_TURNS), exit_status=2)
+    turns_of(turns)
     names, axes = [], []
     for text in given:
         for name, axis in _cone(text):
@@ -99,6 +97,12 @@ def directions_of(given: Sequence[str], turns: int) -> Directions:
     onto = [onto_z((float(x), float(y), float(z))) for x, y, z in columns]
     turned = [rotations.canonical(rotations.multiply(np.array(one), about)) for one in onto]
     return Directions(tuple(names), columns, np.array(turned).reshape(len(columns), turns, 4))
+
+
+def turns_of(turns: int) -> None:
+    """Raises Refused for a number of turns that is none, or more than are tried."""
+    if not 1 <= turns <= MOST_TURNS:
+        raise Refused(NO_TURNS(count=turns, most=MOST_TURNS), exit_status=2)
 
 
 def _cone(text: str) -> list[tuple[str, Floats]]:

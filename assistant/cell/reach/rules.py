@@ -1,8 +1,8 @@
-"""What is found when it is asked what an arm reaches."""
+"""What is found when it is asked what an arm reaches, and where things stand best."""
 
 from __future__ import annotations
 
-from assistant.program.diagnostics import error, warning
+from assistant.program.diagnostics import error, info, warning
 
 NO_REGION = error(
     "CK460",
@@ -24,4 +24,28 @@ NOTHING_REACHED = warning(
     "CK463",
     "nothing of the region is reached{why}",
     "move the region, take other directions, or state the tip of the tool",
+)
+NO_TARGETS = error(
+    "CK464",
+    "{what} has nothing that the tool goes to",
+    "name a program with targets, or give bodies locations in the cell file",
+)
+NO_BODY = error(
+    "CK465",
+    "there is no body `{name}` that stands in the world and could stand elsewhere",
+    "choose one of {names}",
+)
+NO_PLACE = error(
+    "CK466",
+    "everything is reached at none of the {count:,} places; {best} reaches the most, {reached} of "
+    "{total}, and not `{first}`",
+    "take other ranges, fewer targets, or an arm that reaches farther",
+)
+IN_THE_WAY = info(
+    "CK467",
+    "at {count:,} of the {total:,} places `{one}` would stand in `{other}`; they are left out",
+    "nothing; two that may touch stand under `allowed` of [world]",
+)
+NO_TURNS = error(
+    "CK468", "{count} turns of the tool cannot be tried", "state a number from 1 to {most}"
 )

@@ -103,7 +103,7 @@ def test_what_is_in_the_way_takes_away_just_what_is_nearer_than_the_margin():
     wall = Body("wall", (Part(Box((100.0, 200.0, 300.0))),), Pose((50.0, 0.0, 0.0)))
     placed = gantry()
     scene = Scene((ball, wall), (placed,), margin=7.0)
-    points = grid([Range(-150, 250, 80), Range(-124, 200, 99), Range(-250, 250, 99)])
+    points = grid([Range(-150, 250, 80), Range(-124, 200, 198), Range(-250, 250, 99)])
     directions = directions_of(["down"], 1)  # an arm that turns nothing has one orientation
     directions.quaternions[:] = TURN.quaternion
     found = reach_map(scene, placed, points, directions)

@@ -1,0 +1,287 @@
+"""The best place of a work piece, or of a robot's base: every place of a grid is looked at."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from assistant.cell.collision.carriers import Carriers, carried
+from assistant.cell.collision.model import Model
+from assistant.cell.planning.space import Space
+from assistant.cell.reach.holding import ENOUGH_AWAY, ENOUGH_CLEAR, ENOUGH_LIMITS, Held, held
+from assistant.cell.reach.region import MOST
+from assistant.cell.reach.rules import IN_THE_WAY, NO_BODY, NO_TARGETS, TOO_MANY
+from assistant.cell.reach.standing import Depths, deeper, depths
+from assistant.cell.scene import Body, Placed, Scene
+from assistant.program import rotations
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.geometry import IDENTITY, Pose
+
+DIGITS: Final = 6
+MOST_POSES: Final = 5_000_000
+"""Places times targets times turns that are looked at."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Goals:
+    """n targets of one tip.
+
+    positions: (n, 3) mm of the tip in the world. quaternions: (n, k, 4), of which one is enough.
+    """
+
+    names: tuple[str, ...]
+    positions: Floats
+    quaternions: Floats
+    tip: Pose = IDENTITY
+
+    def moved(self, by: Pose) -> Goals:
+        """As they are when what they are on is moved in the world."""
+        turn = np.array(by.quaternion)
+        positions = rotations.rotate(turn, self.positions) + np.array(by.position)
+        return replace(
+            self, positions=positions, quaternions=rotations.multiply(turn, self.quaternions)
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Place:
+    """A place that was looked at.
+
+    offset: (4,) mm along x, y and z and degrees about z from where it stands. pose: as the cell
+    file states it. reached: how many of the targets. room: the least, and mean its mean, of those
+    that are reached; 0 without one. worst: the target with the least room, or the first that is not
+    reached. limits, away, clearance: the least of each, see `Held`.
+    """
+
+    offset: Floats
+    pose: Pose
+    reached: int
+    room: float
+    mean: float
+    worst: str
+    limits: float
+    away: float
+    clearance: float
+
+    @property
+    def shares(self) -> tuple[float, ...]:
+        """Of what is enough, 0 to 1, the least first."""
+        each = (
+            self.limits / ENOUGH_LIMITS,
+            self.away / ENOUGH_AWAY,
+            self.clearance / ENOUGH_CLEAR,
+        )
+        return tuple(sorted(min(share, 1.0) for share in each))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Places:
+    """places: the best first. total: targets. findings: of places that are left out."""
+
+    places: tuple[Place, ...]
+    total: int
+    findings: tuple[Diagnostic, ...]
+
+    @property
+    def best(self) -> Place | None:
+        """The best one at which everything is reached."""
+        return self.places[0] if self.places and self.places[0].reached == self.total else None
+
+
+def best_base(
+    scene: Scene,
+    placed: Placed,
+    offsets: Floats,
+    goals: Sequence[Goals],
+    *,
+    bodies: bool = True,
+    margin: float | None = None,
+) -> Places:
+    """Places of the base of a robot, for targets that stay in the world.
+
+    offsets: (m, 4) mm along x, y and z of the world, degrees about z of the base. bodies: whether
+    anything may be touched. margin: mm, None for those of the scene. Raises Refused for no targets,
+    or too many places.
+    """
+    at = scene.robots.index(placed)
+
+    def stands(offset: Floats) -> tuple[Scene, Placed, Pose, Pose]:
+        base = shifted(placed.base, offset)
+        moved = replace(placed, base=base)
+        robots = (*scene.robots[:at], moved, *scene.robots[at + 1 :])
+        return replace(scene, robots=robots), moved, base, IDENTITY
+
+    names = frozenset(body.name for body in placed.links)
+    search = _Search(stands, names, scene, goals, bodies, margin)
+    return search.places(offsets, f"`{placed.name}`")
+
+
+def best_place(
+    scene: Scene,
+    placed: Placed,
+    name: str,
+    offsets: Floats,
+    goals: Sequence[Goals],
+    *,
+    margin: float | None = None,
+) -> Places:
+    """Places of a body, with all that stands on it, for targets that move with it.
+
+    offsets: (m, 4) mm along x, y and z of its parent's frame, degrees about that z. Else as
+    `best_base`. Raises Refused also for a body that is not there, or that a robot carries.
+    """
+    body = standing_body(scene, name)
+    carriers = Carriers(scene.robots)
+    parent = carried(scene, body, carriers)[1] @ body.pose.inverse()
+
+    def stands(offset: Floats) -> tuple[Scene, Placed, Pose, Pose]:
+        pose = shifted(body.pose, offset)
+        moved = replace(body, pose=pose)
+        bodies = tuple(moved if one is body else one for one in scene.bodies)
+        by = parent @ pose @ body.pose.inverse() @ parent.inverse()
+        return replace(scene, bodies=bodies), placed, pose, by
+
+    names = frozenset(one.name for one in scene.bodies if name in _below(scene, one))
+    return _Search(stands, names, scene, goals, True, margin).places(offsets, f"`{name}`")
+
+
+Stands = Callable[[Floats], tuple[Scene, Placed, Pose, Pose]]
+"""An offset → the scene with it, the robot there, what is moved as the cell file states its pose,
+and by what targets are moved in the world.
+"""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Search:
+    """moved: names of the bodies that are moved, of those that stand in the world."""
+
+    stands: Stands
+    moved: frozenset[str]
+    scene: Scene
+    goals: Sequence[Goals]
+    bodies: bool
+    margin: float | None
+
+    def places(self, offsets: Floats, what: str) -> Places:
+        total = sum(len(one.names) for one in self.goals)
+        if not total:
+            raise Refused(NO_TARGETS(what=what), exit_status=2)
+        poses = len(offsets) * sum(one.quaternions[..., 0].size for one in self.goals)
+        if len(offsets) > MOST or poses > MOST_POSES:
+            said = "places times targets times turns"
+            raise Refused(TOO_MANY(count=poses, what=said, most=MOST_POSES), exit_status=2)
+        before = depths(Model(self.scene), self.moved) if self.bodies else {}
+        found, blocked = list[Place](), Counter[tuple[str, str]]()
+        for offset in offsets:
+            place = self._place(offset, before)
+            if isinstance(place, Place):
+                found.append(place)
+            else:
+                blocked[place] += 1
+        count = len(offsets)
+        said_ = [
+            IN_THE_WAY(count=times, total=count, one=one, other=other)
+            for (one, other), times in blocked.items()
+        ]
+        return Places(tuple(sorted(found, key=_merit)), total, tuple(said_))
+
+    def _place(self, offset: Floats, before: Depths) -> Place | tuple[str, str]:
+        """A place, or the first two bodies of which one would stand in the other there."""
+        scene, placed, pose, by = self.stands(offset)
+        model = Model(scene) if self.bodies else None
+        if model is not None:
+            inside = deeper(depths(model, self.moved), before)
+            if inside is not None:
+                return inside
+        names, parts = list[str](), list[Held]()
+        into = placed.base.inverse() @ by
+        for one in self.goals:
+            space = None
+            if self.bodies:
+                space = Space(scene, placed, margin=self.margin, tool=one.tip)
+            here = one.moved(into)
+            robot = placed.robot
+            parts.append(held(robot, here.positions, here.quaternions, space, one.tip))
+            names += one.names
+        return _place_of(offset, pose, names, Held.joined(parts))
+
+
+def _place_of(offset: Floats, pose: Pose, names: Sequence[str], ways: Held) -> Place:
+    reached = ways.reached
+    count = int(reached.sum())
+    if not count:
+        return Place(offset, pose, 0, 0.0, 0.0, names[0], 0.0, 0.0, 0.0)
+    rooms = np.where(reached, ways.room, np.inf)
+    worst = int(np.argmin(rooms))
+    named = worst if count == len(names) else int(np.argmin(reached))
+    figures = (float(np.nanmin(column)) for column in (ways.limits, ways.away, ways.clearance))
+    mean = float(rooms[reached].mean())
+    return Place(offset, pose, count, float(rooms[worst]), mean, names[named], *figures)
+
+
+def _merit(place: Place) -> tuple[float, ...]:
+    """Most targets first, then the most of what there is least of, then of the next; then the most
+    room in the mean, and the shortest way.
+
+    Rounded, so that places that are alike do not depend on the last digits.
+    """
+    far = round(float(np.linalg.norm(place.offset[:3])), DIGITS)
+    scarce = (-round(share, DIGITS) for share in place.shares)
+    last = (-round(place.mean, DIGITS), far, abs(float(place.offset[3])), *place.offset.tolist())
+    return (-float(place.reached), *scarce, *last)
+
+
+def standing_body(scene: Scene, name: str) -> Body:
+    """A body that stands in the world; raises Refused if there is none of that name."""
+    carriers = Carriers(scene.robots)
+    still = [b for b in scene.bodies if not carriers.moved_by(carried(scene, b, carriers)[0])]
+    for body in still:
+        if body.name == name:
+            return body
+    names = ", ".join(f"`{body.name}`" for body in still) or "(none)"
+    raise Refused(NO_BODY(name=name, names=names), exit_status=2)
+
+
+def locations(scene: Scene, name: str | None = None, tip: Pose = IDENTITY, turns: int = 1) -> Goals:
+    """The locations of bodies that stand in the world, of one with all on it, or of all.
+
+    tip: in the flange. turns: of the tool about its z axis of which one is enough.
+    """
+    carriers = Carriers(scene.robots)
+    names, poses = list[str](), list[Pose]()
+    for body in scene.bodies:
+        number, pose = carried(scene, body, carriers)
+        if carriers.moved_by(number) or (name is not None and name not in _below(scene, body)):
+            continue
+        names += [f"{body.name}.{one}" for one in body.locations]
+        poses += [pose @ one for one in body.locations.values()]
+    positions = np.array([pose.position for pose in poses]).reshape(-1, 3)
+    quaternions = np.array([pose.quaternion for pose in poses]).reshape(-1, 4)
+    return Goals(tuple(names), positions, turned(quaternions, turns), tip)
+
+
+def turned(quaternions: Floats, turns: int) -> Floats:
+    """(n, 4) → (n, k, 4) the same turned about their z axes by k equal parts of a whole turn."""
+    about = rotations.about([0.0, 0.0, 1.0], np.arange(turns) * (360.0 / turns))
+    return rotations.multiply(quaternions[:, None], about[None])
+
+
+def shifted(pose: Pose, offset: Floats) -> Pose:
+    """A pose moved along the axes of the frame that it is in, and turned about its z."""
+    x, y, z = pose.position
+    turn = Pose.of(np.zeros(3), rotations.about([0.0, 0.0, 1.0], float(offset[3])))
+    there = (x + float(offset[0]), y + float(offset[1]), z + float(offset[2]))
+    return Pose(there, (turn @ Pose(quaternion=pose.quaternion)).quaternion)
+
+
+def _below(scene: Scene, body: Body) -> Iterator[str]:
+    """A body and those that it stands on."""
+    one: Body | None = body
+    while one is not None:
+        yield one.name
+        one = scene.body(one.parent)
