@@ -79,6 +79,14 @@ def viewing() -> bytes:
     )
 
 
+def around() -> bytes:
+    """The arm on its way over the wall."""
+    return scene(
+        *("samples/cell/station.dxf", "--cell", "samples/cell/station-rv-2aj.toml"),
+        does=["view.setTime(15)", "view.aim([290, 0, 280], 900)"],
+    )
+
+
 def reach() -> bytes:
     """What the arm reaches over its stand, in three levels."""
     region = ("--tip", "0,0,60", "--x", "0:700:25", "--y", "-400:400:25", "--z", "250:450:100")
@@ -101,6 +109,7 @@ def drawn(*words: str) -> bytes:
 
 PICTURES: Final[dict[str, Callable[[], bytes]]] = {
     "contact": contact,
+    "around": around,
     "reach": reach,
     "viewing": viewing,
     "places": places,

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from assistant.compiler.motion import Proving
     from assistant.program.text import SourceText
     from assistant.robots import Robot
+    from assistant.sources.surroundings import ByRobot
 
 NOT_ONE_FILE = error("CL002", "there are {count} files to print", "name a folder with --output")
 NO_FILE_NAME = error("CL003", "`{name}` is no name of a file", "name the file to write")
@@ -127,10 +128,11 @@ def load_given(
     unit: str | None,
     from_language: str | None,
     entry: str | None = None,
+    around: ByRobot | None = None,
 ) -> Loaded:
     """The program of a file, or of standard input if the source says so.
 
-    entry: the procedure that it begins with, None for its own.
+    entry: the procedure that it begins with, None for its own. around: what stands around it.
     """
     from assistant.compiler.arms import robot_of
     from assistant.compiler.entering import entered
@@ -138,7 +140,7 @@ def load_given(
 
     arm = robot_of(robot)
     given = _input(source, from_language, robot, process, unit) or load(
-        source, process=process, robot=arm, language=from_language, unit=unit
+        source, process=process, robot=arm, language=from_language, unit=unit, around=around
     )
     return replace(given, program=entered(given.program, entry))
 

@@ -111,7 +111,7 @@ def solved(source: str, options: Options) -> Solved:
     arms = stands.arms(robot_of(options.from_robot))
     reader = options.from_robot or stands.robot
     given = (options.process, options.unit, options.from_language, options.entry)
-    loaded = load_given(source, reader, *given)
+    loaded = load_given(source, reader, *given, stands.around)
     program: Program = loaded.program
     arms = standing(program, arms)
     arm = arms.robot or known_robot(program.robot)

@@ -225,7 +225,7 @@ def _check_source(
     path = FilePath(file)
     if path.suffix.lower() == pseudo.SUFFIX:
         return _check_pseudo(read_pseudo(path), path.parent, stands, process, checked)
-    loaded = load(file, process=process, robot=stands.robot, unit=unit)
+    loaded = load(file, process=process, robot=stands.robot, unit=unit, around=stands.around)
     return [*loaded.findings, *_check_meaning(loaded.program, stands)]
 
 

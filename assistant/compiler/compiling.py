@@ -144,15 +144,16 @@ def compile(
     target = language_of(language).with_frames(frames)
     if most_targets is not None and most_targets < LEAST_TARGETS:
         raise Refused(TOO_FEW(most=most_targets, least=LEAST_TARGETS), exit_status=2)
+    stands = cell if isinstance(cell, InCell) else in_cell(cell, robot)
     if isinstance(source, Program):
         loaded = Loaded(source)
     elif isinstance(source, Loaded):
         loaded = source
     else:
-        loaded = load(source, process=process, robot=robot_of(from_robot), unit=unit)
+        arm = robot_of(from_robot)
+        loaded = load(source, process=process, robot=arm, unit=unit, around=stands.around)
         loaded = replace(loaded, findings=tuple(f.within(str(source)) for f in loaded.findings))
     program = entered(loaded.program, entry)
-    stands = cell if isinstance(cell, InCell) else in_cell(cell, robot)
     arms = standing(program, in_arms(loaded, stands.arms(robot_of(from_robot))))
     compiled = compile_program(program, Places(program, loaded.text), target, arms, most_targets)
     compiled = proven_by_motion(compiled, arms, proving, entry)

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from assistant.languages import Language, Tree
     from assistant.program.wanted import Wanted
     from assistant.robots import Robot
+    from assistant.sources.surroundings import ByRobot
 
 PSEUDO_ENCODINGS: Final = ("utf-8-sig", "utf-8")
 UNKNOWN_LANGUAGE = error("CO001", "there is no language `{name}`", "choose one of {names}")
@@ -60,6 +61,7 @@ def load(
     robot: Robot | None = None,
     language: str | None = None,
     unit: str | None = None,
+    around: ByRobot | None = None,
 ) -> Loaded:
     """The pseudo-program of a drawing, table, `.pseudo` text or vendor program.
 
@@ -67,7 +69,7 @@ def load(
     signals of those names it says anew. robot: the arm that a vendor program was
     written for, where its own header does not say. language: of a vendor program, if neither
     suffix nor text tell. Other units that a vendor program calls are read from beside it.
-    unit: of length, that a drawing is in.
+    unit: of length, that a drawing is in. around: what stands around the work of one.
     Raises Unreadable or Refused.
     """
     source = FilePath(path)
@@ -79,7 +81,7 @@ def load(
     data = None if source.suffix.lower() in sources.READERS else read_bytes(source)
     spoken = _spoken(source, data, language)
     if spoken is None:
-        reading = sources.read(source, process, unit)
+        reading = sources.read(source, process, unit, around)
         return Loaded(reading.program, None, reading.findings)
     loaded = lift(spoken, [spoken.read(source)], robot, beside=source.parent)
     origin = loaded.program.origin

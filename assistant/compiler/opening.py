@@ -16,6 +16,7 @@ from assistant.program.text import is_folder
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
+    from assistant.sources.surroundings import ByRobot
 
 SEVERAL: Final = error(
     "CO047",
@@ -32,6 +33,7 @@ def load(
     robot: Robot | None = None,
     language: str | None = None,
     unit: str | None = None,
+    around: ByRobot | None = None,
 ) -> Loaded:
     """The pseudo-program of a file, see `loading.load`, or of a folder with one robot program.
 
@@ -39,7 +41,9 @@ def load(
     by itself that is the one, the others being what nothing uses. Raises Unreadable or Refused.
     """
     if not is_folder(path) or FilePath(path).suffix.lower() in sources.READERS:
-        return loading.load(path, process=process, robot=robot, language=language, unit=unit)
+        return loading.load(
+            path, process=process, robot=robot, language=language, unit=unit, around=around
+        )
     left = list[Diagnostic]()
     tasks = tasks_of(list(programs_in(str(path), language, left.append)), language)
     task = _only(tasks)

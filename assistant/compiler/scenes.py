@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
-from assistant.compiler.arms import Arms, robot_of
+from assistant.compiler.arms import Arms, known_robot, robot_of
 from assistant.program.diagnostics import Diagnostic, Refused, warning
 from assistant.program.system.budgets import SETTINGS_FILE
 from assistant.program.text import SourceText, decode, read_bytes
@@ -15,6 +15,7 @@ from assistant.program.text import SourceText, decode, read_bytes
 if TYPE_CHECKING:
     from assistant.cell.scene import Scene
     from assistant.robots import Robot
+    from assistant.sources.surroundings import Surroundings
 
 EMPTY: Final = warning(
     "CO076",
@@ -34,6 +35,24 @@ class InCell:
     scene: Scene | None = None
     robot: Robot | None = None
     findings: tuple[Diagnostic, ...] = ()
+
+    def around(self, named: str | None) -> Surroundings | None:
+        """What stands around the robot that runs a program, None where that is not known.
+
+        named: the robot that the program names, if it names one.
+        """
+        if self.scene is None:
+            return None
+        from assistant.cell.clearances import robot_of as robot_in
+        from assistant.cell.ways_in import Around
+
+        robot = self.robot or known_robot(named)
+        if robot is None and len(self.scene.robots) == 1:
+            robot = self.scene.robots[0].robot
+        try:
+            return None if robot is None else Around(self.scene, robot_in(self.scene, robot))
+        except LookupError:  # told by whoever checks the program
+            return None
 
     def arms(self, written_for: Robot | None = None) -> Arms:
         return Arms(self.robot, written_for, scene=self.scene)

@@ -15,6 +15,7 @@ from assistant.program.text import is_file
 from assistant.sources.lengths import known_unit, unit_stated
 from assistant.sources.process import NO_PROCESS, Process
 from assistant.sources.reading import Reader, Reading
+from assistant.sources.surroundings import ByRobot
 
 __all__ = ["READERS", "Reading", "process_of", "read"]
 
@@ -45,11 +46,13 @@ def read(
     path: str | FilePath,
     process: str | FilePath | None = None,
     unit: str | None = None,
+    around: ByRobot | None = None,
 ) -> Reading:
     """The pseudo-program of a drawing, table or list of targets.
 
     process: a process file; without one, the file beside the source that is named like it.
     unit: the short name of the unit that a drawing is in, instead of what the process file says.
+    around: what stands around the work, by the robot that the process file names, if it names one.
     Raises Unreadable or Refused.
     """
     source = FilePath(path)
@@ -63,6 +66,8 @@ def read(
         chosen = replace(chosen, unit=known_unit(unit))
         if source.suffix.lower() in STATE_LENGTHS:
             findings += (unit_stated(path, unit),)
+    if around is not None:
+        chosen = replace(chosen, around=around(chosen.robot))
     with _stage(source):
         reading = reader(source, chosen)
     return replace(reading, findings=(*findings, *reading.findings))

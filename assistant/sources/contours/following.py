@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from assistant.program import rotations
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Diagnostic, error
-from assistant.program.expressions import Apply, Expression, Name, Number
+from assistant.program.expressions import Name, Number
 from assistant.program.geometry import BASE, Frame, Pose, Target, Vector
 from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.path import Kind, Path
@@ -32,10 +32,13 @@ from assistant.program.statements import (
 )
 from assistant.sources.contours.curves import Points
 from assistant.sources.contours.moves import FLATTENED, Moves
+from assistant.sources.contours.ordering import Measure
 from assistant.sources.contours.orientation import along, facing, level, turned
 from assistant.sources.process import Layer, Process
 from assistant.sources.process.values import shown
 from assistant.sources.rounding import radii
+from assistant.sources.standing import Standing, backed_off, to, way_in
+from assistant.sources.surroundings import seconds
 
 MOVING_FRAME = error(
     "CT207",
@@ -102,6 +105,7 @@ class Followed:
     statements: tuple[Statement, ...]
     targets: Mapping[str, Target]
     wound: float
+    findings: tuple[Diagnostic, ...] = ()
 
 
 def follow(
@@ -110,18 +114,19 @@ def follow(
     layer: Layer,
     placed: Placed,
     before: float | None,
-    tolerance: float,
+    process: Process,
     taken: TakenNames,
 ) -> Followed:
     """Approach, switch on, follow, switch off, retract.
 
     name: of the path; its ends are `<name>_start` and `<name>_end`, one target where the contour
     comes back to its start with the tool as it was. before: the degrees of the contour before,
-    None for the first one. tolerance: mm that corners without a stated size may be cut by.
-    taken: names that must not be used.
+    None for the first one. process: its tolerance is what corners without a stated size may be cut
+    by, and what stands around the work tells where the tool comes from. taken: names that must not
+    be used.
     """
     moved = placed.rows(drawn)
-    pose, path = _path(name, moved, layer, placed.direction, (1 - FLATTENED) * tolerance)
+    pose, path = _path(name, moved, layer, placed.direction, (1 - FLATTENED) * process.tolerance)
     wound = turned(np.concatenate([[pose.quaternion], path.quaternions]), placed.direction)
     start, end, via = (identifier(f"{name}_{k}", taken) for k in ("start", "end", "via"))
     targets = {start: Target(pose)}
@@ -130,16 +135,21 @@ def follow(
         end = start
     else:
         targets[end] = last
-    kind = _travels(before, layer)
+    kind = "travel" if process.defaults.travels else _kind(before, layer)
     motion = layer.motion
     travel = replace(motion, speed=layer.travel, blend=FINE)
     plunge = replace(motion, speed=_slower(motion, layer.travel), blend=FINE)
+    standing = Standing.of(process, motion)
+    into = way_in(standing, pose, layer.approach, start)
+    out = into
+    if (end, layer.retract) != (start, layer.approach):
+        out = way_in(standing, targets[end].pose, layer.retract, end)
     statements: list[Statement] = []
     if layer.approach > 0.0:
-        statements.append(Move(kind, _above(start, layer.approach), travel))
+        statements.append(to(kind, backed_off(start, layer.approach, into), travel))
         statements.append(Move("linear", Name(start), plunge))
     else:
-        statements.append(Move(kind, Name(start), travel))
+        statements.append(to(kind, Name(start), travel))
     statements += [SetSignal(signal, _number(value)) for signal, value in layer.on]
     if layer.delay > 0.0:
         statements.append(Wait(_number(layer.delay)))
@@ -154,8 +164,26 @@ def follow(
         statements.append(Move("linear", Name(end), stop))
     statements += [SetSignal(signal, _number(value)) for signal, value in layer.off]
     if layer.retract > 0.0:
-        statements.append(Move("linear", _above(end, layer.retract), travel))
-    return Followed(tuple(statements), targets, wound)
+        statements.append(Move("linear", backed_off(end, layer.retract, out), travel))
+    findings = dict.fromkeys((*into.findings, *out.findings))
+    return Followed(tuple(statements), targets, wound, tuple(findings))
+
+
+def measured(layer: Layer, placed: Placed, standing: Standing | None) -> Measure | None:
+    """The seconds of travel above points of a layer; None if nobody knows what is around.
+
+    The turn of a tool that follows the contours is left out.
+    """
+    if standing is None:
+        return None
+    turn = facing(placed.direction, level(placed.direction)[None])[0]
+    up = -layer.approach * np.asarray(placed.direction)
+
+    def places(points: Points) -> Floats | None:
+        drawn = rotations.rotate(placed.pose.quaternion, points) + placed.pose.position
+        return standing.places(drawn + up, turn)
+
+    return Measure(places, seconds)
 
 
 def _same(one: Pose, other: Pose) -> bool:
@@ -164,7 +192,7 @@ def _same(one: Pose, other: Pose) -> bool:
     return bool(np.allclose(*numbers, rtol=0.0, atol=SAME))
 
 
-def _travels(wound: float | None, layer: Layer) -> Literal["joint", "linear"]:
+def _kind(wound: float | None, layer: Layer) -> Literal["joint", "linear"]:
     """How the tool comes from one contour, along which it has turned by degrees, to the next.
 
     A line turns it the shorter way, so that a tool that follows closed contours would wind up
@@ -181,11 +209,6 @@ def _slower(motion: Motion, travel: Speed) -> Speed:
     """Towards the work: never faster than along the contour, as far as that is known."""
     speed = motion.speed
     return speed if isinstance(speed, Speed) and speed.tcp < travel.tcp else travel
-
-
-def _above(target: str, distance: float) -> Expression:
-    """Backed off from a named target along the tool."""
-    return Apply("relative", (Name(target), Number(0), Number(0), _number(-distance)))
 
 
 def _number(value: float) -> Number:

@@ -15,13 +15,14 @@ from assistant.program.statements import (
 )
 from assistant.sources.contours.chaining import chain
 from assistant.sources.contours.curves import Arc, Curve, Line
-from assistant.sources.contours.following import Placed, follow
+from assistant.sources.contours.following import Placed, follow, measured
 from assistant.sources.contours.moves import WIDEST, moves
 from assistant.sources.contours.nesting import holders
 from assistant.sources.contours.ordering import ordered
 from assistant.sources.process import Layer, Process
 from assistant.sources.process.table import nearest
 from assistant.sources.process.values import shown
+from assistant.sources.standing import Standing
 
 UNUSED = warning(
     "CT201",
@@ -51,6 +52,12 @@ TRAVEL = info(
     "CT206",
     "travel between the {count} contours of layer {layer!r} is {after:.0f} mm{inside}; "
     "it was {before:.0f} mm in the order of drawing",
+    "",
+)
+TRAVEL_TIME = info(
+    "CT209",
+    "travel between the {count} contours of layer {layer!r} takes {after:.1f} s of joint moves at"
+    " full speed{inside}; it was {before:.1f} s in the order of drawing",
     "",
 )
 WIDEST_TURN: Final = 120.0
@@ -147,11 +154,13 @@ def _procedure(
     if not contours:
         return [], {}, findings
     around = holders(contours, layer.direction, process.tolerance) if layer.inside_first else []
-    order = ordered(contours, around)
+    standing = Standing.of(process, layer.motion)
+    measure = measured(layer, placed, standing) if process.defaults.travels else None
+    order = ordered(contours, around, measure)
     if len(contours) > 1:
         inside = ", with those inside others first" if any(i >= 0 for i in around) else ""
         findings.append(
-            TRAVEL(
+            (TRAVEL_TIME if order.measured else TRAVEL)(
                 layer=shown(name),
                 count=len(contours),
                 before=order.before,
@@ -179,8 +188,9 @@ def _procedure(
             count += 1
             deviation, fitted = max(deviation, rows.deviation), fitted + rows.fitted
             taken.add(f"{stem}_{count}")
-            made = follow(f"{stem}_{count}", rows, layer, placed, wound, process.tolerance, taken)
+            made = follow(f"{stem}_{count}", rows, layer, placed, wound, process, taken)
             body += made.statements
+            findings += made.findings
             targets |= made.targets
             taken.update(made.targets)
             wound = made.wound

@@ -8,20 +8,24 @@ result depends on the contours alone, and is never longer than the order they ca
 
 Where contours have holders, each comes before its own, and only changes that keep it so are
 made: what lies inside others is done first, as a part that is cut out falls.
+
+Travel is mm between points, or the seconds of a `Measure`.
 """
 
 from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
 
-from assistant.program.geometry import Vector
+from assistant.program.arrays import Floats
 from assistant.sources.contours.chaining import Contour
+from assistant.sources.contours.curves import Points
 from assistant.sources.contours.neighbours import along_curve, near_owners
 
 NEIGHBOURS: Final = 8
@@ -37,33 +41,76 @@ LEAST_GAIN: Final = 1e-6
 FREE: Final = -1
 """Holder of a contour that none holds."""
 
+Place = tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Measure:
+    """What travel is measured by instead of mm.
+
+    places: points (n, 3) → (n, k), each what `apart` asks of it; None if that cannot be had.
+    apart: from place to place.
+    """
+
+    places: Callable[[Points], Floats | None]
+    apart: Callable[[Place, Place], float]
+
+
+BY_LENGTH: Final = Measure(lambda points: points, math.dist)
+
 
 @dataclass(frozen=True, slots=True)
 class Ordering:
-    """contours: as they should be followed. before, after: mm of travel between them."""
+    """contours: as they should be followed. before, after: mm of travel between them, or what it
+    was measured by if `measured`.
+    """
 
     contours: tuple[Contour, ...]
     before: float
     after: float
+    measured: bool = False
 
 
-def ordered(contours: Sequence[Contour], holders: Sequence[int] = ()) -> Ordering:
+def ordered(
+    contours: Sequence[Contour], holders: Sequence[int] = (), measure: Measure | None = None
+) -> Ordering:
     """The contours in an order of short travel: turned, started elsewhere, none left out.
 
     holders: for each contour the one that it has to come before, or -1; none: no such rule. It
-    may make the travel longer than in the order of drawing.
+    may make the travel longer than in the order of drawing. measure: of travel, None for mm.
     """
     given = tuple(contours)
-    before = travel(given)
     if len(given) < 2:
-        return Ordering(given, before, before)
-    tour = _Tour([_Stop.of(c) for c in given], list(holders) or [FREE] * len(given))
-    tour.improve()
+        return Ordering(given, 0.0, 0.0)
+    stops = [_Stop.of(c) for c in given]
+    before, after, tour, timed = _improved(stops, list(holders) or [FREE] * len(given), measure)
     made = tuple(tour.stops[c].contour() for c in tour.order)
-    after = travel(made)
     allowed = all(holder == FREE or i < holder for i, holder in enumerate(tour.holders))
-    keeps = allowed and before <= after
-    return Ordering(given, before, before) if keeps else Ordering(made, before, after)
+    if allowed and before <= after:
+        return Ordering(given, before, before, timed)
+    return Ordering(made, before, after, timed)
+
+
+@dataclass(frozen=True, slots=True)
+class Visiting:
+    """rows: of points, in the order to visit them. before, after: as of `Ordering`."""
+
+    rows: tuple[int, ...]
+    before: float
+    after: float
+    measured: bool
+
+
+def visited(points: Points, measure: Measure) -> Visiting:
+    """Points (n, 3) in an order of short travel."""
+    given = tuple(range(len(points)))
+    if len(points) < 2:
+        return Visiting(given, 0.0, 0.0, measured=False)
+    stops = [_Stop(None, points[i : i + 1], [0]) for i in given]
+    before, after, tour, timed = _improved(stops, [FREE] * len(stops), measure)
+    if before <= after:
+        return Visiting(given, before, before, timed)
+    return Visiting(tuple(tour.order), before, after, timed)
 
 
 def travel(contours: Sequence[Contour]) -> float:
@@ -73,40 +120,61 @@ def travel(contours: Sequence[Contour]) -> float:
     return math.fsum(map(math.dist, ends, starts))
 
 
+def _improved(
+    stops: list[_Stop], holders: list[int], measure: Measure | None
+) -> tuple[float, float, _Tour, bool]:
+    """A tour of stops, the travel before and after, and whether the measure could be taken."""
+    points = np.concatenate([stop.points for stop in stops])
+    places = None if measure is None else measure.places(points)
+    used = BY_LENGTH if measure is None or places is None else measure
+    rest = iter(map(tuple, (points if places is None else places).tolist()))
+    for stop in stops:
+        stop.stand([next(rest) for _ in range(len(stop.points))])
+    before = _travel(stops, used)
+    tour = _Tour(stops, holders, used)
+    tour.improve()
+    return before, _travel([stops[i] for i in tour.order], used), tour, used is measure
+
+
+def _travel(stops: Sequence[_Stop], measure: Measure) -> float:
+    return math.fsum(measure.apart(a.exit, b.entry) for a, b in pairwise(stops))
+
+
 @dataclass(slots=True)
 class _Stop:
-    """A contour in the tour: where the tool goes in and out.
+    """A contour in the tour, or a point alone: where the tool goes in and out.
 
-    choices: of a closed contour, its possible starts and their vertices; empty if open.
+    points: (m, 3), of an open contour its ends, of a closed one its possible starts, which are
+    those vertices. choices: the places of those.
     """
 
-    given: Contour
-    entry: Vector
-    exit: Vector
-    choices: list[Vector]
+    given: Contour | None
+    points: Points
     vertices: list[int]
+    entry: Place = ()
+    exit: Place = ()
+    choices: list[Place] = field(default_factory=list)
     chosen: int = 0
     backwards: bool = False
 
     @staticmethod
     def of(contour: Contour) -> _Stop:
         if not contour.closed:
-            return _Stop(contour, contour.start, contour.end, [], [])
+            return _Stop(contour, np.array([contour.start, contour.end]), [])
         vertices = contour.vertices
         count = len(vertices)
         tried = min(count, MOST_ENTRIES)
         rows = [i * count // tried for i in range(tried)]
-        choices = [(float(x), float(y), float(z)) for x, y, z in vertices[rows]]
-        return _Stop(contour, choices[0], choices[0], choices, rows)
+        return _Stop(contour, vertices[rows], rows)
 
-    def ends(self) -> list[Vector]:
+    def stand(self, places: list[Place]) -> None:
+        """As given, with the places of its points."""
+        self.entry, self.exit = places[0], places[0 if self.vertices else -1]
+        self.choices = places if self.vertices else []
+
+    def ends(self) -> Points:
         """The points that stand for it when its neighbours are looked for."""
-        return self.choices[:: max(1, len(self.choices) // 4)] or [self.entry, self.exit]
-
-    def nearest(self, other: _Stop) -> float:
-        """Mm between them, whichever way they are turned."""
-        mine, theirs = (self.entry, self.exit), (other.entry, other.exit)
-        return min(math.dist(a, b) for a in mine for b in theirs)
+        return self.points[:: max(1, len(self.choices) // 4)]
 
     def flip(self) -> None:
         self.entry, self.exit = self.exit, self.entry
@@ -117,6 +185,7 @@ class _Stop:
         self.entry = self.exit = self.choices[choice]
 
     def contour(self) -> Contour:
+        assert self.given is not None
         if self.choices:
             return self.given.starting_at(self.vertices[self.chosen])
         return self.given.reversed() if self.backwards else self.given
@@ -128,15 +197,15 @@ class _Tour:
     holders: of each stop the one that comes later, or -1. held: the stops that each holds.
     """
 
-    def __init__(self, stops: list[_Stop], holders: list[int]) -> None:
-        self.stops, self.holders = stops, holders
+    def __init__(self, stops: list[_Stop], holders: list[int], measure: Measure) -> None:
+        self.stops, self.holders, self.apart = stops, holders, measure.apart
         self.held: list[list[int]] = [[] for _ in stops]
         for stop, holder in enumerate(holders):
             if holder != FREE:
                 self.held[holder].append(stop)
         self.free = all(holder == FREE for holder in holders)
-        ends = [s.ends() for s in stops]
-        points = np.array([p for e in ends for p in e])
+        ends = [stop.ends() for stop in stops]
+        points = np.concatenate(ends)
         owners = np.repeat(np.arange(len(stops)), [len(e) for e in ends])
         self.near = near_owners(points, owners, NEIGHBOURS)
         self.order = self._nearest_first(owners[along_curve(points)].tolist())
@@ -178,14 +247,24 @@ class _Tour:
                 self._enter_near(stop, here)
         return order
 
-    def _enter_near(self, stop: int, here: Vector) -> float:
+    def _enter_near(self, stop: int, here: Place) -> float:
         """Turns the stop so that it is entered where it is nearest, and says how near."""
         it = self.stops[stop]
         if it.choices:
-            it.enter(min(range(len(it.choices)), key=lambda i: math.dist(here, it.choices[i])))
-        elif math.dist(here, it.exit) < math.dist(here, it.entry):
+            it.enter(min(range(len(it.choices)), key=lambda i: self.apart(here, it.choices[i])))
+        elif self.apart(here, it.exit) < self.apart(here, it.entry):
             it.flip()
-        return math.dist(here, it.entry)
+        return self.apart(here, it.entry)
+
+    def _link(self, one: Place | None, two: Place | None) -> float:
+        """Travel between two places of the tour; none before its start and after its end."""
+        return 0.0 if one is None or two is None else self.apart(one, two)
+
+    def _nearest(self, one: _Stop, other: _Stop) -> float:
+        """Travel between them, whichever way they are turned."""
+        return min(
+            self.apart(a, b) for a in (one.entry, one.exit) for b in (other.entry, other.exit)
+        )
 
     def improve(self) -> None:
         """Looks at each stop until none gains any more, or the effort is spent."""
@@ -228,9 +307,11 @@ class _Tour:
         yield 0, i + 1, -1, True
         yield i, n, -1, True
         it = self.stops[stop]
-        longest = max(_link(self._exit(i - 1), it.entry), _link(it.exit, self._entry(i + 1)))
+        longest = max(
+            self._link(self._exit(i - 1), it.entry), self._link(it.exit, self._entry(i + 1))
+        )
         for other in self.near[stop]:
-            if self.stops[other].nearest(it) >= longest:
+            if self._nearest(self.stops[other], it) >= longest:
                 continue  # no new link to it would be shorter than the stop's own
             j = self.place[other]
             a, b = (i, j) if i < j else (j, i)
@@ -260,18 +341,18 @@ class _Tour:
         return True
 
     def _gain(self, low: int, high: int, to: int, backwards: bool) -> float:
-        """Mm by which a change shortens the tour."""
+        """By how much a change shortens the tour."""
         if high - low < 1:
             return 0.0
         before, after = self._exit(low - 1), self._entry(high)
         head, tail = self._entry(low), self._exit(high - 1)
-        old = _link(before, head) + _link(tail, after)
+        old = self._link(before, head) + self._link(tail, after)
         if to < 0 or to in (low, high):
-            return old - _link(before, tail) - _link(head, after) if backwards else 0.0
+            return old - self._link(before, tail) - self._link(head, after) if backwards else 0.0
         into, out = (tail, head) if backwards else (head, tail)
         left, right = self._exit(to - 1), self._entry(to)
-        new = _link(left, into) + _link(out, right) - _link(left, right)
-        return old - _link(before, after) - new
+        new = self._link(left, into) + self._link(out, right) - self._link(left, right)
+        return old - self._link(before, after) - new
 
     def _apply(self, low: int, high: int, to: int, backwards: bool) -> None:
         moved = self.order[low:high]
@@ -297,20 +378,15 @@ class _Tour:
         if not it.choices:
             return []
         before, after = self._exit(i - 1), self._entry(i + 1)
-        costs = [_link(before, p) + _link(p, after) for p in it.choices]
+        costs = [self._link(before, p) + self._link(p, after) for p in it.choices]
         best = min(range(len(costs)), key=costs.__getitem__)
         if costs[best] >= costs[it.chosen] - LEAST_GAIN:
             return []
         it.enter(best)
         return self.order[max(i - 1, 0) : i + 2]
 
-    def _entry(self, place: int) -> Vector | None:
+    def _entry(self, place: int) -> Place | None:
         return self.stops[self.order[place]].entry if place < len(self.order) else None
 
-    def _exit(self, place: int) -> Vector | None:
+    def _exit(self, place: int) -> Place | None:
         return self.stops[self.order[place]].exit if place >= 0 else None
-
-
-def _link(one: Vector | None, two: Vector | None) -> float:
-    """Mm between two points of the tour; nothing before its start and after its end."""
-    return 0.0 if one is None or two is None else math.dist(one, two)

@@ -4,28 +4,35 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from typing import Final
 
+import numpy as np
+
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
 from assistant.program.expressions import Name
-from assistant.program.geometry import Target
+from assistant.program.geometry import Pose, Target
+from assistant.program.motion import FINE
 from assistant.program.program import MANGLED, Procedure, Program, TakenNames, identifier
-from assistant.program.statements import Call, Move
+from assistant.program.statements import Call, Statement
 from assistant.program.system.budgets import CONTOURS, within
 from assistant.sources.contours.layers import contour_program
+from assistant.sources.contours.ordering import Measure, visited
 from assistant.sources.drawing.contents import Contents
 from assistant.sources.drawing.findings import (
     DUPLICATE,
     EMPTY,
+    QUICKEST,
     SAME_ORDER,
     SOME_ORDERED,
     shown,
 )
 from assistant.sources.drawing.locations import Location
-from assistant.sources.process import Process
+from assistant.sources.process import NO_PROCESS, Process
 from assistant.sources.reading import Reading
+from assistant.sources.standing import Standing, backed_off, to, way_in
+from assistant.sources.surroundings import seconds
 
 MAIN: Final = "main"
 LOCATIONS: Final = "locations"
@@ -46,15 +53,17 @@ def assemble(contents: Contents, path: FilePath, process: Process) -> Reading:
     with within(CONTOURS, name, len(contents.curves)):
         curves = contents.curves
         contours, ends, followed = contour_program(curves, process, taken=taken, path=name)
-    order = visiting_order(contents.locations, name)
-    findings = [*contents.findings, *named.findings, *order.findings, *followed]
+    order = visiting_order(contents.locations, name, process)
+    visits, visited = _visiting(contents.locations, named.names, order.rows, process)
+    arriving = (finding.within(name) for finding in visited)
+    findings = [*contents.findings, *named.findings, *order.findings, *followed, *arriving]
     if title != path.stem:
         findings.append(MANGLED(path=name, place="file name", given=shown(path.stem), name=title))
     if not contours and not contents.locations and not has_errors(findings):
         findings.append(EMPTY(path=name))
     if has_errors(findings):
         raise Refused(*findings)
-    procedures = [*_visiting(contents.locations, named.names, order.rows, process), *contours]
+    procedures = [*visits, *contours]
     program = Program(
         title,
         (Procedure(MAIN, tuple(Call(p.name) for p in procedures)), *procedures),
@@ -75,20 +84,31 @@ def assemble(contents: Contents, path: FilePath, process: Process) -> Reading:
 
 def _visiting(
     locations: Sequence[Location], names: Sequence[str], rows: Sequence[int], process: Process
-) -> list[Procedure]:
-    """The procedure through the locations, or none if there are none.
+) -> tuple[list[Procedure], list[Diagnostic]]:
+    """The procedure through the locations, or none if there are none, and what is said of it.
 
     To the first one no line leads from wherever the arm stands, unless it says so.
     """
-    moves = [
-        Move(
-            locations[i].kind or (process.defaults.kind if place else "joint"),
-            Name(names[i]),
-            locations[i].motion,
-        )
-        for place, i in enumerate(rows)
-    ]
-    return [Procedure(LOCATIONS, tuple(moves))] if moves else []
+    statements: list[Statement] = []
+    findings: list[Diagnostic] = []
+    usual = process.defaults
+    for place, i in enumerate(rows):
+        location, name = locations[i], names[i]
+        first = usual.kind if usual.travels else "joint"
+        kind = location.kind or (usual.kind if place else first)
+        standing = Standing.of(process, location.motion)
+        into = way_in(standing, location.pose, usual.approach, name)
+        out = into
+        if usual.retract != usual.approach:
+            out = way_in(standing, location.pose, usual.retract, name)
+        findings += dict.fromkeys((*into.findings, *out.findings))
+        stopping = replace(location.motion, blend=FINE)
+        if usual.approach:
+            statements.append(to(kind, backed_off(name, usual.approach, into), stopping))
+        statements.append(to("linear" if usual.approach else kind, Name(name), location.motion))
+        if usual.retract:
+            statements.append(to("linear", backed_off(name, usual.retract, out), stopping))
+    return ([Procedure(LOCATIONS, tuple(statements))] if statements else []), findings
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,8 +168,15 @@ class Order:
     findings: tuple[Diagnostic, ...]
 
 
-def visiting_order(locations: Sequence[Location], path: str) -> Order:
-    """By the order that locations state, as drawn where it is the same; the others follow."""
+def visiting_order(
+    locations: Sequence[Location], path: str, process: Process = NO_PROCESS
+) -> Order:
+    """By the order that locations state, as drawn where it is the same; the others follow.
+
+    Where ways are planned and none states an order, as travel between them is short.
+    """
+    if process.defaults.travels and not any(entry.order is not None for entry in locations):
+        return _quickest(locations, path, process)
     stated = [(order, i) for i, entry in enumerate(locations) if (order := entry.order) is not None]
     rest = [i for i, entry in enumerate(locations) if entry.order is None]
     findings = []
@@ -162,3 +189,21 @@ def visiting_order(locations: Sequence[Location], path: str) -> Order:
             findings.append(SAME_ORDER(path=path, place=place, order=f"{order:g}"))
         seen.add(order)
     return Order((*(i for _, i in sorted(stated)), *rest), tuple(findings))
+
+
+def _quickest(locations: Sequence[Location], path: str, process: Process) -> Order:
+    """By joint moves between places above them; as drawn where those are not known."""
+    drawn = Order(tuple(range(len(locations))), ())
+    motions = {(one.motion.frame, one.motion.tool) for one in locations}
+    standing = Standing.of(process, locations[0].motion) if len(motions) == 1 else None
+    if standing is None or len(locations) < 2:
+        return drawn
+    up = Pose((0.0, 0.0, -process.defaults.approach))
+    above = [one.pose @ up for one in locations]
+    positions = np.array([pose.position for pose in above])
+    turns = np.array([pose.quaternion for pose in above])
+    found = visited(positions, Measure(lambda points: standing.places(points, turns), seconds))
+    if not found.measured:
+        return drawn
+    said = QUICKEST(path=path, count=len(above), before=found.before, after=found.after)
+    return Order(found.rows, (said,))

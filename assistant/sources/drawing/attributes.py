@@ -83,7 +83,7 @@ MEANINGS: Final[Mapping[str, Meaning]] = {
 ANGLES: Final = ("x_rotation", "y_rotation", "z_rotation")
 QUATERNION: Final = ("q1", "q2", "q3", "q4")
 
-MOTIONS: Final[Mapping[str, Literal["joint", "linear"]]] = {
+MOTIONS: Final[Mapping[str, Literal["joint", "linear", "travel"]]] = {
     "joint": "joint",
     "movej": "joint",
     "mov": "joint",
@@ -92,6 +92,7 @@ MOTIONS: Final[Mapping[str, Literal["joint", "linear"]]] = {
     "movel": "linear",
     "mvs": "linear",
     "lin": "linear",
+    "travel": "travel",
 }
 """Words for the type of motion, also those of the vendors' languages."""
 
@@ -231,7 +232,7 @@ class Values:
             self._out_of_range("blend", "0 or more")
         return FINE
 
-    def kind(self) -> Literal["joint", "linear"] | None:
+    def kind(self) -> Literal["joint", "linear", "travel"] | None:
         return self._word("motion", MOTIONS)
 
     def convention(self) -> Literal["ZYX", "XYZ"]:

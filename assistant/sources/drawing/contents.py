@@ -58,7 +58,8 @@ def read_contents(path: FilePath, process: Process) -> Contents:
     document, opened = open_drawing(path)
     unit, factor, units = unit_of(document, name, process.unit)
     tally = Tally()
-    traversal = Traversal(document, name, tags, tally)
+    unwanted = frozenset(layer.lower() for layer in process.leave_out)
+    traversal = Traversal(document, name, tags, tally, unwanted=unwanted)
     locations = Locations(document, name, tags, process, tally)
     curves: list[Curve] = []
     found: list[Location] = []
@@ -68,7 +69,8 @@ def read_contents(path: FilePath, process: Process) -> Contents:
                 location = locations.read(placed)
                 found += [location] if location else []
             else:
-                curves += _curves(placed, tally, traversal)
+                counted_in = Tally() if placed.layer.lower() in unwanted else tally
+                curves += _curves(placed, counted_in, traversal)
         traversal.paper()
     counted = (f.within(name) for f in tally.findings())
     findings = (*opened, *units, *_ucs(document, name), *traversal.findings, *locations.findings)

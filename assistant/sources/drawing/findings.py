@@ -141,6 +141,12 @@ SOME_ORDERED = warning(
     "{ordered} locations state an order, {rest} do not and come last, as drawn",
     "give each location an order",
 )
+QUICKEST = info(
+    "DX322",
+    "the {count} locations are visited in an order that takes {after:.1f} s of joint moves at full"
+    " speed; it was {before:.1f} s in the order of drawing",
+    "give them an order where it matters",
+)
 SAME_ORDER = warning(
     "DX318", "the order {order} is there twice; these come as drawn", "number them anew"
 )

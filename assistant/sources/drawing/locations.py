@@ -88,7 +88,7 @@ class Location:
     given: str
     stem: str
     pose: Pose
-    kind: Literal["joint", "linear"] | None
+    kind: Literal["joint", "linear", "travel"] | None
     motion: Motion
     order: float | None
     place: str

@@ -113,6 +113,7 @@ class Traversal:
     """Walks through a document; `tally` and `findings` fill while it goes.
 
     wanted: which entities are yielded, beside points and locations; what is not is counted.
+    unwanted: layers in lower case, of which what is not yielded is not counted either.
     """
 
     document: Drawing
@@ -120,6 +121,7 @@ class Traversal:
     tags: Tags
     tally: Tally
     wanted: Callable[[DXFGraphic], bool] = follows
+    unwanted: frozenset[str] = frozenset()
     findings: list[Diagnostic] = field(default_factory=list)
     states: dict[str, str] = field(default_factory=dict)
     """Layer in lower case → `frozen` or `off`."""
@@ -256,7 +258,8 @@ class Traversal:
         return {"frozen": "the layer is frozen", "off": OFF}.get(state)
 
     def _leave(self, rule: Rule, entity: DXFGraphic, layer: str, reason: str) -> None:
-        self.tally.add(rule, shown(entity.dxftype()), layer, reason, entity.dxf.handle or "")
+        if layer.lower() not in self.unwanted:
+            self.tally.add(rule, shown(entity.dxftype()), layer, reason, entity.dxf.handle or "")
 
     def _say(self, rule: Rule, place: str, **fields: Any) -> None:
         self.findings.append(rule(path=self.path, place=place, **fields))

@@ -12,6 +12,7 @@ from assistant.program.geometry import BASE, FLANGE, Frame, Tool, Vector
 from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.program import Signal
 from assistant.program.statements import Motion
+from assistant.sources.surroundings import Surroundings
 
 SLOW: Final = Speed(100.0)
 
@@ -20,15 +21,23 @@ SLOW: Final = Speed(100.0)
 class Defaults:
     """How a source moves where it does not say so itself.
 
-    speed is deliberately slow: 100 mm/s. blend: None for a stop at single targets, and on paths
-    for corners that are rounded within the tolerance.
+    kind: `travel` for ways that are planned through the cell, between single targets and between
+    contours. speed is deliberately slow: 100 mm/s. blend: None for a stop at single targets, and on
+    paths for corners that are rounded within the tolerance. approach, retract: mm along the tool
+    axis in a line to single targets of a drawing, and away from them.
     """
 
-    kind: Literal["joint", "linear"] = "linear"
+    kind: Literal["joint", "linear", "travel"] = "linear"
     speed: Speed | Name = SLOW
     blend: Blend | Name | None = None
     tool: str = FLANGE
     frame: str = BASE
+    approach: float = 0.0
+    retract: float = 0.0
+
+    @property
+    def travels(self) -> bool:
+        return self.kind == "travel"
 
     @property
     def motion(self) -> Motion:
@@ -91,6 +100,7 @@ class Process:
     leave_out: layers whose contours nobody wants, compared without case.
     joint_speed: mm/s of joint moves of a robot program whose percentage cannot be said in mm/s.
     lines: by their numbers on the source's controller.
+    around: what stands around the work, which no process file says; None if nobody knows.
     findings: warnings about the process file itself.
     """
 
@@ -106,6 +116,7 @@ class Process:
     leave_out: tuple[str, ...] = ()
     joint_speed: float | None = None
     lines: Mapping[int, Line] = field(default_factory=dict)
+    around: Surroundings | None = None
     findings: tuple[Diagnostic, ...] = ()
 
 

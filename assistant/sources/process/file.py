@@ -10,11 +10,13 @@ masses kg; names are letters, digits and `_`, a letter first.
     joint_speed = 100             # mm/s of joint moves of a robot program that state a percentage
 
     [motion]                      # where the source itself does not say how to move
-    kind = "linear"               # or "joint"
+    kind = "linear"               # or "joint"; of a drawing "travel": ways planned in the cell
     speed = 100                   # mm/s
     blend = "fine"                # or mm; left out: paths round corners within the tolerance
     tool = "nozzle"               # a tool of this file, or tool0, the bare flange
     frame = "table"               # a frame of this file, or base, the robot's own
+    approach = 0                  # mm in a line to locations of a drawing, along the tool axis
+    retract = 0                   # and away from them
 
     [tools.nozzle]
     tip = [0, 0, 120.5]           # tool centre point in the flange frame
@@ -139,7 +141,12 @@ MOTION: Final[Mapping[str, Read]] = {
     "tool": values.name,
     "frame": values.name,
 }
-DEFAULTS: Final[Mapping[str, Read]] = {"kind": values.choice("joint", "linear"), **MOTION}
+DEFAULTS: Final[Mapping[str, Read]] = {
+    "kind": values.choice("joint", "linear", "travel"),
+    **MOTION,
+    "approach": values.number("mm", least=0.0),
+    "retract": values.number("mm", least=0.0),
+}
 SIGNAL: Final[Mapping[str, Read]] = {
     "kind": values.choice("digital", "analog", "group"),
     "direction": values.choice("output", "input"),

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program.arrays import Floats, Rows, Truths
-from assistant.program.diagnostics import Diagnostic, Severity, error
+from assistant.program.diagnostics import Diagnostic, Refused, Severity, error
 from assistant.program.expressions import Name
 from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
 from assistant.program.motion import FINE, Blend, Speed
@@ -55,6 +55,11 @@ VIA_ACTION = error(
 )
 NOT_ITS_VALUE = error(
     "TB312", "the {kind} output {name} cannot be {value:g}", "write a whole number, 0 to {most}"
+)
+TRAVELS = error(
+    "TB313",
+    "a table has rows one after the other, and no ways that are planned: `travel` is no kind here",
+    'write kind = "joint" or "linear" under [motion]',
 )
 NO_NAME = error("TB310", "the target has no name", "name it, or name none of the rows")
 
@@ -130,6 +135,9 @@ def begun(kinds: NDArray[np.uint8], stated: bool = False) -> NDArray[np.uint8]:
 
 
 def default_kind(process: Process) -> Kind:
+    """Raises Refused for what only drawings have."""
+    if process.defaults.travels:
+        raise Refused(TRAVELS())
     return KINDS[process.defaults.kind]
 
 

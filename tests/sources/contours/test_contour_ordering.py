@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from assistant.sources.contours.chaining import Contour
 from assistant.sources.contours.curves import Arc, Line, vector
-from assistant.sources.contours.ordering import ordered, travel
+from assistant.sources.contours.ordering import Measure, ordered, travel, visited
 
 
 def line(a, b):
@@ -124,3 +124,45 @@ def test_none_and_one():
     assert ordered([]).contours == ()
     one = [circle((0.0, 0.0, 0.0))]
     assert ordered(one).contours == tuple(one)
+
+
+def stretched(points):
+    """Seconds of an arm that is 20 times as slow along y."""
+    return points * (1.0, 20.0, 1.0)
+
+
+def largest(one, other):
+    return max(abs(a - b) for a, b in zip(one, other, strict=True))
+
+
+SLOW_ALONG_Y = Measure(stretched, largest)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_travel_is_kept_short_by_what_it_is_measured_by(seed):
+    random = np.random.default_rng(seed)
+    points = random.uniform(0, 100, (7, 3))
+    parts = [circle(tuple(p), 0.001) for p in points]
+    places = stretched(points)
+
+    def along(order):
+        return sum(largest(places[a], places[b]) for a, b in itertools.pairwise(order))
+
+    best = min(map(along, itertools.permutations(range(7))))
+    result = ordered(parts, (), SLOW_ALONG_Y)
+    assert result.measured
+    assert result.after <= best * 1.25 + 0.5
+    by_length = [tuple(np.round(c.curves[0].centre, 6)) for c in ordered(parts).contours]
+    rows = [[tuple(np.round(p, 6)) for p in points].index(c) for c in by_length]
+    assert result.after < along(rows)
+    visits = visited(points, SLOW_ALONG_Y)
+    assert sorted(visits.rows) == list(range(7))
+    assert visits.after == pytest.approx(along(visits.rows))
+    assert best - 1e-9 <= visits.after <= min(best * 1.25, visits.before) + 1e-9
+
+
+def test_mm_count_where_nothing_else_is_known():
+    parts = [circle((0.0, 0.0, 0.0)), circle((90.0, 0.0, 0.0)), circle((30.0, 0.0, 0.0))]
+    result = ordered(parts, (), Measure(lambda points: None, largest))
+    assert not result.measured
+    assert result == ordered(parts)

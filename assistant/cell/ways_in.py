@@ -1,0 +1,238 @@
+"""From where a tool can come to a place and go from it, and how long a robot takes between places.
+
+A way in is a line of the tool, which keeps its orientation. The first one that is tried leads along
+the tool; then it is tilted, by less before more and to all sides. Each is proven without gaps, in
+every branch in which the arm can hold the place; which of them the program takes is seen, and
+proven as the controller moves, when the whole of it is looked at.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final, TypeVar
+
+import numpy as np
+
+from assistant.cell.collision.continuous import Way, hits
+from assistant.cell.planning.goals import held
+from assistant.cell.planning.space import Space
+from assistant.cell.scene import Placed, Scene
+from assistant.program.arrays import Floats, Truths
+from assistant.program.diagnostics import error, info
+from assistant.program.geometry import Pose, Vector
+from assistant.sources.surroundings import ALONG, WayIn
+
+T = TypeVar("T")
+
+ASIDE: Final = info(
+    "CK478",
+    "the tool comes to {where}, or goes from it, {angle:.0f} degrees off its axis: along its axis"
+    " `{one}` would come too near to `{other}`",
+    "",
+)
+OUT_OF_REACH: Final = info(
+    "CK477",
+    "the tool comes to {where}, or goes from it, {angle:.0f} degrees off its axis: along its axis"
+    " the arm cannot go so far",
+    "",
+)
+NO_WAY_IN: Final = error(
+    "CK479",
+    "there is no free line of {distance:g} mm to {where}, neither along the tool nor tilted from"
+    " it: `{one}` touches `{other}` along the tool",
+    "state a shorter approach and retract, or move the place or the body",
+)
+
+TILTS: Final = (15.0, 30.0, 45.0, 60.0, 75.0, 90.0)
+"""Degrees from the tool's axis, after 0."""
+SIDES: Final = 8
+"""Sides to which it is tilted, of each angle."""
+ROUNDED: Final = 3
+"""Decimals of a direction: it stands in the program."""
+
+
+def directions() -> Iterator[tuple[float, Vector]]:
+    """Those that are tried, with their angles from the tool's axis, in its own axes."""
+    yield 0.0, ALONG
+    for tilt in TILTS:
+        for side in range(SIDES):
+            t, a = np.radians(tilt), 2.0 * np.pi * side / SIDES
+            x, y, z = np.sin(t) * np.cos(a), np.sin(t) * np.sin(a), -np.cos(t)
+            one = np.array([x, y, z])
+            x, y, z = (np.round(one, ROUNDED) + 0.0).tolist()
+            yield tilt, (x, y, z)
+
+
+class Around:
+    """`sources.surroundings.Surroundings` of a robot in a scene. Other robots stand at home."""
+
+    def __init__(self, scene: Scene, placed: Placed) -> None:
+        self.scene, self.placed, self.robot = scene, placed, placed.robot
+
+    @cached_property
+    def space(self) -> Space:
+        return Space(self.scene, self.placed)
+
+    def places(self, positions: Floats, quaternions: Floats, tool: Pose) -> Floats | None:
+        """In the branch that holds most of them; of several the one that is nearest to home."""
+        back = tool.inverse()
+        flanges = [Pose.of(p, q) @ back for p, q in zip(positions, quaternions, strict=True)]
+        joints, valid = self.robot.ik(
+            [one.position for one in flanges], [one.quaternion for one in flanges]
+        )
+        if not valid.any(axis=1).all():
+            return None
+        scaled = joints / self.robot.speeds
+        far = np.abs(scaled - self.robot.home / self.robot.speeds).max(axis=2)
+        nearness = np.where(valid, far, np.inf)
+        best = np.lexsort((np.where(valid, far, 0.0).sum(axis=0), -valid.sum(axis=0)))[0]
+        chosen = np.where(valid[:, best], best, nearness.argmin(axis=1))
+        return np.asarray(scaled[np.arange(len(joints)), chosen])
+
+    def way_in(self, pose: Pose, tool: Pose, distance: float, place: str) -> WayIn:
+        """The first direction on which the margins are kept, or else nothing touches.
+
+        What is within its margin at the place itself, such as the work, may be as near on the way.
+        A place that is out of reach, or in contact itself, is told by whoever looks at the program.
+        """
+        tried = list(directions())
+        along, *aside = (_Line(pose, np.array(direction), distance, tool) for _, direction in tried)
+        rows, ways = list[Floats](), list[Floats | None]()
+        for row in self._held(pose, tool):
+            rows.append(row)
+            ways.append(self._tracked(row, [along])[0])
+            if any(self._clear([way], most)[0] for way, most in self._kept([row], ways[-1:])):
+                return WayIn()
+        if not rows:
+            return WayIn()
+        others = [self._tracked(row, aside) for row in rows]
+        names = self._in_the_way(rows, ways)
+        for most in (np.inf, 0.0):
+            straight = (self._clear([way], kept)[0] for way, kept in self._kept(rows, ways, most))
+            if any(straight):
+                return WayIn()
+            free = np.zeros(len(aside), dtype=bool)
+            for some, margins in self._kept(rows, others, most):
+                free |= self._clear(some, margins)
+            if free.any():
+                angle, direction = tried[1 + int(np.argmax(free))]
+                if names is None:
+                    return WayIn(direction, (OUT_OF_REACH(where=place, angle=angle),))
+                one, other = names
+                return WayIn(direction, (ASIDE(where=place, angle=angle, one=one, other=other),))
+        if names is None:
+            return WayIn()
+        one, other = names
+        said = NO_WAY_IN(where=place, distance=distance, one=one, other=other)
+        return WayIn(findings=(said,))
+
+    def _held(self, pose: Pose, tool: Pose) -> Iterator[Floats]:
+        """Joints (a,) that hold a pose and touch nothing there, of whole turns the first."""
+        seen = set[tuple[float, ...]]()
+        for row in held(self.robot, pose, self.robot.home, tool):
+            turned = np.where(self.robot.sliding, row, row % 360.0)
+            key = tuple((np.round(turned, 3) % 360.0).tolist())
+            if key not in seen and self.space.distances(row).min(initial=np.inf) > 0.0:
+                yield row
+            seen.add(key)
+
+    def _tracked(self, row: Floats, lines: Sequence[_Line]) -> list[Floats | None]:
+        """Joints (s, a) along lines from joints (a,) on, in one branch; None if the arm cannot."""
+        poses = [pose for line in lines for pose in line.flanges()]
+        joints, valid = self.robot.ik([p.position for p in poses], [p.quaternion for p in poses])
+        joints = joints.reshape(len(lines), -1, *joints.shape[1:])
+        valid = valid.reshape(len(lines), -1, valid.shape[1])
+        out: list[Floats | None] = []
+        for one, usable in zip(joints, valid, strict=True):
+            track = [row]
+            for some, good in zip(one, usable, strict=True):
+                wound = some + self._turns(some, track[-1])
+                far = np.where(
+                    good & self.robot.inside(wound), np.abs(wound - track[-1]).max(1), np.inf
+                )
+                best = int(np.argmin(far))
+                if not far[best] <= MOST_TURNED:
+                    break
+                track.append(wound[best])
+            out.append(np.array(track) if len(track) == len(one) + 1 else None)
+        return out
+
+    def _turns(self, rows: Floats, near: Floats) -> Floats:
+        """Whole turns that bring joints (n, a) nearest to others (a,)."""
+        turns = 360.0 * np.round((near - rows) / 360.0)
+        turning = np.isin(np.arange(len(near)), self.robot.winding())
+        return np.where(turning, turns, 0.0)
+
+    def _kept(
+        self, rows: Sequence[Floats], ways: Sequence[T], most: float = np.inf
+    ) -> Iterator[tuple[T, Floats]]:
+        """Ways with the margins (p,) that are kept on them: less of what is nearer at the place."""
+        for row, some in zip(rows, ways, strict=True):
+            distances = self.space.distances(row) - LESS
+            yield some, np.minimum(np.minimum(self.space.margins, most), distances)
+
+    def _clear(self, tracks: Sequence[Floats | None], margins: Floats) -> Truths:
+        """(n,) whether margins (p,) are kept on ways through joints (s, a)."""
+        out = np.array([track is not None for track in tracks])
+        going = [track for track in tracks if track is not None]
+        if not going:
+            return out
+        usual, self.space.margins = self.space.margins, margins
+        try:
+            starts, ends = (
+                np.concatenate([track[some] for track in going])
+                for some in (slice(None, -1), slice(1, None))
+            )
+            clear = self.space.clear(starts, ends, ROOM)
+        finally:
+            self.space.margins = usual
+        out[out] = [
+            part.all() for part in np.split(clear, np.cumsum([len(t) - 1 for t in going])[:-1])
+        ]
+        return out
+
+    def _in_the_way(
+        self, rows: Sequence[Floats], ways: Sequence[Floats | None]
+    ) -> tuple[str, str] | None:
+        """Bodies that are too near along the tool, in the branch that is nearest to home; None if
+        the arm cannot go there in any.
+        """
+        for way, margins in self._kept(rows, ways):
+            if way is None:
+                continue
+            found = hits(self.space.model, Way(self.space.all_joints(way)), margins + ROOM)
+            if found:
+                worst = min(found, key=lambda hit: hit.distance)
+                contact = self.space.model.contact(worst.joints, worst.pair)
+                return contact.one, contact.other
+        return None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Line:
+    """From a pose of the tip to mm away from it, in a direction (3,) in its axes."""
+
+    pose: Pose
+    direction: Floats
+    distance: float
+    tool: Pose
+
+    def flanges(self) -> list[Pose]:
+        """Every `STEP` mm, without the first."""
+        count = max(1, int(np.ceil(self.distance / STEP)))
+        places = np.arange(1, count + 1)[:, None] / count * self.distance * self.direction
+        back = self.tool.inverse()
+        return [self.pose @ Pose((x, y, z)) @ back for x, y, z in places.tolist()]
+
+
+LESS: Final = 0.5
+"""mm by which a margin is less than the distance at the place that a way leads to."""
+ROOM: Final = 0.1
+"""mm that the way between two looked at places may be from what the joints go in between."""
+STEP: Final = 4.0
+"""mm between places that are looked at; what lies in between is proven. A line of that length is
+0.02 mm from the arc of a joint 100 mm away."""
+MOST_TURNED: Final = 45.0
+"""degrees or mm that a joint moves in a step at most, in one branch."""
