@@ -153,6 +153,8 @@ def _closeness(
 
 def _least(model: Model, way: Way, hit: Hit) -> float:
     """Mm that the pair of a hit is apart at the nearest place of the stretches behind it."""
+    if any(not model.items[int(i[hit.pair])].body.shown for i in (model.one, model.other)):
+        return hit.distance  # how far into space that nobody knows says nothing
     first = int(hit.at)
     limit = model.margins[hit.pair]
     last = first + 1

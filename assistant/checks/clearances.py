@@ -48,6 +48,12 @@ BARE_TOOL: Final = warning(
     "nothing is looked for that the tool touches",
     "write its body under [bodies], and name that as `tool` of the robot",
 )
+UNKNOWN_SPACE: Final = error(
+    "CK459",
+    "`{name}` goes into space that nobody has explored after {time:.2f} s of `{procedure}`, at "
+    "{point} mm, on the way to {label}",
+    'explore it, go another way, or write unknown = "free" for the robot in the cell file',
+)
 NOT_LOOKED: Final = info(
     "CK424",
     "{what}, so that collisions there are not looked for",
@@ -142,6 +148,10 @@ def _told(solution: SolvedProgram, scene: Scene, one: Closeness, rule: Rule) -> 
         "label": one.label or "its target",
         "span": _span(solution, one),
     }
+    leaves = _leaves_known_space(scene, contact.one, contact.other)
+    if rule is TOUCHES and leaves is not None:
+        del said["one"], said["other"]
+        return UNKNOWN_SPACE(name=leaves, point=_vector(contact.points[0], 1), **said)
     if rule is TOUCHES:
         return rule(
             point=_vector(contact.points[0], 1),
@@ -153,6 +163,19 @@ def _told(solution: SolvedProgram, scene: Scene, one: Closeness, rule: Rule) -> 
     margins = [body.margin for body in scene.all_bodies() if body.name in names]
     margin = max(scene.margin if m is None else m for m in margins)
     return rule(least=min(one.least, margin), margin=margin, **said)
+
+
+def _leaves_known_space(scene: Scene, one: str, other: str) -> str | None:
+    """The body that is in space of which a map says nothing, None if both are bodies."""
+    from assistant.cell.scene import CORE, UNKNOWN
+
+    for thin, space in ((one, other), (other, one)):
+        if thin.endswith(CORE) and space.endswith(UNKNOWN):
+            core = scene.body(thin)
+            name = thin.removesuffix(CORE)
+            known = any(body.name == name for body in scene.all_bodies())
+            return name if known or core is None else core.parent  # of what a program takes
+    return None
 
 
 def _span(solution: SolvedProgram, one: Closeness) -> Span | None:

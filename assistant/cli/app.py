@@ -11,6 +11,7 @@ import typer
 from assistant import __version__
 from assistant.cli import deployments, on_arms, on_controllers, projects
 from assistant.cli.exchanges import exchange
+from assistant.cli.explorations import explore
 from assistant.cli.gateways import gateway
 from assistant.cli.options import (
     AccelerationOption,
@@ -65,6 +66,7 @@ robots: Final = typer.Typer(
 app.add_typer(robots, name="robots")
 app.add_typer(exchange, name="exchange")
 app.add_typer(reach, name="reach")
+app.add_typer(explore, name="explore")
 
 
 def _budget(text: str | None) -> None:

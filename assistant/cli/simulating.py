@@ -19,6 +19,7 @@ from assistant.program.diagnostics import Diagnostic, Refused, error, fold, has_
 
 if TYPE_CHECKING:
     from assistant.cell.scene import Scene
+    from assistant.compiler.scenes import InCell
     from assistant.compiler.source_map import Places
     from assistant.program.program import Program
     from assistant.robots import Robot, SolvedProgram
@@ -97,8 +98,11 @@ class Solved:
     findings: list[Diagnostic]
 
 
-def solved(source: str, options: Options) -> Solved:
-    """The program of a file, for the arm that runs it. Raises Refused if nobody names one."""
+def solved(source: str, options: Options, stands: InCell | None = None) -> Solved:
+    """The program of a file, for the arm that runs it. Raises Refused if nobody names one.
+
+    stands: the cell, where it has been read already.
+    """
     from assistant import robots
     from assistant.compiler.arms import known_robot, robot_of, standing, taught_on
     from assistant.compiler.crossing import for_arm
@@ -107,7 +111,7 @@ def solved(source: str, options: Options) -> Solved:
     from assistant.compiler.travelling import travelled
     from assistant.compiler.turning import with_turns
 
-    stands = in_cell(options.cell, options.robot)
+    stands = stands or in_cell(options.cell, options.robot)
     arms = stands.arms(robot_of(options.from_robot))
     reader = options.from_robot or stands.robot
     given = (options.process, options.unit, options.from_language, options.entry)

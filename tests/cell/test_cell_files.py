@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 
 from assistant.cell.collision.model import Model
+from assistant.cell.exploration.map_file import save
+from assistant.cell.exploration.occupancy import Occupancy, keys_of
 from assistant.cell.reading.cell_file import read_scene
 from assistant.cell.reading.meshes import read_mesh
 from assistant.cell.scene import Scene
 from assistant.cell.shapes import Box, Cylinder, Mesh
-from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.diagnostics import Diagnostic, Refused, Unreadable
 from assistant.sources.cell import read_cell
 
 CELL = """
@@ -171,3 +173,36 @@ def test_a_mesh_of_many_triangles_is_simplified_and_stays_closed(tmp_path: Path)
     far = np.sqrt(((middles[:, None] - found[None]) ** 2).sum(axis=2)).min(axis=1)
     assert far.max() <= mesh.off + size
     assert 0.0 < mesh.off < 60.0
+
+
+@pytest.mark.parametrize(
+    ("said", "code"),
+    [
+        ('explored = "none.npz"', "IN"),
+        ('explored = "other.npz"', "CK452"),
+        ('unknown = "free"', "CK490"),
+        ('explored = "arm.npz"\nunknown = "perhaps"', "CT"),
+    ],
+)
+def test_what_is_wrong_with_a_map_of_explored_space(tmp_path: Path, said: str, code: str) -> None:
+    cell_of = np.array([[60, 0, 0]])
+    touched = keys_of(cell_of)
+    for name, robot in (("arm.npz", "irb1200-7-0.7"), ("other.npz", "rv-2aj")):
+        save(Occupancy.unknown(10.0, robot).with_run(touched[:0], touched), tmp_path / name)
+    text = f'[robots.arm]\nrobot = "irb1200-7-0.7"\n{said}\n'
+    with pytest.raises((Refused, Unreadable)) as refused:
+        cell(tmp_path, text)
+    assert [f.code[: len(code)] for f in refused.value.findings] == [code]
+
+
+def test_a_thin_body_is_told_the_cells_that_suit_it(tmp_path: Path) -> None:
+    save(Occupancy.unknown(10.0, "irb1200-7-0.7"), tmp_path / "arm.npz")
+    text = CELL.replace('"irb1200-7-0.7"', '"irb1200-7-0.7"\nexplored = "arm.npz"')
+    scene, findings = cell(tmp_path, text)
+    assert [f.code for f in findings] == ["CK489"]
+    assert "`nozzle`" in findings[0].message
+    names = {body.name: body for body in scene.bodies}
+    assert {"arm.unknown", "nozzle.core", "arm.J2.core"} <= set(names)
+    assert not names["arm.unknown"].shown
+    plain, _ = read_scene(tmp_path / "cell.toml", explored=False)
+    assert {body.name for body in plain.bodies} == {"table", "nozzle"}

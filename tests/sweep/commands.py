@@ -40,6 +40,7 @@ source = "three.csv"
 programs = ["one", "two", "three"]
 """
 CELL: Final = '[controllers.cell1]\naddress = "virtual:cr"\nrobot = "rv-2aj"\n'
+ROBOT_CELL: Final = '[robots.arm]\nrobot = "rv-2aj"\n'
 STORE: Final = ".robot-assistant/virtual/cell1/programs"
 
 
@@ -92,6 +93,10 @@ COMMANDS: Final[Mapping[str, Command]] = {
         books=frozenset({"one.npz"}),
     ),
     "exchange": Command(("exchange", "module", "-o", "exchange.mod"), {}),
+    "explore": Command(
+        ("explore", "wander", "one.toml", "--runs", "1", "--size", "40", "--chart", "one.npz"),
+        {"one.toml": ROBOT_CELL},
+    ),
     "init": Command(("init", "."), {}, over=False),
     "build": Command(
         BUILD,

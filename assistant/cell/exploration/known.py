@@ -11,7 +11,7 @@ Unknown space is one mesh of its surface, however ragged that is: so each body h
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import Final
 
@@ -22,11 +22,11 @@ from assistant.cell.exploration.boxes import boxes_of, surface_of
 from assistant.cell.exploration.depths import thinner
 from assistant.cell.exploration.filling import MOST, STEP, SURE, Filler
 from assistant.cell.exploration.occupancy import Occupancy, State, cells_at, places_of
-from assistant.cell.exploration.rules import OTHER_GRID, TOO_FINE
+from assistant.cell.exploration.rules import OPEN_BODY, OTHER_GRID, SAME_NAME, THIN, TOO_FINE
 from assistant.cell.scene import CORE, UNKNOWN, Body, Part, Scene
 from assistant.cell.shapes import Box, Mesh, extent
 from assistant.program.arrays import Floats, Ints, Truths, norms
-from assistant.program.diagnostics import Refused
+from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import Pose
 
 SKIN: Final = 2.0 * SURE + STEP
@@ -45,6 +45,15 @@ def with_map(
     unknown; what the latter fill where they stand at first is known. blocked: False for occupied
     space only, where the scene's own bodies tell all else. Raises Refused for a map of another
     robot, or with more cells than can be handled.
+    """
+    return mapped(scene, occupancy, name, blocked=blocked)[0]
+
+
+def mapped(
+    scene: Scene, occupancy: Occupancy, name: str | None = None, *, blocked: bool = True
+) -> tuple[Scene, tuple[Diagnostic, ...]]:
+    """As `with_map`, with findings: bodies that have explored nothing, so that they are in unknown
+    space wherever no other has been.
     """
     filler = Filler(scene, name, occupancy.size)
     placed = filler.placed
@@ -69,6 +78,10 @@ def with_map(
         spaces.append(Body(placed.name + UNKNOWN, (part,), Pose(), base, margin=0.0, shown=False))
     spaces = [body for body in spaces if body.parts]
     out = replace(scene, bodies=(*scene.bodies, *(cores if blocked else ()), *spaces))
+    added = {body.name for body in out.bodies[len(scene.bodies) :]}
+    for body in scene.all_bodies():
+        if body.name in added:
+            raise Refused(SAME_NAME(name=body.name), exit_status=2)
     everything = {body.name for body in out.all_bodies()}
     unknown_name, occupied_name = placed.name + UNKNOWN, placed.name + OCCUPIED
     own = {core.name for core in cores}
@@ -76,7 +89,20 @@ def with_map(
     pairs |= {(unknown_name, other) for other in everything - own}
     pairs |= {(occupied_name, other) for other in everything - {*moved, *taken}}
     allowed = {(min(pair), max(pair)) for pair in pairs}
-    return replace(out, allowed=scene.allowed | allowed)
+    findings = tuple(_thin(filler)) if blocked else ()
+    return replace(out, allowed=scene.allowed | allowed), findings
+
+
+def _thin(filler: Filler) -> Iterator[Diagnostic]:
+    """Bodies that are thinner than the skin that is taken off them."""
+    yield from (finding for finding in filler.findings if finding.code == OPEN_BODY.code)
+    deepest: dict[str, float] = {}
+    for part in filler.parts:
+        name = part.body.name
+        deepest[name] = min(deepest.get(name, np.inf), part.solid.deepest)
+    for name, deep in deepest.items():
+        if deep < SKIN * filler.size:
+            yield THIN(name=name, size=filler.size, better=deep / SKIN)
 
 
 def farthest(filler: Filler, taken: Iterable[Body] = ()) -> float:

@@ -1,4 +1,4 @@
-"""What is found in maps of explored space and in what explores."""
+"""What is found in charts of explored space and in what explores."""
 
 from __future__ import annotations
 
@@ -40,3 +40,53 @@ NOT_CLEAR = error(
 )
 NO_ROBOT = error("CK457", "there is no robot `{name}` in the cell", "choose one of {names}")
 NO_SIZE = error("CK458", "cells cannot be {size} mm", "give a length in mm above 0")
+NOT_RECORDED = error(
+    "CK480",
+    "the recording has no joints {names}, which a {robot} has",
+    "record the joints of that arm, as `robot-assistant monitor --log` does",
+)
+NO_COLUMN = error(
+    "CK481",
+    "the recording has no column {name}",
+    "write one of {known}; `robot-assistant monitor` records signals that it is told",
+)
+BLANKS = warning(
+    "CK482", "{count} of {total} rows lack joints and tell nothing", "record all joints"
+)
+BEYOND = error(
+    "CK483",
+    "{axis} is at {value:g} {unit} in the recording, and a {robot} has it between {low:g} and "
+    "{high:g}",
+    "take the recording of that arm, in degrees, or name its robot",
+)
+NO_TIMES = error(
+    "CK484",
+    "the seconds of the recording do not ascend, so that what was before a contact is not known",
+    "record each time into a file of its own",
+)
+NOTHING_UNKNOWN = error(
+    "CK490",
+    "`unknown` says what becomes of space that a chart does not know, and `{name}` has no chart",
+    'write explored = "….npz" as well, or leave `unknown` out',
+)
+SAME_NAME = error(
+    "CK491",
+    "`{name}` is what the body is called that a chart of explored space gives the cell",
+    "rename the one of the cell file",
+)
+OTHER_ROBOT = error(
+    "CK487",
+    "`{name}` is a {other} in {hidden}, and a {robot} in {cell}",
+    "give the robot the same model in both cell files",
+)
+STANDS_ELSEWHERE = error(
+    "CK488",
+    "the robots of {hidden} are not those of {cell}, or `{name}` stands elsewhere there",
+    "give both cell files the same robots, at the same places",
+)
+THIN = warning(
+    "CK489",
+    "cells of {size:g} mm are too large for `{name}`: where it has been is not all known to be "
+    "free",
+    "explore with cells of {better:.3g} mm at most",
+)

@@ -11,6 +11,8 @@
     robot = "irb1200-7-0.7"       # of the catalogue, or a robot file beside this one
     position = [0, 0, 0]          # of its base in the world; with euler_zyx or quaternion
     tool = "nozzle"               # a body that its flange carries from the start
+    explored = "arm.npz"          # chart of the space about it, which it must not leave; or with
+    unknown = "free"              # only where contacts were is in its way; else "blocked"
     packages = {abb = "../abb"}   # folders of meshes that its URDF calls package://abb/…
     links = "capsules"            # instead of the shapes of its URDF; by its lengths
 
@@ -46,6 +48,9 @@ from typing import Any, Final
 
 from assistant import robots
 from assistant.cell import arms
+from assistant.cell.exploration.known import mapped
+from assistant.cell.exploration.map_file import load
+from assistant.cell.exploration.rules import NOTHING_UNKNOWN
 from assistant.cell.reading import meshes
 from assistant.cell.reading.drawings import Drawn, read_drawing
 from assistant.cell.reading.drawings.rules import TWICE
@@ -119,6 +124,8 @@ ROBOT: Final[Mapping[str, Read]] = {
     "tool": values.text,
     "packages": _folders,
     "links": values.choice("capsules"),
+    "explored": values.text,
+    "unknown": values.choice("blocked", "free"),
     **PLACE,
 }
 SHAPES: Final[Mapping[str, Read]] = {
@@ -143,20 +150,27 @@ BODY: Final[Mapping[str, Read]] = {
 }
 
 
-def read_scene(path: str | FilePath) -> tuple[Scene, tuple[Diagnostic, ...]]:
+def read_scene(
+    path: str | FilePath, *, explored: bool = True
+) -> tuple[Scene, tuple[Diagnostic, ...]]:
     """The world of a cell file, and what is to be said of it.
 
-    Raises Unreadable for what is no TOML or for a file of a mesh that cannot be read, Refused, with
-    every finding, for what is wrong in it.
+    explored: False for a scene without what charts of explored space add to it. Raises Unreadable
+    for what is no TOML or for a file of a mesh that cannot be read, Refused, with every finding,
+    for what is wrong in it.
     """
     source = decode(read_bytes(path, most=SETTINGS_FILE), str(path), ENCODINGS)
-    return parse_scene(source, FilePath(path).parent)
+    return parse_scene(source, FilePath(path).parent, explored=explored)
 
 
-def parse_scene(source: SourceText, folder: FilePath) -> tuple[Scene, tuple[Diagnostic, ...]]:
+def parse_scene(
+    source: SourceText, folder: FilePath, *, explored: bool = True
+) -> tuple[Scene, tuple[Diagnostic, ...]]:
     """As `read_scene`, from a text; folder: of the files that it names."""
     reader = _Reader(read_toml(source), folder)
     scene = reader.scene()
+    if explored and not has_errors((*reader.top.page.findings, *reader.found)):
+        scene = reader.explored(scene)
     found = (*reader.top.page.findings, *reader.found)
     if has_errors(found):
         raise Refused(*found)
@@ -167,6 +181,7 @@ class _Reader:
     def __init__(self, top: Table, folder: FilePath) -> None:
         self.top, self.folder = top, folder
         self.found: list[Diagnostic] = []
+        self.maps: dict[str, Mapping[str, Any]] = {}
 
     def scene(self) -> Scene:
         world = self.top.table("world").read(WORLD)
@@ -188,6 +203,19 @@ class _Reader:
         for one in placed:
             allowed |= arms.touching_links(one)
         return replace(scene, allowed=frozenset(allowed))
+
+    def explored(self, scene: Scene) -> Scene:
+        """With what the charts of its robots leave unknown, or have occupied."""
+        for name, said in self.maps.items():
+            blocked = said.get("unknown", "blocked") == "blocked"
+            try:
+                occupancy = load(self.folder / said["explored"])
+                scene, findings = mapped(scene, occupancy, name, blocked=blocked)
+            except Refused as refused:
+                self.found += refused.findings
+                continue
+            self.found += findings
+        return scene
 
     def frames(self) -> dict[str, Frame]:
         """Those of the file; what is wrong in them is told by who reads the rest of it."""
@@ -212,6 +240,10 @@ class _Reader:
         except Refused as refused:
             self.found += refused.findings
             return None, None
+        if "explored" in said:
+            self.maps[name] = said
+        elif "unknown" in said:
+            entry.say(NOTHING_UNKNOWN, "unknown", name=name)
         return arms.placed(name, robot, _pose(said), links), said.get("tool")
 
     def links(

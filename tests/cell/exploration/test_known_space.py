@@ -106,6 +106,12 @@ def test_what_a_program_takes_keeps_out_of_unknown_space_as_well() -> None:
     assert apart[0] > 0.0 >= apart[1]
 
 
+def test_a_body_that_is_called_as_what_a_map_adds_is_refused() -> None:
+    with pytest.raises(Refused) as refused:
+        known(np.ones((3, 3, 3), dtype=bool), Sphere(40.0), Body("gantry.unknown", ()))
+    assert refused.value.findings[0].code == "CK491"
+
+
 # ---------------------------------------------------------------------------------------- ways
 
 

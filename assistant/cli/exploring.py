@@ -1,0 +1,216 @@
+"""`explore`: charts of the space that a robot has been in, made larger, joined and compared."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from assistant.cli.compiling import keep_sources, working
+from assistant.cli.presentation import Format, print_findings, print_json, say
+from assistant.program.diagnostics import Refused, error, has_errors
+
+if TYPE_CHECKING:
+    from assistant.cell.exploration.occupancy import Occupancy
+    from assistant.cli.simulating import Options
+    from assistant.compiler.exploring import Asked, Explored, Ready
+
+NO_CHART_NAME: Final = error("CL280", "a chart is not written as `{name}`", "end its name in .npz")
+NO_UNTIL: Final = error("CL281", "--until is {value:g}", "write seconds above 0")
+SUFFIX: Final = ".npz"
+
+
+def run_wander(
+    asked: Asked, hidden: Path | None, runs: int, seed: int | None, format: Format
+) -> int:
+    from assistant.compiler.exploring import wandered
+
+    with working("exploring"):
+        begun = _ready(asked, [] if hidden is None else [str(hidden)])
+        found = wandered(begun, hidden, runs, seed)
+    return _told(begun, found, "runs", format)
+
+
+def run_recorded(
+    asked: Asked, recordings: Sequence[Path], contact: str | None, format: Format
+) -> int:
+    from assistant.compiler.exploring import recorded
+
+    with working("reading what was recorded"):
+        begun = _ready(asked, [str(path) for path in recordings])
+        found = recorded(begun, recordings, contact)
+    return _told(begun, found, "runs of each recording", format)
+
+
+def run_program(
+    asked: Asked,
+    source: str,
+    options: Options,
+    until: float | None,
+    hidden: Path | None,
+    format: Format,
+) -> int:
+    """1 if the robot cannot run the program; then the chart stays as it is."""
+    from assistant.cli.simulating import refused, solved
+    from assistant.compiler.exploring import ran
+    from assistant.compiler.scenes import InCell
+    from assistant.robots.timing import simulate
+
+    if until is not None and not until > 0.0:
+        raise Refused(NO_UNTIL(value=until), exit_status=2)
+    with working(f"going through {source}"):
+        begun = _ready(asked, [source, *([] if hidden is None else [str(hidden)])])
+        explorer = begun.explorer
+        done = solved(source, options, InCell(explorer.scene, explorer.placed.robot))
+        if has_errors(done.findings):
+            robot = done.solution.robot
+            return refused(source, robot, done.findings, format, "gone through")
+        simulation = simulate(done.solution, acceleration=options.acceleration)
+        found = ran(begun, simulation, until, hidden)
+    return _told(begun, found, "runs", format)
+
+
+def _ready(asked: Asked, read: Sequence[str]) -> Ready:
+    """Raises Refused for a chart that would not be one, or would be written over what is read."""
+    from assistant.compiler.exploring import ready
+
+    _check_name(asked.chart)
+    keep_sources([str(asked.cell), *read], [asked.chart])
+    return ready(asked)
+
+
+def _check_name(path: Path) -> None:
+    if path.suffix.lower() != SUFFIX or not path.stem:
+        raise Refused(NO_CHART_NAME(name=path), exit_status=2)
+
+
+def _told(begun: Ready, found: Explored, what: str, format: Format) -> int:
+    from assistant.cell.exploration.map_file import save
+    from assistant.findings.formats import finding_record
+
+    path = begun.asked.chart
+    save(found.occupancy, path)
+    if format is Format.JSON:
+        rows = [dict(zip(("runs", "new", "litres"), row, strict=True)) for row in found.runs]
+        findings = [finding_record(one) for one in found.findings]
+        answer = {"explored": rows, "contacts": found.contacts, "chart": _record(found.occupancy)}
+        print_json(answer | {"findings": findings, "written": [str(path)]})
+        return 0
+    print_findings(found.findings, explained=True)
+    say(f"{what:>24} {'new cells':>12} {'litres free':>12}")
+    for runs, new, litres in found.runs:
+        say(f"{runs:>24,} {new:>12,} {litres:>12.1f}")
+    say("")
+    if found.contacts:
+        where = f", {found.placeless} of them nobody knows where" if found.placeless else ""
+        say(f"contacts: {found.contacts}{where}")
+    for line in _lines(found.occupancy):
+        say(line)
+    say(f"wrote {path}")
+    return 0
+
+
+def _record(occupancy: Occupancy) -> dict[str, Any]:
+    from assistant.cell.exploration.occupancy import State
+
+    counts = occupancy.counts()
+    return {
+        "robot": occupancy.robot,
+        "cell_mm": occupancy.size,
+        "runs": occupancy.runs,
+        "free": counts[State.FREE],
+        "occupied": counts[State.OCCUPIED],
+        "litres": occupancy.litres,
+        "box_mm": [low_high.tolist() for low_high in _box(occupancy)],
+    }
+
+
+def _box(occupancy: Occupancy) -> Sequence[Any]:
+    """Lowest and highest corner (3,) of the free cells in mm of the base; none without any."""
+    from assistant.cell.exploration.occupancy import State
+
+    cells = occupancy.cells(State.FREE)
+    if not len(cells):
+        return ()
+    return cells.min(axis=0) * occupancy.size, (cells.max(axis=0) + 1) * occupancy.size
+
+
+def _lines(occupancy: Occupancy) -> list[str]:
+    record = _record(occupancy)
+    out = [
+        f"robot    {record['robot']}",
+        f"cells    {record['cell_mm']:g} mm",
+        f"runs     {record['runs']:,}",
+        f"free     {record['free']:,} cells, {record['litres']:.1f} l",
+        f"occupied {record['occupied']:,} cells",
+    ]
+    if record["box_mm"]:
+        low, high = ([f"{value:g}" for value in corner] for corner in record["box_mm"])
+        out.append(f"between  ({', '.join(low)}) and ({', '.join(high)}) mm of the base")
+    return out
+
+
+def run_chart_shown(path: Path, format: Format) -> int:
+    from assistant.cell.exploration.map_file import load
+
+    occupancy = load(path)
+    if format is Format.JSON:
+        print_json({"chart": str(path), **_record(occupancy)})
+        return 0
+    for line in _lines(occupancy):
+        say(line)
+    return 0
+
+
+def run_charts_merged(paths: Sequence[Path], output: Path, format: Format) -> int:
+    from assistant.cell.exploration.map_file import load, save
+
+    _check_name(output)
+    keep_sources([str(path) for path in paths], [output])
+    merged = load(paths[0])
+    for path in paths[1:]:
+        other = load(path)
+        with _placed(path):
+            merged = merged.merged(other)
+    save(merged, output)
+    if format is Format.JSON:
+        print_json({"chart": _record(merged), "written": [str(output)]})
+        return 0
+    for line in _lines(merged):
+        say(line)
+    say(f"wrote {output}")
+    return 0
+
+
+def run_charts_compared(old: Path, new: Path, format: Format) -> int:
+    """1 if what was free is not any more."""
+    from assistant.cell.exploration.map_file import load
+
+    before, after = load(old), load(new)
+    with _placed(new):
+        found = before.compared(after)
+    if format is Format.JSON:
+        print_json({"old": str(old), "new": str(new), **asdict(found)})
+    else:
+        litre = before.size**3 / 1e6
+        for count, what in (
+            (found.same, "are known alike"),
+            (found.gained, f"are known in {new} only"),
+            (found.lost, f"are known in {old} only"),
+            (found.freed, "were occupied and are free"),
+            (found.blocked, "were free and are occupied"),
+        ):
+            say(f"{count:>12,} cells ({count * litre:.1f} l) {what}")
+    return 1 if found.blocked else 0
+
+
+@contextmanager
+def _placed(path: Path) -> Iterator[None]:
+    """What is refused of a chart is told at its file."""
+    try:
+        yield
+    except Refused as refused:
+        findings = [finding.within(str(path)) for finding in refused.findings]
+        raise Refused(*findings, exit_status=refused.exit_status) from None

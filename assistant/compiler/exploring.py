@@ -1,0 +1,172 @@
+"""Charts of explored space that grow: by wandering, by recordings, by programs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from assistant.program.diagnostics import Diagnostic, Refused
+
+if TYPE_CHECKING:
+    from assistant.cell.exploration.explorer import Explorer
+    from assistant.cell.exploration.occupancy import Occupancy
+    from assistant.cell.scene import Scene
+    from assistant.robots.timing import Simulation
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What is explored. cell: file of the cell; robot: its name there, None for the only one.
+
+    chart: file of the chart, gone on with if it is there. size: mm of a cell, None for that of the
+    chart or the usual one. thinner: mm that the bodies of the robot are rounder than it, at most.
+    """
+
+    cell: FilePath
+    chart: FilePath
+    robot: str | None = None
+    size: float | None = None
+    thinner: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Explored:
+    """What came of it. runs: rows of (runs so far, cells new in them, litres free).
+
+    contacts: that were met, and how many of these told no place.
+    """
+
+    occupancy: Occupancy
+    runs: tuple[tuple[int, int, float], ...]
+    contacts: int
+    placeless: int
+    findings: tuple[Diagnostic, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Ready:
+    """Who explores, with what he knows; findings of the cell file and of bodies that are no use."""
+
+    asked: Asked
+    explorer: Explorer
+    findings: tuple[Diagnostic, ...]
+
+
+def ready(asked: Asked) -> Ready:
+    """Raises Unreadable or Refused for files that are none, a robot that the cell has not, a chart
+    of another robot or of other cells.
+    """
+    from assistant.cell.exploration.explorer import SIZE, Explorer
+    from assistant.cell.exploration.map_file import load
+    from assistant.cell.exploration.rules import NO_SIZE, OTHER_GRID
+    from assistant.cell.reading.cell_file import read_scene
+
+    scene, findings = read_scene(asked.cell, explored=False)
+    known = load(asked.chart) if asked.chart.exists() else None
+    usual = SIZE if known is None else known.size
+    size = usual if asked.size is None else asked.size
+    if known is not None and size != known.size:
+        one, other = f"cells of {known.size:g} mm", f"{size:g} mm asked for"
+        raise Refused(OTHER_GRID(path=str(asked.chart), one=one, other=other), exit_status=2)
+    if not (np.isfinite(asked.thinner) and asked.thinner >= 0.0):
+        raise Refused(NO_SIZE(size=f"{asked.thinner:g}"), exit_status=2)
+    explorer = Explorer(scene, asked.robot, size, known, asked.thinner)
+    return Ready(asked, explorer, (*findings, *explorer.findings))
+
+
+def hidden_scene(begun: Ready, hidden: FilePath | None) -> Scene:
+    """The scene that tells of contacts: of another cell file, else what is known of the cell.
+
+    Raises Refused where the robot is another one there, or stands elsewhere.
+    """
+    from assistant.cell.exploration.filling import robot_named
+    from assistant.cell.exploration.rules import OTHER_ROBOT, STANDS_ELSEWHERE
+    from assistant.cell.reading.cell_file import read_scene
+
+    explorer = begun.explorer
+    if hidden is None:
+        return explorer.scene
+    scene, _ = read_scene(hidden, explored=False)
+    own = explorer.placed
+    there = robot_named(scene, own.name)
+    files: dict[str, Any] = {"hidden": hidden, "cell": begun.asked.cell}
+    if there.robot.name != own.robot.name:
+        models: dict[str, Any] = {"other": there.robot.title, "robot": own.robot.title}
+        raise Refused(OTHER_ROBOT(name=own.name, **models, **files), exit_status=2)
+    stand = [(placed.name, placed.robot.name) for placed in scene.robots]
+    known = [(placed.name, placed.robot.name) for placed in explorer.scene.robots]
+    if there.base != own.base or stand != known:
+        raise Refused(STANDS_ELSEWHERE(name=own.name, **files), exit_status=2)
+    return scene
+
+
+def wandered(begun: Ready, hidden: FilePath | None, moves: int, seed: int | None) -> Explored:
+    """Random moves, each up to the first contact that the hidden scene tells of.
+
+    seed: None for another one with each run that the chart knows of.
+    """
+    from assistant.cell.exploration.wandering import in_scene, wander
+
+    explorer = begun.explorer
+    scene = hidden_scene(begun, hidden)
+    indicated = in_scene(scene, next(p for p in scene.robots if p.name == explorer.placed.name))
+    draw = np.random.default_rng(explorer.occupancy.runs if seed is None else seed)
+    joints, done, contacts, placeless = None, 0, 0, 0
+    rows = []
+    for wanted in _parts(moves):
+        part = int(draw.integers(1 << 31))
+        found = wander(explorer, indicated, wanted - done, seed=part, start=joints)
+        done, joints = wanted, found.joints
+        contacts, placeless = contacts + found.contacts, placeless + found.placeless
+        rows.append((done, found.new, explorer.occupancy.litres))
+    return Explored(explorer.occupancy, tuple(rows), contacts, placeless, begun.findings)
+
+
+def _parts(moves: int) -> Iterator[int]:
+    """After how many moves it is told what is known: an eighth, a quarter, the half, all."""
+    yield from sorted({max(moves * part // 8, 1) for part in (1, 2, 4, 8)})
+
+
+def recorded(begun: Ready, recordings: Sequence[FilePath], contact: str | None) -> Explored:
+    """What recordings of joints tell; contact: the input among them that is not 0 in contact."""
+    from assistant.cell.exploration.recordings import read_recording
+
+    explorer, found = begun.explorer, list(begun.findings)
+    contacts, rows = 0, []
+    for path in recordings:
+        recording = read_recording(path, explorer.placed.robot, contact)
+        found += recording.findings
+        new = 0
+        for run in recording.runs:
+            joints = np.tile(explorer.home, (len(run), 1))
+            joints[:, explorer.filler.columns] = run
+            new += explorer.gone(joints)
+        contacts += recording.contacts
+        rows.append((len(recording.runs), new, explorer.occupancy.litres))
+    return Explored(explorer.occupancy, tuple(rows), contacts, contacts, tuple(found))
+
+
+def ran(
+    begun: Ready, simulation: Simulation, until: float | None, hidden: FilePath | None
+) -> Explored:
+    """What a program that ran tells, to its end, up to a time, or as a hidden scene lets it.
+
+    Raises Refused if it is for another robot.
+    """
+    from assistant.cell.exploration.rules import NO_ROBOT
+
+    explorer = begun.explorer
+    scene = None if hidden is None else hidden_scene(begun, hidden)
+    before = int(explorer.occupancy.touched.sum())
+    try:
+        new = explorer.ran(simulation, until, scene)
+    except LookupError:
+        names = ", ".join(placed.name for placed in explorer.scene.robots)
+        raise Refused(NO_ROBOT(name=simulation.robot.name, names=names), exit_status=2) from None
+    contacts = int(explorer.occupancy.touched.sum()) - before
+    rows = ((1, new, explorer.occupancy.litres),)
+    return Explored(explorer.occupancy, rows, contacts, 0, begun.findings)
