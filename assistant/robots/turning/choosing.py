@@ -21,11 +21,17 @@ from assistant.robots.turning.steps import Looker, Station, Step
 COARSE: Final = 10.0
 """degrees between the turns that are tried first."""
 CLOSER: Final = 2.5
-"""degrees between those that are tried about what was found, and where nothing was."""
+"""degrees between those that are tried about what was found."""
+FINER: Final = 5.0
+"""degrees between those that are tried where the coarse ones lead nowhere."""
 ABOUT: Final = 4
 """So many of them to either side."""
 FEW: Final = 400
-"""Stations up to which all closer turns are tried where the coarse ones lead nowhere."""
+"""Stations up to which these are tried."""
+FEW_TOUCHING: Final = 50
+"""The same where something is in the way."""
+FEW_JUMPS: Final = 20
+"""Joint moves up to which they are."""
 TRIES: Final = 60
 """Ways that are looked for until one touches nothing."""
 
@@ -57,14 +63,18 @@ def choose(course: Course, robot: Robot, clear: Clear | None = None) -> Chosen |
     """
     looker = Looker(course, robot)
     found = _searched(_Grid(looker, COARSE), clear)
+    if isinstance(found, Nowhere) and _few(course, found):
+        found = _searched(_Grid(looker, FINER), clear)
     if isinstance(found, Nowhere):
-        fine = _Grid(looker, CLOSER)
-        if len(fine.rows) > FEW:
-            return found
-        found = _searched(fine, clear)
-        return found if isinstance(found, Nowhere) else found.chosen()
+        return found
     closer = _searched(_Grid(looker, CLOSER, found), clear)
     return found.chosen() if isinstance(closer, Nowhere) else closer.chosen()
+
+
+def _few(course: Course, found: Nowhere) -> bool:
+    jumps = int(np.count_nonzero(course.run.kinds == Kind.JOINT))
+    most = FEW_TOUCHING if found.touching else FEW
+    return len(stations(course, COARSE)) <= most and jumps <= FEW_JUMPS
 
 
 class _Grid:
@@ -87,7 +97,8 @@ class _Grid:
                 turns = about.turns[at] + step * np.arange(-ABOUT, ABOUT + 1)
             branches = every if about is None else (about.branches[at],)
             self.stations.append(looker.station(row, turns, branches))
-        self.steps = [self._step(at) for at in range(1, len(self.rows))]
+        self.reached = [bool(one.possible.any()) for one in self.stations]
+        self.steps = [self._step(at) for at in range(1, len(self.rows)) if all(self.reached)]
 
     def _step(self, at: int) -> Step | None:
         one, other = self.stations[at - 1], self.stations[at]
@@ -201,6 +212,8 @@ class _Way:
 
 def _searched(grid: _Grid, clear: Clear | None) -> _Way | Nowhere:
     """The cheapest way through a grid that touches nothing."""
+    if not all(grid.reached):
+        return Nowhere(int(grid.rows[grid.reached.index(False)]))
     problem = grid.problem()
     search = Search(problem, grid.looker.robot)
     barred: dict[int, set[tuple[int, int, int]]] = {}

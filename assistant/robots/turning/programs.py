@@ -23,6 +23,7 @@ from assistant.program.subjects import Declared
 from assistant.robots import findings as rules
 from assistant.robots.configurations import BACK
 from assistant.robots.configuring import solve_program
+from assistant.robots.motion.run import Run
 from assistant.robots.robot import Robot
 from assistant.robots.solved_program import Leg, SolvedProgram, SolvedRun
 from assistant.robots.target_lookup import Names
@@ -179,9 +180,9 @@ class _Turning:
 
     def _choose(self, rows: _Rows, last: Floats | None) -> Floats | None:
         """Settles the turns of a run; where the arm is after it, if that was found."""
-        if not rows.free.any():
-            return None
         run, robot = rows.run.run, self.robot
+        if not rows.free.any() or not _finite(run):
+            return None
         if run.joined and last is not None:
             run = replace(run, before=last)
         numbers: dict[Key, int] = {}
@@ -247,6 +248,12 @@ class _Turning:
             if turns:
                 about = Declared(name, "tools")
                 yield rules.TURNED(about=about, count=len(turns), most=max(turns))
+
+
+def _finite(run: Run) -> bool:
+    """Whether all poses are numbers; where they are not, solving tells so."""
+    p, q = run.flange(slice(0, len(run)))
+    return bool(np.isfinite(p).all() and np.isfinite(q).all())
 
 
 def _by_joint_moves(program: Program) -> Program:

@@ -110,7 +110,7 @@ class Looker:
             ends = one.turns[before], change
             joints[:, 1:-1], reached = self._between(rows, ends, places, one.branches)
             possible &= reached.all(axis=0)
-        return self._costed(before, joints, possible, seconds)
+        return self._costed(before, joints, possible, seconds, LEAP if same else np.inf)
 
     def along(self, one: Station, other: Station, ends: tuple[float, float], branch: int) -> Floats:
         """(s, a) joints on the way between stations with a turn of the first and so many degrees
@@ -143,7 +143,8 @@ class Looker:
         """(k, m) turns before each turn, whether that may be, and degrees from the one to it."""
         apart = other.turns[:, None] - one.turns[None] - ramp
         apart -= 360.0 * np.round(apart / 360.0)
-        if not same:
+        settled = bool(np.isfinite(self.course.fixed[[one.row, other.row]]).all())
+        if not same or settled:
             fits = np.ones(apart.shape, dtype=bool)
         elif self.course.tied[other.row] == one.row:
             fits = np.abs(apart) < 1e-3
@@ -245,8 +246,10 @@ class Looker:
             reached &= robot.arm.miss(robot.chained(joints), q) <= MISS_TOLERANCE
         return np.ascontiguousarray(found.transpose(2, 1, 0)), np.ascontiguousarray(reached.T)
 
-    def _costed(self, before: Rows, joints: Floats, possible: Truths, seconds: Floats) -> Step:
-        """joints: (a, s + 1, k, m, b). seconds: (s,) from place to place."""
+    def _costed(
+        self, before: Rows, joints: Floats, possible: Truths, seconds: Floats, leap: float
+    ) -> Step:
+        """joints: (a, s + 1, k, m, b). seconds: (s,) from place to place. leap: see `LEAP`."""
         robot, winding = self.robot, self.winding
         low, high = (limit[:, None, None, None] for limit in robot.limits.T)
         for_each = seconds[:, None, None, None]
@@ -254,7 +257,7 @@ class Looker:
             steps = np.diff(joints, axis=1)
             for axis in winding:
                 steps[axis] -= 360.0 * np.round(steps[axis] / 360.0)
-            possible = possible & (np.abs(steps).max(axis=(0, 1)) < LEAP)
+            possible = possible & (np.abs(steps).max(axis=(0, 1)) < leap)
             away = np.cumsum(steps[:, ::-1], axis=1)  # back from the end
             under = np.minimum(-away.max(axis=1), 0.0)
             over = np.maximum(-away.min(axis=1), 0.0)
