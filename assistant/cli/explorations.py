@@ -27,7 +27,9 @@ explore: Final = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode=None,
 )
-CellArgument = Annotated[Path, typer.Argument(help="File of the cell, with the robot.")]
+CellArgument = Annotated[
+    Path, typer.Argument(metavar="CELL", help="File of the cell, with the robot.")
+]
 CellOption = Annotated[Path, typer.Option("--cell", help="File of the cell, with the robot.")]
 ChartOption = Annotated[
     Path, typer.Option("--chart", "-c", help="The chart, .npz; one that is there is gone on with.")
@@ -52,7 +54,7 @@ HiddenOption = Annotated[
 
 @explore.command()
 def wander(
-    cell: CellArgument,
+    scene: CellArgument,
     chart: ChartOption,
     hidden: HiddenOption = None,
     runs: Annotated[int, typer.Option(help="Random moves, a run each.", min=1)] = 50,
@@ -68,7 +70,7 @@ def wander(
     """Move at random in a cell, up to each contact, on this computer. Nothing moves."""
     from assistant.cli.exploring import run_wander
 
-    asked = _asked(cell, chart, robot, size, thinner)
+    asked = _asked(scene, chart, robot, size, thinner)
     raise typer.Exit(run_wander(asked, hidden, runs, seed, format))
 
 

@@ -41,6 +41,10 @@ programs = ["one", "two", "three"]
 """
 CELL: Final = '[controllers.cell1]\naddress = "virtual:cr"\nrobot = "rv-2aj"\n'
 ROBOT_CELL: Final = '[robots.arm]\nrobot = "rv-2aj"\n'
+WANDER: Final = (
+    *("explore", "wander", "one.toml", "--runs", "1", "--seed", "1"),
+    *("--size", "40", "--chart", "one.npz"),
+)
 STORE: Final = ".robot-assistant/virtual/cell1/programs"
 
 
@@ -94,8 +98,7 @@ COMMANDS: Final[Mapping[str, Command]] = {
     ),
     "exchange": Command(("exchange", "module", "-o", "exchange.mod"), {}),
     "explore": Command(
-        ("explore", "wander", "one.toml", "--runs", "1", "--size", "40", "--chart", "one.npz"),
-        {"one.toml": ROBOT_CELL},
+        ("explore", "merge", "one.npz", "-o", "all.npz"), {"one.toml": ROBOT_CELL}, (WANDER,)
     ),
     "init": Command(("init", "."), {}, over=False),
     "build": Command(
