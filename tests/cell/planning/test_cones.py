@@ -76,7 +76,7 @@ def test_a_carried_glass_stays_level() -> None:
     glass = Body(
         "glass",
         (Part(Cylinder(30.0, 100.0)),),
-        Pose.of((0.0, 0.0, 160.0), np.array([0.5**0.5, 0.0, 0.5**0.5, 0.0])),
+        Pose.of(np.array([0.0, 0.0, 160.0]), np.array([0.5**0.5, 0.0, 0.5**0.5, 0.0])),
         "arm.flange",
     )
     whole = scene_of(box("post", (40, 40, 1400), (560, 0, 700)), glass)
