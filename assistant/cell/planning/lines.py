@@ -6,7 +6,6 @@ to keep the branch and the turns that it begins with and to end at the joints of
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from itertools import pairwise
 from typing import Final
 
@@ -46,7 +45,7 @@ def with_lines(space: Space, rows: Floats) -> tuple[Floats, Truths]:
     move = np.repeat(np.arange(len(moves)), [len(part) for part in moves])  # to a place but one
     kept, linear, at = [0], list[bool](), 0
     while at < len(move):
-        to = next((k for k in _ahead(at, len(move)) if line_is_clear(space, *places[[at, k]])), 0)
+        to = _farthest(space, places, at)
         same = bool(linear) and not linear[-1] and move[at] == move[at - 1]
         if to:
             kept.append(to)
@@ -58,6 +57,16 @@ def with_lines(space: Space, rows: Floats) -> tuple[Floats, Truths]:
             linear.append(False)
         at = kept[-1]
     return places[kept], np.array(linear)
+
+
+def _farthest(space: Space, places: Floats, at: int) -> int:
+    """The farthest of places (n, a) that a line from one of them reaches, 0 if none."""
+    last = len(places) - 1
+    while last > at:
+        if line_is_clear(space, places[at], places[last]):
+            return last
+        last = at + (last - at) // 2
+    return 0
 
 
 def in_branch(space: Space, start: Floats, goals: Floats) -> Floats:
@@ -73,13 +82,6 @@ def _cut(space: Space, start: Floats, end: Floats, parts: int) -> Floats:
     rows = start + np.linspace(0.0, 1.0, parts + 1)[1:, None] * (end - start)
     rows[-1] = end
     return np.asarray(rows)
-
-
-def _ahead(at: int, last: int) -> Iterator[int]:
-    """The last place, and those half as far, and half of that."""
-    while last > at:
-        yield last
-        last = at + (last - at) // 2
 
 
 def line_is_clear(space: Space, start: Floats, end: Floats) -> bool:

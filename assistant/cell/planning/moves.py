@@ -14,7 +14,7 @@ import numpy as np
 
 from assistant.cell.collision.continuous import Hit, Way, hits
 from assistant.cell.planning.space import Space
-from assistant.program.arrays import Floats, Truths
+from assistant.program.arrays import Floats, Truths, norms
 from assistant.program.diagnostics import Severity
 from assistant.program.expressions import JointValue, TargetValue
 from assistant.program.geometry import FLANGE, IDENTITY, JointTarget, Pose, Target, Tool
@@ -38,6 +38,16 @@ def joint_target(robot: Robot, row: Floats) -> JointTarget:
     for place, value in zip(robot.places, row.tolist(), strict=True):
         values[place] = value + 0.0
     return JointTarget(tuple(values))
+
+
+def _stated(pose: Pose) -> Pose:
+    """A pose in as many digits as are worth saying."""
+    position, turn = np.round(pose.position, DIGITS[0]), np.round(pose.quaternion, DIGITS[1])
+    return Pose.of(position + 0.0, turn + 0.0)
+
+
+DIGITS: Final = (6, 12)
+"""Of positions in mm and of quaternions."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,7 +78,7 @@ class Route:
             motion = Motion(speed, Blend(float(radius)) if radius else FINE, tool)
             if linear:
                 stated = configuration_of(shapes[to]) if self.robot.arm.named else None
-                target = Target(Pose.of(p[to], q[to]) @ self.tip, stated)
+                target = Target(_stated(Pose.of(p[to], q[to]) @ self.tip), stated)
                 yield Move("linear", TargetValue(target), motion)
             else:
                 yield MoveJoints(JointValue(joint_target(self.robot, self.rows[to])), motion)
@@ -113,9 +123,12 @@ def rounded(space: Space, rows: Floats, linear: Truths) -> Rounded:
 
     rows: (n, a). linear: (n - 1,), see `Route`.
     """
-    level = np.zeros(len(rows) - 1, dtype=np.intp)
-    level[-1] = len(RADII)
     sizes = np.append(RADII, 0.0)
+    tips, _ = space.tip(rows)
+    room = norms(np.diff(tips, axis=0)) / 2.0  # a controller rounds no further than half a move
+    room = np.minimum(room, np.append(room[1:], 0.0))
+    level = np.minimum((sizes[:-1] > room[:, None]).sum(axis=1), len(RADII) - 1)
+    level[-1] = len(RADII)
     while True:
         radii = sizes[level]
         seen = looked_at(space, Route(space.robot, rows, radii, linear, space.tool))

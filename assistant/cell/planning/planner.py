@@ -149,7 +149,8 @@ def plan(
     searched = _searched(space, begin, goals, linear, seconds, seed)
     if searched.rows is None:
         raise Refused(_no_way(space, goals, goal, searched.nearest, searched.seconds))
-    rows = shortened(space, searched.rows, seed=seed)
+    near = in_branch(space, searched.rows[-1], goals) if linear else goals
+    rows = shortened(space, searched.rows, near, seed=seed)
     route, seen = _route(space, rows, linear)
     if seen.moves:  # nothing that `Space.clear` proves is hit: a guard, should that be wrong
         near = seen.hits[0].joints[space.columns] if seen.hits else begin

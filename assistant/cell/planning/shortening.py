@@ -16,27 +16,104 @@ TRIED: Final = 8
 """Shortcuts that are tried together."""
 ROOM: Final = 4.0
 """mm beyond the margins that are left in a shortcut for its corners to be rounded in."""
+TINY: Final = 1e-12
+"""seconds of a way that is none."""
+DIGITS: Final = 6
+"""Of joints in degrees and mm between start and goal, as a program states them."""
 WORTH: Final = 1e-3
 """Of the length of a way, what a shortcut must save."""
 
 
-def shortened(space: Space, rows: Floats, *, rounds: int = ROUNDS, seed: int = 1) -> Floats:
+def shortened(
+    space: Space,
+    rows: Floats,
+    goals: Floats | None = None,
+    *,
+    rounds: int = ROUNDS,
+    seed: int = 1,
+) -> Floats:
     """A way through joints (n, a) without what can be left out, and with corners cut.
 
     Between two places of the way that are drawn at random the straight move is taken if it is
     free (Geraerts and Overmars, 2007), in each round the one that saves most. In a cone where none
-    is, moves that are brought into it are tried.
+    is, moves that are brought into it are tried. goals: (k, a) joints at which the way may end as
+    well, such as other turns of an axis.
     """
     cone = space.cone
     leaning = None if cone is None else Leaning(space, cone, *space.robot.limits.T)
-    rows = without_corners(space, rows)
+    rows = without_corners(space, _sooner(space, rows, goals))
     draw = np.random.default_rng(seed)
     for _ in range(rounds):
         if len(rows) < 3:
             break
         shorter = _shortcut(space, leaning, rows, draw)
         rows = rows if shorter is None else shorter
-    return without_corners(space, rows)
+        straighter = _straightened(space, rows, draw)
+        rows = rows if straighter is None else straighter
+    rows = without_corners(space, _sooner(space, rows, goals))
+    rows[1:-1] = np.round(rows[1:-1], DIGITS) + 0.0
+    return rows
+
+
+def _sooner(space: Space, rows: Floats, goals: Floats | None) -> Floats:
+    """The way (n, a) with its end at another of goals (k, a), if that is shorter."""
+    if goals is None or len(goals) < 2:
+        return rows
+    for change in (_turned, _straight_to):
+        shorter = change(space, rows, goals)
+        rows = rows if shorter is None else shorter
+    return rows
+
+
+def _turned(space: Space, rows: Floats, goals: Floats) -> Floats | None:
+    """The way with what another goal differs by spread over all of it: a turn less of an axis."""
+    lengths = space.length(rows[:-1], rows[1:])
+    gone = np.concatenate([[0.0], np.cumsum(lengths)])
+    part = gone / max(gone[-1], TINY)
+    ways = rows + part[:, None] * (goals - rows[-1])[:, None]
+    ways[:, -1] = goals
+    saved = gone[-1] - space.length(ways[:, :-1], ways[:, 1:]).sum(axis=1)
+    for goal in np.argsort(-saved, kind="stable")[:TRIED]:
+        way = ways[goal]
+        if saved[goal] <= WORTH * gone[-1]:
+            break
+        if space.robot.inside(way).all() and space.clear(way[:-1], way[1:], ROOM).all():
+            return np.asarray(way)
+    return None
+
+
+def _straight_to(space: Space, rows: Floats, goals: Floats) -> Floats | None:
+    """The way that goes straight to another goal from one of its places."""
+    left = np.cumsum(space.length(rows[:-1], rows[1:])[::-1])[::-1]
+    saved = left[:, None] - space.length(rows[:-1, None], goals)
+    place, goal = np.divmod(np.argsort(-saved, axis=None, kind="stable")[:TRIED], len(goals))
+    some = saved[place, goal] > WORTH * left[0]
+    place, goal = place[some], goal[some]
+    free = np.flatnonzero(space.clear(rows[place], goals[goal], ROOM))
+    if not len(free):
+        return None
+    best = int(free[0])
+    return np.concatenate([rows[: place[best] + 1], goals[goal[best]][None]])
+
+
+def _straightened(space: Space, rows: Floats, draw: np.random.Generator) -> Floats | None:
+    """The way with an axis that goes straight between two of its places while others go as before.
+
+    Axes turn back and forth on the way of a tree; a shortcut of all of them may not be free.
+    """
+    first, last = np.sort(draw.choice(len(rows), 2, replace=False))
+    axis = int(draw.integers(rows.shape[1]))
+    if last - first < 2:
+        return None
+    old = rows[first : last + 1]
+    gone = np.concatenate([[0.0], np.cumsum(space.length(old[:-1], old[1:]))])
+    new = old.copy()
+    new[:, axis] = old[0, axis] + gone / max(gone[-1], TINY) * (old[-1, axis] - old[0, axis])
+    length = space.length(new[:-1], new[1:]).sum()
+    whole = space.length(rows[:-1], rows[1:]).sum()
+    if gone[-1] - length <= WORTH * whole or not space.clear(new[:-1], new[1:], ROOM).all():
+        return None
+    return np.concatenate([rows[:first], new, rows[last + 1 :]])
 
 
 def without_corners(space: Space, rows: Floats) -> Floats:

@@ -140,12 +140,14 @@ class Space:
     def clear(self, starts: Floats, ends: Floats, room: float = 0.0) -> Truths:
         """(n,) whether the straight moves from joints (n, a) to (n, a) keep margins and tilt.
 
-        room: mm that is kept beyond the margins.
+        room: mm that is kept beyond the margins; with some, the tool keeps off the edge of its cone
+        as well.
         """
         out = np.ones(len(starts), dtype=bool)
         self.asked += len(starts)
         if self.cone is not None:
-            out = self.upright(starts, ends)
+            off = min(EDGE, self.cone.angle / 5.0) if room else 0.0
+            out = self.upright(starts, ends, TILT - off)
         if len(self.model):
             some = np.flatnonzero(out)
             out[some] = self.apart(starts[some], ends[some], room)
@@ -218,5 +220,7 @@ def _halves(parts: Rows) -> tuple[Rows, Floats, Floats]:
     return edge, half, (2.0 * (np.arange(len(edge)) - first) + 1.0) * half
 
 
+EDGE: Final = 1.0
+"""degrees inside the edge of a cone, at most a fifth of it, that leave room for corners."""
 TILT: Final = 0.1
 """degrees that a tool may be tilted beyond its cone: targets at its edge are rounded."""
