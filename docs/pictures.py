@@ -99,6 +99,12 @@ def places() -> bytes:
     return drawn("reach", "place", "tray", "--cell", "samples/cell/tray.toml", *grid)
 
 
+def swept() -> bytes:
+    """What the arm sweeps in the program of a drawing."""
+    program = ("samples/plate.dxf", "--cell", "samples/cell/stand.toml")
+    return drawn("reach", "swept", *program)
+
+
 def drawn(*words: str) -> bytes:
     """The picture that a command writes with `-o`."""
     with chdir(PROJECT), tempfile.TemporaryDirectory() as folder:
@@ -113,6 +119,7 @@ PICTURES: Final[dict[str, Callable[[], bytes]]] = {
     "reach": reach,
     "viewing": viewing,
     "places": places,
+    "swept": swept,
 }
 """Each picture by the name of its file."""
 

@@ -16,6 +16,7 @@ KNOWN = {
     "cell/exploration/map_file.py": "into memory",
     "report/figures.py": "into memory",
     "report/reach_map.py": "into memory",
+    "report/swept_space.py": "into memory",
     "report/timing.py": "into memory",
     "cli/monitoring.py": "a log, which grows by a row at a time",
     "controllers/abb/ftp_resuming.py": "a part that later runs go on with",

@@ -36,9 +36,9 @@ class Tool:
 
     robot: str | None
     cell: Path | None
-    tip: str | None
-    turns: int
-    margin: float | None
+    tip: str | None = None
+    turns: int = 1
+    margin: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

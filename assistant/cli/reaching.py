@@ -8,16 +8,18 @@ import typer
 
 from assistant.cli.options import (
     CellOption,
+    EntryOption,
     FormatOption,
     FromLanguage,
     ProcessOption,
     RobotOption,
+    Source,
     UnitOption,
 )
 from assistant.cli.presentation import Format
 
 reach: Final = typer.Typer(
-    help="What an arm reaches, and where it or its work piece stands best.",
+    help="What an arm reaches, where things stand best, which space a program sweeps.",
     no_args_is_help=True,
     rich_markup_mode=None,
 )
@@ -48,6 +50,10 @@ FewTurnsOption = Annotated[
 ]
 MarginOption = Annotated[
     float | None, typer.Option(help="mm to keep from everything; default those of the cell file.")
+]
+SweptOption = Annotated[
+    list[str] | None,
+    typer.Option("--output", "-o", help="File: .csv, .npz, .glb, .png or .svg; repeatable."),
 ]
 
 
@@ -133,3 +139,24 @@ def place(
     goals = Goals(program, process, unit, from_language)
     ranges = {"x": x, "y": y, "z": z, "turn": turn}
     raise typer.Exit(run_places(body, tool, goals, ranges, output or (), format))
+
+
+@reach.command()
+def swept(
+    program: Source,
+    robot: RobotOption = None,
+    cell: CellOption = None,
+    size: Annotated[float, typer.Option(help="How wide the cells of the grid are, mm.")] = 20.0,
+    process: ProcessOption = None,
+    unit: UnitOption = None,
+    from_language: FromLanguage = None,
+    entry: EntryOption = None,
+    output: SweptOption = None,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Tell which space the arm sweeps in a program, with its tool and what it carries."""
+    from assistant.cli.simulating import Options
+    from assistant.cli.swept_runs import run_swept
+
+    options = Options(robot, process, unit, from_language, None, None, None, entry=entry, cell=cell)
+    raise typer.Exit(run_swept(program, options, size, output or (), format))

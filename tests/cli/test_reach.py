@@ -173,3 +173,60 @@ def test_places_of_what_is_not_there_are_refused(capsys, arguments, code, tmp_pa
     assert code in err
     assert err.count(" error") == 1
     assert not list(tmp_path.iterdir())
+
+
+WAY = """program way for irb1200-7-0.7
+
+target a [400, -100, 400] [0, 0, 1, 0]
+target b [400, 100, 400] [0, 0, 1, 0]
+
+procedure main
+  move joint a speed 500 mm/s blend fine
+  move linear b speed 500 mm/s blend fine
+end
+"""
+
+
+def test_swept_prints_volumes_and_writes_cells_a_surface_and_a_picture(capsys, tmp_path):
+    source = tmp_path / "way.pseudo"
+    source.write_text(WAY)
+    names = [tmp_path / f"space{end}" for end in (".csv", ".npz", ".glb", ".png", ".svg")]
+    outputs = [word for name in names for word in ("-o", name)]
+    status, out, err = run(capsys, "reach", "swept", source, "--size", "40", *outputs)
+    assert (status, err) == (0, "")
+    rows = list(csv.DictReader(io.StringIO(names[0].read_text())))
+    (line,) = [line for line in out.splitlines() if line.startswith("all ")]
+    assert line.split()[1:] == [f"{len(rows):,}", f"{len(rows) * 0.064:.1f}"]
+    assert rows[0].keys() == {"x_mm", "y_mm", "z_mm", *(f"robot.J{i}" for i in (1, 2, 3, 4, 6))}
+    with np.load(names[1]) as found:
+        assert found["swept"].shape == (5, len(rows))
+        assert found["swept"].any(axis=0).all()
+    assert names[2].read_bytes().startswith(b"glTF")
+    assert names[3].read_bytes().startswith(PNG)
+    assert b"<svg" in names[4].read_bytes()
+    status, out, _ = run(capsys, "reach", "swept", source, "--size", "40", "--format", "json")
+    assert (status, json.loads(out)["cells"]) == (0, len(rows))
+
+
+@pytest.mark.parametrize(
+    ("text", "arguments", "status", "code"),
+    [
+        (WAY, ("--size", "0"), 2, "CK458"),
+        (WAY, ("--size", "0.5"), 2, "CK461"),
+        (WAY, ("-o", "a.stl"), 2, "CL037"),
+        (WAY, ("--cell", SAMPLES / "cell" / "nothing.toml"), 2, ""),
+        (WAY.replace(" for irb1200-7-0.7", ""), (), 2, "CL010"),
+        (WAY.replace("[400, 100", "[4000, 100"), (), 1, "RB"),
+    ],
+)
+def test_what_cannot_be_swept_is_refused(
+    capsys, text, arguments, status, code, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    source = tmp_path / "way.pseudo"
+    source.write_text(text)
+    found, _, err = run(capsys, "reach", "swept", source, *arguments)
+    assert found == status
+    assert code in err
+    assert " error" in err
+    assert [path.name for path in tmp_path.iterdir()] == ["way.pseudo"]

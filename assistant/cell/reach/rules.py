@@ -12,7 +12,7 @@ NO_REGION = error(
 TOO_MANY = error(
     "CK461",
     "{count:,} {what} are more than the {most:,} that are looked at",
-    "take a larger step, or a smaller range",
+    "take a larger step or cell, or a smaller range",
 )
 NO_DIRECTION = error(
     "CK462",
@@ -48,4 +48,9 @@ IN_THE_WAY = info(
 )
 NO_TURNS = error(
     "CK468", "{count} turns of the tool cannot be tried", "state a number from 1 to {most}"
+)
+NOT_SWEPT = info(
+    "CK469",
+    "{what}, so that what it sweeps there is not counted",
+    "see docs/simulating.md for what is timed",
 )

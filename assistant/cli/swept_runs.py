@@ -1,0 +1,99 @@
+"""What `reach swept` does."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from assistant.cli.compiling import working
+from assistant.cli.presentation import Format, print_findings, say
+from assistant.cli.reach_runs import Tool, print_answer, put, standing, wanted
+from assistant.cli.simulating import Options, refused, solved
+from assistant.program.diagnostics import fold, has_errors
+
+if TYPE_CHECKING:
+    from assistant.cell.reach.swept import Swept
+
+
+def run_swept(
+    source: str, options: Options, size: float, outputs: Sequence[str], format: Format
+) -> int:
+    """1 if the robot cannot run the program, else 0; contacts are for `check` to find."""
+    from assistant.cell.holding import Holding
+    from assistant.cell.reach.rules import NOT_SWEPT
+    from assistant.cell.reach.swept import swept
+    from assistant.report import swept_space as report
+    from assistant.robots.timing import simulate
+
+    files = wanted(outputs, WRITERS)
+    with working(f"sweeping with {source}"):
+        ready = solved(source, options)
+        solution = ready.solution
+        if has_errors(ready.findings):
+            return refused(source, solution.robot, ready.findings, format)
+        tool = Tool(options.robot, options.cell)
+        there = standing(tool, solution.robot)
+        holding = Holding.at_first(there.scene, there.placed)
+        done = simulate(solution, carried=holding if holding.places else None)
+        found = swept(done, there.scene, there.placed, size)
+        title = f"{Path(source).name} on {solution.robot.title}, cells of {size:g} mm"
+        drawn = {path: WRITERS[path.suffix.lower()](found, title) for path in files}
+        written = put(tool, drawn, source)
+    findings = list(ready.findings)
+    findings += [
+        NOT_SWEPT(what=f"only running the program tells where `{name}` is after a while")
+        for name in sorted(holding.doubts.lost)
+    ]
+    findings += [
+        NOT_SWEPT(what=str(unknown)) for unknown in done.unknown if "not timed" in unknown.what
+    ]
+    findings = list(fold(findings))
+    if format is Format.JSON:
+        robot = solution.robot.name
+        print_answer({"source": source, "robot": robot, **report.record(found)}, findings, written)
+        return 0
+    print_findings(findings, explained=True)
+    say(title)
+    say("")
+    for line in report.lines(found):
+        say(line)
+    for path in written:
+        say(f"wrote {path}")
+    return 0
+
+
+def _csv(found: Swept, title: str) -> bytes:  # noqa: ARG001 (each writer is given both)
+    from assistant.report.swept_space import swept_csv
+
+    return swept_csv(found)
+
+
+def _npz(found: Swept, title: str) -> bytes:  # noqa: ARG001
+    from assistant.report.swept_space import swept_npz
+
+    return swept_npz(found)
+
+
+def _glb(found: Swept, title: str) -> bytes:  # noqa: ARG001
+    from assistant.report.swept_space import swept_glb
+
+    return swept_glb(found)
+
+
+def _picture(format: str) -> Callable[[Swept, str], bytes]:
+    def draw(found: Swept, title: str) -> bytes:
+        from assistant.report.swept_space import swept_picture
+
+        return swept_picture(found, title, format)
+
+    return draw
+
+
+WRITERS: Final[dict[str, Callable[[Swept, str], bytes]]] = {
+    ".csv": _csv,
+    ".npz": _npz,
+    ".glb": _glb,
+    ".png": _picture("png"),
+    ".svg": _picture("svg"),
+}
