@@ -376,7 +376,7 @@ def _simple() -> st.SearchStrategy[Statement]:
         st.builds(Move, st.sampled_from(["joint", "linear"]), value, motions(), triggers, maybe),
         st.builds(MoveCircular, value, value, motions(), triggers, maybe),
         st.builds(MoveJoints, value, motions(), triggers, maybe),
-        st.builds(Travel, value, motions()),
+        st.builds(Travel, value, motions(), maybe, maybe),
         st.builds(Follow, paths()),
         st.builds(Wait, value),
         st.builds(WaitSignal, names(), value, maybe),

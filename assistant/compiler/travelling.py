@@ -5,16 +5,30 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from assistant.compiler.source_map import Places, at_moves
-from assistant.program.diagnostics import Diagnostic, Refused, Rule, error, has_errors, info
-from assistant.program.geometry import IDENTITY, JointTarget, Pose, Tool
+from assistant.compiler.travel_rules import (
+    EXTERNAL,
+    FROM_HOME,
+    GOAL_UNKNOWN,
+    NEVER,
+    NO_CELL,
+    NO_NUMBER,
+    SEVERAL,
+    START_UNKNOWN,
+    UNDECLARED,
+)
+from assistant.program.diagnostics import Diagnostic, Refused, Rule, has_errors
+from assistant.program.expressions import Expression, Name
+from assistant.program.geometry import IDENTITY, Pose, Tool
 from assistant.program.program import Program, walk
 from assistant.program.pseudo.expressions import expression_text
 from assistant.program.rewriting import Body, map_bodies
+from assistant.program.rotations import to_matrix
 from assistant.program.statements import Comment, Move, MoveJoints, Statement, Travel
 from assistant.robots.target_lookup import Names
 
@@ -24,41 +38,8 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
     from assistant.robots.timing.arrivals import Arrival
 
-NO_CELL = error(
-    "CK470",
-    "a way to `{target}` is planned through a cell, and none is told",
-    "name the file of the cell: --cell cell.toml",
-)
-START_UNKNOWN = error(
-    "CK471",
-    "where the arm is when it begins to travel to `{target}` is not known: {why}",
-    "move to a place that the text tells, right before it",
-)
-SEVERAL = error(
-    "CK472",
-    "the way to `{target}` is not the same each time: it {what}",
-    "move to one place before it, or write a `travel to` for each of them",
-)
-GOAL_UNKNOWN = error(
-    "CK473",
-    "only running the program tells where `{target}` is, so no way there can be planned",
-    "travel to a target whose place the text tells",
-)
-NEVER = error(
-    "CK474",
-    "no way through the program leads to `travel to {target}`, so nothing tells where it begins",
-    "take it out, or call its procedure from where the program begins",
-)
-EXTERNAL = error(
-    "CK475",
-    "`{target}` moves external axes, for which no way is planned",
-    "move them before, and travel to a target that says nothing of them",
-)
-FROM_HOME = info(
-    "CK476",
-    "the way to `{target}` is planned from where the robot is at home, as nothing moves before it",
-    "begin the program with a move to a known place, from which the way leads",
-)
+SECONDS: Final = 30.0
+"""That a search for a way takes at most."""
 MOST_PLANS: Final = 3
 """Ways that are planned for one statement, when what comes before it changes."""
 
@@ -112,11 +93,31 @@ def travelled(
     return Travelled(done, tuple(planning.findings(ways)))
 
 
+@dataclass(frozen=True, slots=True)
+class _Asked:
+    """A way that is asked for. tip: in the flange. tilt: degrees. seconds: of the search."""
+
+    arrival: Arrival
+    tip: Pose
+    tilt: float | None
+    seconds: float
+
+    def same(self, other: _Asked) -> bool:
+        """Whether one way does for both."""
+        return replace(self, arrival=other.arrival) == other and (
+            replace(self.arrival, number=0, first=False)
+            == replace(other.arrival, number=0, first=False)
+        )
+
+
 class _Planning:
+    """planned_ways: of which travels that are alike take the same."""
+
     def __init__(self, program: Program, robot: Robot, scene: Scene, places: Places) -> None:
         self.program, self.robot, self.scene, self.places = program, robot, scene, places
         self.statements = [s for s in program.statements() if isinstance(s, Travel)]
         self.names = Names(program)
+        self.planned_ways: list[tuple[_Asked, Planned]] = []
 
     def ways(self) -> dict[int, _Way]:
         """A way for each travel, by its number. Raises Refused.
@@ -212,6 +213,15 @@ class _Planning:
                 raise Refused(_said(SEVERAL, statement, what=what.format(count=count)))
 
     def known(self, statement: Travel, arrival: Arrival) -> None:
+        target, motion = statement.target, statement.motion
+        for what, name, there in (
+            ("tool", motion.tool, self.names.tool(motion.tool)),
+            ("frame", motion.frame, self.names.frame(motion.frame)),
+        ):
+            if there is None:
+                raise Refused(_said(UNDECLARED, statement, what=what, name=name))
+        if arrival.goal is None and isinstance(target, Name) and self.nowhere(target.name):
+            raise Refused(_said(UNDECLARED, statement, what="target", name=target.name))
         if arrival.goal is None:
             raise Refused(_said(GOAL_UNKNOWN, statement))
         if arrival.external:
@@ -225,34 +235,79 @@ class _Planning:
             why = "only running the program tells what moves before it"
             raise Refused(_said(START_UNKNOWN, statement, why=why))
 
+    def nowhere(self, name: str) -> bool:
+        """Whether nothing of a name is declared in the program."""
+        program = self.program
+        tables: list[Mapping[str, object]] = [
+            program.targets,
+            program.joint_targets,
+            program.variables,
+        ]
+        for procedure in program.procedures:
+            tables.append(procedure.variables)
+            tables.append({parameter.name: parameter for parameter in procedure.parameters})
+        return name.lower() not in {one.lower() for table in tables for one in table}
+
     def planned(self, arrival: Arrival) -> _Way:
         """Raises Refused if the start is not known, or if there is no way."""
-        from assistant.cell.holding import Holding
-        from assistant.cell.planning.planner import plan
-
         statement = self.statements[arrival.number]
         self.known(statement, arrival)
         if arrival.joints is None or arrival.goal is None:
             raise Refused(_said(GOAL_UNKNOWN, statement))
-        scene, carried = self.scene, arrival.carried
-        if isinstance(carried, Holding):
-            scene = carried.scene_now()
         tool = self.names.tool(statement.motion.tool) or Tool()
         tip = tool.tip if tool.held else IDENTITY
-        (start,), goal = arrival.places, np.array(arrival.joints)
-        robot = self.placed().name
+        seconds = self.value(statement, "search", statement.search)
+        tilt = self.value(statement, "tilt", statement.tilt)
+        asked = _Asked(arrival, tip, tilt, SECONDS if seconds is None else seconds)
+        same = next((way for known, way in self.planned_ways if known.same(asked)), None)
+        if same is not None:
+            return _Way(arrival, same)
         try:
-            try:
-                return _Way(arrival, plan(scene, start, goal, robot=robot, tool=tip))
-            except Refused:
-                if isinstance(arrival.goal, JointTarget) or not self.open(arrival.number):
-                    raise
-            p, q = self.robot.fk(goal)
-            pose = Pose.of(p[0], q[0]) @ tip
-            return _Way(arrival, plan(scene, start, pose, robot=robot, tool=tip))
+            way = self.way(asked, free=self.open(arrival.number))
         except Refused as refused:
-            found = (replace(one, span=statement.span) for one in refused.findings)
-            raise Refused(*found) from None
+            told = (replace(one, span=statement.span) for one in refused.findings)
+            raise Refused(*told) from None
+        self.planned_ways.append((asked, way))
+        return _Way(arrival, way)
+
+    def way(self, asked: _Asked, *, free: bool) -> Planned:
+        """To the joints that suit what comes behind; free: else in any way to hold the arm there,
+        with the half of the time.
+        """
+        from assistant.cell.holding import Holding
+        from assistant.cell.planning.planner import plan
+        from assistant.cell.planning.space import Cone
+
+        carried = asked.arrival.carried
+        scene = carried.scene_now() if isinstance(carried, Holding) else self.scene
+        (start,), goal = asked.arrival.places, np.array(asked.arrival.joints)
+        p, q = self.robot.fk(goal)
+        pose = Pose.of(p[0], q[0]) @ asked.tip
+        x, y, z = to_matrix(np.array([pose.quaternion]))[0, :, 2].tolist()
+        found = partial(
+            plan,
+            scene,
+            start,
+            robot=self.placed().name,
+            tool=asked.tip,
+            cone=None if asked.tilt is None else Cone((x, y, z), asked.tilt),
+            seconds=asked.seconds / 2.0 if free else asked.seconds,
+        )
+        try:
+            return found(goal)
+        except Refused:
+            if not free:
+                raise
+        return found(pose)
+
+    def value(self, statement: Travel, word: str, said: Expression | None) -> float | None:
+        """What a travel says behind a word."""
+        if said is None:
+            return None
+        number = self.names.number(said)
+        if number is None or not number > 0.0:
+            raise Refused(_said(NO_NUMBER, statement, word=word, value=expression_text(said)))
+        return number
 
     def moves(self, way: _Way, one: Travel, *, said: bool = False) -> Body:
         """The moves of a way, the last with the blend of the travel; said: behind a comment."""

@@ -103,11 +103,15 @@ class Travel(Spanned):
     """To a target or joints by a way that touches nothing in the cell, which is planned before any
     language is told of it: `compiler/travelling.py`.
 
-    motion: blend at the end of the way; those on it are chosen with it.
+    motion: blend at the end of the way; those on it are chosen with it. tilt: degrees by which the
+    z axis of the tool may turn away from where it points in the end, None for any. search: seconds
+    that are spent on finding the way at most, None for as many as usual.
     """
 
     target: Expression
     motion: Motion
+    tilt: Expression | None = None
+    search: Expression | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,6 +18,8 @@ pytest.importorskip("ompl")
 pytest.importorskip("coal")
 
 CELL = Path("samples/cell/clamped.toml").resolve()
+OPEN = Path("samples/cell/stand.toml").resolve()
+"""The same without the clamp, which stands between `one` and `two`."""
 ARM = robots.get("irb1200-7-0.7")
 HEAD = """program around for irb1200-7-0.7
 tool grip tip [0, 0, 58]
@@ -87,6 +89,7 @@ def test_a_way_leads_around_what_a_straight_move_hits(tmp_path: Path) -> None:
     assert f"! travel to two, line 13: {moves} planned moves" in text
 
 
+@pytest.mark.slow
 def test_the_same_program_gives_the_same_text(tmp_path: Path) -> None:
     file = written(tmp_path, ONE, TWO)
     assert text_of(file) == text_of(file)
@@ -115,16 +118,25 @@ def test_the_same_program_gives_the_same_text(tmp_path: Path) -> None:
           "move absolute ready speed maximum blend fine", "end"], ["CK472"]),
         ([f"travel to offset(one, 0, 0, part) {MOTION}"], ["CK473"]),
         (["return", ONE], ["CK474"]),
-        ([f"travel to through {MOTION}"], ["CK444"]),
         (["travel to ready " + MOTION, f"move linear two {MOTION}"], []),
+        # What it names.
+        ([f"travel to nowhere {MOTION}"], ["CK495"]),
+        ([ONE.replace("tool grip", "tool grap")], ["CK495"]),
+        ([ONE.replace("frame plate", "frame plait")], ["CK495"]),
+        ([f"{ONE} tilt n deg"], ["CK496"]),
+        ([f"{ONE} search 0 s"], ["CK496"]),
+        ([f"travel to target [-10, -60, 15] [0, 0, 1, 0] external [5] {MOTION}"], ["CK475"]),
     ],
 )  # fmt: skip
 def test_ways_are_planned_from_one_known_place(
     tmp_path: Path, lines: list[str], found: list[str]
 ) -> None:
     there = ["procedure there", ONE, "end"] if any("there" in line for line in lines) else []
-    told = codes(written(tmp_path, *lines, more="\n".join(there)))
-    assert [code for code in told if code != "CK448"] == found
+    assert codes(written(tmp_path, *lines, more="\n".join(there)), OPEN) == found
+
+
+def test_a_target_in_a_body_is_told(tmp_path: Path) -> None:
+    assert codes(written(tmp_path, f"travel to through {MOTION}")) == ["CK444"]
 
 
 def test_what_goes_wrong_is_told_at_the_line_and_nothing_is_written(tmp_path: Path) -> None:
@@ -174,3 +186,53 @@ def test_what_is_held_goes_along(tmp_path: Path) -> None:
         file.write_text(file.read_text().replace("procedure main", grab, 1))
         texts.append(text_of(file, cell))
     assert [len(rows_in(text)) > 2 for text in texts] == [False, True]
+
+
+@pytest.mark.slow
+def test_a_tool_that_is_to_stay_upright_does(tmp_path: Path) -> None:
+    tilts = []
+    for said in ("", " tilt 2 deg"):
+        rows = rows_in(text_of(written(tmp_path, ONE, TWO + said)))
+        steps = [a + np.linspace(0.0, 1.0, 200)[:, None] * (b - a) for a, b in pairwise(rows)]
+        down = to_matrix(ARM.fk(np.concatenate(steps))[1])[:, 2, 2]
+        tilts.append(float(np.degrees(np.arccos(np.clip(-down, -1.0, 1.0))).max()))
+        assert nearest(rows) > 0.0
+    assert tilts[1] < 2.2 < tilts[0]
+
+
+WALLS = """
+[robots.arm]
+robot = "irb1200-7-0.7"
+[bodies.left]
+box = [1000, 10, 3000]
+position = [450, 450, 0]
+euler_zyx = [45, 0, 0]
+[bodies.right]
+box = [1000, 10, 3000]
+position = [450, -450, 0]
+euler_zyx = [-45, 0, 0]
+[bodies.lid]
+box = [2400, 2400, 10]
+position = [0, 0, 700]
+"""
+LOW = "joints [0, 60, -30, 0, 60, 0]"
+
+
+def test_where_no_way_is_found_the_nearest_approach_is_told(tmp_path: Path) -> None:
+    """Between two walls that begin 136 mm from axis 1; the lid keeps the elbow below 700 mm, and so
+    farther out than that.
+    """
+    cell = tmp_path / "cell.toml"
+    cell.write_text(WALLS, encoding="utf-8")
+    p, _ = ARM.fk([[90.0, 60.0, -30.0, 0.0, 60.0, 0.0]])
+    x, y, z = p[0].round(6).tolist()
+    for target in (
+        LOW.replace("[0,", "[90,", 1),
+        f"target [{x:f}, {y:f}, {z:f}] [0, 0.70710678118, 0.70710678118, 0]",
+    ):
+        low = f"move absolute {LOW} speed maximum blend fine"
+        file = written(tmp_path, low, f"travel to {target} speed maximum blend fine search 0.4 s")
+        (found,) = check_files([file], cell=cell).findings
+        assert (found.code, found.line) == ("CK445", 13)
+        assert "nearest approach" in found.message
+    assert not compile(file, language="rapid", cell=cell).files

@@ -38,7 +38,7 @@ FIRST_WORDS: Final[dict[str, tuple[str, ...]]] = {
     "statement": (
         *("move", "follow", "wait", "set", "open", "close", "acceleration", "override", "call"),
         *("if", "elseif", "else", "while", "for", "switch", "case", "end", "stop", "exit"),
-        *("return", "label", "goto", "message", "restart"),
+        *("return", "label", "goto", "message", "restart", "travel"),
         *_BOTH,
     ),
     "row": ("joint", "linear", "via", "to"),

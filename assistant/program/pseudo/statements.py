@@ -156,6 +156,8 @@ _SLOTS: Final[dict[str, _Slot]] = {
     "timeout": _wrapped(" timeout ", " s"),
     "ends": _wrapped(" ends where ", ""),
     "until": _wrapped(" until ", ""),
+    "tilt": _wrapped(" tilt ", " deg"),
+    "search": _wrapped(" search ", " s"),
     "ahead": _wrapped(" ahead ", " s"),
     "triggers": _Slot(
         lambda triggers: "".join(f" {trigger_text(one)}" for one in triggers), _read_triggers
@@ -208,7 +210,7 @@ _FORMS: Final = (
         "move circular via {via} to {target} {motion:motion}{triggers:triggers}{until:until}",
     ),
     _Form(MoveJoints, "move absolute {target} {motion:motion}{triggers:triggers}{until:until}"),
-    _Form(Travel, "travel to {target} {motion:motion}"),
+    _Form(Travel, "travel to {target} {motion:motion}{tilt:tilt}{search:search}"),
     _Form(Wait, "wait {seconds} s"),
     _Form(WaitSignal, "wait for {signal:name} = {value:side}{timeout:timeout}"),
     _Form(WaitUntil, "wait until {condition}{timeout:timeout}"),

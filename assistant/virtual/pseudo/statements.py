@@ -9,6 +9,7 @@ from assistant.program import statements as p
 from assistant.program.expressions import Expression
 from assistant.program.lines import lines_of
 from assistant.program.program import Procedure
+from assistant.program.pseudo.expressions import expression_text
 from assistant.virtual.events import Said, Stopped
 from assistant.virtual.kernel.motion import Instant
 from assistant.virtual.pseudo import interrupts, motion
@@ -237,6 +238,12 @@ def _channel(_: Machine, node: p.Attach | p.Detach | p.Send) -> None:
     raise NotRun(f"the channel `{node.channel}`")
 
 
+def _travel(_: Machine, node: p.Travel) -> None:
+    raise NotRun(
+        f"the way to {expression_text(node.target)}, which is planned when it is compiled,"
+    )
+
+
 def _kept(_: Machine, node: p.Opaque) -> None:
     lines = lines_of(node.text.strip()) or [""]
     raise NotRun(f"`{lines[0]}`, which is {node.language}")
@@ -246,6 +253,7 @@ STATEMENTS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
     p.Move: motion.move,
     p.MoveCircular: motion.move,
     p.MoveJoints: motion.move_joints,
+    p.Travel: _travel,
     p.Follow: _follow,
     p.Wait: _wait,
     p.WaitSignal: _wait_signal,
