@@ -2,20 +2,20 @@
 
 A way in is a line of the tool, which keeps its orientation. The first one that is tried leads along
 the tool; then it is tilted, by less before more and to all sides. Each is proven without gaps, in
-every branch in which the arm can hold the place; which of them the program takes is seen, and
-proven as the controller moves, when the whole of it is looked at.
+the branch of the arm that is nearest to home, and only then in others; which of them the program
+takes is seen, and proven as the controller moves, when the whole of it is looked at.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Final, TypeVar
+from typing import Final
 
 import numpy as np
 
-from assistant.cell.collision.continuous import Way, hits
+from assistant.cell.collision.continuous import RESOLUTION, Way, hits
 from assistant.cell.planning.goals import held
 from assistant.cell.planning.space import Space
 from assistant.cell.scene import Placed, Scene
@@ -24,25 +24,22 @@ from assistant.program.diagnostics import error, info
 from assistant.program.geometry import Pose, Vector
 from assistant.sources.surroundings import ALONG, WayIn
 
-T = TypeVar("T")
-
 ASIDE: Final = info(
     "CK478",
-    "the tool comes to {where}, or goes from it, {angle:.0f} degrees off its axis: along its axis"
-    " `{one}` would come too near to `{other}`",
+    "the tool comes and goes {angle:.0f} degrees off its axis: along it `{one}` would come too near"
+    " to `{other}`",
     "",
 )
 OUT_OF_REACH: Final = info(
     "CK477",
-    "the tool comes to {where}, or goes from it, {angle:.0f} degrees off its axis: along its axis"
-    " the arm cannot go so far",
+    "the tool comes and goes {angle:.0f} degrees off its axis: along it the arm cannot go so far",
     "",
 )
 NO_WAY_IN: Final = error(
     "CK479",
-    "there is no free line of {distance:g} mm to {where}, neither along the tool nor tilted from"
-    " it: `{one}` touches `{other}` along the tool",
-    "state a shorter approach and retract, or move the place or the body",
+    "no line of {distance:g} mm that leads here is free, neither along the tool nor tilted from it:"
+    " along it `{one}` touches `{other}`",
+    "state a shorter approach or retract, or move the place or the body",
 )
 
 TILTS: Final = (15.0, 30.0, 45.0, 60.0, 75.0, 90.0)
@@ -53,16 +50,15 @@ ROUNDED: Final = 3
 """Decimals of a direction: it stands in the program."""
 
 
-def directions() -> Iterator[tuple[float, Vector]]:
-    """Those that are tried, with their angles from the tool's axis, in its own axes."""
-    yield 0.0, ALONG
+def directions() -> Iterator[tuple[float, tuple[Vector, ...]]]:
+    """Those that are tried, in the tool's own axes, by their angles from its axis."""
+    yield 0.0, (ALONG,)
+    around = 2.0 * np.pi * np.arange(SIDES) / SIDES
     for tilt in TILTS:
-        for side in range(SIDES):
-            t, a = np.radians(tilt), 2.0 * np.pi * side / SIDES
-            x, y, z = np.sin(t) * np.cos(a), np.sin(t) * np.sin(a), -np.cos(t)
-            one = np.array([x, y, z])
-            x, y, z = (np.round(one, ROUNDED) + 0.0).tolist()
-            yield tilt, (x, y, z)
+        t = np.radians(tilt)
+        ring = [np.sin(t) * np.cos(around), np.sin(t) * np.sin(around), np.full(SIDES, -np.cos(t))]
+        rows = np.round(np.stack(ring, axis=1), ROUNDED) + 0.0
+        yield tilt, tuple((x, y, z) for x, y, z in rows.tolist())
 
 
 class Around:
@@ -97,36 +93,40 @@ class Around:
         What is within its margin at the place itself, such as the work, may be as near on the way.
         A place that is out of reach, or in contact itself, is told by whoever looks at the program.
         """
-        tried = list(directions())
-        along, *aside = (_Line(pose, np.array(direction), distance, tool) for _, direction in tried)
-        rows, ways = list[Floats](), list[Floats | None]()
+        along = _Line(pose, np.array(ALONG), distance, tool)
+        rows = list[Floats]()
         for row in self._held(pose, tool):
             rows.append(row)
-            ways.append(self._tracked(row, [along])[0])
-            if any(self._clear([way], most)[0] for way, most in self._kept([row], ways[-1:])):
-                return WayIn()
-        if not rows:
-            return WayIn()
-        others = [self._tracked(row, aside) for row in rows]
-        names = self._in_the_way(rows, ways)
-        for most in (np.inf, 0.0):
-            straight = (self._clear([way], kept)[0] for way, kept in self._kept(rows, ways, most))
-            if any(straight):
-                return WayIn()
-            free = np.zeros(len(aside), dtype=bool)
-            for some, margins in self._kept(rows, others, most):
-                free |= self._clear(some, margins)
-            if free.any():
-                angle, direction = tried[1 + int(np.argmax(free))]
-                if names is None:
-                    return WayIn(direction, (OUT_OF_REACH(where=place, angle=angle),))
-                one, other = names
-                return WayIn(direction, (ASIDE(where=place, angle=angle, one=one, other=other),))
+            for most in (np.inf, 0.0):
+                found = self._free(row, along, most)
+                if found is not None:
+                    return self._said(row, along, found, place)
+        names = None if not rows else self._in_the_way(rows[0], along)
         if names is None:
             return WayIn()
         one, other = names
-        said = NO_WAY_IN(where=place, distance=distance, one=one, other=other)
+        said = NO_WAY_IN(place=place, distance=distance, one=one, other=other)
         return WayIn(findings=(said,))
+
+    def _said(self, row: Floats, along: _Line, found: tuple[float, Vector], place: str) -> WayIn:
+        angle, direction = found
+        if not angle:
+            return WayIn()
+        names = self._in_the_way(row, along)
+        if names is None:
+            return WayIn(direction, (OUT_OF_REACH(place=place, angle=angle),))
+        one, other = names
+        return WayIn(direction, (ASIDE(place=place, angle=angle, one=one, other=other),))
+
+    def _free(self, row: Floats, along: _Line, most: float) -> tuple[float, Vector] | None:
+        """The first free direction from joints (a,), with its angle. most: mm of the margins."""
+        margins = self._margins(row, most)
+        for angle, ring in directions():
+            lines = [replace(along, direction=np.array(one)) for one in ring]
+            free = self._clear(self._tracked(row, lines), margins)
+            if free.any():
+                return angle, ring[int(np.argmax(free))]
+        return None
 
     def _held(self, pose: Pose, tool: Pose) -> Iterator[Floats]:
         """Joints (a,) that hold a pose and touch nothing there, of whole turns the first."""
@@ -165,13 +165,10 @@ class Around:
         turning = np.isin(np.arange(len(near)), self.robot.winding())
         return np.where(turning, turns, 0.0)
 
-    def _kept(
-        self, rows: Sequence[Floats], ways: Sequence[T], most: float = np.inf
-    ) -> Iterator[tuple[T, Floats]]:
-        """Ways with the margins (p,) that are kept on them: less of what is nearer at the place."""
-        for row, some in zip(rows, ways, strict=True):
-            distances = self.space.distances(row) - LESS
-            yield some, np.minimum(np.minimum(self.space.margins, most), distances)
+    def _margins(self, row: Floats, most: float) -> Floats:
+        """(p,) mm that are kept on ways to joints (a,): less of what is nearer there."""
+        wanted = np.minimum(self.space.margins, most)
+        return np.asarray(np.minimum(wanted, self.space.distances(row) - LESS))
 
     def _clear(self, tracks: Sequence[Floats | None], margins: Floats) -> Truths:
         """(n,) whether margins (p,) are kept on ways through joints (s, a)."""
@@ -193,21 +190,18 @@ class Around:
         ]
         return out
 
-    def _in_the_way(
-        self, rows: Sequence[Floats], ways: Sequence[Floats | None]
-    ) -> tuple[str, str] | None:
-        """Bodies that are too near along the tool, in the branch that is nearest to home; None if
-        the arm cannot go there in any.
-        """
-        for way, margins in self._kept(rows, ways):
-            if way is None:
-                continue
-            found = hits(self.space.model, Way(self.space.all_joints(way)), margins + ROOM)
-            if found:
-                worst = min(found, key=lambda hit: hit.distance)
-                contact = self.space.model.contact(worst.joints, worst.pair)
-                return contact.one, contact.other
-        return None
+    def _in_the_way(self, row: Floats, along: _Line) -> tuple[str, str] | None:
+        """Bodies that come too near on a line from joints (a,); None if the arm cannot go it."""
+        (way,) = self._tracked(row, [along])
+        if way is None:
+            return None
+        margins = self._margins(row, np.inf) + ROOM + RESOLUTION
+        found = hits(self.space.model, Way(self.space.all_joints(way)), margins)
+        if not found:
+            return None
+        worst = min(found, key=lambda hit: hit.distance)
+        contact = self.space.model.contact(worst.joints, worst.pair)
+        return contact.one, contact.other
 
 
 @dataclass(frozen=True, slots=True, eq=False)

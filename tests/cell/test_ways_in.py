@@ -70,7 +70,7 @@ def test_aside_under_a_lip(tmp_path: Path, gap: float) -> None:
     assert gaps(found.direction, *lip).min() > min(gap, 5.0) - 0.3
     (finding,) = found.findings
     assert (finding.code, finding.severity) == ("CK478", Severity.INFO)
-    assert "seam_start" in finding.message
+    assert finding.place == "seam_start"
     assert "`wing`" in finding.message and "`lip`" in finding.message
 
 

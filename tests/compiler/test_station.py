@@ -9,6 +9,7 @@ import runpy
 from collections.abc import Callable
 from pathlib import Path
 
+import ezdxf
 import numpy as np
 import pytest
 
@@ -18,6 +19,7 @@ from assistant.compiler import check_files, compile, load
 from assistant.compiler.compiling import Compiled
 from assistant.program import rotations
 from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Refused
 from assistant.robots.timing import simulate
 from assistant.robots.timing.passed import stretches_of
 from tests.cell.exact import segment_box
@@ -153,3 +155,61 @@ def beside_post(a: Floats, b: Floats) -> float:
     across = np.maximum(np.hypot(points[:, 0] - x, points[:, 1] - y) - radius, 0.0)
     above = np.maximum(points[:, 2] - top, 0.0)
     return float(np.hypot(across, above).min())
+
+
+UNDER = """
+[robots.arm]
+robot = "irb1200-7-0.7"
+tool = "wing"
+[bodies.wing]                     # stands out from the tool, at z 338 to 342
+box = [80, 20, 4]
+position = [30, 0, 60]
+[bodies.lip]                      # over the end of the wing
+box = [60, 150, 10]
+position = [490, -20, 355]
+"""
+ABOVE = """
+[motion]
+kind = "travel"
+tool = "nozzle"
+[tools.nozzle]
+tip = [0, 0, 100]
+[layers.GLUE]
+approach = 40
+retract = 40
+"""
+
+
+@pytest.fixture
+def under(tmp_path: Path) -> Path:
+    """The drawing of a line under a lip, beside its cell and its process file."""
+    document = ezdxf.new("R2000", units=4)
+    document.modelspace().add_line((420, 0, 300), (420, -30, 300), dxfattribs={"layer": "GLUE"})
+    document.saveas(tmp_path / "under.dxf")
+    (tmp_path / "under.process.toml").write_text(ABOVE)
+    (tmp_path / "cell.toml").write_text(UNDER)
+    return tmp_path / "under.dxf"
+
+
+def test_the_tool_comes_from_aside_where_its_axis_is_not_free(under: Path) -> None:
+    pytest.importorskip("ompl")
+    compiled = compile(under, language="rapid", cell=under.with_name("cell.toml"))
+    assert compiled.ok
+    (said,) = (one for one in compiled.findings if one.code == "CK478")
+    assert "`wing`" in said.message and "`lip`" in said.message
+    assert "glue_1_start" in (said.place or "") and "glue_1_end" in (said.place or "")
+    assert not {"CK421", "CK422"} & set(codes(compiled.findings))
+    text = next(iter(compiled.files.values()))
+    assert b"RelTool(glue_1_end," in text and b"RelTool(glue_1_end,0,0,-40)" not in text
+
+
+def test_nothing_is_made_where_no_way_in_is_free(under: Path) -> None:
+    cell = under.with_name("cell.toml")
+    walls = [(47, 0, 2, 30), (-47, 0, 2, 30), (0, 17, 90, 2), (0, -47, 90, 2)]
+    text = UNDER
+    for i, (x, y, dx, dy) in enumerate(walls):
+        text += f"[bodies.wall_{i}]\nbox = [{dx}, {dy}, 30]\nposition = [{450 + x}, {y}, 340]\n"
+    cell.write_text(text)
+    with pytest.raises(Refused) as refused:
+        compile(under, language="rapid", cell=cell)
+    assert "CK479" in codes(refused.value.findings)

@@ -104,6 +104,7 @@ TABLE: Final = Stage("reading the table", "bytes", 10, 60, 512, 2000)
 DRAWING: Final = Stage("reading the drawing", "bytes", 10, 100, 512, 5000)
 INSERTING: Final = Stage("inserting blocks", "entities", 10, 300, 512, 4000)
 CONTOURS: Final = Stage("joining contours", "curves", 10, 20000, 512, 90000)
+AROUND: Final = Stage("finding ways around", "places", 30, 900_000, 1024, 90000)
 MEANING: Final = Stage("checking what it does", "points", 10, 150, 512, 2000)
 SOLVING: Final = Stage("solving for the arm", "points", 10, 6000, 512, 10000)
 TIMING: Final = Stage("timing", "points", 10, 3000, 512, 20000)
@@ -118,7 +119,7 @@ RUNNING: Final = Stage("running", "statements", 30, 1000, 1024, 5000)
 
 STAGES: Final = (
     *(READING, CHECKING, LIFTING, LAYING_OUT, STORED),
-    *(TABLE, DRAWING, INSERTING, CONTOURS, MEANING),
+    *(TABLE, DRAWING, INSERTING, CONTOURS, AROUND, MEANING),
     *(SOLVING, TIMING, COMPILING, ADAPTING, BUILDING, PRINTING, COMPARING, DRAFTING, REPORTING),
     RUNNING,
 )

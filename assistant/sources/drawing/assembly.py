@@ -16,7 +16,7 @@ from assistant.program.geometry import Pose, Target
 from assistant.program.motion import FINE
 from assistant.program.program import MANGLED, Procedure, Program, TakenNames, identifier
 from assistant.program.statements import Call, Statement
-from assistant.program.system.budgets import CONTOURS, within
+from assistant.program.system.budgets import AROUND, CONTOURS, within
 from assistant.sources.contours.layers import contour_program
 from assistant.sources.contours.ordering import Measure, visited
 from assistant.sources.drawing.contents import Contents
@@ -50,11 +50,12 @@ def assemble(contents: Contents, path: FilePath, process: Process) -> Reading:
     taken.update(process.tools, process.frames, process.signals)
     named = name_locations(contents.locations, taken, name)
     taken.update(named.names)
-    with within(CONTOURS, name, len(contents.curves)):
+    places = len(contents.curves) + len(contents.locations)
+    with within(CONTOURS if process.around is None else AROUND, name, places):
         curves = contents.curves
         contours, ends, followed = contour_program(curves, process, taken=taken, path=name)
-    order = visiting_order(contents.locations, name, process)
-    visits, visited = _visiting(contents.locations, named.names, order.rows, process)
+        order = visiting_order(contents.locations, name, process)
+        visits, visited = _visiting(contents.locations, named.names, order.rows, process)
     arriving = (finding.within(name) for finding in visited)
     findings = [*contents.findings, *named.findings, *order.findings, *followed, *arriving]
     if title != path.stem:
