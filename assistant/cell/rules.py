@@ -52,3 +52,4 @@ NO_UNIT = info(
     "the file says no unit; its numbers are taken as {unit}",
     'write unit = "mm" or another',
 )
+NO_SIZE = error("CK414", "this {what} is no body: {reason}", "give it finite sizes above 0 mm")

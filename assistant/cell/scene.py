@@ -57,16 +57,30 @@ class Body:
 
 
 @dataclass(frozen=True, slots=True)
+class Named:
+    """How a cell file names a robot: of the catalogue, or the whole path of its file.
+
+    packages: whole paths of folders by name; capsules: its links by its lengths, see `links`.
+    """
+
+    robot: str
+    packages: Mapping[str, str] = field(default_factory=dict)
+    capsules: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class Placed:
     """A robot of the cell: base, its pose in the world; bodies: of links, by what carries them.
 
     links: bodies whose parent is `base`, `J1` …, `flange`, in the frames of the arm's links.
+    named: what a file calls it, None for one of the catalogue.
     """
 
     name: str
     robot: Robot
     base: Pose = IDENTITY
     links: tuple[Body, ...] = ()
+    named: Named | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,9 @@ from functools import cached_property
 
 import numpy as np
 
+from assistant.cell.rules import NO_SIZE
 from assistant.program.arrays import Floats, Ints, Truths, norms
+from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Vector
 
 
@@ -22,16 +24,25 @@ class Box:
 
     size: Vector
 
+    def __post_init__(self) -> None:
+        _sized("box", self.size)
+
 
 @dataclass(frozen=True, slots=True)
 class Sphere:
     radius: float
+
+    def __post_init__(self) -> None:
+        _sized("sphere", (self.radius,))
 
 
 @dataclass(frozen=True, slots=True)
 class Cylinder:
     radius: float
     length: float
+
+    def __post_init__(self) -> None:
+        _sized("cylinder", (self.radius, self.length))
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +52,9 @@ class Capsule:
     radius: float
     length: float
 
+    def __post_init__(self) -> None:
+        _sized("capsule", (self.radius, self.length))
+
 
 @dataclass(frozen=True, eq=False)
 class Convex:
@@ -48,12 +62,18 @@ class Convex:
 
     points: Floats
 
+    def __post_init__(self) -> None:
+        _cornered("hull", self.points)
+
     @cached_property
     def hull(self) -> Mesh:
-        """Its surface, with the corners only."""
-        from scipy.spatial import ConvexHull  # type: ignore[import-untyped]
+        """Its surface, with the corners only; raises Refused for points in one plane."""
+        from scipy.spatial import ConvexHull, QhullError  # type: ignore[import-untyped]
 
-        found = ConvexHull(self.points)
+        try:
+            found = ConvexHull(self.points)
+        except QhullError:
+            raise Refused(NO_SIZE(what="hull", reason="its points lie in one plane")) from None
         corners = np.unique(found.simplices)
         places = np.full(len(self.points), -1)
         places[corners] = np.arange(len(corners))
@@ -83,6 +103,31 @@ class Mesh:
     solid: bool = True
     off: float = 0.0
     within: Callable[[Floats], Truths] | None = None
+
+    def __post_init__(self) -> None:
+        _cornered("mesh", self.points)
+        rows = self.triangles
+        if rows.ndim != 2 or rows.shape[1] != 3 or not len(rows):
+            raise Refused(NO_SIZE(what="mesh", reason="its triangles are no rows of three"))
+        if rows.min() < 0 or rows.max() >= len(self.points):
+            raise Refused(NO_SIZE(what="mesh", reason="a triangle has a corner that is not there"))
+        if not 0.0 <= self.off < np.inf:
+            raise Refused(NO_SIZE(what="mesh", reason=f"it is {self.off} mm off"))
+
+
+def _sized(what: str, sizes: tuple[float, ...]) -> None:
+    """Raises Refused for sizes that are not finite and above 0."""
+    if not all(0.0 < size < np.inf for size in sizes):
+        said = ", ".join(f"{size:g}" for size in sizes)
+        raise Refused(NO_SIZE(what=what, reason=f"it is {said} mm large"))
+
+
+def _cornered(what: str, points: Floats) -> None:
+    """Raises Refused for points that are none."""
+    if points.ndim != 2 or points.shape[1] != 3 or not len(points):
+        raise Refused(NO_SIZE(what=what, reason="its points are no rows of three"))
+    if not np.isfinite(points).all():
+        raise Refused(NO_SIZE(what=what, reason="a point of it is no number"))
 
 
 Shape = Box | Sphere | Cylinder | Capsule | Convex | Mesh

@@ -390,6 +390,22 @@ def view(
     raise typer.Exit(run_view(program, options, html, format, live))
 
 
+@app.command()
+def scene(
+    cell: Annotated[Path, typer.Argument(help="Cell file, or a drawing of the cell.")],
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="Cell file (.toml) or glTF (.glb) to write instead."),
+    ] = None,
+    unit: UnitOption = None,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Tell what stands in a cell, body by body, or write it as another file."""
+    from assistant.cli.scenes import run_scene
+
+    raise typer.Exit(run_scene(cell, unit, output, format))
+
+
 app.command()(run)
 app.command()(debug)
 app.command()(gateway)

@@ -279,7 +279,7 @@ def _as_toml(answer: str) -> str:
     try:
         toml(f"answer = {answer}")
     except ValueError:
-        return _toml(answer)
+        return toml_value(answer)
     return answer
 
 
@@ -293,7 +293,7 @@ def _lines(wanted: Wanted, value: Value | None) -> Iterator[str]:
     yield f"# {_said(wanted)}{used}"
     yield f"[{TABLES[wanted.kind]}.{wanted.name}]"
     for key, given, remark in _keys(wanted, value):
-        line = f"{key} = {OPEN_TEXT if given is None else _toml(given)}"
+        line = f"{key} = {OPEN_TEXT if given is None else toml_value(given)}"
         yield line + (f"  # {remark}" if remark else "")
 
 
@@ -363,7 +363,7 @@ def _keys(wanted: Wanted, value: Value | None) -> Iterator[tuple[str, Any, str]]
         case "routine":
             yield "routine", value, '"stop", "empty", or the name of its file'
         case "record":
-            perhaps = "" if value else f"; perhaps {_toml(wanted.nothing)}"
+            perhaps = "" if value else f"; perhaps {toml_value(wanted.nothing)}"
             yield "components", value, f"type and name of each in their order{perhaps}"
         case "arm":
             yield "arm", value, '"same" as the one that runs the program, or a robot by its name'
@@ -371,17 +371,20 @@ def _keys(wanted: Wanted, value: Value | None) -> Iterator[tuple[str, Any, str]]
 
 def data_text(value: Plain | None) -> str:
     """A value of data as the file has it."""
-    return OPEN_TEXT if value is None else _toml(value)
+    return OPEN_TEXT if value is None else toml_value(value)
 
 
-def _toml(value: Any) -> str:
+def toml_value(value: Any) -> str:
+    """A number, a text or a list as TOML has it."""
     match value:
         case bool():
             return str(value).lower()
         case float() if value.is_integer() and abs(value) < 1e15:
             return str(int(value))
-        case int() | float():
-            return repr(value)
+        case int():
+            return str(int(value))
+        case float():
+            return repr(float(value))
         case list() | tuple():
-            return f"[{', '.join(map(_toml, value))}]"
+            return f"[{', '.join(map(toml_value, value))}]"
     return '"' + str(value).replace("\\", "\\\\").replace('"', '\\"') + '"'

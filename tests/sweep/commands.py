@@ -24,6 +24,16 @@ x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z
 510,{0},500,0,0,1,0
 520,{0},510,0,0,1,0
 """
+CORNER: Final = """\
+v 0 0 0
+v 90 0 0
+v 0 90 0
+v 0 0 90
+f 1 3 2
+f 1 2 4
+f 1 4 3
+f 2 3 4
+"""
 PROJECT: Final = """\
 [controllers.cell1]
 address = "virtual:irc5"
@@ -89,6 +99,10 @@ COMMANDS: Final[Mapping[str, Command]] = {
     "simulate": Command(
         (*("simulate", "one.mod", "--robot", "irb1200-7-0.7"), *(f"-o{one}" for one in SIMULATED)),
         {name: text.replace("Save", "! Save") for name, text in MODULES.items()},
+    ),
+    "scene": Command(
+        ("scene", "one.toml", "-o", "out/cell.toml"),
+        {"one.toml": "[bodies.a]\nmesh = 'a.obj'\nunit = 'mm'\n", "a.obj": CORNER},
     ),
     "run": Command(
         ("run", "one.mod", "--trace", "one.npz", "--disk", "disk"),

@@ -25,6 +25,7 @@
     # convex = "vice.stl"         # the convex hull of such a file
     # drawing = "vice.dxf"        # all bodies of a drawing, and its locations, as one
     unit = "mm"                   # of a file that says none
+    off = 0.5                     # mm by which a mesh may be away from what it stands for
     position = [600, 0, -15]      # of its middle (of a file: its origin) in its parent's frame
     parent = "world"              # a frame of this file, another body, or a link: arm.flange
     colour = "#8090a0"
@@ -35,13 +36,17 @@
     [bodies.table.locations.corner]
     position = [-400, -300, 15]   # in the body's frame
 
+    [bodies.gripper.parts.left]   # instead of one shape, several, each with its place in the
+    box = [10, 20, 60]            # body's frame
+    position = [0, 30, 30]
+
 Names of links are those of the robot and its axis: `arm.base`, `arm.J2`, `arm.flange`.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Any, Final
@@ -57,9 +62,9 @@ from assistant.cell.reading.drawings.rules import TWICE
 from assistant.cell.reading.links import drawn_links
 from assistant.cell.reading.rules import UNUSED_PACKAGE
 from assistant.cell.rules import LONELY_TOOL, NO_BODY, NO_ROBOT, NO_SHAPE, SAME_BODY
-from assistant.cell.scene import MARGIN, Body, Colour, Part, Placed, Scene
+from assistant.cell.scene import MARGIN, Body, Colour, Named, Part, Placed, Scene
 from assistant.cell.scene import WORLD as WORLD_FRAME
-from assistant.cell.shapes import Box, Capsule, Cylinder, Shape, Sphere
+from assistant.cell.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
 from assistant.program.geometry import Frame, Pose, Vector
 from assistant.program.system.budgets import SETTINGS_FILE
@@ -137,10 +142,16 @@ SHAPES: Final[Mapping[str, Read]] = {
     "convex": values.text,
     "drawing": values.text,
 }
-BODY: Final[Mapping[str, Read]] = {
+PART: Final[Mapping[str, Read]] = {
     **SHAPES,
     **PLACE,
     "unit": values.unit,
+    "off": values.number("mm", least=0.0),
+}
+PARTS: Final = "parts"
+BODY: Final[Mapping[str, Read]] = {
+    **PART,
+    PARTS: lambda value: value,
     "parent": values.text,
     "colour": _colour,
     "margin": values.number("mm", least=0.0),
@@ -244,7 +255,21 @@ class _Reader:
             self.maps[name] = said
         elif "unknown" in said:
             entry.say(NOTHING_UNKNOWN, "unknown", name=name)
-        return arms.placed(name, robot, _pose(said), links), said.get("tool")
+        placed = arms.placed(name, robot, _pose(said), links)
+        return replace(placed, named=self.named(said)), said.get("tool")
+
+    def named(self, said: Mapping[str, Any]) -> Named:
+        """What the file calls a robot, with whole paths."""
+        file = self.folder / said["robot"]
+        name = str(file.absolute()) if self.is_file(file) else said["robot"]
+        packages = {
+            package: str((self.folder / folder).absolute())
+            for package, folder in said.get("packages", {}).items()
+        }
+        return Named(name, packages, said.get("links") == "capsules")
+
+    def is_file(self, file: FilePath) -> bool:
+        return file.suffix.lower() in (".toml", ".urdf", ".xml") and file.exists()
 
     def links(
         self, name: str, robot: robots.Robot, said: Mapping[str, Any], entry: Table
@@ -261,7 +286,7 @@ class _Reader:
 
     def known_robot(self, name: str) -> robots.Robot:
         file = self.folder / name
-        if file.suffix.lower() in (".toml", ".urdf", ".xml") and file.exists():
+        if self.is_file(file):
             return robots.load(file)
         try:
             return robots.get(name)
@@ -303,14 +328,7 @@ class _Reader:
             elif other in {body.name for body in drawn}:
                 entry.say(TWICE, name=name)
             said = entry.read(BODY)
-            shapes = [key for key in SHAPES if key in said]
-            if not shapes and any(key in entry.content for key in SHAPES):
-                continue  # told of by its value
-            if len(shapes) != 1:
-                what = "no shape" if not shapes else f"{len(shapes)} shapes"
-                entry.say(NO_SHAPE, name=name, what=what, cure=f"write one of {', '.join(SHAPES)}")
-                continue
-            one = self.one(name, shapes[0], said)
+            one = self.one(name, entry, said)
             if one is None:
                 continue
             own = {k: _pose(t.read(PLACE)) for k, t in entry.table("locations").named()}
@@ -326,15 +344,46 @@ class _Reader:
                 source=str(entry.page.source.path or ""),
             )
 
-    def one(self, name: str, key: str, said: Mapping[str, Any]) -> Body | None:
+    def one(self, name: str, entry: Table, said: Mapping[str, Any]) -> Body | None:
+        """A body with its shape, or with its parts."""
+        key = self.kind(name, entry, (*SHAPES, PARTS), said)
         if key == "drawing":
             drawing = self.drawing(said)
             return None if drawing is None else drawing.as_one(name)
-        shape = self.shape(key, said)
+        if key == PARTS:
+            found = [self.part(*named) for named in entry.table(PARTS).named()]
+            if not found:
+                entry.say(
+                    NO_SHAPE, PARTS, name=name, what="no parts", cure="write some, or a shape"
+                )
+            parts = tuple(part for part in found if part is not None)
+            return Body(name, parts) if parts and len(parts) == len(found) else None
+        shape = None if key is None else self.shape(name, key, entry, said)
         return None if shape is None else Body(name, (Part(shape),))
 
-    def shape(self, key: str, said: Mapping[str, Any]) -> Shape | None:
+    def part(self, name: str, entry: Table) -> Part | None:
+        said = entry.read(PART)
+        key = self.kind(name, entry, tuple(key for key in SHAPES if key != "drawing"), said)
+        shape = None if key is None else self.shape(name, key, entry, said)
+        return None if shape is None else Part(shape, _pose(said))
+
+    def kind(
+        self, name: str, entry: Table, known: Sequence[str], said: Mapping[str, Any]
+    ) -> str | None:
+        """The key of the one shape of a table; None, and a finding, if there is not one."""
+        shapes = [key for key in known if key in said]
+        if len(shapes) == 1:
+            return shapes[0]
+        if shapes or not any(key in entry.content for key in known):  # else told of by its value
+            what = "no shape" if not shapes else f"{len(shapes)} shapes"
+            entry.say(NO_SHAPE, name=name, what=what, cure=f"write one of {', '.join(known)}")
+        return None
+
+    def shape(self, name: str, key: str, entry: Table, said: Mapping[str, Any]) -> Shape | None:
         value = said[key]
+        if "off" in said and key != "mesh":
+            cure = "take it out, or make the shape larger"
+            entry.say(NO_SHAPE, "off", name=name, what="an `off`, which is of a mesh", cure=cure)
         match key:
             case "box":
                 return Box(_three(value))
@@ -346,11 +395,14 @@ class _Reader:
                 return Capsule(*value)
         try:
             read = meshes.read_hull if key == "convex" else meshes.read_mesh
+            shape: Shape
             shape, findings = read(self.folder / value, said.get("unit"))
         except Refused as refused:
             self.found += refused.findings
             return None
         self.found += findings
+        if isinstance(shape, Mesh) and "off" in said:
+            shape = replace(shape, off=shape.off + said["off"])
         return shape
 
 

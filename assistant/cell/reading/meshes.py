@@ -87,13 +87,11 @@ def read_mesh(
 
 def read_hull(path: FilePath, unit: str | None = None) -> tuple[Convex, tuple[Diagnostic, ...]]:
     """The hull of the corners of a file; raises as `read_mesh`, Refused for flat ones."""
-    from scipy.spatial import QhullError  # type: ignore[import-untyped]
-
     mesh, findings = read_mesh(path, unit)
     hull = Convex(mesh.points)
     try:
         _ = hull.hull
-    except QhullError:
+    except Refused:
         flat = "its corners lie in one plane, so that they have no hull"
         cure = "read it as `mesh`, or give it a thickness"
         raise Refused(NO_MESH(path=str(path), reason=flat, cure=cure)) from None

@@ -1,0 +1,103 @@
+"""`scene`: what stands in a cell by its file or drawing, as a table, a cell file or glTF."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from assistant.cli.compiling import keep_sources, working
+from assistant.cli.presentation import Format, print_findings, print_json, say
+from assistant.program.diagnostics import Diagnostic, Refused, error, fold
+
+if TYPE_CHECKING:
+    from assistant.cell.scene import Scene
+
+NO_SCENE = error(
+    "CL045",
+    "a scene is not written as `{name}`",
+    "end the name in .toml for a cell file, or in .glb for glTF",
+)
+TEXT, GLTF = ".toml", ".glb"
+WORLD: Final = ("world", "robots", "bodies", "frames")
+"""Tables of a cell file that a scene holds."""
+DRAWINGS: Final = (".dxf",)
+
+
+def run_scene(cell: Path, unit: str | None, output: Path | None, format: Format) -> int:
+    """0; unit: of a drawing, whatever that says."""
+    from assistant.report import scenes as report
+
+    if output is not None and (output.suffix.lower() not in (TEXT, GLTF) or not output.stem):
+        raise Refused(NO_SCENE(name=output), exit_status=2)
+    with working(f"reading {cell}"):
+        try:
+            scene, found, others = _read(cell, unit)
+            told = report.record(scene)  # refuses what stands in nothing
+        except Refused as refused:
+            at = (finding.within(str(cell)) for finding in refused.findings)
+            raise Refused(*at, exit_status=refused.exit_status) from None
+        files = {} if output is None else _files(scene, output)
+        if output is not None and output.suffix.lower() == TEXT:
+            found += _left_out(others)
+        written = _put(cell, files)
+    findings = [finding.within(str(cell)) for finding in found]
+    if format is Format.JSON:
+        from assistant.findings.formats import finding_record
+
+        answer = {"cell": str(cell), **told}
+        answer["findings"] = [finding_record(finding) for finding in findings]
+        print_json(answer | {"written": [str(path) for path in written]})
+        return 0
+    print_findings(fold(findings), explained=True)
+    for line in report.lines(scene) if output is None else ():
+        say(line)
+    for path in written:
+        say(f"wrote {path}")
+    return 0
+
+
+def _read(cell: Path, unit: str | None) -> tuple[Scene, tuple[Diagnostic, ...], tuple[str, ...]]:
+    """The scene of a cell file or of a drawing, what is said of it, and its other tables."""
+    from assistant.cell.reading.cell_file import parse_scene
+    from assistant.cell.reading.drawings import read_drawing
+    from assistant.cell.scene import Scene
+    from assistant.program.system.budgets import SETTINGS_FILE
+    from assistant.program.text import decode, read_bytes
+    from assistant.sources.lengths import known_unit, unit_stated
+    from assistant.sources.process.file import ENCODINGS, read_toml
+
+    if unit is not None:
+        known_unit(unit)
+    if cell.suffix.lower() in DRAWINGS:
+        drawn = read_drawing(cell, unit)
+        return Scene(drawn.bodies), drawn.findings, ()
+    source = decode(read_bytes(cell, most=SETTINGS_FILE), str(cell), ENCODINGS)
+    found: tuple[Diagnostic, ...] = () if unit is None else (unit_stated(str(cell), unit),)
+    scene, said = parse_scene(source, cell.parent)
+    others = tuple(key for key in read_toml(source).content if key not in WORLD)
+    return scene, (*found, *said), others
+
+
+def _files(scene: Scene, output: Path) -> dict[Path, bytes]:
+    from assistant.cell.writing.cell_text import cell_files
+    from assistant.cell.writing.gltf import gltf
+
+    if output.suffix.lower() == GLTF:
+        return {output: gltf(scene)}
+    files = cell_files(scene, output.stem, output.parent)
+    text = files.pop(f"{output.stem}.toml")
+    return {output: text, **{output.parent / name: data for name, data in files.items()}}
+
+
+def _left_out(others: tuple[str, ...]) -> tuple[Diagnostic, ...]:
+    from assistant.cell.writing.rules import LEFT_OUT
+    from assistant.sources.process.values import shown
+
+    return tuple(LEFT_OUT(table=shown(name)) for name in others)
+
+
+def _put(cell: Path, files: dict[Path, bytes]) -> tuple[Path, ...]:
+    from assistant.program.system.writing import write_all
+
+    keep_sources([str(cell)], list(files))
+    return write_all(files) if files else ()
