@@ -392,7 +392,7 @@ def view(
 
 @app.command()
 def scene(
-    cell: Annotated[Path, typer.Argument(help="Cell file, or a drawing of the cell.")],
+    file: Annotated[Path, typer.Argument(help="Cell file, or a drawing of the cell.")],
     output: Annotated[
         Path | None,
         typer.Option("--output", "-o", help="Cell file (.toml) or glTF (.glb) to write instead."),
@@ -403,7 +403,7 @@ def scene(
     """Tell what stands in a cell, body by body, or write it as another file."""
     from assistant.cli.scenes import run_scene
 
-    raise typer.Exit(run_scene(cell, unit, output, format))
+    raise typer.Exit(run_scene(file, unit, output, format))
 
 
 app.command()(run)

@@ -106,6 +106,7 @@ def solved(source: str, options: Options, stands: InCell | None = None) -> Solve
     from assistant import robots
     from assistant.compiler.arms import known_robot, robot_of, standing, taught_on
     from assistant.compiler.crossing import for_arm
+    from assistant.compiler.locations import with_locations
     from assistant.compiler.scenes import in_cell
     from assistant.compiler.source_map import Places
     from assistant.compiler.travelling import travelled
@@ -118,6 +119,7 @@ def solved(source: str, options: Options, stands: InCell | None = None) -> Solve
     loaded = load_given(source, reader, *given, stands.around)
     program: Program = loaded.program
     arms = standing(program, arms)
+    program, located = with_locations(program, arms)
     arm = arms.robot or known_robot(program.robot)
     if arm is None:
         raise Refused(NO_ROBOT(path=source), exit_status=2)
@@ -128,7 +130,7 @@ def solved(source: str, options: Options, stands: InCell | None = None) -> Solve
     ways = travelled(program, arm, arms.scene, places)
     solution = robots.solve_program(replace(ways.program, robot=arm.name), arm)
     also = () if has_errors(ways.findings) else solution.findings
-    found = (*loaded.findings, *changed, *map(places.finding, ways.findings), *also)
+    found = (*loaded.findings, *located, *changed, *map(places.finding, ways.findings), *also)
     said = [*stands.findings, *fold(f.within(source) for f in found)]
     return Solved(solution, arms.scene, places, said)
 

@@ -23,6 +23,7 @@ from assistant.compiler.loading import (
     read_trees,
     with_process,
 )
+from assistant.compiler.locations import with_locations
 from assistant.compiler.project import configured
 from assistant.compiler.scenes import InCell, in_cell
 from assistant.compiler.source_map import Places, at_moves
@@ -317,8 +318,9 @@ def _check_meaning(
 ) -> tuple[Diagnostic, ...]:
     from assistant import robots
 
-    found = checks.check(program)
     arms = standing(program, stands.arms())
+    program, located = with_locations(program, arms)
+    found = (*located, *checks.check(program))
     arm = arms.robot or known_robot(program.robot)
     if arm is None:
         return (*found, *travelled(program, None, arms.scene, Places(program)).findings)

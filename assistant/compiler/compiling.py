@@ -15,6 +15,7 @@ from assistant.compiler.crossing import for_arm, unsaid, without_unused
 from assistant.compiler.entering import entered
 from assistant.compiler.joint_speeds import at_a_speed, at_the_pace
 from assistant.compiler.loading import Loaded, language_of
+from assistant.compiler.locations import with_locations
 from assistant.compiler.motion import MotionProof, Proving, prove_motion
 from assistant.compiler.motion_sides import Made
 from assistant.compiler.opening import load
@@ -155,6 +156,9 @@ def compile(
         loaded = replace(loaded, findings=tuple(f.within(str(source)) for f in loaded.findings))
     program = entered(loaded.program, entry)
     arms = standing(program, in_arms(loaded, stands.arms(robot_of(from_robot))))
+    program, located = with_locations(program, arms)
+    if located:
+        raise Refused(*located)
     compiled = compile_program(program, Places(program, loaded.text), target, arms, most_targets)
     compiled = proven_by_motion(compiled, arms, proving, entry)
     about = () if isinstance(cell, InCell) else stands.findings

@@ -9,6 +9,7 @@ from string import Formatter
 
 import pytest
 
+from assistant.cell.reading.cell_file import read_scene
 from assistant.compiler import check_files
 from assistant.findings.rulebook import (
     adjustable,
@@ -20,15 +21,31 @@ from assistant.findings.rulebook import (
     section,
 )
 from assistant.program.diagnostics import Refused, Rule, Severity
+from assistant.report.scenes import record
 
 SUFFIXES = {"RA": ".mod", "MB": ".prg", "CK": ".pseudo", "PS": ".pseudo"}
+CELLS = "CK4"
+"""What the codes begin with whose examples are cell files."""
 
 
 def found(folder: Path, code: str, text: str) -> set[str]:
-    """Codes of what is found in a text of the language that a code is about."""
+    """Codes of what is found in a text of the language that a code is about, or a cell file."""
+    if code.startswith(CELLS):
+        return found_in_cell(folder, text)
     file = folder / f"example{SUFFIXES[code[:2]]}"
     file.write_text(text, encoding="utf-8")
     return {finding.code for finding in check_files([file]).findings}
+
+
+def found_in_cell(folder: Path, text: str) -> set[str]:
+    file = folder / "cell.toml"
+    file.write_text(text, encoding="utf-8")
+    try:
+        scene, findings = read_scene(file)
+        record(scene)
+    except Refused as refused:
+        findings = refused.findings
+    return {finding.code for finding in findings}
 
 
 def test_every_rule_is_of_a_known_family() -> None:

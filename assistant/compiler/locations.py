@@ -1,0 +1,177 @@
+"""Locations of the bodies of a cell as targets of a program that uses them and declares none."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from assistant.compiler.arms import Arms
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.diagnostics import Diagnostic, error
+from assistant.program.geometry import BASE, Frame, Pose, Target
+from assistant.program.program import Procedure, Program, walk
+from assistant.program.rewriting import records
+
+if TYPE_CHECKING:
+    from assistant.cell.scene import Body, Placed, Scene
+
+NO_TARGET: Final = error(
+    "CO077", "the location `{name}` of the cell is no target here: {reason}", "{cure}"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """A location of a body."""
+
+    body: Body
+    name: str
+
+    @property
+    def long(self) -> str:
+        return f"{self.body.name}_{self.name}"
+
+
+def with_locations(program: Program, arms: Arms) -> tuple[Program, tuple[Diagnostic, ...]]:
+    """The program with a target for each location of the cell that moves name.
+
+    A location is called by its name, or as `BODY_LOCATION`. Its pose is that of the tool there, in
+    the frame of the moves. Names that the program declares stay its own.
+    """
+    if arms.scene is None or program.origin is not None:
+        return program, ()
+    known = _known(arms.scene)
+    if not known:
+        return program, ()
+    placed = _placed(program, arms)
+    declared = {name.lower() for name in (*program.targets, *program.joint_targets)}
+    declared |= {name.lower() for name in (*program.variables, *program.signals)}
+    uses = _uses(program, declared, known)
+    targets = dict(program.targets)
+    found = []
+    for name, frames in uses.items():
+        told = _fault(name, frames, known[name.lower()], program, placed is not None)
+        if told is not None:
+            found.append(told)
+            continue
+        assert placed is not None
+        (place,), (frame,) = known[name.lower()], frames
+        pose = _fixed(arms.scene, place.body)
+        if pose is None:
+            moves = f"`{place.body.name}` moves with an arm"
+            found.append(NO_TARGET(name=name, reason=moves, cure="declare a target of its own"))
+            continue
+        in_base = placed.base.inverse() @ pose @ place.body.locations[place.name]
+        targets[name] = Target(_frame(program, frame).pose.inverse() @ in_base)
+    return (replace(program, targets=targets) if uses else program), tuple(found)
+
+
+def _known(scene: Scene) -> Mapping[str, tuple[_Place, ...]]:
+    """Names, in lower case, with the locations that they may be."""
+    found: dict[str, tuple[_Place, ...]] = {}
+    for body in scene.bodies:
+        for name in body.locations:
+            place = _Place(body, name)
+            for one in (name.lower(), place.long.lower()):
+                found[one] = (*found.get(one, ()), place)
+    return found
+
+
+def _uses(
+    program: Program, declared: set[str], known: Mapping[str, tuple[_Place, ...]]
+) -> dict[str, tuple[str, ...]]:
+    """Names of locations, as the program first writes each, with the frames of the moves there."""
+    found: dict[str, tuple[str, ...]] = {}
+    spelled: dict[str, str] = {}
+    for procedure in program.procedures:
+        own = declared | {name.lower() for name in _own(procedure)}
+        for name, frame in _moved_to(procedure):
+            low = name.lower()
+            if low in own or low not in known:
+                continue
+            first = spelled.setdefault(low, name)
+            before = found.get(first, ())
+            if frame.lower() not in {one.lower() for one in before}:
+                found[first] = (*before, frame)
+    return found
+
+
+def _own(procedure: Procedure) -> Iterator[str]:
+    yield from procedure.variables
+    yield from (parameter.name for parameter in procedure.parameters)
+
+
+def _moved_to(procedure: Procedure) -> Iterator[tuple[str, str]]:
+    """Names in where moves go, each with the frame of the move."""
+    for one in walk(procedure.body):
+        motion: Any = getattr(one, "motion", None)
+        if isinstance(motion, p.Motion):
+            for key in ("target", "via"):
+                for part in records(getattr(one, key, None)):
+                    if isinstance(part, e.Name):
+                        yield part.name, motion.frame
+
+
+def _placed(program: Program, arms: Arms) -> Placed | None:
+    """The robot of the cell that runs the program; None if that is not known."""
+    from assistant.cell.clearances import robot_of
+    from assistant.compiler.arms import known_robot
+
+    arm = arms.robot or known_robot(program.robot)
+    if arm is None or arms.scene is None:
+        return None
+    try:
+        return robot_of(arms.scene, arm)
+    except LookupError:
+        return None
+
+
+def _fault(
+    name: str,
+    frames: tuple[str, ...],
+    places: tuple[_Place, ...],
+    program: Program,
+    standing: bool,
+) -> Diagnostic | None:
+    """Why a location is no target, if it is none."""
+    if len(places) > 1:
+        bodies = ", ".join(f"`{place.body.name}`" for place in places)
+        long = " or ".join(f"`{place.long}`" for place in places)
+        return NO_TARGET(name=name, reason=f"it is one of {bodies}", cure=f"write {long}")
+    if len(frames) > 1:
+        names = ", ".join("the base" if one == BASE else f"frame `{one}`" for one in frames)
+        reason = f"moves go to it in {names}"
+        return NO_TARGET(name=name, reason=reason, cure="move to it in one frame")
+    frame = _frame(program, frames[0])
+    if frame.held or frame.mechanism:
+        reason = f"the frame `{frames[0]}` of the moves there does not stand still"
+        return NO_TARGET(name=name, reason=reason, cure="move to it in another frame")
+    if not standing:
+        reason = "which robot of the cell runs the program is not known"
+        return NO_TARGET(name=name, reason=reason, cure="name the robot as the cell does: --robot")
+    return None
+
+
+def _frame(program: Program, name: str) -> Frame:
+    """The frame of a name; that of the base for a name that nobody declares, told elsewhere."""
+    frames = {key.lower(): frame for key, frame in program.frames.items()}
+    return frames.get(name.lower(), Frame()) if name != BASE else Frame()
+
+
+def _fixed(scene: Scene, body: Body) -> Pose | None:
+    """The pose of a body in the world; None for one that an arm moves."""
+    from assistant.cell.collision.carriers import Carriers, carried
+    from assistant.program import rotations
+
+    carriers = Carriers(scene.robots)
+    carrier, pose = carried(scene, body, carriers)
+    if carriers.moved_by(carrier):
+        return None
+    homes = [np.asarray(one.robot.home, dtype=np.float64) for one in scene.robots]
+    origins, turns = carriers.at(np.concatenate([np.zeros(0), *homes])[None])
+    turn = rotations.from_matrix(turns[:1, carrier])[0]
+    return Pose.of(origins[0, carrier], turn) @ pose
