@@ -56,6 +56,7 @@ class Recipe:
     prove: bool = False
     signals: FilePath | None = None
     seed: int = 0
+    cell: FilePath | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -214,6 +215,7 @@ class _Reader:
             given.get("prove", False),
             paths.get("signals"),
             given.get("seed", 0),
+            paths.get("cell"),
         )
 
     def _file(self, table: Table, key: str, text: str) -> FilePath | None:

@@ -100,7 +100,7 @@ def _asked_for(order: Order) -> Iterator[str]:
     """Files that change what is made by being there; who only looks for them opens nothing."""
     recipe, folder = order.recipe, order.folder
     beside = recipe.source.with_suffix(PROCESS_SUFFIX)
-    for file in (recipe.source, recipe.process or beside, recipe.signals):
+    for file in (recipe.source, recipe.process or beside, recipe.signals, recipe.cell):
         if file is not None:
             yield file.relative_to(folder).as_posix()
 
@@ -198,6 +198,7 @@ def _compiled(order: Order, name: str) -> Made:
         robot=robot_of(order.arm),
         process=_named(recipe.process),
         unit=recipe.unit,
+        cell=_named(recipe.cell),
         from_robot=recipe.from_robot,
         most_targets=recipe.most_targets,
         frames=recipe.frames,

@@ -80,6 +80,7 @@ PROGRAM: Final[Mapping[str, Key]] = {
     "language": _choice(SPOKEN, "To write; default what the target's controller takes."),
     "robot": _text("Arm that runs it, by name or file; default that of the controller."),
     "process": _text("Process file; default NAME.process.toml beside the source."),
+    "cell": _text("File of the cell that it runs in: nothing is made that touches anything there."),
     "unit": _choice(tuple(UNITS), "That a drawing is in, whatever it says itself."),
     "from": _choice(SPOKEN, "Language of the source, if its name does not tell."),
     "from_robot": _text("Arm that a robot program was written for, by name or file."),
@@ -122,7 +123,7 @@ DEPLOYING: Final[Mapping[str, Key]] = {
 CONTROLLER: Final[Mapping[str, Key]] = {
     name: Key(read, *FORMS[name]) for name, read in keys().items()
 }
-FILES: Final = ("source", "process", "signals")
+FILES: Final = ("source", "process", "cell", "signals")
 """Keys of a program that name files."""
 ROBOTS: Final = ("robot", "from_robot")
 """Keys that name a robot of the catalogue, or its file."""

@@ -74,6 +74,29 @@ def test_a_process_file_that_appears_is_seen(home):
     assert (states(), states()) == ([BUILT], [UNCHANGED])
 
 
+def test_what_touches_something_in_its_cell_is_not_built(home):
+    """Files that the cell file names are seen to change as well."""
+    home.put(
+        "goes.pseudo",
+        "program goes\ntarget a [450, 0, 450] [0, 0, 1, 0]\ntarget b [450, 200, 450] [0, 0, 1, 0]\n"
+        "procedure main\nmove joint a speed 100 mm/s blend fine\n"
+        "move linear b speed 100 mm/s blend fine\nend\n",
+    )
+    cell = '[robots.arm]\nrobot = "irb1200-7-0.7"\n[bodies.post]\nmesh = "post.obj"\nunit = "mm"\n'
+    home.put("cell/cell.toml", cell)
+    corners = "v {0} 90 0\nv {1} 90 0\nv {0} 110 0\nv {0} 100 900\n"
+    faces = "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+    home.put("cell/post.obj", corners.format(1400, 1420) + faces)
+    program = '[programs.a]\nsource = "goes.pseudo"\ncell = "cell/cell.toml"\n'
+    home.states(program + '[targets.cell1]\nprograms = ["a"]\n')
+    assert (states(), states()) == ([BUILT], [UNCHANGED])
+    home.put("cell/post.obj", corners.format(440, 460) + faces)
+    assert states() == [FAILED]
+    assert "CK421" in codes()
+    home.put("cell/post.obj", corners.format(1500, 1520) + faces)
+    assert states() == [BUILT]
+
+
 def test_a_report_that_appears_beside_the_sources_changes_none(home):
     """`robot-assistant plan --format markdown > plan.md` makes it before it looks at them."""
     home.put("seam.mod", module("seam"))

@@ -89,6 +89,8 @@ def test_the_table_of_pyproject(home):
         ('entry = "main"', 'process = "../x.toml"', "PR104", "outside"),
         ('entry = "main"', 'process = "."', "PR104", "outside"),
         ('entry = "main"', 'process = "sources"', "PR105", "no file"),
+        ('entry = "main"', 'cell = "../cell.toml"', "PR104", "outside"),
+        ('entry = "main"', 'cell = "cell.toml"', "PR105", "no file"),
         ('entry = "main"', 'process = "sources/wating.pseudo"', "PR105", "sources/waiting.pseudo"),
         ('entry = "main"', 'robot = "irb1200-7-07"', "PR107", "irb1200-7-0.7"),
         ("most_targets = 100", "most_targets = 3", "CT303", "10 to"),

@@ -322,11 +322,10 @@ class _Reader:
     def bodies(self, drawn: Iterable[Body] = ()) -> Iterator[Body]:
         seen = {body.name.casefold(): body.name for body in drawn}
         for name, entry in self.top.table("bodies").named():
-            other = seen.setdefault(name.casefold(), name)
-            if other != name:
-                entry.say(SAME_BODY, name=name, other=other)
-            elif other in {body.name for body in drawn}:
-                entry.say(TWICE, name=name)
+            other = seen.get(name.casefold())
+            if other is not None:
+                rule = TWICE if other == name else SAME_BODY
+                entry.say(rule, name=name, other=other)
             said = entry.read(BODY)
             one = self.one(name, entry, said)
             if one is None:
@@ -352,7 +351,7 @@ class _Reader:
             return None if drawing is None else drawing.as_one(name)
         if key == PARTS:
             found = [self.part(*named) for named in entry.table(PARTS).named()]
-            if not found:
+            if said[PARTS] == {}:
                 entry.say(
                     NO_SHAPE, PARTS, name=name, what="no parts", cure="write some, or a shape"
                 )

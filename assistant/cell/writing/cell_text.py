@@ -32,7 +32,8 @@ def cell_files(scene: Scene, name: str, folder: FilePath) -> dict[str, bytes]:
     """
     _named(scene)
     files: dict[str, bytes] = {}
-    parts = ["\n".join(_world(scene))] if scene.margin != MARGIN or _allowed(scene) else []
+    world = list(_world(scene))
+    parts = ["\n".join(["[world]", *world])] if world else []
     for frame, pose in scene.frames.items():
         parts.append("\n".join([f"[frames.{frame}]", *_place(pose)]))
     parts += ["\n".join(_robot(placed, folder)) for placed in scene.robots]
@@ -64,7 +65,6 @@ def _allowed(scene: Scene) -> list[tuple[str, str]]:
 
 
 def _world(scene: Scene) -> Iterator[str]:
-    yield "[world]"
     if scene.margin != MARGIN:
         yield f"margin = {toml_value(scene.margin)}"
     if pairs := _allowed(scene):
