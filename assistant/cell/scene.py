@@ -61,11 +61,15 @@ class Named:
     """How a cell file names a robot: of the catalogue, or the whole path of its file.
 
     packages: whole paths of folders by name; capsules: its links by its lengths, see `links`.
+    explored: whole path of a chart of the space about it, "" for none; unknown: "free" where only
+    what is occupied in it counts.
     """
 
     robot: str
     packages: Mapping[str, str] = field(default_factory=dict)
     capsules: bool = False
+    explored: str = ""
+    unknown: str = ""
 
 
 @dataclass(frozen=True, slots=True)

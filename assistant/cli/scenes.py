@@ -29,15 +29,16 @@ def run_scene(cell: Path, unit: str | None, output: Path | None, format: Format)
 
     if output is not None and (output.suffix.lower() not in (TEXT, GLTF) or not output.stem):
         raise Refused(NO_SCENE(name=output), exit_status=2)
+    as_text = output is not None and output.suffix.lower() == TEXT
     with working(f"reading {cell}"):
         try:
-            scene, found, others = _read(cell, unit)
+            scene, found, others = _read(cell, unit, as_text)
             told = report.record(scene)  # refuses what stands in nothing
         except Refused as refused:
             at = (finding.within(str(cell)) for finding in refused.findings)
             raise Refused(*at, exit_status=refused.exit_status) from None
         files = {} if output is None else _files(scene, output)
-        if output is not None and output.suffix.lower() == TEXT:
+        if as_text:
             found += _left_out(others)
         written = _put(cell, files)
     findings = [finding.within(str(cell)) for finding in found]
@@ -56,8 +57,13 @@ def run_scene(cell: Path, unit: str | None, output: Path | None, format: Format)
     return 0
 
 
-def _read(cell: Path, unit: str | None) -> tuple[Scene, tuple[Diagnostic, ...], tuple[str, ...]]:
-    """The scene of a cell file or of a drawing, what is said of it, and its other tables."""
+def _read(
+    cell: Path, unit: str | None, as_text: bool
+) -> tuple[Scene, tuple[Diagnostic, ...], tuple[str, ...]]:
+    """The scene of a cell file or of a drawing, what is said of it, and its other tables.
+
+    as_text: without what charts of explored space add, which the text names.
+    """
     from assistant.cell.reading.cell_file import parse_scene
     from assistant.cell.reading.drawings import read_drawing
     from assistant.cell.scene import Scene
@@ -73,7 +79,7 @@ def _read(cell: Path, unit: str | None) -> tuple[Scene, tuple[Diagnostic, ...], 
         return Scene(drawn.bodies), drawn.findings, ()
     source = decode(read_bytes(cell, most=SETTINGS_FILE), str(cell), ENCODINGS)
     found: tuple[Diagnostic, ...] = () if unit is None else (unit_stated(str(cell), unit),)
-    scene, said = parse_scene(source, cell.parent)
+    scene, said = parse_scene(source, cell.parent, explored=not as_text)
     others = tuple(key for key in read_toml(source).content if key not in WORLD)
     return scene, (*found, *said), others
 

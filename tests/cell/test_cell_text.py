@@ -139,6 +139,15 @@ def test_files_of_robots_are_named_from_where_it_stands(tmp_path: Path) -> None:
     assert read.robots[0].base == first.robots[0].base
 
 
+def test_charts_of_robots_are_named_from_where_it_stands(tmp_path: Path) -> None:
+    (tmp_path / "new").mkdir()
+    cell = '[robots.arm]\nrobot = "rv-2aj"\nexplored = "arm.npz"\nunknown = "free"\n'
+    (tmp_path / "cell.toml").write_text(cell)
+    scene, _ = read_scene(tmp_path / "cell.toml", explored=False)
+    text = cell_files(scene, "cell", tmp_path / "new")["cell.toml"].decode()
+    assert text == cell.replace("arm.npz", "../arm.npz")
+
+
 def test_a_sample_stays_as_it_is(tmp_path: Path) -> None:
     first, _ = read_scene(SAMPLES / "clamped.toml")
     read, _ = back(first, tmp_path)

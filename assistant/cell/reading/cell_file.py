@@ -266,7 +266,9 @@ class _Reader:
             package: str((self.folder / folder).absolute())
             for package, folder in said.get("packages", {}).items()
         }
-        return Named(name, packages, said.get("links") == "capsules")
+        chart = str((self.folder / said["explored"]).absolute()) if "explored" in said else ""
+        capsules = said.get("links") == "capsules"
+        return Named(name, packages, capsules, chart, said.get("unknown", ""))
 
     def is_file(self, file: FilePath) -> bool:
         return file.suffix.lower() in (".toml", ".urdf", ".xml") and file.exists()

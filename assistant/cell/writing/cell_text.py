@@ -27,7 +27,8 @@ MESH: Final = ".obj"
 def cell_files(scene: Scene, name: str, folder: FilePath) -> dict[str, bytes]:
     """The files of a cell, by their names in a folder: `NAME.toml` first, and one for each mesh.
 
-    Files of robots are named from there. Raises Refused for a robot that is in no file, and for
+    Files of robots are named from there, and their charts; what those add is none of the bodies of
+    the scene, see `read_scene`. Raises Refused for a robot that is in no file, and for
     names that a cell file cannot hold.
     """
     _named(scene)
@@ -86,6 +87,10 @@ def _robot(placed: Placed, folder: FilePath) -> Iterator[str]:
         yield f"packages = {{{', '.join(pairs)}}}"
     if named is not None and named.capsules:
         yield 'links = "capsules"'
+    if named is not None and named.explored:
+        yield f"explored = {toml_value(_from(folder, named.explored))}"
+        if named.unknown:
+            yield f"unknown = {toml_value(named.unknown)}"
     yield from _place(placed.base)
 
 
