@@ -1,10 +1,11 @@
-"""`demo`: a trajectory and a drawing on two virtual controllers, with a report."""
+"""`demo`: a trajectory and a drawing on two virtual controllers, with a report and a scene."""
 
 from __future__ import annotations
 
 import tempfile
 from collections.abc import Mapping
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -24,6 +25,9 @@ SOURCES: Final = {
 }
 ROBOTS: Final = ("irb1200-7-0.7", "rv-2aj")
 """Each has its virtual controller."""
+IN_CELL: Final = "plate.dxf"
+"""What is shown in the cell of `CELL`."""
+CELL: Final = "stand.toml"
 REPORT: Final = "report.html"
 
 
@@ -36,6 +40,7 @@ def run_demo(output: Path) -> int:
             _section(output, Path(str(resource("samples", name))), title, controllers)
             for name, title in SOURCES.items()
         ]
+    _seen(output, Path(str(resource("samples", IN_CELL))))
     from assistant.program.system.writing import write_files
 
     html = page.page("robot-assistant demo", sections)
@@ -78,6 +83,28 @@ def _section(
     say(f"  plot: {png}")
     drawn = [line.points for line in drawn_lines(source)]
     return page.Section(title, tuple(programs), page.plan_view(drawn, way), plot)
+
+
+def _seen(output: Path, source: Path) -> None:
+    """The page of a program in its cell; where the library for cells is not installed, alone."""
+    from assistant.cell.rules import NO_LIBRARY
+    from assistant.cli.simulating import Options, solved
+    from assistant.cli.viewing import shown_of
+    from assistant.program.system.writing import write_files
+    from assistant.view.page import page
+
+    alone = Options(ROBOTS[0], None, None, None, None, None, None)
+    with working(f"looking at {source.name}"):
+        try:
+            options = replace(alone, cell=Path(str(resource("samples", f"cell/{CELL}"))))
+            ready = solved(str(source), options)
+        except Refused as refused:
+            if {finding.code for finding in refused.findings} != {NO_LIBRARY.code}:
+                raise
+            options, ready = alone, solved(str(source), alone)
+        text = page(shown_of(str(source), options, ready))
+    (path,) = write_files({f"{source.stem}.html": text.encode()}, output)
+    say(f"  to be looked at in a browser: {path}")
 
 
 def _compiled(source: Path, robot: str) -> Compiled:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.cli.compiling import STANDARD, keep_sources, working
 from assistant.cli.presentation import Format, print_findings, print_json, say
-from assistant.cli.simulating import Options, refused, solved
+from assistant.cli.simulating import Options, Solved, refused, solved
 from assistant.program.diagnostics import Diagnostic, Refused, Severity, error, fold, has_errors
 
 if TYPE_CHECKING:
@@ -45,14 +45,8 @@ def run_view(
     html: where it is written; None to open it in the browser, from a folder for temporary files.
     live: the controller that the page follows until Ctrl-C, from where it is served then.
     """
-    from assistant import checks
-    from assistant.cell.holding import Holding, takeable
-    from assistant.checks.clearances import placed_clearances
     from assistant.findings.formats import finding_record
-    from assistant.report.drawn import drawn_lines
-    from assistant.robots.timing import simulate
     from assistant.view.page import page
-    from assistant.view.record import Shown
 
     if html is not None and (html.suffix.lower() not in SUFFIXES or not html.stem):
         raise Refused(NO_PAGE(name=html), exit_status=2)
@@ -60,37 +54,52 @@ def run_view(
         raise Refused(NOT_WRITTEN(), exit_status=2)
     with working(f"looking at {source}"):
         ready = solved(source, options)
-        solution, places = ready.solution, ready.places
+        robot = ready.solution.robot
         if has_errors(ready.findings):
-            return refused(source, solution.robot, ready.findings, format, "shown")
-        scene, placed = _standing(ready.scene, solution)
-        holding = Holding.at_first(scene, placed) if takeable(scene) else None
-        done = simulate(solution, acceleration=options.acceleration, carried=holding)
-        marked: list[tuple[Diagnostic, Closeness | None]]
-        marked = [(one, None) for one in (*ready.findings, *checks.with_robot(solution))]
-        if ready.scene is not None:
-            marked += placed_clearances(solution, scene, done)
-        worst = list(Severity)
-        marked.sort(key=lambda one: worst.index(one[0].severity))  # the page cannot hold all
-        drawn = drawn_lines(source, options.process, options.unit)
-        title = Path(source).name
-        shown = Shown(title, solution, done, scene, placed, places, marked, drawn)
+            return refused(source, robot, ready.findings, format, "shown")
+        shown = shown_of(source, options, ready)
         path = None if live is not None else _written(source, options.cell, html, page(shown))
-    findings = [places.finding(one).within(source) for one, _ in marked]
+    findings = [shown.places.finding(one).within(source) for one, _ in shown.findings]
     records = [finding_record(one) for one in findings]
-    answer: dict[str, Any] = {"source": source, "robot": solution.robot.name, "findings": records}
+    answer: dict[str, Any] = {"source": source, "robot": robot.name, "findings": records}
     if format is not Format.JSON:
         print_findings(fold(findings), explained=True)
     if live is not None:
         from assistant.cli.live_view import run_live
 
         following = partial(_following, shown)
-        run_live(live, solution.robot, following, answer, format)
+        run_live(live, robot, following, answer, format)
     elif format is Format.JSON:
         print_json(answer | {"written": [str(path)]})
     else:
         say(f"wrote {path}")
     return 1 if has_errors(findings) else 0
+
+
+def shown_of(source: str, options: Options, ready: Solved) -> Shown:
+    """What a page shows of a program that has no errors, with what is found on its way.
+
+    Raises Refused for a cell without its robot.
+    """
+    from assistant import checks
+    from assistant.cell.holding import Holding, takeable
+    from assistant.checks.clearances import placed_clearances
+    from assistant.report.drawn import drawn_lines
+    from assistant.robots.timing import simulate
+    from assistant.view.record import Shown
+
+    solution, places = ready.solution, ready.places
+    scene, placed = _standing(ready.scene, solution)
+    holding = Holding.at_first(scene, placed) if takeable(scene) else None
+    done = simulate(solution, acceleration=options.acceleration, carried=holding)
+    marked: list[tuple[Diagnostic, Closeness | None]]
+    marked = [(one, None) for one in (*ready.findings, *checks.with_robot(solution))]
+    if ready.scene is not None:
+        marked += placed_clearances(solution, scene, done)
+    worst = list(Severity)
+    marked.sort(key=lambda one: worst.index(one[0].severity))  # the page cannot hold all
+    drawn = drawn_lines(source, options.process, options.unit)
+    return Shown(Path(source).name, solution, done, scene, placed, places, marked, drawn)
 
 
 def _following(shown: Shown, name: str) -> str:

@@ -240,6 +240,10 @@ def test_the_demo_leaves_programs_plots_and_a_report(capsys, tmp_path):
     assert page.count("<polyline") > 10
     assert "MoveJ positioning_1,v150,z100,GRIPPER" in page
     assert 'src="http' not in page
+    scene = (tmp_path / "plate.html").read_text("utf-8")
+    assert scene.count("</script>") == 3 and '"name":"arm.J6"' in scene.replace(
+        "robot.J6", "arm.J6"
+    )
 
 
 REFUSED = (

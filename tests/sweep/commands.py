@@ -104,6 +104,10 @@ COMMANDS: Final[Mapping[str, Command]] = {
         ("scene", "one.toml", "-o", "out/cell.toml"),
         {"one.toml": "[bodies.a]\nmesh = 'a.obj'\nunit = 'mm'\n", "a.obj": CORNER},
     ),
+    "view": Command(
+        ("view", "one.mod", "--robot", "irb1200-7-0.7", "--html", "out/one.html"),
+        {name: text.replace("Save", "! Save") for name, text in MODULES.items()},
+    ),
     "run": Command(
         ("run", "one.mod", "--trace", "one.npz", "--disk", "disk"),
         {**MODULES, "disk/kept.mod": MODULE.format("kept", 1)},
