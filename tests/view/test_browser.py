@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import shutil
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Final
 
@@ -16,6 +17,9 @@ from assistant.cell.arms import placed
 from assistant.cell.collision.carriers import Carriers
 from assistant.program.arrays import Floats
 from assistant.program.geometry import Pose
+from assistant.view.live import LivePage
+from assistant.view.page import filled
+from tests.cell.test_holding import CELL, PICK
 from tests.cli.test_commands import run
 from tests.view.cases import data_of, numbers, written
 
@@ -38,28 +42,35 @@ def browser() -> Iterator[Any]:
         opened.close()
 
 
-@pytest.fixture
-def opened(
-    browser: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> Iterator[tuple[Any, str]]:
-    """The page of a program that touches a post, and its text; nothing goes wrong on it."""
-    pytest.importorskip("coal")
-    program, cell = written(tmp_path)
-    out = tmp_path / "seam.html"
-    run(capsys, "view", program, "--cell", cell, "--html", out)
-    capsys.readouterr()
+@contextmanager
+def looking(browser: Any, address: str, asks: tuple[str, ...] = ()) -> Iterator[Any]:
+    """A page on which nothing goes wrong, and that asks for nothing but this."""
     page = browser.new_page(viewport={"width": 800, "height": 500})
     wrong: list[str] = []
     asked: list[str] = []
     page.on("console", lambda message: wrong.append(message.text))
     page.on("pageerror", lambda fault: wrong.append(str(fault)))
     page.on("request", lambda request: asked.append(request.url))
-    page.goto(out.as_uri())
+    page.goto(address)
     until(page, "view.drawn() > 0")
-    yield page, out.read_text(encoding="utf-8")
+    yield page
     page.close()
     assert wrong == []
-    assert asked == [out.as_uri()]
+    assert asked == [address, *asks]
+
+
+@pytest.fixture
+def opened(
+    browser: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> Iterator[tuple[Any, str]]:
+    """The page of a program that touches a post, and its text."""
+    pytest.importorskip("coal")
+    program, cell = written(tmp_path)
+    out = tmp_path / "seam.html"
+    run(capsys, "view", program, "--cell", cell, "--html", out)
+    capsys.readouterr()
+    with looking(browser, out.as_uri()) as page:
+        yield page, out.read_text(encoding="utf-8")
 
 
 def until(page: Any, what: str) -> None:
@@ -132,3 +143,113 @@ def test_a_finding_leads_into_the_scene_and_a_move_to_its_time(opened: tuple[Any
     page.locator("#moves button").nth(2).click()
     assert page.evaluate("view.time()") == pytest.approx(data["moves"][2]["time"])
     assert "16" in page.locator("#moves button.now").inner_text()
+
+
+@pytest.mark.slow
+def test_a_line_leads_to_its_time_and_a_time_to_its_line(opened: tuple[Any, str]) -> None:
+    page, _ = opened
+    page.locator("#listing button", has_text="move linear b").click()
+    assert page.evaluate("view.time()") == pytest.approx(data_of(opened[1])["moves"][1]["time"])
+    assert page.evaluate("view.line()") == 14
+    page.locator("#after").click()
+    assert page.evaluate("view.line()") == 16
+    assert page.locator("#listing button.now").inner_text().startswith("16")
+
+
+@pytest.mark.slow
+def test_the_path_is_coloured_by_what_is_chosen(opened: tuple[Any, str]) -> None:
+    page, text = opened
+    before = picture(page)
+    page.locator("#by").select_option("room")
+    changed = np.abs(picture(page) - before).max(axis=2) > 0.05
+    assert 20 < changed.sum() < 0.05 * changed.size
+    assert page.locator("#most").inner_text() == "at a limit"
+    assert numbers(data_of(text)["motion"]["room"]).min() > 0.0
+
+
+@pytest.mark.slow
+def test_what_is_taken_moves_with_the_arm_on_the_page(
+    browser: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("coal")
+    files = tmp_path / "pick.pseudo", tmp_path / "cell.toml", tmp_path / "pick.html"
+    other = '[robots.other]\nrobot = "rv-2aj"\nposition = [2000, 0, 0]\n'
+    files[0].write_text(PICK, encoding="utf-8")
+    files[1].write_text(CELL + other, encoding="utf-8")
+    run(capsys, "view", files[0], "--cell", files[1], "-r", "arm", "--html", files[2])
+    data = data_of(files[2].read_text(encoding="utf-8"))
+    assert [robot["moves"] for robot in data["robots"]] == [True, False]
+    (part,) = (one for one in data["bodies"] if one["name"] == "part")
+    _, taken, left = part["rides"]
+    motion = data["motion"]
+    times, places = numbers(motion["times"]), numbers(motion["places"]).reshape(-1, 3)
+    with looking(browser, files[2].as_uri()) as page:
+
+        def place(time: float) -> Floats:
+            page.evaluate(f"view.setTime({time})")
+            return np.array(page.evaluate("view.body('part')"))[12:15]
+
+        assert place(taken["time"] - 0.05) == pytest.approx([400.0, -150.0, 288.0])
+        between = 0.5 * (taken["time"] + left["time"])
+        flange = [np.interp(between, times, column) for column in places.T]
+        assert place(between) == pytest.approx(flange - np.array([0.0, 0.0, 112.0]), abs=0.5)
+        assert place(times[-1]) == pytest.approx([400.0, 150.0, 288.0], abs=1e-2)
+        assert place(0.0) == pytest.approx([400.0, -150.0, 288.0])
+        seen = np.moveaxis(picture(page), 2, 0)
+        assert seen.std() > 0.05
+
+
+@pytest.mark.slow
+def test_a_page_that_follows_stands_as_it_is_told(opened: tuple[Any, str], browser: Any) -> None:
+    data = data_of(opened[1]) | {"live": "cell <b>one</b>"}
+    robot = robots.get("irb1200-7-0.7")
+    carriers = Carriers((placed("arm", robot, Pose((50.0, 0.0, 20.0))),))
+    with LivePage(filled(data)) as served:
+        events = f"{served.address}events"
+        with looking(browser, served.address, (events,)) as page:
+            assert page.locator("#state").inner_text() == "cell <b>one</b>: waiting for it"
+            for turn in (10.0, 40.0):
+                joints = np.array([[turn, 20.0, 10.0, 5.0, 60.0, 7.0]])
+                told = {"joints": robot.chained(joints)[0].tolist(), "state": "on", "interval": 0.1}
+                count = page.evaluate("view.told()")
+                served.tell("sample", told)
+                until(page, f"view.told() > {count}")
+                page.wait_for_timeout(500)
+                seen = np.array(page.evaluate("view.carriers()")).reshape(-1, 4, 4)
+                assert np.abs(seen[:, 3, :3] - carriers.at(joints)[0][0]).max() < 0.01
+            page.locator("#play").click()
+            assert not page.evaluate("view.following()")
+            until(page, "view.time() > 0.1")
+            page.locator("#live").click()
+            assert page.evaluate("view.following()")
+            served.tell("lost", {"text": "the line <i>broke"})
+            until(page, "!document.getElementById('notice').hidden")
+            assert page.locator("#notice").inner_text() == "the line <i>broke"
+
+
+@pytest.mark.slow
+def test_ten_thousand_targets_play(
+    browser: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str], tell: Any
+) -> None:
+    count = 10_000
+    turn = np.linspace(0.0, 200.0, count)
+    rows = np.column_stack([500 + 80 * np.cos(turn), 80 * np.sin(turn), 350 + 0.01 * turn])
+    target = "[[{:.3f},{:.3f},{:.3f}],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]"
+    lines = [f"MoveL {target.format(*row)},v200,z1,tool0;" for row in rows]
+    file, out = tmp_path / "many.mod", tmp_path / "many.html"
+    text = "\n".join(["MODULE many", "PROC main()", *lines, "ENDPROC", "ENDMODULE"]) + "\n"
+    file.write_text(text, encoding="utf-8")
+    run(capsys, "view", file, "-r", "irb1200-7-0.7", "--html", out)
+    tell(f"10,000 targets: {len(text) / 1e6:.2f} MB of program, {out.stat().st_size / 1e6:.2f} MB")
+    assert out.stat().st_size < 4e6
+    with looking(browser, out.as_uri()) as page:
+        half = page.evaluate("view.seconds") / 2.0
+        page.evaluate(f"view.setTime({half})")
+        line = page.evaluate("view.line()")
+        assert line == pytest.approx(2 + count / 2, abs=count / 20)
+        page.locator("#rate").select_option("16")
+        page.locator("#play").click()
+        until(page, f"view.time() > {half} + 3")
+        assert page.evaluate("view.line()") > line
+        assert page.locator("#listing button").count() < 100
+        assert page.locator("#listing button.now").count() == 1
