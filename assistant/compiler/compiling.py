@@ -23,7 +23,7 @@ from assistant.compiler.proof import SAYS_OTHERWISE, Proof, prove
 from assistant.compiler.scenes import InCell, in_cell
 from assistant.compiler.source_map import Places, at_moves
 from assistant.compiler.travelling import travelled, travels
-from assistant.compiler.turning import with_turns
+from assistant.compiler.turning import has_free_turns, with_turns
 from assistant.program.contents import saying
 from assistant.program.diagnostics import (
     Diagnostic,
@@ -208,9 +208,10 @@ def compile_program(
         program, changed = for_arm(program, taught, arm)
         findings += changed
         passed("for-the-arm", program)
-    program, changed = with_turns(program, arm, arms.scene)
-    findings += changed
-    passed("with-turns", program)
+    if has_free_turns(program):
+        program, changed = with_turns(program, arm, arms.scene)
+        findings += changed
+        source = before = passed("with-turns", program)
     if travels(program):
         ways = travelled(program, arm, arms.scene, places)
         findings += ways.findings

@@ -13,6 +13,11 @@ if TYPE_CHECKING:
     from assistant.robots.turning.choosing import Clear
 
 
+def has_free_turns(program: Program) -> bool:
+    """Whether the turn of any of its tools is free."""
+    return any(tool.free_turn for tool in program.tools.values())
+
+
 def with_turns(
     program: Program, arm: Robot | None, scene: Scene | None = None
 ) -> tuple[Program, tuple[Diagnostic, ...]]:
@@ -21,7 +26,7 @@ def with_turns(
     scene: of the cell, None without one: then nothing is there to be touched.
     """
     from assistant.robots.findings import NO_ARM
-    from assistant.robots.turning.programs import has_free_turns, turned, without_free_turns
+    from assistant.robots.turning.programs import turned, without_free_turns
 
     if not has_free_turns(program):
         return program, ()

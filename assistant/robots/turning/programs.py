@@ -34,13 +34,9 @@ LEAST: Final = 1e-9
 """degrees that are no turn."""
 
 
-def has_free_turns(program: Program) -> bool:
-    return any(tool.free_turn for tool in program.tools.values())
-
-
 def without_free_turns(program: Program) -> Program:
     """The program with the turns as they are."""
-    if not has_free_turns(program):
+    if not any(tool.free_turn for tool in program.tools.values()):
         return program
     tools = {name: replace(tool, free_turn=False) for name, tool in program.tools.items()}
     return replace(program, tools=tools)
