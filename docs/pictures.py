@@ -87,6 +87,14 @@ def around() -> bytes:
     )
 
 
+def turned() -> bytes:
+    """The nozzle is turned so that its holder stays away from the post."""
+    return scene(
+        *("samples/ring.dxf", "--cell", "samples/cell/ring.toml"),
+        does=["view.setTime(20)", "view.aim([330, 20, 260], 950)"],
+    )
+
+
 def reach() -> bytes:
     """What the arm reaches over its stand, in three levels."""
     region = ("--tip", "0,0,60", "--x", "0:700:25", "--y", "-400:400:25", "--z", "250:450:100")
@@ -117,6 +125,7 @@ PICTURES: Final[dict[str, Callable[[], bytes]]] = {
     "contact": contact,
     "around": around,
     "reach": reach,
+    "turned": turned,
     "viewing": viewing,
     "places": places,
     "swept": swept,
