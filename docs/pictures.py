@@ -113,6 +113,16 @@ def swept() -> bytes:
     return drawn("reach", "swept", *program)
 
 
+def explored() -> bytes:
+    """What is known of a workshop after forty random moves."""
+    cells = [f"samples/cell/{name}.toml" for name in ("explored", "workshop")]
+    with chdir(PROJECT), tempfile.TemporaryDirectory() as folder:
+        chart = str(Path(folder) / "arm.npz")
+        wander = ("wander", cells[0], "--hidden", cells[1], "--runs", "40", "--chart", chart)
+        app(["explore", *wander], standalone_mode=False)
+        return drawn("explore", "show", chart)
+
+
 def drawn(*words: str) -> bytes:
     """The picture that a command writes with `-o`."""
     with chdir(PROJECT), tempfile.TemporaryDirectory() as folder:
@@ -129,6 +139,7 @@ PICTURES: Final[dict[str, Callable[[], bytes]]] = {
     "viewing": viewing,
     "places": places,
     "swept": swept,
+    "explored": explored,
 }
 """Each picture by the name of its file."""
 

@@ -129,11 +129,18 @@ def program(
 
 
 @explore.command()
-def show(chart: ChartArgument, format: FormatOption = Format.TEXT) -> None:
-    """Print what a chart knows."""
+def show(
+    chart: ChartArgument,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="Draw it as well: FILE.png or .svg.", metavar="FILE"),
+    ] = None,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Print what a chart knows, and draw it."""
     from assistant.cli.exploring import run_chart_shown
 
-    raise typer.Exit(run_chart_shown(chart, format))
+    raise typer.Exit(run_chart_shown(chart, output, format))
 
 
 @explore.command()

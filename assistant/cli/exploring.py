@@ -152,14 +152,23 @@ def _lines(occupancy: Occupancy) -> list[str]:
     return out
 
 
-def run_chart_shown(path: Path, format: Format) -> int:
+def run_chart_shown(path: Path, output: Path | None, format: Format) -> int:
+    """output: a picture of it that is written."""
     from assistant.cell.exploration.map_file import load
+    from assistant.program.system.writing import write_all
+    from assistant.report.explored_space import explored_picture
+    from assistant.report.figures import format_of
 
+    kind = "" if output is None else format_of(output.name)
     occupancy = load(path)
+    written: list[str] = []
+    if output is not None:
+        keep_sources([str(path)], [output])
+        written = [str(one) for one in write_all({output: explored_picture(occupancy, kind)})]
     if format is Format.JSON:
-        print_json({"chart": str(path), **_record(occupancy)})
+        print_json({"chart": str(path), **_record(occupancy), "written": written})
         return 0
-    for line in _lines(occupancy):
+    for line in [*_lines(occupancy), *(f"wrote {one}" for one in written)]:
         say(line)
     return 0
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from assistant.cell.clearances import Closeness
 from assistant.cell.collision.carriers import Carriers, carried
-from assistant.cell.scene import Body, Placed, Scene
+from assistant.cell.scene import CORE, Body, Placed, Scene
 from assistant.compiler.source_map import Places
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Diagnostic
@@ -197,8 +197,8 @@ def _finding(shown: Shown, motion: Motion, moves: Moves, marked: Marked) -> Reco
         contact = close.contact
         at = _own(shown, close.joints)
         mark = {
-            "one": visible(contact.one),
-            "other": visible(contact.other),
+            "one": visible(contact.one.removesuffix(CORE)),
+            "other": visible(contact.other.removesuffix(CORE)),
             "points": [list(point) for point in contact.points],
             "normal": list(contact.normal),
             "deep": max(0.0, -min(close.least, contact.distance)),

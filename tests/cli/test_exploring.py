@@ -103,7 +103,9 @@ def test_wandering_goes_on_with_a_map_and_the_same_seed_gives_the_same(
     assert told["chart"]["free"] == more["chart"]["free"] and told["chart"]["runs"] == 20
     shown = answer(capsys, "explore", "show", "two.npz")
     assert {key: shown[key] for key in more["chart"]} == more["chart"]
-    assert "cells    20 mm" in run(capsys, "explore", "show", "two.npz")[1]
+    assert "cells    20 mm" in run(capsys, "explore", "show", "two.npz", "-o", "two.png")[1]
+    assert Path("two.png").read_bytes().startswith(b"\x89PNG")
+    assert codes(capsys, "explore", "show", "two.npz", "-o", "two.txt") == ["CL009"]
 
 
 def test_a_recording_of_a_motion_knows_what_the_program_does(here: Path, capsys: Capture) -> None:
