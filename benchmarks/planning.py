@@ -15,6 +15,7 @@ from typing import Any, Final
 import numpy as np
 
 from assistant.cell.planning.goals import held
+from assistant.cell.planning.moves import looked_at
 from assistant.cell.planning.planner import plan
 from assistant.cell.planning.search import library
 from assistant.cell.planning.space import Space
@@ -30,14 +31,17 @@ SECONDS: Final = 30.0
 
 @dataclass(frozen=True, slots=True)
 class Way:
-    """seconds: all of it took. length: seconds of its axes. clear: between its rows, too."""
+    """seconds: all of it took. length: seconds of its axes. clear: between its rows, too. lines:
+    the share of its moves that are straight lines of the tip.
+    """
 
     seconds: float
     length: float
     clear: bool
+    lines: float = 0.0
 
 
-def ours(scene: Scene, problem: Problem) -> Way | None:
+def ours(scene: Scene, problem: Problem, *, linear: bool = False) -> Way | None:
     begun = time.perf_counter()
     try:
         way = plan(
@@ -47,12 +51,19 @@ def ours(scene: Scene, problem: Problem) -> Way | None:
             robot="arm",
             tool=TIP,
             others=problem.others,
+            linear=linear,
             seconds=SECONDS,
         )
     except Refused:
         return None
+    done = time.perf_counter() - begun
     space = Space(scene, scene.robots[0], others=problem.others, tool=TIP)
-    return Way(time.perf_counter() - begun, way.length, not space.hits(way.rows))
+    clear = looked_at(space, way.route).good  # as a controller goes it, corners and all
+    return Way(done, way.length, clear, float(way.linear.mean()))
+
+
+def lines(scene: Scene, problem: Problem) -> Way | None:
+    return ours(scene, problem, linear=True)
 
 
 def plain(scene: Scene, problem: Problem) -> Way | None:
@@ -99,25 +110,30 @@ def _state(info: Any, row: Floats) -> Any:
     return state
 
 
+WAYS: Final = (("ours", ours), ("ours, on lines", lines), ("OMPL as it comes", plain))
+
+
 def report(share: float = 1.0) -> None:
     """share: of the 100 problems."""
     print("\nPlanning: a known free way, of which only start and goal are told")
     for cell, count in COUNTS.items():
         scene = CELLS[cell]()
         some = list(problems(cell, scene, max(1, round(share * count)), seed=1))
-        for name, way_of in (("ours", ours), ("OMPL as it comes", plain)):
+        for name, way_of in WAYS:
             print(f"  {cell:12}{name:18}{_said([way_of(scene, one) for one in some])}", flush=True)
 
 
 def _said(ways: Sequence[Way | None]) -> str:
-    found = [way for way in ways if way is not None]
+    found = [way for way in ways if way is not None and way.seconds < SECONDS]
     if not found:
-        return f"0 of {len(ways)} found"
+        return f"0 of {len(ways)} found in {SECONDS:g} s"
     seconds = np.array([way.seconds for way in found])
+    share = np.mean([way.lines for way in found])
+    on_lines = f", {share:.0%} of the moves lines" if share else ""
     return (
         f"{len(found)} of {len(ways)} found, {sum(way.clear for way in found)} clear, median "
         f"{np.median(seconds):.2f} s, longest {seconds.max():.2f} s; median length "
-        f"{np.median([way.length for way in found]):.2f} s of the axes"
+        f"{np.median([way.length for way in found]):.2f} s of the axes{on_lines}"
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Mapping
 from typing import Any
@@ -92,19 +93,25 @@ def test_a_way_is_found_and_is_clear(cell: str) -> None:
 
 
 @pytest.mark.slow
-def test_at_least_90_of_100_are_found_in_30_seconds() -> None:
-    found = 0
+@pytest.mark.parametrize("linear", [False, True])
+def test_at_least_90_of_100_are_found_in_30_seconds(
+    linear: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    found, lines = 0, []
     for cell, count in COUNTS.items():
         scene = CELLS[cell]()
         for problem in problems(cell, scene, count, seed=1):
             begun = time.monotonic()
             try:
-                way = planned(scene, problem, seconds=25.0)
+                way = planned(scene, problem, seconds=25.0, linear=linear)
             except Refused:
                 continue
             found += time.monotonic() - begun < 30.0
+            lines.append(way.linear.mean())
             proven(scene, way, problem.others)
             ends_at(way, problem.goal)
+    with capsys.disabled():
+        sys.stdout.write(f" ({found} of 100 found, {np.mean(lines):.0%} of their moves lines) ")
     assert found >= 90
 
 
