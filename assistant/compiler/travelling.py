@@ -129,6 +129,7 @@ class _Planning:
         plans = Counter[int]()
         while True:
             found = self.arrivals(ways)
+            self.led(found)
             new = set[int]()
             for arrival in found:
                 number = arrival.number
@@ -199,16 +200,23 @@ class _Planning:
                 return place is not None and place.target.configuration is None
         return False
 
+    def led(self, arrivals: tuple[Arrival, ...]) -> None:
+        """Raises Refused for a travel that leads to several places."""
+        first: dict[int, Arrival] = {}
+        for arrival in arrivals:
+            if first.setdefault(arrival.number, arrival).goal != arrival.goal:
+                what = "leads to several places"
+                raise Refused(_said(SEVERAL, self.statements[arrival.number], what=what))
+
     def same(self, statement: Travel, arrivals: list[Arrival]) -> None:
         """Raises Refused unless a travel is the same each time, from a place that is known."""
         for arrival in arrivals:
             self.known(statement, arrival)
         for what, values in (
             ("begins at {count} places", [a.places for a in arrivals]),
-            ("leads to {count} places", [a.goal for a in arrivals]),
             ("goes with other bodies held", [a.carried for a in arrivals]),
         ):
-            count = sum(value not in values[:at] for at, value in enumerate(values))
+            count = len(set(values))
             if count > 1:
                 raise Refused(_said(SEVERAL, statement, what=what.format(count=count)))
 
@@ -265,8 +273,7 @@ class _Planning:
         try:
             way = self.way(asked, free=self.open(arrival.number))
         except Refused as refused:
-            told = (replace(one, span=statement.span) for one in refused.findings)
-            raise Refused(*told) from None
+            raise Refused(*(_at(statement, one) for one in refused.findings)) from None
         self.planned_ways.append((asked, way))
         return _Way(arrival, way)
 
@@ -331,11 +338,18 @@ class _Planning:
             if way.arrival.first:
                 yield _said(FROM_HOME, statement)
             for finding in way.planned.findings:
-                yield replace(finding, span=statement.span)
+                yield _at(statement, finding)
 
 
 def _said(rule: Rule, statement: Travel, **values: Any) -> Diagnostic:
     return rule(target=expression_text(statement.target), span=statement.span, **values)
+
+
+def _at(statement: Travel, finding: Diagnostic) -> Diagnostic:
+    """A finding about a way at its line; where no text has it, with what the way leads to."""
+    if statement.span is not None:
+        return replace(finding, span=statement.span)
+    return replace(finding, about=f"travel to {expression_text(statement.target)}")
 
 
 def _exchanged(program: Program, made: Callable[[int, Travel], Body]) -> Program:

@@ -11,6 +11,7 @@ import pytest
 
 from assistant import robots
 from assistant.compiler import check_files, compile
+from assistant.compiler.motion import Proving
 from assistant.program.arrays import Floats
 from assistant.program.rotations import to_matrix
 
@@ -87,6 +88,17 @@ def test_a_way_leads_around_what_a_straight_move_hits(tmp_path: Path) -> None:
         assert np.allclose(tip, [262.0, y, 275.0], atol=1e-3)
     moves = len(rows) - 1
     assert f"! travel to two, line 13: {moves} planned moves" in text
+
+
+@pytest.mark.slow
+def test_what_is_written_moves_as_the_planned_program(tmp_path: Path) -> None:
+    """By virtual controllers, which run both; loops and branches around the ways as well."""
+    lines = ["while part = 1", ONE, TWO, "move absolute ready speed maximum blend fine", "end"]
+    file = written(tmp_path, *lines, f"travel to ready {MOTION}")
+    done = compile(file, language="rapid", cell=CELL, proving=Proving())
+    assert done.motion is not None
+    assert done.motion.holds
+    assert done.files
 
 
 @pytest.mark.slow

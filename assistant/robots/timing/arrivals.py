@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -40,7 +40,7 @@ MOST_ROUNDS: Final = 8
 """Rounds of a loop that may begin in states of their own."""
 JUMPED: Final = "a jump leads around it"
 INTERRUPTED: Final = "an interrupt may have come before"
-TOO_LONG: Final = "a loop before it is too long to be followed"
+TOO_LONG: Final = "a loop goes round too often to be followed"
 ITSELF: Final = "a procedure before it calls itself"
 KEPT: Final = "what the arm carries may have been changed by what only its controller knows"
 MOVING: Final = "what works a value out before it moves the arm"
@@ -71,7 +71,8 @@ def arrivals(solution: SolvedProgram, carried: Carried | None = None) -> tuple[A
     """Every arrival at a travel, as a program runs from home, in order of its ways.
 
     carried: what the arm carries at first, None if that need not be known. What the entry never
-    comes to has no arrival.
+    comes to has no arrival. They end with the first one of a travel that leads elsewhere than
+    before.
     """
     walker = _Arriving(solution)
     program = solution.program
@@ -79,8 +80,13 @@ def arrivals(solution: SolvedProgram, carried: Carried | None = None) -> tuple[A
     if entry is not None:
         place = tuple(map(float, solution.robot.home))
         first = State(places=(place,), known=walker.begin(), carried=carried)
-        walker.procedure(entry, first, {})
+        with suppress(_Elsewhere):
+            walker.procedure(entry, first, {})
     return tuple(walker.found)
+
+
+class _Elsewhere(Exception):
+    """A travel leads to another place than before."""
 
 
 class _Arriving(Walker):
@@ -96,6 +102,7 @@ class _Arriving(Walker):
         self.movers = {name for name, parts in changed.items() if POSITION in parts}
         self.moving_functions = self.movers & functions
         self.found: list[Arrival] = []
+        self.goals: dict[int, Pose | JointTarget | None] = {}
         self.doubt = ""
         self.first = True  # nothing has moved yet
         self.open = False  # the move behind a travel comes next
@@ -132,6 +139,8 @@ class _Arriving(Walker):
             self.first,
         )
         self.found.append(arrival)
+        if self.goals.setdefault(arrival.number, arrival.goal) != arrival.goal:
+            raise _Elsewhere
         self.open = True
         return state
 
