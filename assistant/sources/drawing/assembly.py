@@ -106,7 +106,8 @@ def _visiting(
         stopping = replace(location.motion, blend=FINE)
         if usual.approach:
             statements.append(to(kind, backed_off(name, usual.approach, into), stopping))
-        statements.append(to("linear" if usual.approach else kind, Name(name), location.motion))
+        at = stopping if usual.retract else location.motion  # no corner where the way turns back
+        statements.append(to("linear" if usual.approach else kind, Name(name), at))
         if usual.retract:
             statements.append(to("linear", backed_off(name, usual.retract, out), stopping))
     return ([Procedure(LOCATIONS, tuple(statements))] if statements else []), findings
@@ -174,9 +175,11 @@ def visiting_order(
 ) -> Order:
     """By the order that locations state, as drawn where it is the same; the others follow.
 
-    Where ways are planned and none states an order, as travel between them is short.
+    Where ways are planned and none states an order or another motion, as travel between them is
+    short.
     """
-    if process.defaults.travels and not any(entry.order is not None for entry in locations):
+    free = all(entry.order is None and entry.kind in (None, "travel") for entry in locations)
+    if process.defaults.travels and free:
         return _quickest(locations, path, process)
     stated = [(order, i) for i, entry in enumerate(locations) if (order := entry.order) is not None]
     rest = [i for i, entry in enumerate(locations) if entry.order is None]

@@ -14,7 +14,7 @@ from assistant import sources
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Refused, info
 from assistant.program.geometry import Frame, Pose, Tool
-from assistant.program.motion import FINE
+from assistant.program.motion import FINE, Blend
 from assistant.program.pseudo import print_program
 from assistant.program.statements import Motion
 from assistant.sources.drawing import read
@@ -120,17 +120,33 @@ def test_locations_are_visited_in_a_quick_order(drawing: Drawing, save: Save) ->
     assert "30.0 s" in said.message and "60.0 s" in said.message
 
 
-def test_an_order_that_is_stated_holds(drawing: Drawing, save: Save) -> None:
+@pytest.mark.parametrize(
+    "tag, values", [("ORDER", ("1", "2", "3")), ("MOTION", ("travel", "travel", "linear"))]
+)
+def test_an_order_or_a_motion_that_is_stated_holds(
+    drawing: Drawing, save: Save, tag: str, values: tuple[str, ...]
+) -> None:
     block = drawing.blocks.new("MARK")
-    for row, tag in enumerate(("NAME", "ORDER")):
-        block.add_attdef(tag, (0, row))
-    for name, x, y, order in (("far", 0, -90, 1), ("near", 0, 0, 2), ("mid", 0, -40, 3)):
+    for row, one in enumerate(("NAME", tag)):
+        block.add_attdef(one, (0, row))
+    places = (("far", 0, -90), ("near", 0, 0), ("mid", 0, -40))
+    for (name, x, y), value in zip(places, values, strict=True):
         insert = drawing.modelspace().add_blockref("MARK", (x, y, 0))
-        insert.add_auto_attribs({"NAME": name, "ORDER": str(order)})
+        insert.add_auto_attribs({"NAME": name, tag: value})
     program, codes = printed(save(drawing), process(Beside()))
-    order = [program.index(f"travel to {name} ") for name in ("far", "near", "mid")]
+    order = [program.index(f" {name} speed") for name in ("far", "near", "mid")]
     assert order == sorted(order)
     assert "DX322" not in codes
+
+
+def test_no_corner_is_cut_where_the_tool_turns_back(drawing: Drawing, save: Save) -> None:
+    points(drawing, (0, -10), (0, -40))
+    given = process(None, approach=15.0, retract=15.0, blend=Blend(10.0))
+    program, _ = printed(save(drawing), given)
+    assert "move linear LOOK_1 speed 100 mm/s blend fine" in program
+    assert "blend 10 mm" not in program
+    given = process(None, blend=Blend(10.0))
+    assert "travel to LOOK_1 speed 100 mm/s blend 10 mm" in printed(save(drawing), given)[0]
 
 
 def test_one_location_may_be_travelled_to(drawing: Drawing, save: Save) -> None:
