@@ -19,6 +19,7 @@ from assistant.cell.collision.continuous import RESOLUTION, Way, hits
 from assistant.cell.planning.goals import held
 from assistant.cell.planning.space import Space
 from assistant.cell.scene import Placed, Scene
+from assistant.program import rotations
 from assistant.program.arrays import Floats, Truths
 from assistant.program.diagnostics import error, info
 from assistant.program.geometry import Pose, Vector
@@ -74,9 +75,9 @@ class Around:
     def places(self, positions: Floats, quaternions: Floats, tool: Pose) -> Floats | None:
         """In the branch that holds most of them; of several the one that is nearest to home."""
         back = tool.inverse()
-        flanges = [Pose.of(p, q) @ back for p, q in zip(positions, quaternions, strict=True)]
         joints, valid = self.robot.ik(
-            [one.position for one in flanges], [one.quaternion for one in flanges]
+            positions + rotations.rotate(quaternions, np.array(back.position)),
+            rotations.multiply(quaternions, np.array(back.quaternion)),
         )
         if not valid.any(axis=1).all():
             return None
