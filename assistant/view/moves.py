@@ -58,12 +58,11 @@ class Moves:
             if id(passed) not in known:
                 known[id(passed)] = list(self._passings(passed))
             self.begins += [(start + time, at, line) for time, at, line in known[id(passed)]]
-        self.spans = {
-            span.start: self.places[name, number]
-            for name, legs in solution.legs.items()
-            for number, leg in enumerate(legs, start=1)
-            if (span := leg.statement.span) is not None and (name, number) in self.places
-        }
+        self.spans: dict[int, int] = {}  # of statements that share one the first
+        for name, legs in solution.legs.items():
+            for number, leg in enumerate(legs, start=1):
+                if leg.statement.span is not None and (name, number) in self.places:
+                    self.spans.setdefault(leg.statement.span.start, self.places[name, number])
 
     def __len__(self) -> int:
         return len(self.keys)

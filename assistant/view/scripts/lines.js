@@ -67,18 +67,18 @@ for (const one of data.drawn) drawn.add(line(numbers(one.points), "#14202e"));
 scene.add(drawn);
 
 const marks = new THREE.Group();
-const ARROW = { least: 40, most: 250 }; // mm
+const ARROW = { least: 30, most: 150, head: 9 }; // mm
 const ball = (place, colour, size) => {
   const shape = new THREE.BufferGeometry();
   attribute(shape, "position", new Float32Array(place));
   return new THREE.Points(shape, new THREE.PointsMaterial({ color: colour, size, sizeAttenuation: false, depthTest: false }));
 };
-/** Of a contact both points, and the vector that leads out of it, ten times as long as it is deep. */
+/** Of a contact both points, and the vector that leads out of it, five times as long as it is deep. */
 for (const finding of data.findings) {
   if (!finding.mark) continue;
   const colour = SEVERITIES[finding.severity], [one, other] = finding.mark.points;
-  const long = Math.min(ARROW.most, Math.max(ARROW.least, 10 * finding.mark.deep));
-  const arrow = new THREE.ArrowHelper(new THREE.Vector3(...finding.mark.normal), new THREE.Vector3(...one), long, colour, 22, 12);
+  const long = Math.min(ARROW.most, Math.max(ARROW.least, 5 * finding.mark.deep));
+  const arrow = new THREE.ArrowHelper(new THREE.Vector3(...finding.mark.normal), new THREE.Vector3(...one), long, colour, ARROW.head, ARROW.head / 2);
   arrow.line.material.depthTest = arrow.cone.material.depthTest = false;
   const group = new THREE.Group();
   group.add(ball(one, colour, 9), ball(other, colour, 6), arrow);
