@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -16,9 +15,13 @@ from assistant.program.geometry import Pose
 from assistant.robots.robot import Robot
 from assistant.robots.timing import Simulation
 from assistant.robots.timing.rows import Mount
+from assistant.robots.timing.samples import samples_of
+from assistant.robots.timing.simulation import PERIOD
 
 MOST_SAMPLES: Final = 20_000
 """Places of the arm that a page holds."""
+COARSEST: Final = 0.1
+"""Seconds between them at most; a page plays no more of a program than that allows."""
 NEAR: Final = 0.5
 """Degrees (mm) that a place on the time line is away from joints that it stands for, at most."""
 
@@ -35,10 +38,15 @@ class Motion:
     """The way that the page plays: k samples of time, joints and the tool.
 
     held: whether the tool is at the arm for all of it; else its path is that of the flange.
+    whole: seconds of the program.
     """
 
     def __init__(self, simulation: Simulation, placed: Placed) -> None:
-        samples = sparse(simulation).samples
+        self.whole = simulation.seconds
+        seconds = min(self.whole, COARSEST * (MOST_SAMPLES - 1))
+        period = max(PERIOD, seconds / (MOST_SAMPLES - 1))
+        robot, start = simulation.robot, simulation.start
+        samples = samples_of(simulation.history, seconds, period, robot, start)
         self.robot = placed.robot
         self.times, self.joints, self.speeds = samples.t, samples.joints, samples.tcp_speed
         self.held = tool_held(simulation)
@@ -59,7 +67,13 @@ class Motion:
             "axes": len(self.robot.axes),
             "names": list(self.robot.axes),
             "held": self.held,
+            "whole": self.whole,
         }
+
+    @property
+    def until(self) -> float:
+        """Seconds up to which it is played."""
+        return float(self.times[-1])
 
     def when(self, joints: Floats) -> float | None:
         """Seconds at which joints (a,) are first passed, None if they are not on this way."""
@@ -89,12 +103,6 @@ def room_left(robot: Robot, joints: Floats) -> tuple[Floats, NDArray[np.intp]]:
     part = np.where(np.isfinite(half) & (half > 0.0), least / np.where(half > 0.0, half, 1.0), 1.0)
     axis = part.argmin(axis=1)
     return np.clip(part[np.arange(len(part)), axis], 0.0, 1.0), axis
-
-
-def sparse(simulation: Simulation) -> Simulation:
-    """With no more samples than a page holds."""
-    least = simulation.seconds / (MOST_SAMPLES - 1)
-    return replace(simulation, wanted_period=least) if simulation.period < least else simulation
 
 
 def tool_held(simulation: Simulation) -> bool:

@@ -37,27 +37,34 @@ Key = tuple[str, int]
 class Moves:
     """The motion statements in order of text, and when they are come to in the way that is played.
 
+    until: seconds up to which it is played.
     keys: procedure and number of each. begins: seconds, place in the list and line of the text
     (0 for none), in order of time, of at most `MOST_PLAYED`. until: seconds up to which these are
     all.
     """
 
-    def __init__(self, solution: SolvedProgram, simulation: Simulation, places: Places) -> None:
+    def __init__(
+        self, solution: SolvedProgram, simulation: Simulation, places: Places, until: float
+    ) -> None:
         self.solution, self.labels, self.texts = solution, simulation.labels, places
         self.keys = list(simulation.labels)
         self.places = {key: i for i, key in enumerate(self.keys)}
         self._in_run = set[Key]()  # statements that are a line each of a run with one span
         self._lines = dict(self._numbered())
         self.begins: list[tuple[float, int, int]] = []
-        self.until = simulation.seconds
+        self.until = until
         known: dict[int, list[tuple[float, int, int]]] = {}
-        for start, passed in stages(simulation):
+        for start, passed in stages(simulation, until):
             if len(self.begins) >= MOST_PLAYED:
                 self.until = start
                 break
             if id(passed) not in known:
                 known[id(passed)] = list(self._passings(passed))
-            self.begins += [(start + time, at, line) for time, at, line in known[id(passed)]]
+            self.begins += [
+                (start + time, at, line)
+                for time, at, line in known[id(passed)]
+                if start + time <= until
+            ]
         self.spans: dict[int, int] = {}  # of statements that share one the first
         for name, legs in solution.legs.items():
             for number, leg in enumerate(legs, start=1):

@@ -71,12 +71,14 @@ def record(shown: Shown) -> Record:
     carriers = Carriers(shown.scene.robots)
     motion = Motion(shown.simulation, shown.placed)
     names = list(_targets(shown))
-    moves = Moves(shown.solution, shown.simulation, shown.places)
+    moves = Moves(shown.solution, shown.simulation, shown.places, motion.until)
     found = [_finding(shown, motion, moves, marked) for marked in shown.findings[:MOST_FINDINGS]]
-    around = zones(shown.simulation, shown.placed) if tool_held(shown.simulation) else None
+    around = (
+        zones(shown.simulation, shown.placed, motion.until) if tool_held(shown.simulation) else None
+    )
     texts, lines_left = moves.lines()
     drawn, drawn_left = _drawn(shown)
-    riding = rides(shown.simulation, shown.scene)
+    riding = rides(shown.simulation, shown.scene, motion.until)
     return {
         "title": visible(shown.title),
         "robot": visible(shown.placed.robot.title),

@@ -20,10 +20,13 @@ Ride = tuple[int, Pose] | None
 """The carrier of a body and its pose on it; None where only running the program tells."""
 
 
-def rides(simulation: Simulation, scene: Scene) -> Mapping[str, list[tuple[float, Ride]]]:
+def rides(
+    simulation: Simulation, scene: Scene, until: float
+) -> Mapping[str, list[tuple[float, Ride]]]:
     """What each body rides on, by seconds, of those that do not stay where they are at first.
 
-    simulation: of a program that carries, with the `Holding` of the scene.
+    simulation: of a program that carries, with the `Holding` of the scene. until: seconds that are
+    played.
     """
     if not takeable(scene):
         return {}
@@ -32,7 +35,7 @@ def rides(simulation: Simulation, scene: Scene) -> Mapping[str, list[tuple[float
         name: [(0.0, ride)] for name, ride in _all(scene, scene, carriers).items()
     }
     known: dict[Holding, Mapping[str, Ride]] = {}
-    for time, holding in _held(simulation):
+    for time, holding in _held(simulation, until):
         riding: Mapping[str, Ride]
         if holding is None:
             riding = {name: None for name, rode in at.items() if len(rode) > 1}
@@ -46,10 +49,10 @@ def rides(simulation: Simulation, scene: Scene) -> Mapping[str, list[tuple[float
     return {name: rode for name, rode in at.items() if len(rode) > 1}
 
 
-def _held(simulation: Simulation) -> Iterator[tuple[float, Holding | None]]:
+def _held(simulation: Simulation, until: float) -> Iterator[tuple[float, Holding | None]]:
     """What is carried from when on; None from where nobody looks any more."""
     known: dict[int, list[tuple[float, Holding]]] = {}
-    for number, (start, passed) in enumerate(stages(simulation)):
+    for number, (start, passed) in enumerate(stages(simulation, until)):
         if number >= MOST_STAGES:
             yield start, None
             return

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import takewhile
 
 from assistant.robots.timing import Simulation
 from assistant.robots.timing.passed import Passed
@@ -10,10 +11,14 @@ from assistant.robots.timing.plan import Plan
 from assistant.robots.timing.state import History
 
 
-def stages(simulation: Simulation) -> Iterator[tuple[float, Passed]]:
-    """Stretches of moves with the seconds at which each begins, those of a loop in each round."""
+def stages(simulation: Simulation, until: float) -> Iterator[tuple[float, Passed]]:
+    """Stretches of moves with the seconds at which each begins, those of a loop in each round.
+
+    until: seconds; those that begin later are left out.
+    """
     by_plan = {id(passed.plan): passed for passed in reversed(simulation.passed)}
-    for start, plan in _plans(simulation.history, 0.0):
+    played = takewhile(lambda one: one[0] <= until, _plans(simulation.history, 0.0))
+    for start, plan in played:
         passed = by_plan.get(id(plan))
         if passed is not None:
             yield start, passed

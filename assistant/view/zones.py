@@ -21,14 +21,15 @@ LEAST: Final = 0.05
 """mm below which a zone is none to be seen."""
 
 
-def zones(simulation: Simulation, placed: Placed) -> Floats:
-    """(z, 4) centres in the world and radii, mm, of the way that is played, each place once.
+def zones(simulation: Simulation, placed: Placed, until: float) -> Floats:
+    """(z, 4) centres in the world and radii, mm, of the way that is played until so many
+    seconds, each place once.
 
     A zone reaches to the middle of the moves before and after it at most, and where a program
     waits there is none. Of a tool that the arm does not carry none is told.
     """
     found: dict[int, Passed] = {}
-    for number, (_, passed) in enumerate(stages(simulation)):
+    for number, (_, passed) in enumerate(stages(simulation, until)):
         if number >= MOST_STAGES:
             break
         found[id(passed)] = passed

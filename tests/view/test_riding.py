@@ -142,3 +142,20 @@ def test_each_move_of_a_run_has_its_line(tmp_path: Path, capsys: Capture) -> Non
     assert math.isclose(times[0], 0.0)
     assert [one["text"] for one in data["moves"]] == [one.strip() for one in run_of]
     assert [one["line"] for one in data["moves"]] == list(range(4, 44))
+
+
+def test_of_a_program_of_weeks_its_beginning_is_played(tmp_path: Path, capsys: Capture) -> None:
+    program = (
+        "program long\ntarget a [400, -100, 400] [0, 0, 1, 0]\n"
+        "target b [400, 100, 400] [0, 0, 1, 0]\nprocedure main\n"
+        "  move joint a speed 200 mm/s blend fine\n  for i from 1 to 1000000\n"
+        "    move linear b speed 200 mm/s blend fine\n    wait 1 s\n"
+        "    move linear a speed 200 mm/s blend fine\n  end\nend\n"
+    )
+    data = shown(tmp_path, capsys, program)
+    times = numbers(data["motion"]["times"])
+    assert data["motion"]["whole"] > 3e6
+    assert np.diff(times).max() < 0.101
+    assert 1000.0 < times[-1] < 3000.0
+    begins = numbers(data["played"]["times"])
+    assert times[-1] - 5.0 < begins[-1] <= times[-1]

@@ -22,7 +22,9 @@ function choose(finding, button) {
     play(false);
     follow(false);
     stand(mark.joints);
-    notice("This place is not on the way that is played: another branch of the program leads there.");
+    notice(data.motion.whole > seconds + 1
+      ? "This place is not in the part of the program that is played."
+      : "This place is not on the way that is played: another branch of the program leads there.");
   }
   if (controls) controls.target.set(...mark.points[0]);
 }

@@ -1,6 +1,9 @@
 // Beginning: what the page is given, and keys.
 document.querySelector("h1").textContent = data.title;
 find("robot").textContent = data.robot;
+if (data.motion.whole > seconds + 1) {
+  find("robot").textContent += ` · the first ${Math.round(seconds)} of ${Math.round(data.motion.whole)} s are played`;
+}
 find("time").max = String(seconds);
 find("time").addEventListener("input", (event) => go(Number(event.target.value)));
 find("play").addEventListener("click", () => play(!playing));
