@@ -79,7 +79,7 @@ def test_tables_that_are_not_of_the_world_are_told_of(tmp_path: Path, capsys: Ca
         ("[bodies.a]\nsphere = 1\n", ("-o", "cell.step"), 2, "CL045"),
         ("[bodies.a]\nsphere = 1\n", ("-o", "cell.toml"), 2, "CL0"),
         ("[bodies.a]\nsphere = 1\n", ("--unit", "ell"), 2, "ell"),
-        ('[bodies.a]\nsphere = 1\nparent = "sky"\n', ("-o", "new.toml"), 2, "CK401"),
+        ('[bodies.a]\nsphere = 1\nparent = "sky"\n', ("-o", "new.toml"), 1, "CK401"),
         ("[bodies.a]\nsphere = 0\n", ("-o", "new.toml"), 1, "CT303"),
         ("[bodies", (), 2, "CT3"),
     ],

@@ -14,6 +14,9 @@ from typing import Final
 import numpy as np
 
 import assistant
+from assistant.cell.reading.cell_file import read_scene
+from assistant.cell.reading.links import drawn_links
+from assistant.cell.writing.cell_text import cell_files
 from assistant.compiler.checking import check_files
 from assistant.compiler.filling import in_cell
 from assistant.compiler.script_file import parse_script
@@ -25,6 +28,7 @@ from assistant.program import pseudo
 from assistant.program.text import decode
 from assistant.project import project_of
 from assistant.project.kept import FILE, read_entries
+from assistant.report.scenes import record as said
 from assistant.robots import robot_file
 from assistant.sources.cell import read_cell
 from assistant.sources.process.file import ENCODINGS, read_process
@@ -74,10 +78,26 @@ def cell(data: bytes) -> None:
         in_cell(assistant.load(program), read_cell(path), path)
 
 
+def scene(data: bytes) -> None:
+    """What is written of a scene reads as what is written alike."""
+    path = file("input.cell.toml", data)
+    with refusing():
+        read, findings = read_scene(path)
+        sound(findings)
+        said(read)
+        files = cell_files(read, "written", folder())
+        for name, content in files.items():
+            file(name, content)
+        again = cell_files(read_scene(folder() / "written.toml")[0], "written", folder())
+        promise(again == files, "a scene that was written reads as another one")
+
+
 def robot(data: bytes) -> None:
     with refusing():
         arm = robot_file.read(data, str(folder() / "robot.toml"))
         promise(bool(arm.name), "a robot without a name")
+        if arm.outlines is not None:
+            drawn_links("arm", arm, {})
 
 
 def script(data: bytes) -> None:
@@ -227,6 +247,7 @@ TARGETS: Final = (
     ),
     Target("process", process, files_of("tests/fuzz/seeds/process/*"), lambda: _TOML, tried=12),
     Target("cell", cell, files_of("tests/fuzz/seeds/cell/*"), lambda: _TOML, tried=12),
+    Target("scene", scene, files_of("tests/fuzz/seeds/scene/*"), lambda: _TOML, tried=12),
     Target("robot", robot, files_of("assistant/robots/catalogue/r*.toml"), lambda: _TOML),
     Target("urdf", robot, files_of("tests/fuzz/seeds/urdf/*")),
     Target("script", script, files_of("tests/fuzz/seeds/script/*"), lambda: _TOML),

@@ -45,7 +45,6 @@ Names of links are those of the robot and its axis: `arm.base`, `arm.J2`, `arm.f
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path as FilePath
@@ -53,16 +52,26 @@ from typing import Any, Final
 
 from assistant import robots
 from assistant.cell import arms
+from assistant.cell.collision.carriers import Carriers
 from assistant.cell.exploration.known import mapped
 from assistant.cell.exploration.map_file import load
 from assistant.cell.exploration.rules import NOTHING_UNKNOWN
 from assistant.cell.reading import meshes
 from assistant.cell.reading.drawings import Drawn, read_drawing
 from assistant.cell.reading.drawings.rules import TWICE
+from assistant.cell.reading.keys import BODY, PART, PARTS, PLACE, ROBOT, SHAPES, WORLD
 from assistant.cell.reading.links import drawn_links
 from assistant.cell.reading.rules import UNUSED_PACKAGE
-from assistant.cell.rules import LONELY_TOOL, NO_BODY, NO_ROBOT, NO_SHAPE, SAME_BODY
-from assistant.cell.scene import MARGIN, Body, Colour, Named, Part, Placed, Scene
+from assistant.cell.rules import (
+    CIRCLE,
+    LONELY_TOOL,
+    NO_BODY,
+    NO_PARENT,
+    NO_ROBOT,
+    NO_SHAPE,
+    SAME_BODY,
+)
+from assistant.cell.scene import MARGIN, Body, Named, Part, Placed, Scene
 from assistant.cell.scene import WORLD as WORLD_FRAME
 from assistant.cell.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
@@ -72,93 +81,9 @@ from assistant.program.text import SourceText, decode, read_bytes
 from assistant.sources.process import values
 from assistant.sources.process.file import ENCODINGS, read_toml
 from assistant.sources.process.table import Table
-from assistant.sources.process.values import Read, Wrong
 
-SIZE: Final = values.number("mm", above=0.0)
-
-
-def _sizes(count: int) -> Read:
-    def read(value: Any) -> tuple[float, ...]:
-        if not isinstance(value, list) or len(value) != count:
-            raise Wrong("is no list of lengths", f"write {count} lengths in mm in brackets")
-        return tuple(SIZE(one) for one in value)
-
-    return read
-
-
-def _pairs(value: Any) -> tuple[tuple[str, str], ...]:
-    if not isinstance(value, list) or not all(isinstance(p, list) and len(p) == 2 for p in value):
-        raise Wrong("is no list of pairs", 'write [["table", "arm.base"], …]')
-    return tuple((values.text(one), values.text(other)) for one, other in value)
-
-
-def _output(value: Any) -> tuple[str, float]:
-    if not isinstance(value, dict) or len(value) != 1:
-        raise Wrong("is no output with its value", 'write {gripper = 1}, or {"hand 1" = 1}')
-    ((name, number),) = value.items()
-    return str(name), values.number("")(number)
-
-
-def _folders(value: Any) -> dict[str, str]:
-    if not isinstance(value, dict) or not value:
-        raise Wrong("is no table of folders", 'write {NAME = "FOLDER"}')
-    return {name: values.text(folder) for name, folder in value.items()}
-
-
-def _colour(value: Any) -> Colour:
-    if not isinstance(value, str) or not re.fullmatch(r"#[0-9a-fA-F]{6}", value):
-        raise Wrong("is no colour", 'write "#rrggbb", two digits of 16 each')
-    red, green, blue = (int(value[i : i + 2], 16) for i in (1, 3, 5))
-    return red, green, blue
-
-
-PLACE: Final[Mapping[str, Read]] = {
-    "position": values.position,
-    "quaternion": values.quaternion,
-    "euler_zyx": values.euler_zyx,
-}
-WORLD: Final[Mapping[str, Read]] = {
-    "margin": values.number("mm", least=0.0),
-    "allowed": _pairs,
-    "drawing": values.text,
-    "frame": values.text,
-    "unit": values.unit,
-}
-ROBOT: Final[Mapping[str, Read]] = {
-    "robot": values.text,
-    "tool": values.text,
-    "packages": _folders,
-    "links": values.choice("capsules"),
-    "explored": values.text,
-    "unknown": values.choice("blocked", "free"),
-    **PLACE,
-}
-SHAPES: Final[Mapping[str, Read]] = {
-    "box": _sizes(3),
-    "sphere": SIZE,
-    "cylinder": _sizes(2),
-    "capsule": _sizes(2),
-    "mesh": values.text,
-    "convex": values.text,
-    "drawing": values.text,
-}
-PART: Final[Mapping[str, Read]] = {
-    **SHAPES,
-    **PLACE,
-    "unit": values.unit,
-    "off": values.number("mm", least=0.0),
-}
-PARTS: Final = "parts"
-BODY: Final[Mapping[str, Read]] = {
-    **PART,
-    PARTS: lambda value: value,
-    "parent": values.text,
-    "colour": _colour,
-    "margin": values.number("mm", least=0.0),
-    "locations": lambda value: value,
-    "taken": _output,
-    "released": _output,
-}
+MOST_NAMES: Final = 12
+"""Of what a body may stand in, in a message."""
 
 
 def read_scene(
@@ -213,7 +138,32 @@ class _Reader:
                 self.top.table("world").say(NO_BODY, "allowed", name=values.shown(name))
         for one in placed:
             allowed |= arms.touching_links(one)
+        self.stand(scene, drawn)
         return replace(scene, allowed=frozenset(allowed))
+
+    def stand(self, scene: Scene, drawn: Iterable[Body]) -> None:
+        """Tells of bodies that stand in nothing, or in themselves, where nothing else is wrong."""
+        if has_errors((*self.top.page.findings, *self.found)):
+            return
+        carriers = Carriers(scene.robots)
+        frames = [*carriers.names, *scene.frames]
+        known = ", ".join(f"`{name}`" for name in frames[:MOST_NAMES])
+        there = {*frames, *(body.name for body in scene.bodies)}
+        for body in drawn:
+            if body.parent not in there:
+                at = self.top.table("world")
+                said = values.shown(body.parent)
+                at.say(NO_PARENT, "frame", name=body.name, parent=said, known=known)
+                return
+        for name, entry in self.top.table("bodies").named():
+            one = scene.body(name)
+            assert one is not None
+            said = values.shown(one.parent)
+            if one.parent not in there:
+                entry.say(NO_PARENT, "parent", name=name, parent=said, known=known)
+            elif _in_itself(scene, one):
+                entry.say(CIRCLE, "parent", name=name, parent=said)
+                return
 
     def explored(self, scene: Scene) -> Scene:
         """With what the charts of its robots leave unknown, or have occupied."""
@@ -242,7 +192,7 @@ class _Reader:
             entry.say(NO_SHAPE, name=name, what="robot", cure='write robot = "…"')
             return None, None
         try:
-            robot = self.known_robot(said["robot"])
+            robot = self.known_robot(said["robot"], entry)
         except Refused as refused:
             self.found += refused.findings
             return None, None
@@ -286,7 +236,7 @@ class _Reader:
         self.found += found
         return bodies
 
-    def known_robot(self, name: str) -> robots.Robot:
+    def known_robot(self, name: str, entry: Table) -> robots.Robot:
         file = self.folder / name
         if self.is_file(file):
             return robots.load(file)
@@ -294,7 +244,8 @@ class _Reader:
             return robots.get(name)
         except KeyError:
             names = ", ".join(robots.names())
-            raise Refused(NO_ROBOT(name=values.shown(name), names=names)) from None
+            entry.say(NO_ROBOT, "robot", name=values.shown(name), names=names)
+            raise Refused from None
 
     def carried(
         self, bodies: tuple[Body, ...], tool: str, robot: str, entry: Table
@@ -405,6 +356,15 @@ class _Reader:
         if isinstance(shape, Mesh) and "off" in said:
             shape = replace(shape, off=shape.off + said["off"])
         return shape
+
+
+def _in_itself(scene: Scene, body: Body) -> bool:
+    """Whether what it stands in leads back to it."""
+    seen, at = [body.name], scene.body(body.parent)
+    while at is not None and at.name not in seen:
+        seen.append(at.name)
+        at = scene.body(at.parent)
+    return at is not None and at.name == body.name
 
 
 def _three(value: tuple[float, ...]) -> Vector:

@@ -28,6 +28,13 @@ SIDES: Final = 48
 GREY: Final[Colour] = (160, 165, 170)
 ORANGE: Final[Colour] = (230, 120, 40)
 """Of links that name no colour."""
+CORNERS: Final = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1, 1) for z in (-1, 1)])
+FACES: Final = np.array(
+    [face for a, b, c, d in ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1),
+                             (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
+     for face in ((a, b, c), (a, c, d))]
+)  # fmt: skip
+"""Triangles of a box with these corners, outwards."""
 FLOATS, WORDS = 5126, 5125
 UPRIGHT: Final = (-(0.5**0.5), 0.0, 0.0, 0.5**0.5)
 """A quarter turn about x that leads z to y, as glTF has it (x, y, z, w)."""
@@ -86,10 +93,7 @@ def outline(shape: Shape) -> tuple[Floats, np.ndarray[Any, np.dtype[np.int64]]]:
         case Mesh():
             return shape.points, shape.triangles
         case Box(size=size):
-            half = np.array(size) / 2.0
-            corners = [[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
-            hull = Convex(np.array(corners) * half).hull
-            return hull.points, hull.triangles
+            return CORNERS * (np.array(size) / 2.0), FACES
         case Cylinder(radius=radius, length=length):
             return _turned([(0.0, -length / 2), (radius, -length / 2), (radius, length / 2),
                             (0.0, length / 2)])  # fmt: skip
