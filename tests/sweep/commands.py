@@ -118,6 +118,24 @@ COMMANDS: Final[Mapping[str, Command]] = {
     "explore": Command(
         ("explore", "merge", "one.npz", "-o", "all.npz"), {"one.toml": ROBOT_CELL}, (WANDER,)
     ),
+    "reach": Command(
+        (
+            *(
+                "reach",
+                "map",
+                "--robot",
+                "irb1200-7-0.7",
+                "--x",
+                "400",
+                "--y",
+                "0",
+                "--z",
+                "300:400:50",
+            ),
+            *(f"-o{one}" for one in ("out/one.csv", "out/one.npz")),
+        ),
+        {},
+    ),
     "init": Command(("init", "."), {}, over=False),
     "build": Command(
         BUILD,
