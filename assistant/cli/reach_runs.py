@@ -118,7 +118,7 @@ def standing(tool: Tool, known: Robot | None = None) -> Standing:
     from assistant.compiler.scenes import in_cell
 
     tip = _tip(tool.tip)
-    if tool.margin is not None and not tool.margin >= 0.0:
+    if tool.margin is not None and not 0.0 <= tool.margin < float("inf"):
         raise Refused(BAD_MARGIN(given=tool.margin), exit_status=2)
     found = in_cell(tool.cell, tool.robot)
     robot, scene = found.robot or known, found.scene
@@ -179,7 +179,8 @@ def _why(there: Standing, found: ReachMap) -> str:
     from assistant.program import rotations
 
     if found.touching.any():
-        return f": {int(found.touching.sum()):,} points only too near to something"
+        (one, other), *_ = found.nearest
+        return f": `{one}` is mostly too near to `{other}`"
     robot = there.placed.robot
     z = rotations.to_matrix(robot.fk(robot.home)[1])[0, :, 2].round(2) + 0.0
     return f"; at home the flange of the arm points to {tuple(z.tolist())} of its base"

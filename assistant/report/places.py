@@ -43,10 +43,11 @@ def lines(found: Places) -> Iterator[str]:
         if not place.reached:
             yield f"{named(place):{wide}}  {reached:>9}"
             continue
+        clear = f"{place.clearance:.1f} mm" if np.isfinite(place.clearance) else "-"
         at = place.worst if place.reached == found.total else f"(not {place.worst})"
         yield (
             f"{named(place):{wide}}  {reached:>9}  {place.room:>5.2f}  {place.limits:>6.2f}  "
-            f"{place.away:>11.2f}  {place.clearance:>6.1f} mm  {at}"
+            f"{place.away:>11.2f}  {clear:>9}  {at}"
         )
     if len(found.places) > SHOWN:
         yield f"and {len(found.places) - SHOWN:,} more"
@@ -81,7 +82,7 @@ def _record(place: Place) -> dict[str, Any]:
             "mean": place.mean,
             "limits": place.limits,
             "singularity": place.away,
-            "clearance_mm": place.clearance,
+            "clearance_mm": place.clearance if np.isfinite(place.clearance) else None,
         }
     return said
 
@@ -97,7 +98,7 @@ def places_csv(found: Places) -> bytes:
         pose = (*place.pose.position, *place.pose.quaternion)
         where = [f"{value + 0.0:.9g}" for value in (*place.offset.tolist(), *pose)]
         numbers = (place.room, place.mean, place.limits, place.away, place.clearance)
-        said = [f"{value:.6g}" if place.reached else "" for value in numbers]
+        said = [f"{value:.6g}" if place.reached and np.isfinite(value) else "" for value in numbers]
         text.write(",".join([*where, str(place.reached), str(found.total), *said]) + "\n")
     return text.getvalue().encode()
 

@@ -13,6 +13,8 @@ from assistant.program.arrays import Floats
 from assistant.report import figures
 
 MOST_SLICES: Final = 9
+MOST_NAMED: Final = 5
+"""Pairs of bodies that are told to be too near."""
 NOTHING, TOUCHING = "#e4e7ea", "#d9776c"
 
 
@@ -29,6 +31,11 @@ def lines(found: ReachMap) -> Iterator[str]:
         for word, which in (("all", found.reached.all(axis=1)), ("any", found.reached.any(axis=1))):
             share = f"{100.0 * which.mean():.1f} %"
             yield f"{word:{wide}}  {int(which.sum()):>9,}  {share:>7}"
+    if found.nearest:
+        yield ""
+        whole = sum(found.nearest.values())
+        for (one, other), count in list(found.nearest.items())[:MOST_NAMED]:
+            yield f"too near: {one} to {other}, {100.0 * count / whole:.0f} %"
     some = found.points[found.reached.any(axis=1)]
     if len(some):
         low, high = some.min(axis=0), some.max(axis=0)
@@ -51,6 +58,10 @@ def record(found: ReachMap) -> dict[str, Any]:
             }
             for i, name in enumerate(found.directions.names)
         ],
+        "nearest": [
+            {"one": one, "other": other, "count": count}
+            for (one, other), count in found.nearest.items()
+        ],
         "all": int(found.reached.all(axis=1).sum()),
         "any": int(found.reached.any(axis=1).sum()),
     }
@@ -63,7 +74,7 @@ def map_csv(found: ReachMap) -> bytes:
     columns = (found.room, found.limits, found.away, found.clearance)
     for i, (x, y, z) in enumerate((found.points + 0.0).tolist()):
         for k, name in enumerate(found.directions.names):
-            figures_ = ",".join("" if np.isnan(c[i, k]) else f"{c[i, k]:.6g}" for c in columns)
+            figures_ = ",".join(f"{c[i, k]:.6g}" if np.isfinite(c[i, k]) else "" for c in columns)
             state = f"{int(found.reached[i, k])},{int(found.touching[i, k])}"
             named = f'"{name}"' if "," in name else name
             text.write(f"{x:.6g},{y:.6g},{z:.6g},{named},{state},{figures_}\n")

@@ -35,11 +35,12 @@ PAIRS: Final = 400_000
 class Held:
     """How an arm is held at n places.
 
-    joints: (n, a) of the best way, NaN where there is none. turn: (n,) of the orientations of the
-    place which it has, -1 for none. room: (n,) 0 to 1, NaN for none. limits: (n,) share of the
-    range of the axis that is nearest to a limit; away: (n,) from singularities; clearance: (n,) mm
-    beyond the margins, at most `ENOUGH_CLEAR`. touching: (n,) whether it is reached inside the
-    limits, but nowhere with the margins kept.
+    joints: (n, a) of the best way; where it is only `touching`, of what would be it without bodies;
+    NaN where there is none. turn: (n,) of the orientations of the place which it has, -1 for none.
+    room: (n,) 0 to 1, NaN for none. limits: (n,) share of the range of the axis that is nearest to
+    a limit; away: (n,) from singularities; clearance: (n,) mm beyond the margins, `ENOUGH_CLEAR`
+    for all above, inf where no bodies are looked at. touching: (n,) whether it is reached inside
+    the limits, but nowhere with the margins kept.
     """
 
     joints: Floats
@@ -98,7 +99,7 @@ def _held(
         open_ = np.flatnonzero(most > best)  # the ways are in order: no later one is better
         if not len(open_):
             break
-        way, found = way[open_], np.full(len(open_), ENOUGH_CLEAR)
+        way, found = way[open_], np.full(len(open_), np.inf)
         if space is not None:
             found = clearances(space, ways.joints[open_, way])
         room = np.where(found > 0.0, np.minimum(most[open_], found / ENOUGH_CLEAR), -1.0)
@@ -116,8 +117,9 @@ def _held(
     turn = np.where(none, -1, which // robot.branches)
     touching = none & (ways.room >= 0.0).any(axis=1)
     room = np.where(none, np.nan, best)
-    limits, away_ = chosen(ways.limits), chosen(ways.away)
-    return Held(chosen(ways.joints), turn, room, limits, away_, clear, touching)
+    limits, away_, joints = chosen(ways.limits), chosen(ways.away), chosen(ways.joints)
+    joints[touching] = ways.joints[touching, ways.order[touching, 0]]
+    return Held(joints, turn, room, limits, away_, clear, touching)
 
 
 class _Ways:
@@ -145,8 +147,18 @@ class _Ways:
 def limit_shares(robot: Robot, joints: Floats) -> Floats:
     """(..., a) joints → (...) the least share of the range of an axis to its nearer limit."""
     low, high = robot.limits.T
-    near = np.minimum(joints - low, high - joints) / (high - low)
+    least = np.minimum(joints - low, high - joints)
+    whole = np.broadcast_to(high - low, least.shape)
+    near = np.where(np.isfinite(whole), least / np.where(np.isfinite(whole), whole, 1.0), 0.5)
     return np.asarray(np.maximum(near.min(axis=-1), 0.0))
+
+
+def nearest(space: Space, row: Floats) -> tuple[str, str]:
+    """The two bodies that keep least of their margin with the robot at joints (a,)."""
+    model = space.model
+    pair = int(np.argmin(space.distances(row) - space.margins))
+    one, other = (model.items[i].body.name for i in (model.one[pair], model.other[pair]))
+    return one, other
 
 
 def clearances(space: Space, rows: Floats, most: float = ENOUGH_CLEAR) -> Floats:

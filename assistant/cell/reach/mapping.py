@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
 from assistant.cell.planning.space import Space
-from assistant.cell.reach.holding import Held, held
+from assistant.cell.reach.holding import Held, held, nearest
 from assistant.cell.reach.region import Directions
 from assistant.cell.scene import Placed, Scene
 from assistant.program import rotations
 from assistant.program.arrays import Floats, Truths
 from assistant.program.geometry import IDENTITY, Pose
+
+ASKED: Final = 200
+"""Places at which it is told what is too near."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -21,7 +27,8 @@ class ReachMap:
 
     points: (n, 3) mm of the world. reached, touching: (n, d), see `Held`; touching is inside the
     limits, but not without coming too near to something. room: (n, d) 0 to 1, NaN where it is not
-    reached. limits, away, clearance: (n, d) what it is the least of. joints: (n, d, a).
+    reached. limits, away, clearance: (n, d) what it is the least of. joints: (n, d, a). nearest:
+    of two bodies, of how many of `touching`, at most `ASKED`, they keep least of their margin.
     """
 
     points: Floats
@@ -33,6 +40,7 @@ class ReachMap:
     away: Floats
     clearance: Floats
     joints: Floats
+    nearest: Mapping[tuple[str, str], int]
 
     @property
     def share(self) -> Floats:
@@ -70,5 +78,24 @@ def reach_map(
 
     reached = np.stack([column.reached for column in columns], axis=1)
     touching = np.stack([column.touching for column in columns], axis=1)
-    figures = (together(name) for name in ("room", "limits", "away", "clearance", "joints"))
-    return ReachMap(points, directions, reached, touching, *figures)
+    return ReachMap(
+        points,
+        directions,
+        reached,
+        touching,
+        room=together("room"),
+        limits=together("limits"),
+        away=together("away"),
+        clearance=together("clearance"),
+        joints=together("joints"),
+        nearest=_in_the_way(space, columns),
+    )
+
+
+def _in_the_way(space: Space | None, columns: Sequence[Held]) -> Mapping[tuple[str, str], int]:
+    """Bodies that keep the arm from places, the most common first; places are taken evenly."""
+    rows = np.concatenate([column.joints[column.touching] for column in columns])
+    if space is None or not len(rows):
+        return {}
+    some = np.unique(np.linspace(0, len(rows) - 1, min(len(rows), ASKED)).astype(int))
+    return dict(Counter(nearest(space, row) for row in rows[some]).most_common())

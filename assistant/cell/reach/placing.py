@@ -13,7 +13,6 @@ from assistant.cell.collision.carriers import Carriers, carried
 from assistant.cell.collision.model import Model
 from assistant.cell.planning.space import Space
 from assistant.cell.reach.holding import ENOUGH_AWAY, ENOUGH_CLEAR, ENOUGH_LIMITS, Held, held
-from assistant.cell.reach.region import MOST
 from assistant.cell.reach.rules import IN_THE_WAY, NO_BODY, NO_TARGETS, TOO_MANY
 from assistant.cell.reach.standing import Depths, deeper, depths
 from assistant.cell.scene import Body, Placed, Scene
@@ -23,6 +22,9 @@ from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import IDENTITY, Pose
 
 DIGITS: Final = 6
+MOST_PLACES: Final = 20_000
+WORLD_ITSELF: Final = 0
+"""The carrier that does not stand on any robot."""
 MOST_POSES: Final = 5_000_000
 """Places times targets times turns that are looked at."""
 
@@ -116,7 +118,12 @@ def best_base(
         robots = (*scene.robots[:at], moved, *scene.robots[at + 1 :])
         return replace(scene, robots=robots), moved, base, IDENTITY
 
-    names = frozenset(body.name for body in placed.links)
+    carriers = Carriers(scene.robots)
+    names = frozenset(
+        body.name
+        for body in scene.all_bodies()
+        if carried(scene, body, carriers)[0] == carriers.first[at]
+    )
     search = _Search(stands, names, scene, goals, bodies, margin)
     return search.places(offsets, f"`{placed.name}`")
 
@@ -172,7 +179,10 @@ class _Search:
         if not total:
             raise Refused(NO_TARGETS(what=what), exit_status=2)
         poses = len(offsets) * sum(one.quaternions[..., 0].size for one in self.goals)
-        if len(offsets) > MOST or poses > MOST_POSES:
+        if len(offsets) > MOST_PLACES:
+            said = "places"
+            raise Refused(TOO_MANY(count=len(offsets), what=said, most=MOST_PLACES), exit_status=2)
+        if poses > MOST_POSES:
             said = "places times targets times turns"
             raise Refused(TOO_MANY(count=poses, what=said, most=MOST_POSES), exit_status=2)
         before = depths(Model(self.scene), self.moved) if self.bodies else {}
@@ -239,7 +249,7 @@ def _merit(place: Place) -> tuple[float, ...]:
 def standing_body(scene: Scene, name: str) -> Body:
     """A body that stands in the world; raises Refused if there is none of that name."""
     carriers = Carriers(scene.robots)
-    still = [b for b in scene.bodies if not carriers.moved_by(carried(scene, b, carriers)[0])]
+    still = [body for body in scene.bodies if carried(scene, body, carriers)[0] == WORLD_ITSELF]
     for body in still:
         if body.name == name:
             return body
@@ -256,7 +266,7 @@ def locations(scene: Scene, name: str | None = None, tip: Pose = IDENTITY, turns
     names, poses = list[str](), list[Pose]()
     for body in scene.bodies:
         number, pose = carried(scene, body, carriers)
-        if carriers.moved_by(number) or (name is not None and name not in _below(scene, body)):
+        if number != WORLD_ITSELF or (name is not None and name not in _below(scene, body)):
             continue
         names += [f"{body.name}.{one}" for one in body.locations]
         poses += [pose @ one for one in body.locations.values()]

@@ -78,6 +78,7 @@ def test_a_scara_reaches_the_ring_that_its_lengths_and_limits_leave():
     scene, arm = alone(SCARA)
     found = reach_map(scene, arm, points, directions_of(["up"], 4), bodies=False)
     assert (found.reached[:, 0] == wanted).all()
+    assert np.isinf(found.clearance[wanted]).all()  # nothing is looked at that could be near
     assert 1000 < wanted.sum() < len(wanted) - 1000
     down = reach_map(scene, arm, points[:50], directions_of(["down"], 4), bodies=False)
     assert not down.reached.any()
@@ -103,7 +104,7 @@ def test_what_is_in_the_way_takes_away_just_what_is_nearer_than_the_margin():
     wall = Body("wall", (Part(Box((100.0, 200.0, 300.0))),), Pose((50.0, 0.0, 0.0)))
     placed = gantry()
     scene = Scene((ball, wall), (placed,), margin=7.0)
-    points = grid([Range(-150, 250, 80), Range(-124, 200, 198), Range(-250, 250, 99)])
+    points = grid([Range(-150, 250, 80), Range(-124, 200, 198), Range(-250, 250, 165)])
     directions = directions_of(["down"], 1)  # an arm that turns nothing has one orientation
     directions.quaternions[:] = TURN.quaternion
     found = reach_map(scene, placed, points, directions)
@@ -111,6 +112,7 @@ def test_what_is_in_the_way_takes_away_just_what_is_nearer_than_the_margin():
     clear = np.linalg.norm(beyond, axis=1) - 20.0 - 7.0
     assert (found.reached[:, 0] == (clear > 0.0)).all()
     assert (found.touching[:, 0] == (clear <= 0.0)).all()
+    assert found.nearest == {("ball", "wall"): int((clear <= 0.0).sum())}
     reached = clear > 0.0
     wanted = np.minimum(clear[reached], ENOUGH_CLEAR)
     assert np.abs(found.clearance[reached, 0] - wanted).max() < 1e-6

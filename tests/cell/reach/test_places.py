@@ -158,6 +158,20 @@ def test_the_base_is_not_put_into_what_stands_there():
     assert [f.code for f in found.findings] == ["CK467"]
 
 
+def test_what_hangs_on_the_base_goes_along_and_is_no_target():
+    placed = Placed("arm", IRB)
+    box = Body("box", (Part(Box((100, 100, 100))),), Pose((-200.0, 0.0, 50.0)), parent="arm.base",
+               locations={"lid": Pose()})  # fmt: skip
+    wall = Body("wall", (Part(Box((100, 500, 500))),), Pose((-500.0, 0.0, 250.0)),
+                locations={"a": Pose((800.0, 0.0, 100.0), DOWN)})  # fmt: skip
+    scene = Scene((box, wall), (placed,))
+    assert locations(scene).names == ("wall.a",)
+    offsets = grid([Range(-300, 0, 50), NOWHERE, NOWHERE, NOWHERE])
+    found = best_base(scene, placed, offsets, [locations(scene)])
+    assert sorted(place.offset[0] for place in found.places) == [-200.0, -150.0, -100.0, -50.0, 0.0]
+    assert "`box` would stand in `wall`" in found.findings[0].message
+
+
 def test_targets_of_a_program_are_where_its_arm_goes():
     text = """program cell for irb1200-7-0.7
 
@@ -191,13 +205,15 @@ end
         ("nothing", np.zeros((1, 4)), "CK465"),
         ("gripper", np.zeros((1, 4)), "CK465"),
         ("bare", np.zeros((1, 4)), "CK464"),
-        ("tray", np.zeros((300_000, 4)), "CK461"),
+        ("tray", np.zeros((30_000, 4)), "CK461"),
+        ("pedestal", np.zeros((1, 4)), "CK465"),
     ],
 )
 def test_what_has_no_place_is_refused(name, offsets, code):
     bodies = (
         Body("tray", (), locations={"a": Pose((400.0, 0.0, 300.0), DOWN)}),
         Body("bare", ()),
+        Body("pedestal", (), parent="arm.base", locations={"b": Pose()}),
         Body("gripper", (), parent="arm.flange", locations={"tip": Pose()}),
     )
     placed = Placed("arm", IRB)
