@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.cell.planning.goals import held
 from assistant.cell.reading.cell_file import read_scene
 from assistant.cell.ways_in import Around
 from assistant.program import rotations
@@ -126,3 +127,43 @@ def test_places_are_seconds_of_the_joints_that_hold_them(tmp_path: Path, name: s
     slowest = max(abs(places[0] - places[1]))
     assert seconds(tuple(places[0]), tuple(places[1])) == pytest.approx(slowest)
     assert Around(scene, scene.robots[0]).places(points + 5000.0, turns, TIP) is None
+
+
+def test_aside_where_the_arm_cannot_go_along_the_tool(tmp_path: Path) -> None:
+    file = tmp_path / "cell.toml"
+    file.write_text('[robots.arm]\nrobot = "rv-2aj"\n')
+    scene, _ = read_scene(file)
+    place, tip = Pose((300.0, 0.0, 340.0), PLACE.quaternion), Pose((0.0, 0.0, 70.0))
+    found = Around(scene, scene.robots[0]).way_in(place, tip, DISTANCE, "high")
+    (finding,) = found.findings
+    assert (finding.code, finding.place) == ("CK477", "high")
+    for direction, can in ((ALONG, False), (found.direction, True)):
+        x, y, z = (part * DISTANCE for part in direction)
+        flange = place @ Pose((x, y, z)) @ tip.inverse()
+        _, valid = robots.get("rv-2aj").ik([flange.position], [flange.quaternion])
+        assert valid.any() == can
+
+
+@pytest.mark.slow
+def test_no_way_that_is_taken_touches_anything(tmp_path: Path) -> None:
+    """Random boxes about the wing: the line keeps what is asked for, whatever it is."""
+    random = np.random.default_rng(11)
+    aside = 0
+    for _ in range(60):
+        boxes = {}
+        for i in range(4):
+            middle = np.array([450.0, 0.0, 345.0]) + random.uniform(-70, 70, 3)
+            boxes[f"box_{i}"] = (tuple(middle.tolist()), tuple(random.uniform(4, 30, 3).tolist()))
+        asked = around(tmp_path, **boxes)
+        found = asked.way_in(PLACE, TIP, DISTANCE, "a")
+        at_place = [gaps((0.0, 0.0, 0.0), *box).min() for box in boxes.values()]
+        if min(at_place) == 0.0 or any(one.code == "CK479" for one in found.findings):
+            continue
+        aside += found.direction != ALONG
+        codes = [one.code for one in found.findings]
+        assert (found.direction != ALONG) == bool(codes)
+        if min(gaps(found.direction, *box).min() for box in boxes.values()) == 0.0:
+            assert found.direction == ALONG  # the arm touches something at the place itself
+            rows = held(asked.robot, PLACE, asked.robot.home, TIP)
+            assert all(asked.space.distances(row).min() <= 0.0 for row in rows)
+    assert aside > 5
