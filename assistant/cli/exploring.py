@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -63,12 +63,18 @@ def run_program(
     with working(f"going through {source}"):
         begun = _ready(asked, [source, *([] if hidden is None else [str(hidden)])])
         explorer = begun.explorer
-        done = solved(source, options, InCell(explorer.scene, explorer.placed.robot))
+        named = None if asked.robot is None else explorer.placed.robot
+        scene = replace(explorer.scene, runs=asked.robot)
+        done = solved(source, options, InCell(scene, named))
         if has_errors(done.findings):
             robot = done.solution.robot
             return refused(source, robot, done.findings, format, "gone through")
         simulation = simulate(done.solution, acceleration=options.acceleration)
-        found = ran(begun, simulation, until, hidden)
+        try:
+            found = ran(begun, done.program, simulation, until, hidden)
+        except Refused as caught:
+            findings = [done.places.finding(one).within(source) for one in caught.findings]
+            raise Refused(*findings, exit_status=caught.exit_status) from None
     return _told(begun, found, "runs", format)
 
 

@@ -90,12 +90,16 @@ def run_simulate(source: str, options: Options, outputs: Sequence[str], format: 
 
 @dataclass(frozen=True, slots=True)
 class Solved:
-    """A program as the arm goes through it, in a scene if there is one, and where its parts are."""
+    """A program as the arm goes through it, in a scene if there is one, and where its parts are.
+
+    program: as it was read, before ways were planned and turns chosen.
+    """
 
     solution: SolvedProgram
     scene: Scene | None
     places: Places
     findings: list[Diagnostic]
+    program: Program
 
 
 def solved(source: str, options: Options, stands: InCell | None = None) -> Solved:
@@ -132,7 +136,7 @@ def solved(source: str, options: Options, stands: InCell | None = None) -> Solve
     also = () if has_errors(ways.findings) else solution.findings
     found = (*loaded.findings, *located, *changed, *map(places.finding, ways.findings), *also)
     said = [*stands.findings, *fold(f.within(source) for f in found)]
-    return Solved(solution, arms.scene, places, said)
+    return Solved(solution, arms.scene, places, said, loaded.program)
 
 
 def refused(

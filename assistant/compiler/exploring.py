@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path as FilePath
@@ -9,13 +10,32 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from assistant.compiler.turning import has_free_turns
+from assistant.program.contents import everywhere
 from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.expressions import Number
+from assistant.program.kept import effect_of
+from assistant.program.statements import (
+    For,
+    Goto,
+    If,
+    Interrupt,
+    Move,
+    MoveCircular,
+    MoveJoints,
+    Opaque,
+    Switch,
+    Travel,
+    While,
+)
 
 if TYPE_CHECKING:
     from assistant.cell.exploration.explorer import Explorer
     from assistant.cell.exploration.occupancy import Occupancy
     from assistant.cell.scene import Scene
+    from assistant.program.program import Program
     from assistant.robots.timing import Simulation
+    from assistant.robots.timing.state import History
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,14 +170,60 @@ def recorded(begun: Ready, recordings: Sequence[FilePath], contact: str | None) 
     return Explored(explorer.occupancy, tuple(rows), contacts, contacts, tuple(found))
 
 
+def one_way(program: Program, simulation: Simulation) -> None:
+    """Raises Refused, at the statement, for a program that may have gone otherwise than simulated.
+
+    program: as it was read. Only a program that always goes one way tells where it has been.
+    """
+    from assistant.cell.exploration.rules import MANY_WAYS
+
+    doubt = next(_doubts(program), None)
+    beside = {id(one.plan) for one in simulation.passed} - set(_plans(simulation.history))
+    duration = simulation.duration
+    if doubt is not None or beside or not math.isclose(duration.least, duration.most):
+        raise Refused(MANY_WAYS(span=getattr(doubt, "span", None)))
+
+
+def _doubts(program: Program) -> Iterator[object]:
+    """What makes a program go one way now and another way then, or where its scene says."""
+    yield from everywhere(program, If, Switch, While, Goto, Interrupt, Travel)
+    for loop in everywhere(program, For):
+        step = () if loop.step is None else (loop.step,)
+        if not all(isinstance(one, Number) for one in (loop.first, loop.last, *step)):
+            yield loop
+    for move in everywhere(program, Move, MoveCircular, MoveJoints):
+        if isinstance(move, Move | MoveCircular | MoveJoints) and move.until is not None:
+            yield move
+    for kept in everywhere(program, Opaque):
+        effect = effect_of(kept)
+        if effect.jumps or effect.moves or effect.calls:
+            yield kept
+    if has_free_turns(program):
+        yield program
+
+
+def _plans(history: History | None) -> Iterator[int]:
+    for node in () if history is None else history.chain():
+        if isinstance(node.done, tuple):
+            yield from _plans(node.done[0])
+        else:
+            yield id(node.done)
+
+
 def ran(
-    begun: Ready, simulation: Simulation, until: float | None, hidden: FilePath | None
+    begun: Ready,
+    program: Program,
+    simulation: Simulation,
+    until: float | None,
+    hidden: FilePath | None,
 ) -> Explored:
     """What a program that ran tells, to its end, up to a time, or as a hidden scene lets it.
 
-    Raises Refused if it is for another robot.
+    program: as it was read. Raises Refused if it is for another robot, or may have gone otherwise.
     """
     from assistant.cell.exploration.rules import NO_ROBOT
+
+    one_way(program, simulation)
 
     explorer = begun.explorer
     scene = None if hidden is None else hidden_scene(begun, hidden)

@@ -122,6 +122,31 @@ def test_a_recording_of_a_motion_knows_what_the_program_does(here: Path, capsys:
     assert 0 < half["chart"]["free"] < told["chart"]["free"]
 
 
+MOVE = "move linear b speed 200 mm/s blend fine"
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        f"if s = 1\n{MOVE}\nend",
+        f"while s = 1\n{MOVE}\nend",
+        f"for i from 1 to n\n{MOVE}\nend",
+        f"{MOVE} until s = 1",
+        f"goto behind\n{MOVE}\nlabel behind",
+    ],
+)
+def test_a_program_that_may_go_several_ways_tells_nothing(
+    here: Path, capsys: Capture, body: str
+) -> None:
+    """What it has not done would be called free."""
+    said = "target a [2"
+    text = PROGRAM.replace(said, f"signal s digital input\nvariable n number = 0\n{said}")
+    (here / "demo.pseudo").write_text(text.replace(MOVE, body), encoding="utf-8")
+    words = ("explore", "program", "demo.pseudo", "--cell", "cell.toml", "--chart", "arm.npz")
+    assert codes(capsys, *words, exits=1) == ["CK492"]
+    assert not Path("arm.npz").exists()
+
+
 def test_what_was_free_and_is_occupied_is_told_by_the_exit_status(
     here: Path, capsys: Capture
 ) -> None:

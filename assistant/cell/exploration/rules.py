@@ -90,3 +90,8 @@ THIN = warning(
     "free",
     "explore with cells of {better:.3g} mm at most",
 )
+MANY_WAYS = error(
+    "CK492",
+    "the program may go several ways, so that nobody knows where it has been",
+    "record the joints while it runs, with `robot-assistant monitor --log`, for `explore recorded`",
+)
