@@ -56,8 +56,8 @@ TRAVEL = info(
 )
 TRAVEL_TIME = info(
     "CT209",
-    "travel between the {count} contours of layer {layer!r} takes {after:.1f} s of joint moves at"
-    " full speed{inside}; it was {before:.1f} s in the order of drawing",
+    "travel between the {count} contours of layer {layer!r} takes {after:.2f} s of joint moves at"
+    " full speed{inside}; it was {before:.2f} s in the order of drawing",
     "",
 )
 WIDEST_TURN: Final = 120.0

@@ -143,8 +143,8 @@ SOME_ORDERED = warning(
 )
 QUICKEST = info(
     "DX322",
-    "the {count} locations are visited in an order that takes {after:.1f} s of joint moves at full"
-    " speed; it was {before:.1f} s in the order of drawing",
+    "the {count} locations are visited in an order that takes {after:.2f} s of joint moves at full"
+    " speed; it was {before:.2f} s in the order of drawing",
     "give them an order where it matters",
 )
 SAME_ORDER = warning(

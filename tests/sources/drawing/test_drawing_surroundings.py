@@ -103,7 +103,7 @@ def test_contours_are_ordered_by_time(drawing: Drawing, save: Save) -> None:
     starts = [reading.program.targets[f"glue_{i}_start"].pose.position[1] for i in (1, 2, 3)]
     assert starts == sorted(starts)  # not 0, 20, 1, as it would be by length
     (said,) = (finding for finding in reading.findings if finding.code == "CT209")
-    assert "20.0 s" in said.message
+    assert "20.00 s" in said.message
 
 
 def test_locations_are_visited_in_a_quick_order(drawing: Drawing, save: Save) -> None:
@@ -117,7 +117,7 @@ def test_locations_are_visited_in_a_quick_order(drawing: Drawing, save: Save) ->
     assert program.count("travel to") == 4
     assert program.count("move linear relative(LOOK_") == 4
     (said,) = (finding for finding in reading.findings if finding.code == "DX322")
-    assert "30.0 s" in said.message and "60.0 s" in said.message
+    assert "30.00 s" in said.message and "60.00 s" in said.message
 
 
 @pytest.mark.parametrize(
