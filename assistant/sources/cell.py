@@ -387,4 +387,5 @@ def toml_value(value: Any) -> str:
             return repr(float(value))
         case list() | tuple():
             return f"[{', '.join(map(toml_value, value))}]"
-    return '"' + str(value).replace("\\", "\\\\").replace('"', '\\"') + '"'
+    text = str(value).replace("\\", "\\\\").replace('"', '\\"')
+    return '"' + re.sub("[\x00-\x1f\x7f]", lambda found: f"\\u{ord(found[0]):04x}", text) + '"'

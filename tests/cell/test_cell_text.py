@@ -47,7 +47,7 @@ shapes: st.SearchStrategy[Shape] = st.one_of(
 )
 parts = st.one_of(st.builds(Part, shapes), st.builds(Part, shapes, poses()))
 outputs = st.none() | st.tuples(
-    st.sampled_from(["grip", "hand 1", 'a "b" \\']), st.sampled_from([0.0, 1.0])
+    st.sampled_from(["grip", "hand 1", 'a "b" \\', "a\n\x00b"]), st.sampled_from([0.0, 1.0])
 )
 bodies = st.builds(
     Body,

@@ -203,6 +203,8 @@ def test_packages_are_found_above_the_urdf_or_where_the_cell_says(tmp_path: Path
     ("inner", "code", "word"),
     [
         ('<mesh filename="package://nowhere/a.stl"/>', "CK436", "nowhere"),
+        ('<mesh filename="package:///a.stl"/>', "CK436", "``"),
+        ('<mesh filename="package://../a.stl"/>', "CK436", "`..`"),
         ('<mesh filename="http://maker/a.stl"/>', "CK437", "http://maker/a.stl"),
         ('<mesh filename="link.dae"/>', "CK407", ".dae"),
         ('<mesh filename=""/>', "RB007", "filename"),

@@ -18,6 +18,8 @@ from assistant.robots.robot import Robot
 
 PACKAGE: Final = "package://"
 FILE: Final = "file://"
+NO_NAMES: Final = ("", ".", "..")
+"""What is a folder everywhere, and no package."""
 UNIT: Final = "m"
 """Of the meshes of a URDF that state none."""
 
@@ -92,7 +94,7 @@ class _Links:
         """Where a mesh is; None, and a finding, if nobody knows."""
         said, folder = one.file, FilePath(self.outlines.folder)
         if said.startswith(FILE):
-            return FilePath(unquote(said[len(FILE) :]))
+            return folder / unquote(said[len(FILE) :])
         if not said.startswith(PACKAGE):
             if "://" not in said:
                 return folder / said
@@ -103,7 +105,7 @@ class _Links:
         package, _, rest = unquote(said[len(PACKAGE) :]).partition("/")
         self.used.add(package)
         found = self.packages.get(package)
-        if found is None:
+        if found is None and package not in NO_NAMES:
             above = folder.resolve().parents
             found = next((up / package for up in above if (up / package).is_dir()), None)
         if found is None and package not in self.missing:
