@@ -32,15 +32,16 @@ def with_turns(
         return program, ()
     if arm is None:
         return without_free_turns(program), (NO_ARM(),)
-    return turned(program, arm, None if scene is None else _clear(scene, arm))
+    return turned(program, arm, () if scene is None else _clear(scene, arm))
 
 
-def _clear(scene: Scene, arm: Robot) -> Clear | None:
-    """What touches nothing in a scene, with its margins, while all else stands."""
+def _clear(scene: Scene, arm: Robot) -> tuple[Clear, ...]:
+    """What keeps the margins of a scene, and what touches nothing in it, while all else stands."""
     from assistant.cell.clearances import robot_of
     from assistant.cell.planning.space import Space
 
     try:
-        return Space(scene, robot_of(scene, arm)).clear
+        placed = robot_of(scene, arm)
     except LookupError:  # which the check of the cell tells
-        return None
+        return ()
+    return Space(scene, placed).clear, Space(scene, placed, margin=0.0).clear

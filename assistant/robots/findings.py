@@ -20,9 +20,9 @@ NO_TURN: Final = warning(
 )
 NO_TURN_CLEAR: Final = warning(
     "RB121",
-    "no turn of the tool about its axis leads {robot} to it without coming too near to something; "
+    "no turn of the tool about its axis leads {robot} to it without touching something; "
     "the turns stay as they were drawn",
-    "move the work piece or what is in the way, tilt the tool, or state a smaller margin",
+    "move the work piece or what is in the way, or tilt the tool",
 )
 TURN_KEPT: Final = warning(
     "RB122",

@@ -115,6 +115,15 @@ def test_a_wall_beside_the_path_is_not_touched(tmp_path: Path) -> None:
     assert done.ok
 
 
+def test_where_no_turn_keeps_the_margin_nothing_is_touched(tmp_path: Path) -> None:
+    cell = tmp_path / "cell.toml"
+    wall = "box = [20, 400, 300]\nposition = [375, 0, 150]"
+    cell.write_text(CELL.format(name="wall", shape=wall).replace("margin = 2", "margin = 60"))
+    done = written(tmp_path, seam("420"), cell=cell)
+    assert {"RB119", clearances.NEAR.code} <= set(codes(done))
+    assert done.ok
+
+
 def test_what_no_turn_keeps_clear_of_is_told(tmp_path: Path) -> None:
     cell = tmp_path / "cell.toml"
     cell.write_text(CELL.format(name="bar", shape="box = [600, 10, 10]\nposition = [420, 0, 155]"))

@@ -35,6 +35,8 @@ FEW_JUMPS: Final = 20
 TRIES: Final = 60
 """Ways that are looked for until one touches nothing."""
 
+Leg = tuple[int, tuple[int, int], tuple[int, int]]
+"""A station, and turn and branch of the one before and of its own."""
 Clear = Callable[[Floats, Floats], Truths]
 """Whether the straight moves of the arm from joints (n, a) to (n, a) touch nothing, (n,)."""
 
@@ -195,19 +197,15 @@ class _Way:
         away = out - course.drawn
         return Chosen(away - 360.0 * np.round(away / 360.0), self.found.joints[-1])
 
-    def legs(self) -> list[tuple[int, Floats]]:
-        """Stations with the joints (s, a) on the way to them, the one before included."""
-        grid, out = self.grid, [(0, self.found.joints[:1])]
-        for at, (one, other) in enumerate(pairwise(grid.stations)):
-            ends = self.found.joints[at : at + 2]
-            if grid.steps[at] is not None:
-                ends = grid.looker.along(one, other, self.changes(at), self.branches[at])
-            else:
-                ends = ends[
-                    1:
-                ]  # the way of a joint move is that of its ends: the check looks at it
-            out.append((at + 1, ends))
-        return out
+    def joints_to(self, at: int) -> Floats:
+        """(s, a) joints on the way to a station, the one before included; alone its own where only
+        a joint move leads there, whose way is that of its ends: the check looks at it.
+        """
+        grid = self.grid
+        if not at or grid.steps[at - 1] is None:
+            return self.found.joints[at : at + 1]
+        one, other = grid.stations[at - 1 : at + 1]
+        return grid.looker.along(one, other, self.changes(at - 1), self.branches[at])
 
 
 def _searched(grid: _Grid, clear: Clear | None) -> _Way | Nowhere:
@@ -217,12 +215,13 @@ def _searched(grid: _Grid, clear: Clear | None) -> _Way | Nowhere:
     problem = grid.problem()
     search = Search(problem, grid.looker.robot)
     barred: dict[int, set[tuple[int, int, int]]] = {}
+    known: dict[Leg, bool] = {}
     for _ in range(TRIES):
         found = search.best(barred)
         if isinstance(found, Stuck):
             return Nowhere(int(grid.rows[found.station]), touching=bool(barred))
         way = _Way.of(grid, found)
-        bad = [] if clear is None else _touching(way, clear)
+        bad = [] if clear is None else _touching(way, clear, known)
         if not bad:
             untied = grid.untied(way.turns)
             return way if not untied else _settled(way, untied, clear)
@@ -232,13 +231,26 @@ def _searched(grid: _Grid, clear: Clear | None) -> _Way | Nowhere:
     return Nowhere(int(grid.rows[bad[0]]), touching=True)
 
 
-def _touching(way: _Way, clear: Clear) -> list[int]:
-    """Stations on whose way something is touched."""
-    legs = way.legs()
-    starts = np.concatenate([joints[:-1] if len(joints) > 1 else joints for _, joints in legs])
-    ends = np.concatenate([joints[1:] if len(joints) > 1 else joints for _, joints in legs])
-    of = np.repeat([at for at, _ in legs], [max(len(joints) - 1, 1) for _, joints in legs])
-    return [int(at) for at in np.unique(of[~clear(starts, ends)])]
+def _touching(way: _Way, clear: Clear, known: dict[Leg, bool]) -> list[int]:
+    """Stations on whose way something is touched. known: of legs whether they are clear."""
+    states = way.found.states
+    legs: list[Leg] = [(0, states[0][:2], states[0][:2])]
+    legs += [(i + 1, one[:2], other[:2]) for i, (one, other) in enumerate(pairwise(states))]
+    new = [leg for leg in legs if leg not in known]
+    ways = [way.joints_to(at) for at, _, _ in new]
+    known.update(zip(new, _all_clear(ways, clear), strict=True))
+    return [leg[0] for leg in legs if not known[leg]]
+
+
+def _all_clear(ways: list[Floats], clear: Clear) -> list[bool]:
+    """Which of some ways (s, a) touch nothing."""
+    if not ways:
+        return []
+    starts = np.concatenate([joints[:-1] if len(joints) > 1 else joints for joints in ways])
+    ends = np.concatenate([joints[1:] if len(joints) > 1 else joints for joints in ways])
+    of = np.repeat(np.arange(len(ways)), [max(len(joints) - 1, 1) for joints in ways])
+    touched = set(of[~clear(starts, ends)].tolist())
+    return [number not in touched for number in range(len(ways))]
 
 
 def _bar(way: _Way, at: int, clear: Clear, barred: set[tuple[int, int, int]]) -> None:
@@ -256,21 +268,29 @@ def _bar(way: _Way, at: int, clear: Clear, barred: set[tuple[int, int, int]]) ->
         barred.add((turn, -1, branch))
         return
     one = grid.stations[at - 1]
-    pairs = np.argwhere(np.isfinite(step.seconds[:, :, branch])).tolist()
-    ways = []
-    for k, m in pairs:
-        ends = float(one.turns[step.before[k, m]]), float(station.turns[k])
-        change = ends[1] - ends[0] - float(grid.ramp[at] - grid.ramp[at - 1])
-        change += float(grid.ramp[at] - grid.ramp[at - 1]) - 360.0 * round(change / 360.0)
-        ways.append(grid.looker.along(one, station, (ends[0], change), station.branches[branch]))
-    starts = np.concatenate([joints[:-1] for joints in ways])
-    free = clear(starts, np.concatenate([joints[1:] for joints in ways]))
-    of = np.repeat(np.arange(len(ways)), [len(joints) - 1 for joints in ways])
-    for number in np.unique(of[~free]).tolist():
-        barred.add((*pairs[number], branch))
     before = way.found.states[at - 1][0]
     m = int(np.flatnonzero(step.before[turn] == before)[0])
     barred.add((turn, m, branch))
+    # As likely are the ways from other turns, and those of all turns with the same change.
+    ramp = float(grid.ramp[at] - grid.ramp[at - 1])
+    changes = station.turns[:, None] - one.turns[step.before] - ramp
+    changes += ramp - 360.0 * np.round(changes / 360.0)
+    like = np.abs(changes - changes[turn, m]) < 1e-6
+    like[turn] = True
+    like &= np.isfinite(step.seconds[:, :, branch])
+    pairs = [(int(k), int(j)) for k, j in np.argwhere(like)]
+    ways = [
+        grid.looker.along(
+            one,
+            station,
+            (float(one.turns[step.before[pair]]), float(changes[pair])),
+            station.branches[branch],
+        )
+        for pair in pairs
+    ]
+    for pair, free in zip(pairs, _all_clear(ways, clear), strict=True):
+        if not free:
+            barred.add((*pair, branch))
 
 
 def _settled(way: _Way, untied: list[tuple[int, int]], clear: Clear | None) -> _Way | Nowhere:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
@@ -43,12 +43,13 @@ def without_free_turns(program: Program) -> Program:
 
 
 def turned(
-    program: Program, robot: Robot, clear: Clear | None = None
+    program: Program, robot: Robot, clear: Sequence[Clear] = ()
 ) -> tuple[Program, tuple[Diagnostic, ...]]:
     """A program with the turns of its tools chosen where they are free; none is free afterwards.
 
-    clear: tells, where there is a cell, which moves touch nothing. What states the branch of the
-    arm keeps its turn, and so does what is used for more than moves with such a tool.
+    clear: tell, where there is a cell, which moves keep away from things, the most wary one first;
+    the next is asked where there is no way by the one before. What states the branch of the arm
+    keeps its turn, and so does what is used for more than moves with such a tool.
     """
     plain = without_free_turns(program)
     if plain is program:
@@ -83,7 +84,7 @@ class _Turning:
     away: of a target or row of a path the degrees by which it is turned, once it is settled.
     """
 
-    def __init__(self, program: Program, robot: Robot, clear: Clear | None) -> None:
+    def __init__(self, program: Program, robot: Robot, clear: Sequence[Clear]) -> None:
         self.source, self.robot, self.clear = _by_joint_moves(program), robot, clear
         self.solution: SolvedProgram = solve_program(self.source, robot)
         self.kept = _kept_targets(program)
@@ -101,9 +102,11 @@ class _Turning:
         ]
         self._keep_used_elsewhere(runs)
         for each in runs:
-            last: Floats | None = None
+            ends: list[tuple[Floats, Floats]] = []
             for rows in each:
-                last = self._choose(rows, last)
+                last = self._choose(rows, ends)
+                if last is not None:
+                    ends.append((rows.run.joints[-1], last))
 
     def _runs(self, procedure: str, legs: tuple[Leg, ...]) -> Iterator[_Rows]:
         """The runs of a procedure in order of text."""
@@ -174,13 +177,17 @@ class _Turning:
 
     # ---------------------------------------------------------------------------- choosing
 
-    def _choose(self, rows: _Rows, last: Floats | None) -> Floats | None:
-        """Settles the turns of a run; where the arm is after it, if that was found."""
+    def _choose(self, rows: _Rows, ends: Sequence[tuple[Floats, Floats]]) -> Floats | None:
+        """Settles the turns of a run; where the arm is after it, if that was found.
+
+        ends: where the arm was after the runs before it, and where it is now.
+        """
         run, robot = rows.run.run, self.robot
         if not rows.free.any() or not _finite(run):
             return None
-        if run.joined and last is not None:
-            run = replace(run, before=last)
+        if run.joined:
+            now = [new for old, new in ends if np.array_equal(old, run.before)]
+            run = replace(run, before=now[-1] if now else run.before)
         numbers: dict[Key, int] = {}
         again = Counter(rows.keys)
         keys = np.array(
@@ -192,7 +199,10 @@ class _Turning:
         own = np.where(stated, robot.branch_of(run.configurations), -1)
         course = course_of(run, robot, rows.free, keys, own, fixed)
         tool = self._tool(rows)
-        found = choose(course, robot, self.clear)
+        found = choose(course, robot, self.clear[0] if self.clear else None)
+        for clear in self.clear[1:]:
+            if isinstance(found, Nowhere) and found.touching:
+                found = choose(course, robot, clear)
         if isinstance(found, Nowhere):
             rule = rules.NO_TURN_CLEAR if found.touching else rules.NO_TURN
             self.failed.append(rule(about=run.label(found.row), robot=robot.title))
