@@ -1,4 +1,4 @@
-"""The turns of a course: first on a coarse grid of all turns, then closer about what was found."""
+"""The turns of a run: first on a coarse grid of all turns, then closer about what was found."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from assistant.robots.branches.choice import branches_at
 from assistant.robots.motion.run import continued
 from assistant.robots.robot import Robot
 from assistant.robots.turning.search import Found, Problem, Search, Stuck
-from assistant.robots.turning.stations import Course, stations
+from assistant.robots.turning.stations import FreeRun, stations
 from assistant.robots.turning.steps import Looker, Station, Step
 
 COARSE: Final = 10.0
@@ -57,15 +57,15 @@ class Nowhere:
     touching: bool = False
 
 
-def choose(course: Course, robot: Robot, clear: Clear | None = None) -> Chosen | Nowhere:
-    """Turns with which a course is within reach and limits, keeps its branch, touches nothing and
+def choose(free_run: FreeRun, robot: Robot, clear: Clear | None = None) -> Chosen | Nowhere:
+    """Turns with which a run is within reach and limits, keeps its branch, touches nothing and
     takes the axes the shortest way.
 
     clear: None without a cell.
     """
-    looker = Looker(course, robot)
+    looker = Looker(free_run, robot)
     found = _searched(_Grid(looker, COARSE), clear)
-    if isinstance(found, Nowhere) and _few(course, found):
+    if isinstance(found, Nowhere) and _few(free_run, found):
         found = _searched(_Grid(looker, FINER), clear)
     if isinstance(found, Nowhere):
         return found
@@ -73,24 +73,24 @@ def choose(course: Course, robot: Robot, clear: Clear | None = None) -> Chosen |
     return found.chosen() if isinstance(closer, Nowhere) else closer.chosen()
 
 
-def _few(course: Course, found: Nowhere) -> bool:
-    jumps = int(np.count_nonzero(course.run.kinds == Kind.JOINT))
+def _few(free_run: FreeRun, found: Nowhere) -> bool:
+    jumps = int(np.count_nonzero(free_run.run.kinds == Kind.JOINT))
     most = FEW_TOUCHING if found.touching else FEW
-    return len(stations(course, COARSE)) <= most and jumps <= FEW_JUMPS
+    return len(stations(free_run, COARSE)) <= most and jumps <= FEW_JUMPS
 
 
 class _Grid:
-    """A course with turns to choose from: all, `step` degrees apart, or those about a way."""
+    """A run with turns to choose from: all, `step` degrees apart, or those about a way."""
 
     def __init__(self, looker: Looker, step: float, about: _Way | None = None) -> None:
-        self.looker, self.course, self.step, self.about = looker, looker.course, step, about
-        self.rows: Rows = stations(self.course, COARSE) if about is None else about.grid.rows
+        self.looker, self.free_run, self.step, self.about = looker, looker.free_run, step, about
+        self.rows: Rows = stations(self.free_run, COARSE) if about is None else about.grid.rows
         self.ramp = self._ramp()
         robot = looker.robot
         every = tuple(range(robot.branches))
         self.stations: list[Station] = []
         for at, row in enumerate(self.rows.tolist()):
-            settled = float(self.course.fixed[row])
+            settled = float(self.free_run.fixed[row])
             if np.isfinite(settled):
                 turns = np.array([settled])
             elif about is None:
@@ -104,25 +104,25 @@ class _Grid:
 
     def _step(self, at: int) -> Step | None:
         one, other = self.stations[at - 1], self.stations[at]
-        if self.course.run.kinds[other.row] == Kind.JOINT:
+        if self.free_run.run.kinds[other.row] == Kind.JOINT:
             return None
         ramp = float(self.ramp[at] - self.ramp[at - 1])
-        settled = np.isfinite(self.course.fixed[[one.row, other.row]]).any()
+        settled = np.isfinite(self.free_run.fixed[[one.row, other.row]]).any()
         return self.looker.step(one, other, ramp, self.step / 2.0 + 1e-6 if settled else 0.0)
 
     def _ramp(self) -> Floats:
         """(s,) degrees by which the turns to choose from are on, so that what comes back to a
         target finds the turn again that it has there.
         """
-        course, rows = self.course, self.rows
+        free_run, rows = self.free_run, self.rows
         out = np.zeros(len(rows))
         for one, other in self._ties():
-            drawn = course.drawn[rows[other]] - course.drawn[rows[one]]
+            drawn = free_run.drawn[rows[other]] - free_run.drawn[rows[one]]
             off = out[one] + drawn - out[other]
             off -= 360.0 * np.round(off / 360.0)
             if abs(off) < 1e-9:
                 continue
-            seconds = np.cumsum(course.seconds[rows[one] : rows[other] + 1])
+            seconds = np.cumsum(free_run.seconds[rows[one] : rows[other] + 1])
             whole = float(seconds[-1] - seconds[0])
             at = rows[one : other + 1] - rows[one]
             part = (seconds[at] - seconds[0]) / whole if whole > 0.0 else at / at[-1]
@@ -132,15 +132,15 @@ class _Grid:
 
     def _ties(self) -> list[tuple[int, int]]:
         number = {row: at for at, row in enumerate(self.rows.tolist())}
-        tied = self.course.tied
+        tied = self.free_run.tied
         return [
             (number[int(tied[row])], at)
             for at, row in enumerate(self.rows.tolist())
-            if tied[row] >= 0 and not np.isfinite(self.course.fixed[row])
+            if tied[row] >= 0 and not np.isfinite(self.free_run.fixed[row])
         ]
 
     def problem(self) -> Problem:
-        run, robot = self.course.run, self.looker.robot
+        run, robot = self.free_run.run, self.looker.robot
         ties, end = [], 0
         for one, other in sorted(self._ties()):
             if other > one + 1 and one >= end:
@@ -148,7 +148,7 @@ class _Grid:
                 end = other
         alike = frozenset(other for one, other in self._ties() if other == one + 1)
         same = branches_at(run.before, robot)
-        drawn = self.course.drawn[self.rows]
+        drawn = self.free_run.drawn[self.rows]
         goes_on = continued(run)
         return Problem(
             self.stations, self.steps, drawn, run.before, goes_on, same, tuple(ties), alike
@@ -158,7 +158,7 @@ class _Grid:
         """Stations that have one target but not one turn."""
         out = []
         for one, other in self._ties():
-            drawn = self.course.drawn[self.rows[other]] - self.course.drawn[self.rows[one]]
+            drawn = self.free_run.drawn[self.rows[other]] - self.free_run.drawn[self.rows[one]]
             off = turns[other] - turns[one] - drawn
             if abs(off - 360.0 * np.round(off / 360.0)) > 1e-3:
                 out.append((one, other))
@@ -187,14 +187,14 @@ class _Way:
         return float(self.turns[at]), change - 360.0 * round(change / 360.0) + ramp
 
     def chosen(self) -> Chosen:
-        course, grid = self.grid.course, self.grid
-        out = np.empty(len(course))
+        free_run, grid = self.grid.free_run, self.grid
+        out = np.empty(len(free_run))
         out[grid.rows] = self.turns
         for at, (one, other) in enumerate(pairwise(grid.stations)):
             if grid.steps[at] is not None and other.row > one.row + 1:
                 turns = grid.looker.row_turns(one, other, self.changes(at))
                 out[one.row + 1 : other.row] = turns[:-1]
-        away = out - course.drawn
+        away = out - free_run.drawn
         return Chosen(away - 360.0 * np.round(away / 360.0), self.found.joints[-1])
 
     def joints_to(self, at: int) -> Floats:
@@ -205,7 +205,9 @@ class _Way:
         if not at or grid.steps[at - 1] is None:
             return self.found.joints[at : at + 1]
         one, other = grid.stations[at - 1 : at + 1]
-        return grid.looker.along(one, other, self.changes(at - 1), self.branches[at])
+        (before, branch, _), (turn, _, _) = self.found.states[at - 1 : at + 1]
+        _, change = self.changes(at - 1)
+        return grid.looker.along(one, other, (before, turn), branch, change)
 
 
 def _searched(grid: _Grid, clear: Clear | None) -> _Way | Nowhere:
@@ -280,13 +282,8 @@ def _bar(way: _Way, at: int, clear: Clear, barred: set[tuple[int, int, int]]) ->
     like &= np.isfinite(step.seconds[:, :, branch])
     pairs = [(int(k), int(j)) for k, j in np.argwhere(like)]
     ways = [
-        grid.looker.along(
-            one,
-            station,
-            (float(one.turns[step.before[pair]]), float(changes[pair])),
-            station.branches[branch],
-        )
-        for pair in pairs
+        grid.looker.along(one, station, (int(step.before[k, j]), k), branch, float(changes[k, j]))
+        for k, j in pairs
     ]
     for pair, free in zip(pairs, _all_clear(ways, clear), strict=True):
         if not free:
@@ -295,21 +292,21 @@ def _bar(way: _Way, at: int, clear: Clear, barred: set[tuple[int, int, int]]) ->
 
 def _settled(way: _Way, untied: list[tuple[int, int]], clear: Clear | None) -> _Way | Nowhere:
     """The way when targets that are come back to have the turn that they were first found with."""
-    grid, course = way.grid, way.grid.course
-    fixed = course.fixed.copy()
+    grid, free_run = way.grid, way.grid.free_run
+    fixed = free_run.fixed.copy()
     for one, _ in untied:
-        row, first = int(grid.rows[one]), way.turns[one] - course.drawn[grid.rows[one]]
+        row, first = int(grid.rows[one]), way.turns[one] - free_run.drawn[grid.rows[one]]
         if np.isfinite(fixed[row]):
-            first = fixed[row] - course.drawn[row]
-        alike = _with_target(course, row)
-        fixed[alike] = np.where(np.isnan(fixed[alike]), first + course.drawn[alike], fixed[alike])
-    looker = Looker(replace(course, fixed=fixed), grid.looker.robot)
+            first = fixed[row] - free_run.drawn[row]
+        alike = _with_target(free_run, row)
+        fixed[alike] = np.where(np.isnan(fixed[alike]), first + free_run.drawn[alike], fixed[alike])
+    looker = Looker(replace(free_run, fixed=fixed), grid.looker.robot)
     return _searched(_Grid(looker, grid.step, grid.about), clear)
 
 
-def _with_target(course: Course, row: int) -> Rows:
+def _with_target(free_run: FreeRun, row: int) -> Rows:
     """The rows that have the target of one."""
-    first = np.arange(len(course))
-    for at in np.flatnonzero(course.tied >= 0).tolist():
-        first[at] = first[course.tied[at]]
+    first = np.arange(len(free_run))
+    for at in np.flatnonzero(free_run.tied >= 0).tolist():
+        first[at] = first[free_run.tied[at]]
     return np.flatnonzero(first == first[row])

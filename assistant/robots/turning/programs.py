@@ -28,7 +28,7 @@ from assistant.robots.robot import Robot
 from assistant.robots.solved_program import Leg, SolvedProgram, SolvedRun
 from assistant.robots.target_lookup import Names
 from assistant.robots.turning.choosing import Clear, Nowhere, choose
-from assistant.robots.turning.stations import UPRIGHT, course_of
+from assistant.robots.turning.stations import UPRIGHT, free_run_of
 
 LEAST: Final = 1e-9
 """degrees that are no turn."""
@@ -67,7 +67,7 @@ def turned(
 
 @dataclass(slots=True)
 class _Rows:
-    """The rows of a run. keys: of each the target, or path and row of it. free: see `Course`."""
+    """The rows of a run. keys: of each the target, or path and row of it. free: see `FreeRun`."""
 
     run: SolvedRun
     keys: list[Key]
@@ -197,12 +197,12 @@ class _Turning:
         fixed = np.array([self.away.get(key, np.nan) for key in rows.keys])
         stated = np.asarray(run.configurations[:, BACK] != UNSTATED)
         own = np.where(stated, robot.branch_of(run.configurations), -1)
-        course = course_of(run, robot, rows.free, keys, own, fixed)
+        free_run = free_run_of(run, robot, rows.free, keys, own, fixed)
         tool = self._tool(rows)
-        found = choose(course, robot, self.clear[0] if self.clear else None)
+        found = choose(free_run, robot, self.clear[0] if self.clear else None)
         for clear in self.clear[1:]:
             if isinstance(found, Nowhere) and found.touching:
-                found = choose(course, robot, clear)
+                found = choose(free_run, robot, clear)
         if isinstance(found, Nowhere):
             rule = rules.NO_TURN_CLEAR if found.touching else rules.NO_TURN
             self.failed.append(rule(about=run.label(found.row), robot=robot.title))

@@ -1,8 +1,8 @@
-"""The cheapest way through the stations of a course: a turn, a branch and whole turns at each.
+"""The cheapest way through the stations of a run: a turn, a branch and whole turns at each.
 
 Dynamic programming: what the best way to every state of a station costs follows from the station
 before. Along linear and circular moves the branch stays one and axes go on without a break; a joint
-move leads from any state to any other. Where a course comes back to a target, all turns that it
+move leads from any state to any other. Where a run comes back to a target, all turns that it
 can have there are followed side by side, and only those count that come back to themselves. No
 other way through what there is to choose from costs less.
 """

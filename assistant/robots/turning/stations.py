@@ -30,7 +30,7 @@ UPRIGHT: Final = np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Course:
+class FreeRun:
     """A run whose tool may be turned at some of its n rows.
 
     free: (n,) at which. positions, references: (n, 3) mm, (n, 4) of the tool in the frame, with the
@@ -63,7 +63,9 @@ class Course:
         )
 
 
-def course_of(run: Run, robot: Robot, free: Truths, keys: Rows, own: Rows, fixed: Floats) -> Course:
+def free_run_of(
+    run: Run, robot: Robot, free: Truths, keys: Rows, own: Rows, fixed: Floats
+) -> FreeRun:
     """keys: (n,) numbers of the targets of the rows, -1 for one that no other row has.
 
     fixed: (n,) degrees from what was drawn that are settled, else NaN.
@@ -78,7 +80,7 @@ def course_of(run: Run, robot: Robot, free: Truths, keys: Rows, own: Rows, fixed
         tied[row] = last.get(int(keys[row]), -1)
         last[int(keys[row])] = row
     settled = np.where(np.isnan(fixed), np.where(free, np.nan, 0.0), fixed) + drawn
-    return Course(
+    return FreeRun(
         run,
         free,
         positions,
@@ -145,21 +147,21 @@ def _tcp(speed: Speed | Name) -> float:
     return speed.tcp if known and isinstance(speed, Speed) else UNKNOWN_SPEED
 
 
-def stations(course: Course, step: float) -> Rows:
+def stations(free_run: FreeRun, step: float) -> Rows:
     """(s,) rows at which a turn is chosen; between them it changes evenly with the time.
 
     step: degrees from one choice to the next.
     """
-    n, kinds = len(course), course.run.kinds
-    must = ~course.free | np.isfinite(course.fixed) | (kinds == Kind.JOINT) | ~course.same
+    n, kinds = len(free_run), free_run.run.kinds
+    must = ~free_run.free | np.isfinite(free_run.fixed) | (kinds == Kind.JOINT) | ~free_run.same
     must[0] = must[-1] = True
-    must[:-1] |= (kinds[1:] == Kind.JOINT) | ~course.same[1:] | ~course.free[1:]
-    must[1:] |= ~course.free[:-1]
-    ties = np.flatnonzero(course.tied >= 0)
-    must[ties] = must[course.tied[ties]] = True
+    must[:-1] |= (kinds[1:] == Kind.JOINT) | ~free_run.same[1:] | ~free_run.free[1:]
+    must[1:] |= ~free_run.free[:-1]
+    ties = np.flatnonzero(free_run.tied >= 0)
+    must[ties] = must[free_run.tied[ties]] = True
     chosen, since = [], 0.0
     for row in range(n):
-        since += float(course.seconds[row])
+        since += float(free_run.seconds[row])
         if must[row] or since * RATE >= step:
             chosen.append(row)
             since = 0.0

@@ -1,4 +1,4 @@
-"""What it costs to go from one station of a course to the next, with every turn in every branch."""
+"""What it costs to go from one station of a run to the next, with every turn in every branch."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from assistant.program.arrays import Floats, Ints, Rows, Truths, norms
 from assistant.robots.arms.arm import CLOSING, MISS_TOLERANCE
 from assistant.robots.motion.along import ToolWays
 from assistant.robots.robot import LIMIT_TOLERANCE, Robot
-from assistant.robots.turning.stations import RATE, UPRIGHT, Course
+from assistant.robots.turning.stations import RATE, UPRIGHT, FreeRun
 
 SPACING: Final = 15.0
 """mm between places on the way that are looked at; targets that are nearer are not all."""
@@ -69,22 +69,22 @@ class Step:
 
 
 class Looker:
-    """Works out stations and steps of a course."""
+    """Works out stations and steps of a run."""
 
-    def __init__(self, course: Course, robot: Robot) -> None:
-        self.course, self.robot = course, robot
+    def __init__(self, free_run: FreeRun, robot: Robot) -> None:
+        self.free_run, self.robot = free_run, robot
         self.winding = list(robot.winding())
         self.bend = robot.axes.index("J5") if robot.arm.spherical else None
 
     def station(self, row: int, turns: Floats, branches: tuple[int, ...]) -> Station:
         rows = np.full(len(turns), row)
-        p = np.repeat(self.course.positions[row : row + 1], len(turns), axis=0)
-        joints, possible = self._solved(p, self.course.turned(rows, turns), rows, branches)
+        p = np.repeat(self.free_run.positions[row : row + 1], len(turns), axis=0)
+        joints, possible = self._solved(p, self.free_run.turned(rows, turns), rows, branches)
         low, high = self.robot.limits.T
         out = (joints < low - LIMIT_TOLERANCE) | (joints > high + LIMIT_TOLERANCE)
         out[..., self.winding] = False
         possible = possible & ~out.any(axis=-1)
-        own = int(self.course.own[row])
+        own = int(self.free_run.own[row])
         if own >= 0:
             possible = possible & (np.array(branches) == own)
         return Station(row, turns, branches, joints, possible)
@@ -96,12 +96,12 @@ class Looker:
         that is settled may be off what there is to choose from.
         """
         rows = np.arange(one.row + 1, other.row + 1)
-        same = bool(self.course.same[rows].all())
+        same = bool(self.free_run.same[rows].all())
         before, fits, change = self._pairs(one, other, ramp, tolerance, rows, same)
         k, m = before.shape
         places = self._places(rows)
         share = self._shares(rows, *places)
-        seconds = np.diff(share, prepend=0.0) * float(self.course.seconds[rows].sum())
+        seconds = np.diff(share, prepend=0.0) * float(self.free_run.seconds[rows].sum())
         joints = np.empty((len(self.robot.axes), len(share) + 1, k, m, len(one.branches)))
         joints[:, 0] = np.moveaxis(one.joints[before], -1, 0)
         joints[:, -1] = np.moveaxis(other.joints, -1, 0)[:, :, None]
@@ -112,18 +112,21 @@ class Looker:
             possible &= reached.all(axis=0)
         return self._costed(before, joints, possible, seconds, LEAP if same else np.inf)
 
-    def along(self, one: Station, other: Station, ends: tuple[float, float], branch: int) -> Floats:
-        """(s, a) joints on the way between stations with a turn of the first and so many degrees
-        more at the other, both included, as the arm goes there.
+    def along(
+        self, one: Station, other: Station, turns: tuple[int, int], branch: int, change: float
+    ) -> Floats:
+        """(s, a) joints on the way between stations, both included, as the arm goes there.
+
+        turns: which of each station. branch: which of its branches. change: degrees from turn to
+        turn.
         """
         rows = np.arange(one.row + 1, other.row + 1)
         places = self._places(rows)
-        turns = np.array([[ends[0]]]), np.array([[ends[1]]])
-        first = self.station(one.row, np.array([ends[0]]), (branch,)).joints[0]
-        last = self.station(other.row, np.array([sum(ends)]), (branch,)).joints[0]
-        parts = [first, last]
+        parts = [one.joints[turns[0], branch][None], other.joints[turns[1], branch][None]]
         if len(places[0]) > 1:
-            parts.insert(1, self._between(rows, turns, places, (branch,))[0][:, :, 0, 0, 0].T)
+            ends = np.array([[one.turns[turns[0]]]]), np.array([[change]])
+            between, _ = self._between(rows, ends, places, (one.branches[branch],))
+            parts.insert(1, between[:, :, 0, 0, 0].T)
         joints = np.concatenate(parts)
         steps = np.diff(joints, axis=0)
         steps[:, self.winding] -= 360.0 * np.round(steps[:, self.winding] / 360.0)
@@ -143,13 +146,13 @@ class Looker:
         """(k, m) turns before each turn, whether that may be, and degrees from the one to it."""
         apart = other.turns[:, None] - one.turns[None] - ramp
         apart -= 360.0 * np.round(apart / 360.0)
-        settled = bool(np.isfinite(self.course.fixed[[one.row, other.row]]).all())
+        settled = bool(np.isfinite(self.free_run.fixed[[one.row, other.row]]).all())
         if not same or settled:
             fits = np.ones(apart.shape, dtype=bool)
-        elif self.course.tied[other.row] == one.row:
+        elif self.free_run.tied[other.row] == one.row:
             fits = np.abs(apart) < 1e-3
         else:
-            most = min(RATE * float(self.course.seconds[rows].sum()), WIDEST)
+            most = min(RATE * float(self.free_run.seconds[rows].sum()), WIDEST)
             fits = np.abs(apart) <= max(most + ROUNDING, tolerance)
         count = max(int(fits.sum(axis=1).max()), 1)
         order = np.argsort(np.where(fits, np.abs(apart), np.inf), axis=1, kind="stable")[:, :count]
@@ -158,7 +161,7 @@ class Looker:
 
     def _places(self, rows: Rows) -> tuple[Rows, Floats]:
         """Rows (s,), the last included, and parts (s,) of the moves to them that are looked at."""
-        if not self.course.same[rows].all():  # with another tool, or in another frame
+        if not self.free_run.same[rows].all():  # with another tool, or in another frame
             return rows[-1:], np.ones(1)
         lengths = self._lengths[rows]
         counts = np.clip(np.ceil(lengths / SPACING), 1, MOST_PLACES).astype(np.intp)
@@ -173,24 +176,24 @@ class Looker:
     @cached_property
     def _tilts(self) -> Floats:
         """(n,) degrees by which the tool is tilted on the moves."""
-        course, out = self.course, np.zeros(len(self.course))
-        z = rotations.rotate(course.references, np.broadcast_to(UPRIGHT, (len(course), 3)))
+        free_run, out = self.free_run, np.zeros(len(self.free_run))
+        z = rotations.rotate(free_run.references, np.broadcast_to(UPRIGHT, (len(free_run), 3)))
         out[1:] = np.degrees(2.0 * np.arcsin(np.clip(norms(np.diff(z, axis=0)) / 2.0, 0.0, 1.0)))
         return out
 
     @cached_property
     def _lengths(self) -> Floats:
         """(n,) mm of the moves."""
-        course = self.course
-        out = np.zeros(len(course))
-        out[1:] = np.linalg.norm(np.diff(course.positions, axis=0), axis=1)
-        if course.arcs is not None:
-            out[course.arcs.rows] = course.arcs.lengths
+        free_run = self.free_run
+        out = np.zeros(len(free_run))
+        out[1:] = np.linalg.norm(np.diff(free_run.positions, axis=0), axis=1)
+        if free_run.arcs is not None:
+            out[free_run.arcs.rows] = free_run.arcs.lengths
         return out
 
     def _shares(self, rows: Rows, row: Rows, part: Floats) -> Floats:
         """(s,) shares of the time from station to station at parts of the moves to rows."""
-        seconds = self.course.seconds[rows]
+        seconds = self.free_run.seconds[rows]
         total = float(seconds.sum())
         if not total > 0.0:
             seconds, total = np.ones(len(rows)), float(len(rows))
@@ -211,7 +214,7 @@ class Looker:
 
         ends: (k, m) turns at the station before, and degrees from it to the other.
         """
-        course, row, part = self.course, places[0][:-1], places[1][:-1]
+        free_run, row, part = self.free_run, places[0][:-1], places[1][:-1]
         first, change = (each.ravel() for each in ends)
         shares = np.concatenate([[0.0], self._shares(rows, rows, np.ones(len(rows)))])
         at = row - rows[0]
@@ -219,12 +222,12 @@ class Looker:
         for rows_there, share in ((row - 1, shares[at]), (row, shares[at + 1])):
             turns = first + share[:, None] * change  # (s, p)
             each = np.repeat(rows_there, len(first))
-            sides.append(course.turned(each, turns.ravel()))
+            sides.append(free_run.turned(each, turns.ravel()))
         ways = ToolWays(
-            (course.positions[row - 1], course.references[row - 1]),
-            (course.positions[row], course.references[row]),
+            (free_run.positions[row - 1], free_run.references[row - 1]),
+            (free_run.positions[row], free_run.references[row]),
             row,
-            course.arcs,
+            free_run.arcs,
         )
         p, _ = ways.at(part[:, None])
         positions = np.repeat(p[:, 0], len(first), axis=0)
@@ -238,7 +241,7 @@ class Looker:
     ) -> tuple[Floats, Truths]:
         """Joints (p, b, a) of the tool at poses of rows (p,), and whether they reach it."""
         robot = self.robot
-        p, q = self.course.run.mounting.to_flange(positions, quaternions, rows)
+        p, q = self.free_run.run.mounting.to_flange(positions, quaternions, rows)
         found, excess = robot.solve(p, q, branches)
         reached = (excess < CLOSING / 2.0) & np.isfinite(found).all(axis=0)
         if not robot.arm.spherical:
