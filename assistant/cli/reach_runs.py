@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 NO_ARM = error(
     "CL036",
     "nobody says which robot it is about",
-    "name one with --robot, or a cell file with --cell; `robot-assistant robots` lists them",
+    "name one with --robot, as the cell file does or of the catalogue; `robot-assistant robots` "
+    "lists these",
 )
 NO_RESULT = error("CL037", "this is not written as `{name}`", "end the name in {known}")
 BAD_TIP = error("CL038", "`{given}` is no tip", "write x,y,z or x,y,z,w,x,y,z: mm and a quaternion")
@@ -113,8 +114,8 @@ def standing(tool: Tool, known: Robot | None = None) -> Standing:
     """
     from assistant.cell import arms
     from assistant.cell.clearances import robot_of
-    from assistant.cell.rules import NO_ROBOT
     from assistant.cell.scene import Scene
+    from assistant.checks.clearances import no_robot
     from assistant.compiler.scenes import in_cell
 
     tip = _tip(tool.tip)
@@ -129,13 +130,12 @@ def standing(tool: Tool, known: Robot | None = None) -> Standing:
         return Standing(Scene(robots=(alone,)), alone, tip, False, found.findings)
     if robot is None and len(scene.robots) == 1:
         return Standing(scene, scene.robots[0], tip, True, found.findings)
+    if robot is None:
+        raise Refused(NO_ARM(), exit_status=2)
     try:
-        if robot is None:
-            raise LookupError
         return Standing(scene, robot_of(scene, robot), tip, True, found.findings)
     except LookupError:
-        names = ", ".join(placed.name for placed in scene.robots) or "none"
-        raise Refused(NO_ROBOT(name=tool.robot or "", names=names), exit_status=2) from None
+        raise Refused(no_robot(robot, scene), exit_status=2) from None
 
 
 def _tip(given: str | None) -> Pose:

@@ -68,7 +68,7 @@ def test_nothing_reached_is_said_with_where_the_flange_points(capsys):
     [
         ((), "CL036"),
         (("-r", "nobody"), "CO002"),
-        (("-r", "rv-2aj", "--cell", STAND), "CK413"),
+        (("-r", "rv-2aj", "--cell", STAND), "CK423"),
         (("--cell", STAND, "--x", "1:2"), "CK460"),
         (("--cell", STAND, "--x", "0:100000:0.001"), "CK461"),
         (("--cell", STAND, "--turns", "0"), "CK468"),
@@ -88,6 +88,30 @@ def test_bad_input_is_refused_with_one_finding(capsys, arguments, code, tmp_path
     assert code in err
     assert err.count(" error") == 1
     assert not list(tmp_path.iterdir())
+
+
+TWO = """[robots.left]
+robot = "rv-2aj"
+position = [0, 400, 0]
+[robots.right]
+robot = "rv-2aj"
+"""
+
+
+def test_of_two_robots_one_is_named_and_the_other_is_in_the_way(capsys, tmp_path):
+    cell = tmp_path / "two.toml"
+    cell.write_text(TWO)
+    status, _, err = run(capsys, "reach", "map", "--cell", cell)
+    assert (status, "CL036" in err) == (2, True)
+    status, _, err = run(capsys, "reach", "map", "--cell", cell, "--robot", "rv-2aj")
+    assert (status, "CK425" in err) == (2, True)
+    there = ("--x", "0:300:100", "--y", "300:400:50", "--z", "300")
+    status, out, _ = run(
+        capsys, "reach", "map", "--cell", cell, "--robot", "right", *there, "--format", "json"
+    )
+    assert status == 0
+    pairs = [(one["one"], one["other"]) for one in json.loads(out)["nearest"]]
+    assert {"left", "right"} in [{name.split(".")[0] for name in pair} for pair in pairs]
 
 
 def test_a_source_is_not_written_over(capsys, tmp_path):
@@ -164,6 +188,7 @@ def test_base_answers_in_json_for_a_program_without_a_cell(capsys):
         (("base", "--robot", "rv-2aj"), "CK464"),
         (("base", SAMPLES / "plate.dxf", "--cell", TRAY, *TIP), "CL041"),
         (("base", "nowhere.dxf", "--cell", TRAY), "IN"),
+        (("base", SAMPLES / "plate.dxf", "--robot", "rv-2aj", "--cell", TRAY), "CK423"),
     ],
 )
 def test_places_of_what_is_not_there_are_refused(capsys, arguments, code, tmp_path, monkeypatch):

@@ -52,7 +52,7 @@ def range_of(text: str, what: str) -> Range:
         return Range(numbers[0], numbers[0], 0.0)
     if len(numbers) == 3 and np.isfinite(numbers).all():
         low, high, step = numbers
-        if high >= low and step > 0.0:
+        if high >= low and step > 0.0 and np.isfinite((high - low) / step):
             if (high - low) / step > MOST:
                 raise Refused(
                     TOO_MANY(count=int((high - low) / step), what=f"steps of {what}", most=MOST),

@@ -244,7 +244,8 @@ def test_wrist_in_line_and_stretched_elbow_are_singular(axis, value):
 
 
 @pytest.mark.parametrize(
-    "text", ["", "1:2", "a:b:c", "5:1:1", "1:5:0", "1:5:-1", "nan", "1:inf:2", "1:2:3:4"]
+    "text",
+    ["", "1:2", "a:b:c", "5:1:1", "1:5:0", "1:5:-1", "nan", "1:inf:2", "1:2:3:4", "-1e308:1e308:1"],
 )
 def test_what_is_no_range_is_refused(text):
     with pytest.raises(Refused) as refused:
