@@ -67,7 +67,10 @@ def contact() -> bytes:
     """The gripper touches the clamp, at the first contact that is found."""
     return scene(
         *("samples/plate.dxf", "--cell", "samples/cell/clamped.toml"),
-        does=["document.querySelector('#findings button').click()"],
+        does=[
+            "document.querySelector('#findings button').click()",
+            "document.querySelector('#with-names').click()",
+        ],
     )
 
 

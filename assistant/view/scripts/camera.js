@@ -17,6 +17,15 @@ function aim(place, far) {
   if (controls) controls.target.copy(place);
   dirty = true;
 }
+/** Turns the view about a place, as it looked before, and near enough to see it. */
+function approach(place) {
+  if (!controls) return;
+  const back = camera.position.clone().sub(controls.target);
+  back.setLength(Math.min(back.length(), look.far / 3));
+  camera.position.copy(place).add(back);
+  controls.target.copy(place);
+  dirty = true;
+}
 /** Turns the view to the arms and what the program goes through. */
 function look() {
   const around = new THREE.Box3();
@@ -29,6 +38,7 @@ function look() {
   if (around.isEmpty()) around.set(new THREE.Vector3(-500, -500, 0), new THREE.Vector3(500, 500, 1000));
   const ball = around.getBoundingSphere(new THREE.Sphere());
   const far = ball.radius / Math.sin((camera.fov * Math.PI) / 360);
+  look.far = far;
   camera.near = ball.radius / 500;
   camera.far = far + 40 * ball.radius;
   camera.updateProjectionMatrix();

@@ -26,7 +26,7 @@ function choose(finding, button) {
       ? "This place is not in the part of the program that is played."
       : "This place is not on the way that is played: another branch of the program leads there.");
   }
-  if (controls) controls.target.set(...mark.points[0]);
+  approach(new THREE.Vector3(...mark.points[0]));
 }
 function goMove(move) {
   if (move !== null && data.moves[move].time !== null) go(data.moves[move].time);
