@@ -31,7 +31,7 @@ def run_swept(
         ready = solved(source, options)
         solution = ready.solution
         if has_errors(ready.findings):
-            return refused(source, solution.robot, ready.findings, format)
+            return refused(source, solution.robot, ready.findings, format, "swept")
         tool = Tool(options.robot, options.cell)
         there = standing(tool, solution.robot)
         holding = Holding.at_first(there.scene, there.placed)
