@@ -90,6 +90,14 @@ def around() -> bytes:
     )
 
 
+def travel() -> bytes:
+    """The gripper on its way around the clamp."""
+    return scene(
+        *("samples/cell/around.pseudo", "--cell", "samples/cell/clamped.toml"),
+        does=["view.setTime(1.46)", "view.aim([262, -10, 300], 700)"],
+    )
+
+
 def turned() -> bytes:
     """The nozzle is turned so that its holder stays away from the post."""
     return scene(
@@ -137,6 +145,7 @@ def drawn(*words: str) -> bytes:
 PICTURES: Final[dict[str, Callable[[], bytes]]] = {
     "contact": contact,
     "around": around,
+    "travel": travel,
     "reach": reach,
     "turned": turned,
     "viewing": viewing,

@@ -12,7 +12,7 @@ NO_CELL = error(
 START_UNKNOWN = error(
     "CK471",
     "where the arm is when it begins to travel to `{target}` is not known: {why}",
-    "move to a place that the text tells, right before it",
+    "{cure}",
 )
 SEVERAL = error(
     "CK472",

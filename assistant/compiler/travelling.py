@@ -234,14 +234,16 @@ class _Planning:
             raise Refused(_said(GOAL_UNKNOWN, statement))
         if arrival.external:
             raise Refused(_said(EXTERNAL, statement))
-        if arrival.doubt:
-            raise Refused(_said(START_UNKNOWN, statement, why=arrival.doubt))
+        if arrival.doubt is not None:
+            doubt = arrival.doubt
+            raise Refused(_said(START_UNKNOWN, statement, why=doubt.why, cure=doubt.cure))
         if len(arrival.places) > 1:
             what = f"begins at {len(arrival.places)} places"
             raise Refused(_said(SEVERAL, statement, what=what))
         if not arrival.places:
             why = "only running the program tells what moves before it"
-            raise Refused(_said(START_UNKNOWN, statement, why=why))
+            cure = "move to a place that the text tells, right before it"
+            raise Refused(_said(START_UNKNOWN, statement, why=why, cure=cure))
 
     def nowhere(self, name: str) -> bool:
         """Whether nothing of a name is declared in the program."""

@@ -38,12 +38,32 @@ from assistant.robots.timing.walking import Walker
 
 MOST_ROUNDS: Final = 8
 """Rounds of a loop that may begin in states of their own."""
-JUMPED: Final = "a jump leads around it"
-INTERRUPTED: Final = "an interrupt may have come before"
-TOO_LONG: Final = "a loop goes round too often to be followed"
-ITSELF: Final = "a procedure before it calls itself"
-KEPT: Final = "what the arm carries may have been changed by what only its controller knows"
-MOVING: Final = "what works a value out before it moves the arm"
+
+
+@dataclass(frozen=True, slots=True)
+class Doubt:
+    """Why it is not known where the arm may stand, and what to do."""
+
+    why: str
+    cure: str
+
+
+JUMPED: Final = Doubt("a jump leads around it", "say it by loops and branches, without jumps")
+INTERRUPTED: Final = Doubt(
+    "an interrupt may have come before",
+    "let interrupts neither move the arm nor end a cycle, nor come where bodies are carried",
+)
+TOO_LONG: Final = Doubt(
+    "a loop goes round too often to be followed", "let each round begin at the same place"
+)
+ITSELF: Final = Doubt("a procedure before it calls itself", "call no procedure out of itself")
+KEPT: Final = Doubt(
+    "what the arm carries may have been changed by what only its controller knows",
+    "say it by statements of the pseudo-program",
+)
+MOVING: Final = Doubt(
+    "what works a value out before it moves the arm", "move by a procedure that is called"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +71,7 @@ class Arrival:
     """The program comes to a travel.
 
     number: of the travel among those of the program, from 0, in order of text. places: joints
-    where the arm may stand. carried: by it. doubt: why `places` may lack one, empty if none does.
+    where the arm may stand. carried: by it. doubt: why `places` may lack one, None if none does.
     goal: the pose in its frame, or the joints, that its target means then, None if only running the
     program tells. external: it moves external axes. first: nothing moved before it. joints: (a,) of
     the move that stands right behind it, None if they are not known.
@@ -60,7 +80,7 @@ class Arrival:
     number: int
     places: tuple[Joints, ...]
     carried: Carried | None
-    doubt: str
+    doubt: Doubt | None
     goal: Pose | JointTarget | None
     external: bool
     first: bool
@@ -103,7 +123,7 @@ class _Arriving(Walker):
         self.moving_functions = self.movers & functions
         self.found: list[Arrival] = []
         self.goals: dict[int, Pose | JointTarget | None] = {}
-        self.doubt = ""
+        self.doubt: Doubt | None = None
         self.first = True  # nothing has moved yet
         self.open = False  # the move behind a travel comes next
 
