@@ -10,13 +10,13 @@ import pytest
 from assistant import robots
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Diagnostic, Severity, has_errors
-from assistant.program.expressions import Apply, Name, Number
+from assistant.program.expressions import Apply, Name, Number, Truth
 from assistant.program.geometry import Configuration, Pose, Target, Tool
 from assistant.program.motion import FINE, Speed
 from assistant.program.path import Kind, Path
 from assistant.program.program import Procedure, Program
 from assistant.program.pseudo import parse, print_program
-from assistant.program.statements import Follow, Motion, Move, Statement
+from assistant.program.statements import Branch, Follow, If, Motion, Move, Statement
 from assistant.robots.configuring import solve_program
 from assistant.robots.turning.programs import turned
 
@@ -200,3 +200,29 @@ def test_its_text() -> None:
     text = print_program(drawn).text
     assert "tool nozzle tip [60, 0, 100] free turn\n" in text
     assert parse(text) == drawn
+
+
+@pytest.mark.slow
+def test_ten_thousand_targets() -> None:
+    drawn = program(Follow(circle(10_000, 150.0, (350.0, 0.0, 200.0))))
+    out, findings = turned(drawn, ARM)
+    assert "10000 targets" in findings[0].message
+    solved = solve_program(out, ARM)
+    assert not [f for f in solved.findings if f.severity is not Severity.INFO]
+    (run,) = solved.solved_runs
+    assert len(np.unique(run.configurations[:, :3], axis=0)) == 1
+
+
+def test_the_second_branch_of_a_program_begins_where_the_first_does() -> None:
+    """What stands in one branch says nothing of where the other one begins."""
+    near = Target(Pose((400.0, 0.0, 250.0), DOWN))
+    one, other = (Target(Pose((x, y, 250.0), DOWN)) for x, y in ((420.0, 150.0), (420.0, -20.0)))
+    chosen = If(
+        (Branch(Truth(value=True), (Move("linear", Name("one"), SLOW),)),),
+        (Move("linear", Name("other"), SLOW),),
+    )
+    drawn = program(Move("joint", Name("near"), SLOW), chosen, near=near, one=one, other=other)
+    out, findings = turned(drawn, ARM)
+    assert codes(findings) == ["RB119"]
+    joints = [leg.joints[-1] for leg in solve_program(out, ARM).legs["main"]]
+    assert np.abs(joints[2] - joints[0]).max() < 20.0
