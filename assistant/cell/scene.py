@@ -18,6 +18,8 @@ MARGIN: Final = 5.0
 """mm under which a distance is a warning, where neither body says another."""
 UNKNOWN: Final = ".unknown"
 """How the body of a robot is called that stands for space of which nothing is known."""
+OCCUPIED: Final = ".occupied"
+"""How the body of a robot is called that stands for where contacts were."""
 CORE: Final = ".core"
 """How the thinner body of what moves is called that must keep out of such space."""
 

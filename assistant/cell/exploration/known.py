@@ -23,7 +23,7 @@ from assistant.cell.exploration.depths import thinner
 from assistant.cell.exploration.filling import MOST, STEP, SURE, Filler
 from assistant.cell.exploration.occupancy import Occupancy, State, cells_at, places_of
 from assistant.cell.exploration.rules import OPEN_BODY, OTHER_GRID, SAME_NAME, THIN, TOO_FINE
-from assistant.cell.scene import CORE, UNKNOWN, Body, Part, Scene
+from assistant.cell.scene import CORE, OCCUPIED, UNKNOWN, Body, Part, Scene
 from assistant.cell.shapes import Box, Mesh, extent
 from assistant.program.arrays import Floats, Ints, Truths, norms
 from assistant.program.diagnostics import Diagnostic, Refused
@@ -31,7 +31,6 @@ from assistant.program.geometry import Pose
 
 SKIN: Final = 2.0 * SURE + STEP
 """Sizes of a cell that a body is taken thinner by."""
-OCCUPIED: Final = ".occupied"
 OCCUPIED_COLOUR: Final = (200, 80, 60)
 
 

@@ -95,3 +95,8 @@ MANY_WAYS = error(
     "the program may go several ways, so that nobody knows where it has been",
     "record the joints while it runs, with `robot-assistant monitor --log`, for `explore recorded`",
 )
+ONLY_HERE = error(
+    "CK493",
+    "the chart of `{name}` tells of the space about where it stands, and of no other place",
+    "leave `explored` out of the cell file, and explore where the robot is put",
+)

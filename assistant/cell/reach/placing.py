@@ -11,11 +11,12 @@ import numpy as np
 
 from assistant.cell.collision.carriers import Carriers, carried
 from assistant.cell.collision.model import Model
+from assistant.cell.exploration.rules import ONLY_HERE
 from assistant.cell.planning.space import Space
 from assistant.cell.reach.holding import ENOUGH_AWAY, ENOUGH_CLEAR, ENOUGH_LIMITS, Held, held
 from assistant.cell.reach.rules import IN_THE_WAY, NO_BODY, NO_TARGETS, TOO_MANY
 from assistant.cell.reach.standing import Depths, deeper, depths
-from assistant.cell.scene import Body, Placed, Scene
+from assistant.cell.scene import OCCUPIED, UNKNOWN, Body, Placed, Scene
 from assistant.program import rotations
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Diagnostic, Refused
@@ -108,9 +109,11 @@ def best_base(
 
     offsets: (m, 4) mm along x, y and z of the world, degrees about z of the base. bodies: whether
     anything may be touched. margin: mm, None for those of the scene. Raises Refused for no targets,
-    or too many places.
+    too many places, or a robot that a chart keeps to space that was explored from where it stands.
     """
     at = scene.robots.index(placed)
+    if any(body.name in (placed.name + UNKNOWN, placed.name + OCCUPIED) for body in scene.bodies):
+        raise Refused(ONLY_HERE(name=placed.name), exit_status=2)
 
     def stands(offset: Floats) -> tuple[Scene, Placed, Pose, Pose]:
         base = shifted(placed.base, offset)

@@ -17,6 +17,7 @@ from assistant.cell.exploration.known import with_map
 from assistant.cell.exploration.occupancy import Occupancy, keys_of
 from assistant.cell.exploration.wandering import in_scene, wander
 from assistant.cell.planning.planner import plan
+from assistant.cell.reach.placing import best_base
 from assistant.cell.scene import Body, Part, Placed, Scene
 from assistant.cell.shapes import Box, Capsule, Shape, Sphere
 from assistant.program.arrays import Floats, Truths
@@ -110,6 +111,13 @@ def test_a_body_that_is_called_as_what_a_map_adds_is_refused() -> None:
     with pytest.raises(Refused) as refused:
         known(np.ones((3, 3, 3), dtype=bool), Sphere(40.0), Body("gantry.unknown", ()))
     assert refused.value.findings[0].code == "CK491"
+
+
+def test_a_chart_tells_nothing_of_another_place_of_the_robot() -> None:
+    scene = known(np.ones((3, 3, 3), dtype=bool), Sphere(40.0))
+    with pytest.raises(Refused) as refused:
+        best_base(scene, scene.robots[0], np.zeros((1, 4)), [])
+    assert refused.value.findings[0].code == "CK493"
 
 
 # ---------------------------------------------------------------------------------------- ways
