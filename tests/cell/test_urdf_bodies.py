@@ -63,7 +63,19 @@ def scene_of(
 ) -> tuple[Scene, tuple[Diagnostic, ...]]:
     (folder / "arm.urdf").write_text(text, encoding="utf-8")
     (folder / "cell.toml").write_text(f'[robots.arm]\nrobot = "arm.urdf"\n{robot}\n{more}')
-    return read_scene(folder / "cell.toml")
+    scene, findings = read_scene(folder / "cell.toml")
+    return scene, tuple(finding for finding in findings if finding.code != "CK419")
+
+
+def test_links_that_nothing_is_drawn_of_are_told_of(tmp_path: Path) -> None:
+    ball = shape('<sphere radius="0.05"/>')
+    drawn = dict.fromkeys(("base", "l1", "l2", "l4", "l5", "tool0"), ball)
+    scene_of(tmp_path, urdf(CHAIN, drawn))
+    (finding,) = read_scene(tmp_path / "cell.toml")[1]
+    assert finding.code == "CK419"
+    assert " J3," in finding.message
+    scene_of(tmp_path, urdf(CHAIN, drawn | {"l3": ball}))
+    assert read_scene(tmp_path / "cell.toml")[1] == ()
 
 
 def transform(xyz: str, rpy: str) -> np.ndarray:

@@ -8,7 +8,7 @@ from typing import Final
 from urllib.parse import unquote
 
 from assistant.cell.reading import meshes
-from assistant.cell.reading.rules import NO_PACKAGE, NOT_HERE, STILL, UNUSED_PACKAGE
+from assistant.cell.reading.rules import BARE, NO_PACKAGE, NOT_HERE, STILL, UNUSED_PACKAGE
 from assistant.cell.scene import Body, Part
 from assistant.cell.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from assistant.program.diagnostics import Diagnostic, Refused
@@ -40,6 +40,12 @@ def drawn_links(
         raise Refused(*reader.wrong)
     for package in sorted(packages.keys() - reader.used):
         reader.found.append(UNUSED_PACKAGE(name=name, package=package))
+    there = {body.parent.removeprefix(f"{name}.") for body in bodies}
+    bare = [link for link in ("base", *robot.axes) if link not in there]
+    if "flange" in there and bare and bare[-1] == robot.axes[-1]:
+        bare.pop()  # it moves with the last link
+    if bare:
+        reader.found.append(BARE(name=name, links=", ".join(bare)))
     if robot.outlines.still:
         joints = ", ".join(f"`{joint}`" for joint in robot.outlines.still)
         reader.found.append(STILL(name=name, joints=joints))

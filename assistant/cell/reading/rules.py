@@ -26,3 +26,8 @@ STILL: Final = info(
     "the joints {joints} of the robot `{name}` are no axes of its arm; what they carry stands as "
     "with them at 0",
 )
+BARE: Final = info(
+    "CK419",
+    "the URDF of the robot `{name}` draws nothing on {links}, so that nothing is looked for there",
+    'draw them, or write links = "capsules" to the robot',
+)
