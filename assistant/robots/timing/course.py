@@ -40,7 +40,9 @@ class Course:
     before and behind each knot in which the way is bent; 0 for a stop. corner: (s + 1,) whether
     the knot belongs to a corner that is cut. inside: (s,) whether a step lies between knots of
     one corner. loose: (s,) whether it is of a joint move, or lies in the corner of one. axes:
-    (a, s) and tool: (3, s) what moves in a step for each mm of it.
+    (a, s) and tool: (3, s) what moves in a step for each mm of it. straight: (s,) whether it is of
+    joint moves alone, so that its joints are nowhere else than on the lines between the knots and
+    the parabolas of the corners.
     """
 
     knots: Knots
@@ -52,6 +54,7 @@ class Course:
     loose: Truths
     axes: Floats
     tool: Floats
+    straight: Truths
 
     @property
     def row(self) -> Rows:
@@ -73,6 +76,8 @@ def course_of(moves: Moves, knots: Knots, robot: Robot) -> Course:
     free = moves.kinds == Kind.JOINT
     beside = free[row]
     beside[:-1] |= free[row[1:]]
+    both = free[row]
+    both[:-1] &= free[row[1:]]
     room = np.full(len(knots.joints), np.nan)  # of each knot of a corner or a stop
     corner = np.full(len(room), -1)
     if len(step) > 1:
@@ -95,7 +100,9 @@ def course_of(moves: Moves, knots: Knots, robot: Robot) -> Course:
     room = _rooms(room[ends], d)
     loose = free[knots.row[step]]
     loose[inside] |= beside[first[inside]]
-    return Course(knots, step, d, room, corner[ends] >= 0, inside, loose, axes, tool)
+    straight = free[knots.row[step]]
+    straight[inside] = both[first[inside]]
+    return Course(knots, step, d, room, corner[ends] >= 0, inside, loose, axes, tool, straight)
 
 
 def _only(knots: Knots, going: Truths) -> Knots:

@@ -68,7 +68,8 @@ def stretches_of(plan: Plan) -> Stretches:
     last, _ = Places(course, step[-1:], d[-1:]).of(knots)
     joints = np.concatenate([joints, last])
     bend = np.abs(middle - (joints[1:] + joints[:-1]) / 2.0)
-    slack = bend + _between_knots(plan)[course.step[step]]
+    between = _between_knots(plan)[course.step[step]]
+    slack = bend + np.where(course.straight[step, None], 0.0, between)
     begins = np.concatenate([[0.0], np.cumsum(course.distance)[:-1]])
     places = np.append(begins[step] + gone, course.distance.sum())
     return Stretches(joints, slack, plan.passing(places), course.row[step])
@@ -90,8 +91,8 @@ def _cuts(distance: Floats, room: Floats) -> tuple[Rows, Floats]:
 def _between_knots(plan: Plan) -> Floats:
     """(k, a) how far a joint is from the line between two knots of a line or an arc.
 
-    An eighth of the second difference, which is what a parabola through the knots is off; none in
-    a joint move, whose knots lie on that line.
+    An eighth of the second difference, which is what a parabola through the knots is off. It means
+    nothing in a joint move, whose knots lie on that line, but at unequal distances near a corner.
     """
     knots = plan.course.knots
     step = np.diff(knots.joints, axis=0)
