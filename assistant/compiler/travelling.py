@@ -26,7 +26,6 @@ from assistant.program.diagnostics import Diagnostic, Refused, Rule, has_errors
 from assistant.program.expressions import Expression, Name
 from assistant.program.geometry import IDENTITY, Pose, Tool
 from assistant.program.program import Program, walk
-from assistant.program.pseudo.expressions import expression_text
 from assistant.program.rewriting import Body, map_bodies
 from assistant.program.rotations import to_matrix
 from assistant.program.statements import Comment, Move, MoveJoints, Statement, Travel
@@ -315,7 +314,7 @@ class _Planning:
             return None
         number = self.names.number(said)
         if number is None or not number > 0.0:
-            raise Refused(_said(NO_NUMBER, statement, word=word, value=expression_text(said)))
+            raise Refused(_said(NO_NUMBER, statement, word=word, value=_text(said)))
         return number
 
     def moves(self, way: _Way, one: Travel, *, said: bool = False) -> Body:
@@ -330,7 +329,7 @@ class _Planning:
             place = None if one.span is None else self.places.of(one.span)
             line = "" if place is None else f", line {place.line}"
             many = "a planned move" if len(made) == 1 else f"{len(made)} planned moves"
-            target = expression_text(one.target)
+            target = _text(one.target)
             moves.insert(0, Comment(f"travel to {target}{line}: {many}"))
         return tuple(moves)
 
@@ -344,14 +343,14 @@ class _Planning:
 
 
 def _said(rule: Rule, statement: Travel, **values: Any) -> Diagnostic:
-    return rule(target=expression_text(statement.target), span=statement.span, **values)
+    return rule(target=_text(statement.target), span=statement.span, **values)
 
 
 def _at(statement: Travel, finding: Diagnostic) -> Diagnostic:
     """A finding about a way at its line; where no text has it, with what the way leads to."""
     if statement.span is not None:
         return replace(finding, span=statement.span)
-    return replace(finding, about=f"travel to {expression_text(statement.target)}")
+    return replace(finding, about=f"travel to {_text(statement.target)}")
 
 
 def _exchanged(program: Program, made: Callable[[int, Travel], Body]) -> Program:
@@ -375,3 +374,9 @@ def _exchanged(program: Program, made: Callable[[int, Travel], Body]) -> Program
 
     procedures = tuple(replace(one, body=body(one.body)) for one in program.procedures)
     return replace(program, procedures=procedures)
+
+
+def _text(expression: Expression) -> str:
+    from assistant.program.pseudo.expressions import expression_text  # it loads the grammar
+
+    return expression_text(expression)

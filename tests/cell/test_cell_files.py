@@ -77,6 +77,11 @@ def test_the_same_file_says_tools_and_frames(tmp_path: Path) -> None:
     [
         ('[bodies.a]\nbox = [1, 2, 3]\nparent = "sky"\n', "CK401", "sky"),
         (
+            '[frames.f]\nheld = true\n[bodies.a]\nbox = [1, 2, 3]\nparent = "f"\n',
+            "CK401",
+            "f",
+        ),
+        (
             '[bodies.a]\nsphere = 1\nparent = "b"\n[bodies.b]\nsphere = 1\nparent = "a"\n',
             "CK402",
             "itself",
@@ -199,7 +204,7 @@ def test_a_thin_body_is_told_the_cells_that_suit_it(tmp_path: Path) -> None:
     save(Occupancy.unknown(10.0, "irb1200-7-0.7"), tmp_path / "arm.npz")
     text = CELL.replace('"irb1200-7-0.7"', '"irb1200-7-0.7"\nexplored = "arm.npz"')
     scene, findings = cell(tmp_path, text)
-    assert [f.code for f in findings] == ["CK489"]
+    assert [f.code for f in findings] == ["CK489", "CK497"]
     assert "`nozzle`" in findings[0].message
     names = {body.name: body for body in scene.bodies}
     assert {"arm.unknown", "nozzle.core", "arm.J2.core"} <= set(names)

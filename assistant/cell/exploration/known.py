@@ -22,7 +22,14 @@ from assistant.cell.exploration.boxes import boxes_of, surface_of
 from assistant.cell.exploration.depths import thinner
 from assistant.cell.exploration.filling import MOST, STEP, SURE, Filler
 from assistant.cell.exploration.occupancy import Occupancy, State, cells_at, places_of
-from assistant.cell.exploration.rules import OPEN_BODY, OTHER_GRID, SAME_NAME, THIN, TOO_FINE
+from assistant.cell.exploration.rules import (
+    OPEN_BODY,
+    OTHER_GRID,
+    SAME_NAME,
+    SKIN_IN_UNKNOWN,
+    THIN,
+    TOO_FINE,
+)
 from assistant.cell.scene import CORE, OCCUPIED, UNKNOWN, Body, Part, Scene
 from assistant.cell.shapes import Box, Mesh, extent
 from assistant.program.arrays import Floats, Ints, Truths, norms
@@ -51,8 +58,8 @@ def with_map(
 def mapped(
     scene: Scene, occupancy: Occupancy, name: str | None = None, *, blocked: bool = True
 ) -> tuple[Scene, tuple[Diagnostic, ...]]:
-    """As `with_map`, with findings: bodies that have explored nothing, so that they are in unknown
-    space wherever no other has been.
+    """As `with_map`, with findings: how much of a body unknown space may have, and bodies that have
+    explored nothing, so that they are in unknown space wherever no other has been.
     """
     filler = Filler(scene, name, occupancy.size)
     placed = filler.placed
@@ -88,7 +95,7 @@ def mapped(
     pairs |= {(unknown_name, other) for other in everything - own}
     pairs |= {(occupied_name, other) for other in everything - {*moved, *taken}}
     allowed = {(min(pair), max(pair)) for pair in pairs}
-    findings = tuple(_thin(filler)) if blocked else ()
+    findings = (*_thin(filler), SKIN_IN_UNKNOWN(name=placed.name, skin=skin)) if blocked else ()
     return replace(out, allowed=scene.allowed | allowed), findings
 
 

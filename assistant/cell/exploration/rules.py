@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from assistant.program.diagnostics import error, warning
+from assistant.program.diagnostics import error, info, warning
 
 NO_MAP = error(
     "CK450", "this is no chart of explored space: {reason}", "save it again with what explored"
@@ -89,6 +89,12 @@ THIN = warning(
     "cells of {size:g} mm are too large for `{name}`: where it has been is not all known to be "
     "free",
     "explore with cells of {better:.3g} mm at most",
+)
+SKIN_IN_UNKNOWN = info(
+    "CK497",
+    "space that nobody explored is kept free of `{name}` but for its skin: {skin:g} mm of what it "
+    "moves may be in it",
+    "explore with smaller cells for a thinner skin, and move slowly at first",
 )
 MANY_WAYS = error(
     "CK492",

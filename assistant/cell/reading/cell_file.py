@@ -179,11 +179,15 @@ class _Reader:
         return scene
 
     def frames(self) -> dict[str, Frame]:
-        """Those of the file; what is wrong in them is told by who reads the rest of it."""
+        """Those of the file that stand still, and not on an arm; what is wrong in them is told by
+        who reads the rest of it.
+        """
         found = {}
         for name, entry in self.top.table("frames").named():
             quiet = Table(replace(entry.page, findings=[]), entry.path, entry.content)
-            found[name] = Frame(_pose(quiet.read({**PLACE, "held": values.truth})))
+            said = quiet.read({**PLACE, "held": values.truth})
+            if not said.get("held", False):
+                found[name] = Frame(_pose(said))
         return found
 
     def robot(self, name: str, entry: Table) -> tuple[Placed | None, str | None]:
