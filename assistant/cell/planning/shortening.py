@@ -18,8 +18,8 @@ ROOM: Final = 4.0
 """mm beyond the margins that are left in a shortcut for its corners to be rounded in."""
 TINY: Final = 1e-12
 """seconds of a way that is none."""
-DIGITS: Final = 6
-"""Of joints in degrees and mm between start and goal, as a program states them."""
+DIGITS: Final = 2
+"""Of joints in degrees and mm between start and goal: with them every language says the same."""
 WORTH: Final = 1e-3
 """Of the length of a way, what a shortcut must save."""
 
@@ -51,8 +51,15 @@ def shortened(
         straighter = _straightened(space, rows, draw)
         rows = rows if straighter is None else straighter
     rows = without_corners(space, _sooner(space, rows, goals))
-    rows[1:-1] = np.round(rows[1:-1], DIGITS) + 0.0
-    return rows
+    return _in_few_digits(space, rows)
+
+
+def _in_few_digits(space: Space, rows: Floats) -> Floats:
+    """The way with places that a program can state, if it is as free with them."""
+    low, high = space.robot.limits.T
+    stated = rows.copy()
+    stated[1:-1] = np.clip(np.round(rows[1:-1], DIGITS), low, high) + 0.0
+    return stated if space.clear(stated[:-1], stated[1:]).all() else rows
 
 
 def _sooner(space: Space, rows: Floats, goals: Floats | None) -> Floats:
