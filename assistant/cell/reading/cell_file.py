@@ -45,7 +45,7 @@ Names of links are those of the robot and its axis: `arm.base`, `arm.J2`, `arm.f
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Any, Final
@@ -56,10 +56,8 @@ from assistant.cell.collision.carriers import Carriers
 from assistant.cell.exploration.known import mapped
 from assistant.cell.exploration.map_file import load
 from assistant.cell.exploration.rules import NOTHING_UNKNOWN
-from assistant.cell.reading import meshes
-from assistant.cell.reading.drawings import Drawn, read_drawing
-from assistant.cell.reading.drawings.rules import TWICE
-from assistant.cell.reading.keys import BODY, PART, PARTS, PLACE, ROBOT, SHAPES, WORLD
+from assistant.cell.reading.bodies import Bodies, pose_of
+from assistant.cell.reading.keys import PLACE, ROBOT, WORLD
 from assistant.cell.reading.links import drawn_links
 from assistant.cell.reading.rules import UNUSED_PACKAGE
 from assistant.cell.rules import (
@@ -69,13 +67,11 @@ from assistant.cell.rules import (
     NO_PARENT,
     NO_ROBOT,
     NO_SHAPE,
-    SAME_BODY,
 )
-from assistant.cell.scene import MARGIN, Body, Named, Part, Placed, Scene
+from assistant.cell.scene import MARGIN, Body, Named, Placed, Scene
 from assistant.cell.scene import WORLD as WORLD_FRAME
-from assistant.cell.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
-from assistant.program.geometry import Frame, Pose, Vector
+from assistant.program.geometry import Frame
 from assistant.program.system.budgets import SETTINGS_FILE
 from assistant.program.text import SourceText, decode, read_bytes
 from assistant.sources.process import values
@@ -117,12 +113,13 @@ class _Reader:
     def __init__(self, top: Table, folder: FilePath) -> None:
         self.top, self.folder = top, folder
         self.found: list[Diagnostic] = []
+        self.bodies = Bodies(folder, self.found)
         self.maps: dict[str, Mapping[str, Any]] = {}
 
     def scene(self) -> Scene:
         world = self.top.table("world").read(WORLD)
         drawn = tuple(self.drawn(world))
-        bodies = (*drawn, *self.bodies(drawn))
+        bodies = (*drawn, *self.bodies.read(self.top, drawn))
         placed = []
         for name, entry in self.top.table("robots").named():
             one, tool = self.robot(name, entry)
@@ -187,7 +184,7 @@ class _Reader:
             quiet = Table(replace(entry.page, findings=[]), entry.path, entry.content)
             said = quiet.read({**PLACE, "held": values.truth})
             if not said.get("held", False):
-                found[name] = Frame(_pose(said))
+                found[name] = Frame(pose_of(said))
         return found
 
     def robot(self, name: str, entry: Table) -> tuple[Placed | None, str | None]:
@@ -209,7 +206,7 @@ class _Reader:
             self.maps[name] = said
         elif "unknown" in said:
             entry.say(NOTHING_UNKNOWN, "unknown", name=name)
-        placed = arms.placed(name, robot, _pose(said), links)
+        placed = arms.placed(name, robot, pose_of(said), links)
         return replace(placed, named=self.named(said)), said.get("tool")
 
     def named(self, said: Mapping[str, Any]) -> Named:
@@ -261,105 +258,9 @@ class _Reader:
 
     def drawn(self, world: Mapping[str, Any]) -> Iterator[Body]:
         """Those of the drawing of the cell."""
-        drawing = self.drawing(world)
+        drawing = self.bodies.drawing(world)
         for body in drawing.bodies if drawing else ():
             yield replace(body, parent=world.get("frame", WORLD_FRAME))
-
-    def drawing(self, said: Mapping[str, Any]) -> Drawn | None:
-        if "drawing" not in said:
-            return None
-        try:
-            found = read_drawing(self.folder / said["drawing"], said.get("unit"))
-        except Refused as refused:
-            self.found += refused.findings
-            return None
-        self.found += found.findings
-        return found
-
-    def bodies(self, drawn: Iterable[Body] = ()) -> Iterator[Body]:
-        seen = {body.name.casefold(): body.name for body in drawn}
-        for name, entry in self.top.table("bodies").named():
-            other = seen.get(name.casefold())
-            if other is not None:
-                rule = TWICE if other == name else SAME_BODY
-                entry.say(rule, name=name, other=other)
-            said = entry.read(BODY)
-            one = self.one(name, entry, said)
-            if one is None:
-                continue
-            own = {k: _pose(t.read(PLACE)) for k, t in entry.table("locations").named()}
-            yield replace(
-                one,
-                pose=_pose(said),
-                parent=said.get("parent", WORLD_FRAME),
-                colour=said.get("colour", one.colour),
-                margin=said.get("margin"),
-                taken=said.get("taken"),
-                released=said.get("released"),
-                locations={**one.locations, **own},
-                source=str(entry.page.source.path or ""),
-            )
-
-    def one(self, name: str, entry: Table, said: Mapping[str, Any]) -> Body | None:
-        """A body with its shape, or with its parts."""
-        key = self.kind(name, entry, (*SHAPES, PARTS), said)
-        if key == "drawing":
-            drawing = self.drawing(said)
-            return None if drawing is None else drawing.as_one(name)
-        if key == PARTS:
-            found = [self.part(*named) for named in entry.table(PARTS).named()]
-            if said[PARTS] == {}:
-                entry.say(
-                    NO_SHAPE, PARTS, name=name, what="no parts", cure="write some, or a shape"
-                )
-            parts = tuple(part for part in found if part is not None)
-            return Body(name, parts) if parts and len(parts) == len(found) else None
-        shape = None if key is None else self.shape(name, key, entry, said)
-        return None if shape is None else Body(name, (Part(shape),))
-
-    def part(self, name: str, entry: Table) -> Part | None:
-        said = entry.read(PART)
-        key = self.kind(name, entry, tuple(key for key in SHAPES if key != "drawing"), said)
-        shape = None if key is None else self.shape(name, key, entry, said)
-        return None if shape is None else Part(shape, _pose(said))
-
-    def kind(
-        self, name: str, entry: Table, known: Sequence[str], said: Mapping[str, Any]
-    ) -> str | None:
-        """The key of the one shape of a table; None, and a finding, if there is not one."""
-        shapes = [key for key in known if key in said]
-        if len(shapes) == 1:
-            return shapes[0]
-        if shapes or not any(key in entry.content for key in known):  # else told of by its value
-            what = "no shape" if not shapes else f"{len(shapes)} shapes"
-            entry.say(NO_SHAPE, name=name, what=what, cure=f"write one of {', '.join(known)}")
-        return None
-
-    def shape(self, name: str, key: str, entry: Table, said: Mapping[str, Any]) -> Shape | None:
-        value = said[key]
-        if "off" in said and key != "mesh":
-            cure = "take it out, or make the shape larger"
-            entry.say(NO_SHAPE, "off", name=name, what="an `off`, which is of a mesh", cure=cure)
-        match key:
-            case "box":
-                return Box(_three(value))
-            case "sphere":
-                return Sphere(value)
-            case "cylinder":
-                return Cylinder(*value)
-            case "capsule":
-                return Capsule(*value)
-        try:
-            read = meshes.read_hull if key == "convex" else meshes.read_mesh
-            shape: Shape
-            shape, findings = read(self.folder / value, said.get("unit"))
-        except Refused as refused:
-            self.found += refused.findings
-            return None
-        self.found += findings
-        if isinstance(shape, Mesh) and "off" in said:
-            shape = replace(shape, off=shape.off + said["off"])
-        return shape
 
 
 def _in_itself(scene: Scene, body: Body) -> bool:
@@ -369,16 +270,3 @@ def _in_itself(scene: Scene, body: Body) -> bool:
         seen.append(at.name)
         at = scene.body(at.parent)
     return at is not None and at.name == body.name
-
-
-def _three(value: tuple[float, ...]) -> Vector:
-    x, y, z = value
-    return x, y, z
-
-
-def _pose(said: Mapping[str, Any]) -> Pose:
-    turn = said["quaternion"][0] if "quaternion" in said else None
-    return Pose(
-        said.get("position", (0.0, 0.0, 0.0)),
-        turn or said.get("euler_zyx", Pose().quaternion),
-    )
