@@ -156,7 +156,7 @@ def test_place_finds_where_all_is_reached_and_says_it_as_the_cell_file_does(caps
 def test_place_says_what_is_reached_nowhere(capsys):
     status, out, err = run(capsys, "reach", "place", "tray", "--cell", TRAY, *TIP, "--x", "0")
     assert status == 1
-    assert "reaches the most, 2 of 4, and not `tray.c`" in err
+    assert "the best one, where it is, reaches 2 of 4, and not `tray.c`" in err
     assert "(not tray.c)" in out
     assert "[bodies.tray]" not in out
 

@@ -92,8 +92,8 @@ THIN = warning(
 )
 SKIN_IN_UNKNOWN = info(
     "CK497",
-    "space that nobody explored is kept free of `{name}` but for its skin: {skin:g} mm of what it "
-    "moves may be in it",
+    "space that nobody explored is kept free of `{name}` but for its skin: {skin:.4g} mm of what "
+    "it moves may be in it",
     "explore with smaller cells for a thinner skin, and move slowly at first",
 )
 MANY_WAYS = error(

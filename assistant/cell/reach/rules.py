@@ -37,8 +37,8 @@ NO_BODY = error(
 )
 NO_PLACE = error(
     "CK466",
-    "everything is reached at none of the {count:,} places; {best} reaches the most, {reached} of "
-    "{total}, and not `{first}`",
+    "no place of {count:,} reaches everything; the best one, {best}, reaches {reached} of {total}, "
+    "and not `{first}`",
     "take other ranges, fewer targets, or an arm that reaches farther",
 )
 IN_THE_WAY = info(
