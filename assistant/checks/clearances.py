@@ -61,6 +61,16 @@ NOT_LOOKED: Final = info(
 )
 
 
+UNSEEN: Final = (
+    "not timed",
+    "not followed",
+    "only running the program tells where that is",
+    "is a motion whose time is not known",
+    "may move the arm",
+    "are taken as the one before them",
+    "is set by the program",
+)
+"""Words of what a simulation does not know by which ways of the arm are left out."""
 BARE: Final = 50.0
 """mm from a tip to the next body from which on the tool is taken to have none."""
 
@@ -114,7 +124,7 @@ def placed_clearances(
         what = f"only running the program tells where `{name}` is after a while"
         yield NOT_LOOKED(what=what), None
     for unknown in simulation.unknown:
-        if "not timed" in unknown.what:
+        if any(words in unknown.what for words in UNSEEN):
             yield NOT_LOOKED(what=str(unknown)), None
 
 

@@ -12,9 +12,11 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from typing import Final
 
-from assistant.program.analysis.uses import POSITION, altered
+from assistant.program.analysis.dataflow import reachable
+from assistant.program.analysis.uses import POSITION, altered, called
 from assistant.program.expressions import Apply
 from assistant.program.geometry import JointTarget, Pose
+from assistant.program.program import Program
 from assistant.program.rewriting import head, records
 from assistant.program.statements import (
     Assign,
@@ -30,14 +32,12 @@ from assistant.program.statements import (
     While,
 )
 from assistant.robots.solved_program import SolvedProgram
+from assistant.robots.timing.again import MOST_ROUNDS
 from assistant.robots.timing.carrying import Carried
 from assistant.robots.timing.drive import drive_of
 from assistant.robots.timing.state import Joints, State, met
 from assistant.robots.timing.variables import root
 from assistant.robots.timing.walking import Walker
-
-MOST_ROUNDS: Final = 8
-"""Rounds of a loop that may begin in states of their own."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,6 +105,19 @@ def arrivals(solution: SolvedProgram, carried: Carried | None = None) -> tuple[A
     return tuple(walker.found)
 
 
+def _anywhere(program: Program) -> dict[str, Doubt]:
+    """Procedures, in lower case, that also begin where no way through the program tells."""
+    calls = {one.name.lower(): tuple(called(one)) for one in program.procedures}
+
+    def after(name: str) -> tuple[str, ...]:
+        return calls.get(name, ())
+
+    coming = {s.call.procedure.lower() for s in program.statements() if isinstance(s, Interrupt)}
+    circles = {name for name in calls if name in reachable(after(name), after)}
+    found = dict.fromkeys(reachable(circles, after), ITSELF)
+    return found | dict.fromkeys(reachable(coming, after), INTERRUPTED)
+
+
 class _Elsewhere(Exception):
     """A travel leads to another place than before."""
 
@@ -121,6 +134,7 @@ class _Arriving(Walker):
         functions = {one.name.lower() for one in program.procedures if one.result is not None}
         self.movers = {name for name, parts in changed.items() if POSITION in parts}
         self.moving_functions = self.movers & functions
+        self.anywhere = _anywhere(program)
         self.found: list[Arrival] = []
         self.goals: dict[int, Pose | JointTarget | None] = {}
         self.doubt: Doubt | None = None
@@ -153,7 +167,7 @@ class _Arriving(Walker):
             self.numbered[id(statement)],
             state.places,
             state.carried,
-            self.doubt,
+            self.doubt or self.anywhere.get(self.calls[-1].lower()),
             joints if place is None else place.pose,
             target is not None and not all(map(math.isnan, target.external)),
             self.first,
@@ -221,11 +235,11 @@ class _Arriving(Walker):
         if self.doubt != before:
             self.found[first:] = [replace(one, doubt=self.doubt) for one in self.found[first:]]
 
-    def once(self, statement: For | While, state: State) -> State | None:
-        """No round, one, and more, until they begin as others began."""
+    def once(self, statement: For | While, state: State, *, ever: bool = False) -> State | None:
+        """No round, unless it has no end, one, and more, until they begin as others began."""
         assigned = {root(part.target) for part in records(statement) if isinstance(part, Assign)}
         begin = state.without(assigned)
-        ways, begun = [begin], list[State]()
+        ways, begun = [] if ever else [begin], list[State]()
         while not any(one.same_state(begin) for one in begun):
             if len(begun) == MOST_ROUNDS:
                 self.doubt = TOO_LONG

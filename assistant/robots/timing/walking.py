@@ -40,6 +40,7 @@ from assistant.program.statements import (
 )
 from assistant.robots.solved_program import SolvedProgram
 from assistant.robots.target_lookup import Names
+from assistant.robots.timing import again
 from assistant.robots.timing.carrying import carrying
 from assistant.robots.timing.drive import Drive
 from assistant.robots.timing.kept import KeptMotion
@@ -80,13 +81,12 @@ class Walker:
         self.returned: list[State] = []
         self.waiting: list[Piece] = []
         self.statements = self.called = 0
+        self.set = {root(s.target) for s in solution.program.statements() if isinstance(s, Assign)}
         self.shared = {name.lower() for name in solution.program.variables}
 
     def begin(self) -> Known:
         """The variables of the program as they are at a start from the top."""
-        program = self.solution.program
-        assigned = {root(s.target) for s in program.statements() if isinstance(s, Assign)}
-        return first_values(program.variables, assigned)
+        return first_values(self.solution.program.variables, self.set)
 
     def procedure(self, procedure: Procedure, state: State, given: Known) -> State:
         """A call, from the state before it; given: its arguments by parameter, where known."""
@@ -147,6 +147,11 @@ class Walker:
             self.note(f"move {number}: its external axes are not timed")
         if id(statement) in self.pieces.bare:
             self.note(f"move {number}: its tool or frame is not known; the flange is taken")
+        motion = getattr(statement, "motion", None)
+        if motion is not None and {motion.tool.lower(), motion.frame.lower()} & self.set:
+            self.note(f"move {number}: its tool or frame is set by the program; the first is taken")
+        if piece is not None and getattr(statement, "until", None) is not None:
+            self.note(f"move {number}: the way from where it is broken off is not timed")
         if piece is not None:
             self.waiting.append(replace(piece, carried=state.carried))
             return state
@@ -341,7 +346,7 @@ class Walker:
         constant = not any(isinstance(part, Name) for part in records(statement.condition))
         if holds and constant:
             self.note("the loop runs for ever; one round is counted")
-            end = self.once(statement, state)
+            end = self.once(statement, state, ever=True)
             if end is not None:
                 self.returned.append(end)
             return None
@@ -360,11 +365,9 @@ class Walker:
         self.note(f"how often the loop while {text} goes round; once is counted")
         return self.once(statement, state)
 
-    def once(self, statement: For | While, state: State) -> State | None:
+    def once(self, statement: For | While, state: State, *, ever: bool = False) -> State | None:
         """A round of a loop whose rounds are not known, and what is not known after it."""
-        assigned = {root(s.target) for s in walk(statement.body) if isinstance(s, Assign)}
-        end = self.inner(statement.body, state.without(assigned))
-        return None if end is None else state.then(end).without(assigned)
+        return again.once(self, statement.body, state, ever=ever)
 
     def repeats(self, start: State, end: State, alike: bool) -> bool:
         """Whether the rounds to come are as this one; also when there have been too many.
