@@ -22,13 +22,14 @@ from assistant.compiler.travel_rules import (
     START_UNKNOWN,
     UNDECLARED,
 )
+from assistant.program.analysis.uses import base
 from assistant.program.diagnostics import Diagnostic, Refused, Rule, has_errors
 from assistant.program.expressions import Expression, Name
 from assistant.program.geometry import IDENTITY, Pose, Tool
 from assistant.program.program import Program, walk
 from assistant.program.rewriting import Body, map_bodies
 from assistant.program.rotations import to_matrix
-from assistant.program.statements import Comment, Move, MoveJoints, Statement, Travel
+from assistant.program.statements import Assign, Comment, Move, MoveJoints, Statement, Travel
 from assistant.robots.target_lookup import Names
 
 if TYPE_CHECKING:
@@ -229,7 +230,8 @@ class _Planning:
                 raise Refused(_said(UNDECLARED, statement, what=what, name=name))
         if arrival.goal is None and isinstance(target, Name) and self.nowhere(target.name):
             raise Refused(_said(UNDECLARED, statement, what="target", name=target.name))
-        if arrival.goal is None:
+        changed = {base(s.target) for s in self.program.statements() if isinstance(s, Assign)}
+        if arrival.goal is None or {motion.tool.lower(), motion.frame.lower()} & changed:
             raise Refused(_said(GOAL_UNKNOWN, statement))
         if arrival.external:
             raise Refused(_said(EXTERNAL, statement))

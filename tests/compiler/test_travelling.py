@@ -124,7 +124,13 @@ def test_the_same_program_gives_the_same_text(tmp_path: Path) -> None:
         (["if part = 1", "goto on", "end", f"move joint two {MOTION}", "label on", ONE], ["CK471"]),
         ([f"move linear two {MOTION} until part = 1", ONE], ["CK471"]),
         (["interrupt hand when part = 1 calls there", "interrupt hand on", TWO], ["CK471"]),
+        (["call there", "interrupt hand when part = 1 calls there", "interrupt hand on",
+          "wait 1 s"], ["CK471"]),
+        (["call there", "call aside", "end", "procedure aside", TWO, "if part = 1", "call aside",
+          "end"], ["CK471"]),
         # Where it leads.
+        (["plate = base", ONE], ["CK473"]),
+        (["grip = tool0", ONE], ["CK473"]),
         ([f"travel to offset(one, 0, 0, n) {MOTION}"], []),
         (["for n from 0 to 2", f"travel to offset(one, 0, 0, n) {MOTION}",
           "move absolute ready speed maximum blend fine", "end"], ["CK472"]),
