@@ -67,21 +67,22 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path as FilePath
 from typing import Any, Final
 
 from assistant.program.diagnostics import Diagnostic, Refused, Span, Unreadable, error, has_errors
 from assistant.program.geometry import BASE, FLANGE, Frame, Load, Pose, Tool
 from assistant.program.program import Signal
-from assistant.program.statements import Motion
 from assistant.program.system.budgets import SETTINGS_FILE
 from assistant.program.text import SourceText, decode, read_bytes
 from assistant.program.toml_text import toml
-from assistant.sources.process import Defaults, Layer, Line, Process
+from assistant.sources.process import Defaults, Line, Process
 from assistant.sources.process import values as values
-from assistant.sources.process.table import REPAIRED, Page, Table, nearest
-from assistant.sources.process.values import Read, listed, shown
+from assistant.sources.process.known import MOTION, Known
+from assistant.sources.process.layers import layer_of
+from assistant.sources.process.table import REPAIRED, Page, Table
+from assistant.sources.process.values import Read, shown
 
 NOT_TOML = error("CT301", "this is no TOML: {reason}", "correct it there")
 BOTH = error("CT306", "`{name}` gives its orientation twice", "keep either quaternion or euler_zyx")
@@ -89,18 +90,10 @@ NO_MASS = error(
     "CT307", "`{name}` has a centre of gravity but no mass", "give `mass` in kg as well"
 )
 RESERVED = error("CT308", "`{name}` is always {meaning}", "give yours another name")
-NOT_DEFINED = error("CT309", "there is no {kind} `{name}`", "{cure}")
-NOT_AN_OUTPUT = error("CT310", "`{name}` is an input and cannot be set", "name an output")
-NOT_ITS_VALUE = error("CT311", "the {kind} signal `{name}` cannot be {value}", "write {wanted}")
 NO_LINE = error(
     "CT321",
     "`{name}` is no communication line",
     "name it line_1 to line_8, and give its role, port and, but for a serial one, its address",
-)
-TURNS_FREELY = error(
-    "CT322",
-    "the x axis of `{name}` cannot follow the contour: its turn is free",
-    "leave out `tangential`, or `free_turn` of the tool",
 )
 ONE_BIT = error("CT312", "the {kind} signal `{name}` has no bits", 'write kind = "group"')
 
@@ -135,12 +128,6 @@ TOOL: Final[Mapping[str, Read]] = {
     "centre": values.position,
 }
 FRAME: Final[Mapping[str, Read]] = {"position": values.position, **ORIENTATION}
-MOTION: Final[Mapping[str, Read]] = {
-    "speed": values.speed,
-    "blend": values.blend,
-    "tool": values.name,
-    "frame": values.name,
-}
 DEFAULTS: Final[Mapping[str, Read]] = {
     "kind": values.choice("joint", "linear", "travel"),
     **MOTION,
@@ -157,19 +144,6 @@ LINE: Final[Mapping[str, Read]] = {
     "role": values.choice("server", "client", "serial"),
     "port": values.whole(1, 65535),
     "address": values.text,
-}
-LAYER: Final[Mapping[str, Read]] = {
-    "process": values.text,
-    **MOTION,
-    "on": values.switches,
-    "off": values.switches,
-    "delay": values.number("seconds", least=0.0),
-    "approach": values.number("mm", least=0.0),
-    "retract": values.number("mm", least=0.0),
-    "travel": values.speed,
-    "direction": values.direction,
-    "tangential": values.truth,
-    "inside_first": values.truth,
 }
 
 
@@ -198,10 +172,10 @@ def process_in(top: Table, beside: Sequence[str] = ()) -> Process:
     frames = {n: _frame(n, t) for n, t in top.table("frames").named()}
     signals = {n: _signal(n, t) for n, t in top.table("signals").named()}
     lines = dict(one for n, t in top.table("lines").named() for one in _line(n, t))
-    names = _Names(tools, frames, signals)
+    names = Known(tools, frames, signals)
     defaults = Defaults(**names.motion(top.table("motion"), DEFAULTS))
     layers = {
-        layer: _layer(layer, table, defaults, names)
+        layer: layer_of(layer, table, defaults, names)
         for layer, table in top.table("layers").named(identifiers=False)
     }
     tags = top.table("tags").read(_tag_keys(top))
@@ -305,84 +279,3 @@ def _signal(name: str, table: Table) -> Signal:
     if found.get("bits", 1) != 1 and kind != "group":
         table.say(ONE_BIT, "bits", name=name, kind=kind)
     return Signal(kind, found.get("direction", "output"), found.get("number"), found.get("bits", 1))
-
-
-def _layer(name: str, table: Table, defaults: Defaults, names: _Names) -> Layer:
-    found = names.motion(table, LAYER)
-    parts = {key: found.pop(key) for key in MOTION if key in found}
-    usual = {key: getattr(defaults.motion, key) for key in MOTION}
-    switched: dict[str, Any] = {
-        key: tuple(names.switched(table.table(key), found.pop(key)))
-        for key in ("on", "off")
-        if key in found
-    }
-    tool = parts.get("tool", defaults.tool)
-    if found.get("tangential", False) and names.turns_freely(tool):
-        table.say(TURNS_FREELY, "tangential", name=tool)
-    process = found.pop("process", shown(name))
-    rounded = defaults.blend is None and "blend" not in parts
-    return Layer(process, Motion(**(usual | parts)), rounded=rounded, **switched, **found)
-
-
-class _Names:
-    """The tools, frames and signals of the file, to find those that others name."""
-
-    def __init__(
-        self,
-        tools: Mapping[str, Tool],
-        frames: Iterable[str],
-        signals: Mapping[str, Signal],
-    ) -> None:
-        self._tools = tools
-        self._known = {"tool": [*tools, FLANGE], "frame": [*frames, BASE]}
-        self._signals = signals
-
-    def motion(self, table: Table, keys: Mapping[str, Read]) -> dict[str, Any]:
-        """The table's values, tools and frames under the names they were defined by."""
-        found = table.read(keys)
-        for kind, known in self._known.items():
-            if kind in found:
-                name = self._find(table, kind, kind, found[kind], known)
-                if name is None:
-                    del found[kind]
-                else:
-                    found[kind] = name
-        return found
-
-    def turns_freely(self, tool: str) -> bool:
-        return tool in self._tools and self._tools[tool].free_turn
-
-    def switched(self, table: Table, wanted: Mapping[str, float]) -> Iterable[tuple[str, float]]:
-        for given, value in wanted.items():
-            name = self._find(table, given, "signal", given, list(self._signals))
-            if name is None:
-                continue
-            signal = self._signals[name]
-            if signal.direction == "input":
-                table.say(NOT_AN_OUTPUT, given, name=name)
-            most = 2**signal.bits - 1
-            if signal.kind != "analog" and not (value == int(value) and 0 <= value <= most):
-                said = f"{value:g}"
-                table.say(
-                    NOT_ITS_VALUE,
-                    given,
-                    kind=signal.kind,
-                    name=name,
-                    value=said,
-                    wanted=f"a whole number, 0 to {most}",
-                )
-            yield name, value
-
-    @staticmethod
-    def _find(table: Table, key: str, kind: str, given: str, known: list[str]) -> str | None:
-        for name in known:
-            if name.casefold() == given.casefold():
-                return name
-        near, shown_name = nearest(given, known), shown(given)
-        cure = (
-            f"write {near}"
-            if near
-            else f"define [{kind}s.{shown_name}]; there are: {listed(known)}"
-        )
-        table.say(NOT_DEFINED, key, kind=kind, name=shown_name, cure=cure)
-        return None

@@ -17,6 +17,7 @@ from assistant.program.statements import Motion
 from assistant.program.text import SourceText
 from assistant.sources.process import NO_PROCESS, Defaults, Layer
 from assistant.sources.process import file as process_file
+from assistant.sources.process import layers as process_layers
 from assistant.sources.process.file import parse_process, read_process
 from assistant.sources.process.lines import key_spans
 
@@ -62,7 +63,7 @@ def test_every_key_is_in_the_documentation():
         process_file.FRAME,
         process_file.DEFAULTS,
         process_file.SIGNAL,
-        process_file.LAYER,
+        process_layers.LAYER,
     )
     for key in {k for table in tables for k in table} | {"tolerance", *process_file.OF_DRAWINGS}:
         assert re.search(rf"\b{key} = ", doc), key
@@ -350,7 +351,7 @@ values = st.one_of(
     st.sampled_from(["{t = 1}", "{t = {}}", "[[1]]", "07:32:00", '"\\u0000"', '""']),
 )
 keys = st.sampled_from(
-    [*process_file.TOP, *process_file.LAYER, *process_file.TOOL, *process_file.SIGNAL, "t", "x-y"]
+    [*process_file.TOP, *process_layers.LAYER, *process_file.TOOL, *process_file.SIGNAL, "t", "x-y"]
 )
 
 

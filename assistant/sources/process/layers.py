@@ -1,0 +1,50 @@
+"""What is done along the contours of a layer, as a process file says it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Final
+
+from assistant.program.diagnostics import error
+from assistant.program.statements import Motion
+from assistant.sources.process import Defaults, Layer, values
+from assistant.sources.process.known import MOTION, Known
+from assistant.sources.process.table import Table
+from assistant.sources.process.values import Read, shown
+
+TURNS_FREELY = error(
+    "CT322",
+    "the x axis of `{name}` cannot follow the contour: its turn is free",
+    "leave out `tangential`, or `free_turn` of the tool",
+)
+
+LAYER: Final[Mapping[str, Read]] = {
+    "process": values.text,
+    **MOTION,
+    "on": values.switches,
+    "off": values.switches,
+    "delay": values.number("seconds", least=0.0),
+    "approach": values.number("mm", least=0.0),
+    "retract": values.number("mm", least=0.0),
+    "travel": values.speed,
+    "direction": values.direction,
+    "tangential": values.truth,
+    "inside_first": values.truth,
+}
+
+
+def layer_of(name: str, table: Table, defaults: Defaults, names: Known) -> Layer:
+    found = names.motion(table, LAYER)
+    parts = {key: found.pop(key) for key in MOTION if key in found}
+    usual = {key: getattr(defaults.motion, key) for key in MOTION}
+    switched: dict[str, Any] = {
+        key: tuple(names.switched(table.table(key), found.pop(key)))
+        for key in ("on", "off")
+        if key in found
+    }
+    tool = parts.get("tool", defaults.tool)
+    if found.get("tangential", False) and names.turns_freely(tool):
+        table.say(TURNS_FREELY, "tangential", name=tool)
+    process = found.pop("process", shown(name))
+    rounded = defaults.blend is None and "blend" not in parts
+    return Layer(process, Motion(**(usual | parts)), rounded=rounded, **switched, **found)
