@@ -20,7 +20,7 @@ NOT_SOFT = error(
     "CN703",
     "the arm is {distance:.1f} {unit} away from the first point in {what}, more than the "
     "{most:g} {unit} that a soft start may go; nothing was moved",
-    "move the arm near the first point, or allow more with `approach`",
+    "move the arm near the first point, or, from Python, allow more with `Settings(approach=…)`",
 )
 BAD_SETTING = error(
     "CN704", "`{name}` cannot be {value}: {reason}; nothing was sent", "give another one"
@@ -47,7 +47,8 @@ NOT_THERE = error(
     "CN714",
     "the arm is {distance:.2f} {unit} away from where it was told to be in {what}, {done} of "
     "{rows} points in; it was held and the control ended",
-    "look for what keeps the arm from following, or allow more with `lag`",
+    "look for what keeps the arm from following, or, from Python, allow more with "
+    "`Settings(lag=…)`",
 )
 INTERRUPTED = error(
     "CN715",
