@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import unicodedata
 from collections.abc import Hashable, Iterable, Iterator, Set
 from dataclasses import dataclass, field
 from typing import Any, Final, Literal
@@ -12,6 +11,7 @@ from assistant.program.diagnostics import Span, info
 from assistant.program.effects import Effect
 from assistant.program.expressions import Expression
 from assistant.program.geometry import Frame, JointTarget, Target, Tool
+from assistant.program.letters import plain_letters
 from assistant.program.motion import Blend, Speed
 from assistant.program.statements import (
     Follow,
@@ -24,14 +24,6 @@ from assistant.program.statements import (
 )
 
 IDENTIFIER: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-LETTERS: Final = {
-    "ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss", "æ": "ae", "ø": "oe", "å": "aa", "œ": "oe",
-    "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ẞ": "SS", "Æ": "Ae", "Ø": "Oe", "Å": "Aa", "Œ": "Oe",
-    "ð": "d", "đ": "d", "ł": "l", "þ": "th", "ı": "i",
-    "Ð": "D", "Đ": "D", "Ł": "L", "Þ": "Th",
-}  # fmt: skip
-"""Letters that are more than one of ASCII with an accent, as their languages write them there."""
-
 MANGLED = info(
     "NM001", "the name {given!r} is written `{name}`", "use letters, digits and `_`, a letter first"
 )
@@ -81,8 +73,8 @@ _NUMBERED: Final = re.compile(r"_[0-9]+\Z")
 def identifier(given: str, taken: set[str] | frozenset[str] = frozenset()) -> str:
     """A name made of letters, digits and `_` that is close to the given one and not taken.
 
-    Letters beyond ASCII become those they are written with where there are none of them: `ü` is
-    `ue`, `é` is `e`. Names are compared without case, as both vendors' languages do.
+    Letters beyond ASCII become those they are written with where there are none of them, see
+    `plain_letters`. Names are compared without case, as both vendors' languages do.
     """
     name = re.sub(r"[^A-Za-z0-9_]+", "_", plain_letters(given)).strip("_")[:64] or "unnamed"
     if not name[0].isalpha():
@@ -95,16 +87,6 @@ def identifier(given: str, taken: set[str] | frozenset[str] = frozenset()) -> st
             count += 1
         known.counts[key] = count
     return free
-
-
-def plain_letters(text: str) -> str:
-    """The text with the letters of LETTERS spelled out, and others without their accents."""
-    if text.isascii():
-        return text
-    spelled = "".join(LETTERS.get(c, c) for c in unicodedata.normalize("NFC", text))
-    spelled = spelled.upper() if text.replace("ß", "").isupper() else spelled
-    parts = unicodedata.normalize("NFKD", spelled)
-    return "".join(c for c in parts if not unicodedata.combining(c))
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,8 +8,8 @@ from typing import ClassVar
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.letters import in_ascii
 from assistant.program.passes.legalising import Legalising
-from assistant.program.passes.letters import in_ascii
 from assistant.program.passes.rewording import Changes, Rewording
 from assistant.program.program import Program
 

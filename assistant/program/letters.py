@@ -1,4 +1,4 @@
-"""Letters beyond ASCII in the letters of ASCII, for comments: to be read, not to be read back."""
+"""Letters beyond ASCII in letters of ASCII, for names and comments: to be read, not read back."""
 
 from __future__ import annotations
 
@@ -6,7 +6,13 @@ import re
 import unicodedata
 from typing import Final
 
-from assistant.program.program import plain_letters
+LETTERS: Final = {
+    "ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss", "æ": "ae", "ø": "oe", "å": "aa", "œ": "oe",
+    "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ẞ": "SS", "Æ": "Ae", "Ø": "Oe", "Å": "Aa", "Œ": "Oe",
+    "ð": "d", "đ": "d", "ł": "l", "þ": "th", "ı": "i",
+    "Ð": "D", "Đ": "D", "Ł": "L", "Þ": "Th",
+}  # fmt: skip
+"""Letters that are more than one of ASCII with an accent, as their languages write them there."""
 
 _ROWS: Final = {
     "": "アイウエオ", "k": "カキクケコ", "g": "ガギグゲゴ", "s": "サシスセソ", "z": "ザジズゼゾ",
@@ -38,14 +44,57 @@ _HIRAGANA: Final = {chr(code): chr(code + 0x60) for code in range(0x3041, 0x3097
 _KANA: Final = re.compile(r"[ァ-ヴー]+")
 
 
+_HAN: Final = re.compile("[\u2e80-\u2fdf\u3400-\u9fff\uf900-\ufaff\U00020000-\U0003ffff]")
+"""Characters that are read in several ways, by their languages and the words that they stand in."""
+_NOTHING: Final = re.compile("(?!)")
+
+
 def in_ascii(text: str) -> str:
-    r"""The text in ASCII: kana as they are spoken, accents left out, `\u539f` for what has none."""
+    r"""The text of a comment: letters as they are spelled in Latin ones, `\u539f` for what is none.
+
+    Characters of Chinese and Japanese stay the numbers that they have: no reading is right in both.
+    """
     if text.isascii():
         return text
     text = unicodedata.normalize("NFKC", "".join(_SIGNS.get(c, c) for c in text))
-    text = "".join(_SIGNS.get(c, _HIRAGANA.get(c, c)) for c in text)
-    text = plain_letters(_KANA.sub(lambda found: _spoken(found[0]), text))
-    return text.encode("ascii", "backslashreplace").decode("ascii")
+    spelled = _spelled(_kana("".join(_SIGNS.get(c, c) for c in text)), kept=_HAN)
+    return spelled.encode("ascii", "backslashreplace").decode("ascii")
+
+
+def plain_letters(text: str) -> str:
+    """The text of a name: letters of LETTERS spelled out, others without accents or in Latin ones.
+
+    Characters of Chinese and Japanese are read as in Mandarin: `外形` is `WaiXing`. What is no
+    letter anywhere stays.
+    """
+    return text if text.isascii() else _spelled(_kana(unicodedata.normalize("NFC", text)))
+
+
+def _spelled(text: str, kept: re.Pattern[str] = _NOTHING) -> str:
+    letters = (c if kept.match(c) else _latin(c) for c in unicodedata.normalize("NFC", text))
+    spelled = "".join(letters)
+    return spelled.upper() if text.replace("ß", "").isupper() else spelled
+
+
+def _latin(character: str) -> str:
+    """A character in the letters of ASCII, itself if nobody writes it so."""
+    if character.isascii():
+        return character
+    if character in LETTERS:
+        return LETTERS[character]
+    parts = unicodedata.normalize("NFKD", character)
+    bare = "".join(c for c in parts if not unicodedata.combining(c))
+    if bare.isascii():
+        return bare
+    from anyascii import anyascii
+
+    return str(anyascii(character)) or character
+
+
+def _kana(text: str) -> str:
+    """Kana as they are spoken."""
+    katakana = "".join(_HIRAGANA.get(c, c) for c in text)
+    return _KANA.sub(lambda found: _spoken(found[0]), katakana)
 
 
 def _spoken(kana: str) -> str:
