@@ -76,6 +76,7 @@ def test_the_same_file_says_tools_and_frames(tmp_path: Path) -> None:
     ("text", "code", "word"),
     [
         ('[bodies.a]\nbox = [1, 2, 3]\nparent = "sky"\n', "CK401", "sky"),
+        (f'[robots.a]\nrobot = "{"x" * 300}.toml"\n', "CK413", "xxx"),
         (
             '[frames.f]\nheld = true\n[bodies.a]\nbox = [1, 2, 3]\nparent = "f"\n',
             "CK401",

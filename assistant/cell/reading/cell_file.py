@@ -222,7 +222,9 @@ class _Reader:
         return Named(name, packages, capsules, chart, said.get("unknown", ""))
 
     def is_file(self, file: FilePath) -> bool:
-        return file.suffix.lower() in (".toml", ".urdf", ".xml") and file.exists()
+        # Systems refuse to look for names over 255 characters.
+        possible = max(map(len, file.parts), default=0) < 256
+        return file.suffix.lower() in (".toml", ".urdf", ".xml") and possible and file.exists()
 
     def links(
         self, name: str, robot: robots.Robot, said: Mapping[str, Any], entry: Table
