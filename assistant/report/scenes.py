@@ -10,7 +10,7 @@ import numpy as np
 from assistant.cell.collision.carriers import Carriers, carried
 from assistant.cell.scene import Body, Scene
 from assistant.cell.shapes import Mesh, Shape, extent
-from assistant.cell.writing.gltf import outline
+from assistant.cell.surfaces import surface
 from assistant.program import rotations
 from assistant.program.arrays import Floats
 
@@ -102,7 +102,7 @@ def _boxes(scene: Scene) -> Iterator[tuple[Body, Floats, Floats]]:
 def _box(shape: Shape, at: Floats, turn: Floats) -> tuple[Floats, Floats]:
     """The least and the greatest coordinates (3,) of a shape at a place in the world."""
     low, high = extent(shape)
-    corners, _ = outline(shape)
+    corners = surface(shape).points
     points = np.concatenate([corners, [low, high]]) if turn.trace() == 3.0 else corners
     points = points @ turn.T + at
     return points.min(axis=0), points.max(axis=0)

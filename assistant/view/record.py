@@ -11,6 +11,7 @@ import numpy as np
 from assistant.cell.clearances import Closeness
 from assistant.cell.collision.carriers import Carriers, carried
 from assistant.cell.scene import CORE, Body, Placed, Scene
+from assistant.cell.surfaces import surface_of
 from assistant.compiler.source_map import Places
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Diagnostic
@@ -23,7 +24,6 @@ from assistant.robots.timing import Simulation
 from assistant.view.motion import Motion, Record, column, tips, tool_held
 from assistant.view.moves import MOST_MOVES, Moves
 from assistant.view.riding import Ride, rides
-from assistant.view.surfaces import surface_of
 from assistant.view.zones import zones
 
 MOST_NAMES: Final = 300

@@ -8,7 +8,6 @@ what shows the file. Source: Khronos, glTF 2.0 specification, 4.4 and chapters 3
 from __future__ import annotations
 
 import json
-import math
 import struct
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -18,23 +17,14 @@ import numpy as np
 
 from assistant.cell.collision.carriers import Carriers, carried
 from assistant.cell.scene import FLANGE, Body, Colour, Scene
-from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Mesh, Shape, Sphere
+from assistant.cell.surfaces import surface
 from assistant.program import rotations
 from assistant.program.arrays import Floats
 from assistant.program.geometry import IDENTITY, Pose
 
-SIDES: Final = 48
-"""Of what stands for a circle; its corners lie on it."""
 GREY: Final[Colour] = (160, 165, 170)
 ORANGE: Final[Colour] = (230, 120, 40)
 """Of links that name no colour."""
-CORNERS: Final = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1, 1) for z in (-1, 1)])
-FACES: Final = np.array(
-    [face for a, b, c, d in ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1),
-                             (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
-     for face in ((a, b, c), (a, c, d))]
-)  # fmt: skip
-"""Triangles of a box with these corners, outwards."""
 FLOATS, WORDS = 5126, 5125
 UPRIGHT: Final = (-(0.5**0.5), 0.0, 0.0, 0.5**0.5)
 """A quarter turn about x that leads z to y, as glTF has it (x, y, z, w)."""
@@ -74,58 +64,15 @@ def _add(file: _File, body: Body, pose: Pose, parent: int, usual: Colour) -> Non
     node = file.posed(body.name, pose, parent)
     colour = body.colour or usual
     for part in body.parts:
-        points, triangles = outline(part.shape)
+        seen = surface(part.shape)
         own = file.posed(f"{body.name} part", part.pose, node)
-        file.nodes[own]["mesh"] = file.mesh(body.name, points, triangles, colour)
+        file.nodes[own]["mesh"] = file.mesh(body.name, seen.points, seen.triangles, colour)
     for name, at in body.locations.items():
         file.posed(f"{body.name} {name}", at, node)
 
 
 def _pose(origin: Floats, turn: Floats) -> Pose:
     return Pose.of(origin, rotations.from_matrix(turn))
-
-
-def outline(shape: Shape) -> tuple[Floats, np.ndarray[Any, np.dtype[np.int64]]]:
-    """Points (n, 3) mm and triangles (m, 3) of what a shape looks like, facing outwards."""
-    match shape:
-        case Convex():
-            return shape.hull.points, shape.hull.triangles
-        case Mesh():
-            return shape.points, shape.triangles
-        case Box(size=size):
-            return CORNERS * (np.array(size) / 2.0), FACES
-        case Cylinder(radius=radius, length=length):
-            return _turned([(0.0, -length / 2), (radius, -length / 2), (radius, length / 2),
-                            (0.0, length / 2)])  # fmt: skip
-        case Sphere(radius=radius):
-            return _turned(_halves(radius, 0.0))
-        case Capsule(radius=radius, length=length):
-            return _turned(_halves(radius, length))
-
-
-def _halves(radius: float, length: float) -> list[tuple[float, float]]:
-    """Radius and height along two half spheres, from below."""
-    angles = np.linspace(-math.pi / 2, math.pi / 2, SIDES // 2 + 1)
-    angles = np.insert(angles, len(angles) // 2, 0.0)  # the middle twice: the cylinder between
-    shift = np.where(np.arange(len(angles)) < len(angles) // 2, -length / 2, length / 2)
-    radii, heights = radius * np.cos(angles), radius * np.sin(angles) + shift
-    return list(zip(radii.tolist(), heights.tolist(), strict=True))
-
-
-def _turned(profile: list[tuple[float, float]]) -> tuple[Floats, Any]:
-    """What a line of radii and heights, upwards, goes through when it is turned about z."""
-    angles = np.arange(SIDES) * math.tau / SIDES
-    rings = [np.stack([r * np.cos(angles), r * np.sin(angles), np.full(SIDES, z)], 1)
-             for r, z in profile]  # fmt: skip
-    points = np.concatenate(rings)
-    i, j = (k.reshape(-1) for k in np.meshgrid(np.arange(len(profile) - 1), np.arange(SIDES),
-                                              indexing="ij"))  # fmt: skip
-    a, b = i * SIDES + j, i * SIDES + (j + 1) % SIDES
-    triangles = np.concatenate([np.stack([a, b, a + SIDES], 1),
-                                np.stack([b, b + SIDES, a + SIDES], 1)])  # fmt: skip
-    corners = points[triangles]
-    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    return points, triangles[np.abs(across).max(axis=1) > 0.0]
 
 
 @dataclass(slots=True)

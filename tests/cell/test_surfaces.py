@@ -10,8 +10,8 @@ import pytest
 
 from assistant.cell.scene import Part
 from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Shape, Sphere, extent
+from assistant.cell.surfaces import AROUND, Surface, surface, surface_of
 from assistant.program.geometry import Pose
-from assistant.view.surfaces import AROUND, Surface, surface, surface_of
 
 CUBE = np.indices((2, 2, 2)).reshape(3, -1).T * 10.0
 SHAPES: dict[str, tuple[Shape, float]] = {
