@@ -19,6 +19,9 @@ from assistant.sources.contours.fitting import fit
 
 LEAST_CHORD: Final = 0.1
 """mm that start, via and end of a circular move have to be apart (RAPID MoveC)."""
+LEAST_SWEEP: Final = 4.04
+"""Degrees of one circular move, whose via and end are seen a quarter of it apart from its start;
+RAPID's MoveC asks for 1 degree."""
 WIDEST: Final = 240.0
 """Degrees of one circular move; ABB advises no more, and 360 cannot be said at all."""
 FITTED: Final = 0.5
@@ -103,8 +106,8 @@ def _between(piece: Line | Arc, start: Vector, end: Vector) -> Line | Arc:
 def _possible(piece: Line | Arc, flat: float, widest: float) -> list[Line | Arc]:
     """The piece itself, an arc in parts of at most `widest` degrees, or lines for it.
 
-    Flat arcs, and arcs whose points are too near each other for a controller to make out
-    the circle, become chords that are at most `flat` mm off.
+    Flat arcs, and arcs whose points are too near each other or to a line for a controller to
+    make out the circle, become chords that are at most `flat` mm off.
     """
     if isinstance(piece, Line):
         return [piece]
@@ -113,7 +116,8 @@ def _possible(piece: Line | Arc, flat: float, widest: float) -> list[Line | Arc]
     part = math.radians(sweep / count)
     nearest = 2.0 * radius * min(math.sin(part / 4.0), math.sin(part / 2.0))
     sagitta = 2.0 * radius * math.sin(part / 4.0) ** 2
-    if sagitta > flat and nearest >= LEAST_CHORD and _distinct(piece, count):
+    narrow = math.degrees(part) < LEAST_SWEEP or nearest < LEAST_CHORD
+    if sagitta > flat and not narrow and _distinct(piece, count):
         return _parts(piece, count) if count > 1 else [piece]
     step = 2.0 * math.acos(max(1.0 - flat / radius, -1.0)) if radius > 0 else math.tau
     chords = max(math.ceil(math.radians(sweep) / step - 1e-9), 2 if piece.closed else 1)

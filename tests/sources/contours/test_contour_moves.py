@@ -77,6 +77,9 @@ def test_every_arc_becomes_moves_a_controller_takes_and_stays_near(radius, sweep
             assert piece.sweep <= 240.001
             assert math.dist(piece.start, piece.via) >= 0.0999
             assert math.dist(piece.start, piece.end) >= 0.0999
+            to_via, to_end = (np.subtract(p, piece.start) for p in (piece.via, piece.end))
+            apart = np.arctan2(np.linalg.norm(np.cross(to_via, to_end)), to_via @ to_end)
+            assert math.degrees(apart) >= 1.0
         else:
             assert piece.start != piece.end
     points = np.concatenate([p.at(np.linspace(0, 1, 50)) for p in pieces])
