@@ -19,6 +19,7 @@ from assistant.cli.options import (
     DraftOption,
     EntryOption,
     EveryOption,
+    FailOnOption,
     FindingFormatOption,
     FormatOption,
     FramesOption,
@@ -49,6 +50,7 @@ from assistant.cli.presentation import (
 from assistant.cli.reaching import reach
 from assistant.cli.virtual_commands import virtual
 from assistant.cli.virtual_runs import debug, run
+from assistant.findings.fail_on import FailOn
 
 app: Final = typer.Typer(
     help="Drawings, trajectories and robot programs to proven ABB RAPID and MELFA-BASIC.",
@@ -255,6 +257,7 @@ def check(
     cell: CellOption = None,
     from_language: FromLanguage = None,
     format: FindingFormatOption = FindingFormat.TEXT,
+    fail_on: FailOnOption = FailOn.WARNING,
 ) -> None:
     """Check sources and robot programs; with a robot also reach, limits and configurations."""
     from assistant.cli.checking import Options, run_check
@@ -269,9 +272,9 @@ def check(
             "--cell": cell,
             "--from": from_language,
         }
-        raise typer.Exit(run_project_check(given, format))
+        raise typer.Exit(run_project_check(given, format, fail_on))
     options = Options(robot, process, unit, cell, from_language)
-    raise typer.Exit(run_check(sources, options, format))
+    raise typer.Exit(run_check(sources, options, format, fail_on))
 
 
 @app.command()

@@ -15,7 +15,8 @@ from assistant.cli.presentation import (
     print_json,
     say,
 )
-from assistant.program.diagnostics import Refused, Severity, fold, worst
+from assistant.findings.fail_on import FailOn
+from assistant.program.diagnostics import Refused, fold
 
 if TYPE_CHECKING:
     from assistant.project import Build
@@ -33,7 +34,7 @@ def run_init(folder: Path) -> int:
     return 0
 
 
-def run_project_check(given: Mapping[str, object], format: FindingFormat) -> int:
+def run_project_check(given: Mapping[str, object], format: FindingFormat, fail_on: FailOn) -> int:
     """`check` of the project here. given: options of files, by name."""
     from assistant.project import project_of, rules
     from assistant.project.checking import check
@@ -43,15 +44,13 @@ def run_project_check(given: Mapping[str, object], format: FindingFormat) -> int
         raise Refused(*(rules.ONLY_WITH_FILES(option=one) for one in stated), exit_status=2)
     done = check(project_of(), working=lambda count: working(f"checking {_programs(count)}"))
     if format is not FindingFormat.TEXT:
-        print_for_programs(done.findings, done.ignored, format)
+        print_for_programs(done.findings, done.ignored, format, fail_on, done.sources)
     else:
         print_findings(fold(done.findings), explained=True)
         count = len(done.findings)
         ignored = f", {len(done.ignored)} ignored" if done.ignored else ""
         say(f"{_programs(done.programs)} checked, {count} finding{'s' * (count != 1)}{ignored}")
-    if done.unreadable:
-        return 2
-    return 1 if worst(done.findings) in (Severity.ERROR, Severity.WARNING) else 0
+    return fail_on.status(done.findings, unreadable=done.unreadable)
 
 
 def run_build(names: Sequence[str], jobs: int | None, anew: bool, format: FindingFormat) -> int:

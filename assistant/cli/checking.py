@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from assistant.cli.compiling import STANDARD, TWICE, standard_input, working
 from assistant.cli.presentation import FindingFormat, print_findings, print_for_programs, say
-from assistant.program.diagnostics import Refused, Severity, fold, worst
+from assistant.findings.fail_on import FailOn
+from assistant.program.diagnostics import Refused, fold
 
 if TYPE_CHECKING:
     from assistant.compiler.checking import Checked
@@ -27,22 +28,22 @@ class Options:
     from_language: str | None
 
 
-def run_check(sources: Sequence[str], options: Options, format: FindingFormat) -> int:
+def run_check(
+    sources: Sequence[str], options: Options, format: FindingFormat, fail_on: FailOn
+) -> int:
     from assistant.findings.project_severities import settle
 
     with working(f"checking {', '.join(sources)}"):
         checked = _checked(sources, options)
         settled = settle(checked.findings, checked.texts)
     if format is not FindingFormat.TEXT:
-        print_for_programs(settled.left, settled.ignored, format)
+        print_for_programs(settled.left, settled.ignored, format, fail_on, checked.paths)
     else:
         print_findings(fold(settled.left), explained=True)
         count = len(settled.left)
         ignored = f", {len(settled.ignored)} ignored" if settled.ignored else ""
         say(f"{checked.files} checked, {count} finding{'s' * (count != 1)}{ignored}")
-    if checked.unreadable:
-        return 2
-    return 1 if worst(settled.left) in (Severity.ERROR, Severity.WARNING) else 0
+    return fail_on.status(settled.left, unreadable=checked.unreadable)
 
 
 def run_explain(codes: Sequence[str]) -> int:
@@ -75,4 +76,5 @@ def _checked(sources: Sequence[str], options: Options) -> Checked:
         checked.files + more.files,
         {**checked.texts, **more.texts},
         checked.unreadable or more.unreadable,
+        [*checked.paths, *more.paths],
     )

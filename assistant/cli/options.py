@@ -14,6 +14,7 @@ from assistant.cli.presentation import (
     TranslationFormat,
     answer_as,
 )
+from assistant.findings.fail_on import FailOn
 
 
 def complete_language(incomplete: str) -> list[str]:
@@ -103,9 +104,12 @@ TranslationFormatOption = Annotated[
 ]  # fmt: skip
 FindingFormatOption = Annotated[
     FindingFormat,
-    typer.Option("--format", help="For people, programs, code scanning or pull requests.",
+    typer.Option("--format", help="For people, programs, code scanning, pull or merge requests.",
                  callback=answer_as),
 ]  # fmt: skip
+FailOnOption = Annotated[
+    FailOn, typer.Option("--fail-on", help="What exit status 1 is for; never: it stays 0.")
+]
 FormatOption = Annotated[
     Format, typer.Option("--format", help="For people or for programs.", callback=answer_as)
 ]

@@ -11,6 +11,7 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, TypeVar
 
+from assistant.findings.fail_on import FailOn
 from assistant.program.diagnostics import LONGEST_EXCERPT, Diagnostic, Severity
 from assistant.program.visible import STEERING
 from assistant.program.visible import visible as visible_text
@@ -33,6 +34,8 @@ class FindingFormat(enum.StrEnum):
     JSON = "json"
     SARIF = "sarif"
     GITHUB = "github"
+    GITLAB = "gitlab"
+    JUNIT = "junit"
 
 
 class TranslationFormat(enum.StrEnum):
@@ -42,6 +45,8 @@ class TranslationFormat(enum.StrEnum):
     JSON = "json"
     SARIF = "sarif"
     GITHUB = "github"
+    GITLAB = "gitlab"
+    JUNIT = "junit"
     MARKDOWN = "markdown"
 
 
@@ -146,17 +151,28 @@ def visible(text: str) -> str:
 
 
 def print_for_programs(
-    findings: Sequence[Diagnostic], ignored: Sequence[Diagnostic], format: FindingFormat
+    findings: Sequence[Diagnostic],
+    ignored: Sequence[Diagnostic],
+    format: FindingFormat,
+    fail_on: FailOn = FailOn.ERROR,
+    files: Iterable[str] = (),
 ) -> None:
-    """Findings on standard output: JSON, a SARIF log, or annotations of a pull request.
+    """Findings on standard output: JSON, SARIF, JUnit, or what GitHub and GitLab show.
 
-    ignored: those that a comment ignores; only a SARIF log tells them.
+    ignored: those that a comment ignores; only a SARIF log tells them. fail_on: what fails the
+    command, and files: all that it looked at; only JUnit tells them.
     """
-    from assistant.findings.formats import finding_record, github_line, sarif
+    from assistant.findings.formats import finding_record, github_line, gitlab, sarif
 
     if format is FindingFormat.GITHUB:
         for finding in findings:
             say(github_line(finding))
+    elif format is FindingFormat.GITLAB:
+        print_json(gitlab(findings, Path.cwd()))
+    elif format is FindingFormat.JUNIT:
+        from assistant.findings.junit import findings_report
+
+        say(findings_report(findings, files, fail_on, "robot-assistant").decode().rstrip())
     elif format is FindingFormat.SARIF:
         print_json(sarif(findings, ignored, Path.cwd()))
     else:

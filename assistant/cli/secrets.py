@@ -43,7 +43,7 @@ def _answer_as_asked(words: Sequence[str]) -> None:
     from assistant.cli.presentation import FindingFormat, PlanFormat, answer_as
 
     text = " ".join(words)
-    for format in (FindingFormat.JSON, FindingFormat.SARIF, FindingFormat.GITHUB):
+    for format in (one for one in FindingFormat if one is not FindingFormat.TEXT):
         if re.search(rf"--format[ =]{format}\b", text):
             answer_as(format)
     if re.search(rf"--format[ =]{PlanFormat.MARKDOWN}\b", text):

@@ -73,12 +73,14 @@ class Checked:
 
     findings: in the order of the sources, those of rows and targets one by one. files: how many
     were looked at. texts: of programs, by path. unreadable: something could not be read at all.
+    paths: of the files, in their order.
     """
 
     findings: list[Diagnostic] = field(default_factory=list)
     files: int = 0
     texts: dict[str, Text] = field(default_factory=dict)
     unreadable: bool = False
+    paths: list[str] = field(default_factory=list)
 
 
 def check_files(
@@ -111,6 +113,7 @@ def check_files(
                 continue
             seen.add(part)
             checked.files += 1
+            checked.paths.append(file)
             with _collecting(checked, file):
                 spoken = _spoken(file, named)
                 part = spoken.program_of(part) if spoken else part
@@ -142,6 +145,7 @@ def check_text(
     """The same for a text that is no file: a robot language's if named, else pseudo text."""
     stands = _stood(cell, robot)
     checked = Checked([] if isinstance(cell, InCell) else list(stands.findings), files=1)
+    checked.paths.append(text.path or "standard input")
     with _collecting(checked, text.path):
         if language is None:
             found = _check_pseudo(text, None, stands, process, checked)

@@ -1,8 +1,10 @@
-"""Findings for programs: plain records, SARIF 2.1.0, and annotations of a pull request."""
+"""Findings for programs: records, SARIF 2.1.0, GitLab's code quality, annotations of GitHub."""
 
 from __future__ import annotations
 
+import hashlib
 import os
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path as FilePath
@@ -20,6 +22,11 @@ SARIF_LEVELS: Final = {
     Severity.ERROR: "error",
     Severity.WARNING: "warning",
     Severity.INFO: "note",
+}
+GITLAB_LEVELS: Final = {
+    Severity.ERROR: "critical",
+    Severity.WARNING: "minor",
+    Severity.INFO: "info",
 }
 GITHUB_LEVELS: Final = {
     Severity.ERROR: "error",
@@ -62,6 +69,44 @@ def github_line(finding: Diagnostic) -> str:
     text = " ".join(part for part in (finding.place, finding.message) if part)
     said = f"{text}\n{finding.cure}" if finding.cure else text
     return f"::{GITHUB_LEVELS[finding.severity]} {given}::{_escaped(said)}"
+
+
+def gitlab(findings: Sequence[Diagnostic], root: FilePath) -> list[dict[str, Any]]:
+    """A code quality report: the fields of the issues of Code Climate that GitLab reads.
+
+    https://docs.gitlab.com/ci/testing/code_quality/#code-quality-report-format. root: an absolute
+    folder, that of the repository; files inside it are named relative to it. The fingerprint of a
+    finding holds no line number, so that one that only moved is not told of as new.
+    """
+    seen: Counter[tuple[object, ...]] = Counter()
+    report: list[dict[str, Any]] = []
+    for finding in findings:
+        path = _relative(finding.path or "", root)
+        same = (finding.code, path, finding.place, finding.message, finding.excerpt)
+        seen[same] += 1
+        digest = hashlib.sha256(repr((*same, seen[same])).encode(errors="backslashreplace"))
+        text = " ".join(part for part in (finding.place, finding.message) if part)
+        report.append(
+            {
+                "description": f"{text}: {finding.cure}" if finding.cure else text,
+                "check_name": finding.code,
+                "fingerprint": digest.hexdigest(),
+                "severity": GITLAB_LEVELS[finding.severity],
+                "location": {"path": path, "lines": _lines(finding)},
+            }
+        )
+    return report
+
+
+def _relative(path: str, root: FilePath) -> str:
+    """The name of a file as GitLab knows it: from the root, without `./` before it."""
+    file = FilePath(os.path.normpath(root / path))
+    return file.relative_to(root).as_posix() if file.is_relative_to(root) else file.as_posix()
+
+
+def _lines(finding: Diagnostic) -> dict[str, int]:
+    lines = {"begin": finding.line or 1}
+    return lines if finding.end_line is None else {**lines, "end": finding.end_line}
 
 
 def sarif(

@@ -23,12 +23,16 @@ from assistant.project.making import Made, make_all, order_of, shown_path
 
 @dataclass(frozen=True, slots=True)
 class ProjectCheck:
-    """What was found. programs: how many, of all targets. ignored: by comments in programs."""
+    """What was found. programs: how many, of all targets. ignored: by comments in programs.
+
+    sources: the files that the programs are made of.
+    """
 
     programs: int
     findings: tuple[Diagnostic, ...]
     ignored: tuple[Diagnostic, ...] = ()
     unreadable: bool = False
+    sources: tuple[str, ...] = ()
 
 
 def check(
@@ -67,7 +71,11 @@ def check(
                 ignored += one.ignored
                 unreadable |= one.unreadable
     return ProjectCheck(
-        len(orders), tuple(dict.fromkeys(found)), tuple(dict.fromkeys(ignored)), unreadable
+        len(orders),
+        tuple(dict.fromkeys(found)),
+        tuple(dict.fromkeys(ignored)),
+        unreadable,
+        tuple(dict.fromkeys(shown_path(order.recipe.source) for order in orders.values())),
     )
 
 
