@@ -30,7 +30,7 @@ FILE_THERE: Final = error(
 PROGRAM_THERE: Final = error(
     "CL212",
     "`{name}` is on {address} already and is something else; it was not touched",
-    "add --replace, or use `robot-assistant deploy`, which keeps what was there",
+    "add --replace, or use `robot-assistant deploy --replace {name}`, which keeps what was there",
 )
 NO_PLAIN_NAME: Final = error(
     "CL213", "`{name}` cannot be a file here", "name the file to write with -o"

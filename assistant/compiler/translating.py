@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 NO_PROGRAM = error(
     "CO005",
     "`{name}` is no program in a robot language",
-    "name its language with --from, or compile it: `robot-assistant compile`",
+    "compile it: `robot-assistant compile`",
 )
 
 Level = Literal["supported", "partial", "not"]

@@ -38,7 +38,7 @@ PROCESS_SUFFIX: Final = ".process.toml"
 UNKNOWN_KIND = error(
     "SR001",
     "`{name}` is of no kind that can be read",
-    "give one of {kinds}, or a program of a robot language",
+    "give one of {kinds}, or a robot program, whose language --from names",
 )
 
 

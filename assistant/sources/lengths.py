@@ -24,7 +24,7 @@ UNKNOWN_UNIT = error("SR002", "there is no unit of length `{name}`", "choose one
 UNIT_STATED = info(
     "SR003",
     "the unit `{unit}` changes nothing here: the file states its own lengths",
-    "leave `unit` out, or correct the lengths in the file",
+    "leave --unit out, of a project's program `unit`, or correct the lengths in the file",
 )
 
 

@@ -5,14 +5,21 @@ from __future__ import annotations
 import ast
 from pathlib import Path
 
+import pytest
+
 import assistant
 from assistant.findings.rulebook import rules
-from tests.findings.cures.naming import in_text, named
+from tests.findings.cures import cells, controllers, drawings, programs, tables
+from tests.findings.cures.case import Bench, Case, follow
+from tests.findings.cures.naming import FOLLOWED, followable, in_text, named
+from tests.findings.cures.not_followed import NOT_FOLLOWED, NOT_WRITTEN
 
 PACKAGE = Path(assistant.__file__).parent
 OTHER_PROGRAMS = ("deploy/repository.py", "virtual/cr/mxt_process.py")
 """What calls programs that are none of ours, or itself, with options of their own."""
 SENTENCES = {"robot-assistant itself failed"}
+MODULES = (drawings, cells, programs, tables, controllers)
+CASES: tuple[Case, ...] = tuple(one for module in MODULES for one in module.CASES)
 
 
 def test_whatever_a_cure_names_is_there() -> None:
@@ -36,6 +43,48 @@ def test_whatever_else_the_package_says_names_options_and_commands_that_are_ther
     ]
     assert len(files) > 100
     assert unknown == []
+
+
+def test_every_cure_that_names_something_is_followed_or_says_why_not() -> None:
+    wanted = {code for code, rule in rules().items() if followable(rule)}
+    followed = {case.code for case in CASES}
+    assert wanted - followed - set(NOT_FOLLOWED) == set()
+    assert set(NOT_FOLLOWED) & followed == set()
+    assert set(NOT_FOLLOWED) <= wanted
+    assert all(len(reason) > 20 for reason in NOT_FOLLOWED.values())
+
+
+def test_everything_that_a_followed_cure_names_is_written() -> None:
+    missed = {
+        (case.code, one.text)
+        for case in CASES
+        for one in named(rules()[case.code])
+        if one.kind in FOLLOWED and not set(one.text.split()) <= _written(case.code)
+    }
+    assert missed == set(NOT_WRITTEN)
+
+
+def _parameter(number: int, case: Case) -> object:
+    slow = case.slow or case in controllers.CASES
+    marks = [pytest.mark.slow] if slow else []
+    return pytest.param(case, marks=marks, id=f"{case.code} {number}")
+
+
+def _written(code: str) -> set[str]:
+    """Words, and parts of those with dots, that following the cure of a rule writes."""
+    words = {word for case in CASES if case.code == code for word in case.written}
+    return words | {part for word in words for part in word.split(".")}
+
+
+@pytest.mark.parametrize("case", [_parameter(number, one) for number, one in enumerate(CASES)])
+def test_who_follows_a_cure_is_rid_of_the_finding(
+    case: Case,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("webbrowser.open", lambda *_: False)
+    follow(case, Bench(tmp_path, capsys, monkeypatch))
 
 
 def _said(tree: ast.Module) -> list[tuple[int, str]]:

@@ -86,8 +86,12 @@ def read_mesh(
 
 
 def read_hull(path: FilePath, unit: str | None = None) -> tuple[Convex, tuple[Diagnostic, ...]]:
-    """The hull of the corners of a file; raises as `read_mesh`, Refused for flat ones."""
-    mesh, findings = read_mesh(path, unit)
+    """The hull of the corners of a file; raises as `read_mesh`, Refused for flat ones.
+
+    Nothing is said of how its triangles join or face: a hull has its own.
+    """
+    mesh, told = read_mesh(path, unit)
+    findings = tuple(f for f in told if f.code not in (OPEN_MESH.code, INSIDE_OUT.code))
     hull = Convex(mesh.points)
     try:
         _ = hull.hull

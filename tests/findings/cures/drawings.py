@@ -1,0 +1,116 @@
+"""Cures of drawings, their process files, and cells."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+from tests.findings.cures.case import Case, dxf
+
+ARM: Final = "--robot irb1200-7-0.7"
+HERE: Final = '[frames.table]\nposition = [400, 0, 300]\n\n[motion]\nframe = "table"\n'
+
+
+def line(space: Any) -> None:
+    space.add_line((0, 0), (50, 0), dxfattribs={"layer": "CUT"})
+
+
+def apart(space: Any) -> None:
+    space.add_line((0, 0), (50, 0), dxfattribs={"layer": "CUT"})
+    space.add_line((50.01, 0), (50, 40), dxfattribs={"layer": "CUT"})
+
+
+def tiny(space: Any) -> None:
+    line(space)
+    space.add_ellipse((80, 0), (0.004, 0), 0.9, dxfattribs={"layer": "CUT"})
+
+
+def curved(space: Any) -> None:
+    space.add_ellipse((0, 0), (50, 0), 0.5, dxfattribs={"layer": "CUT"})
+
+
+def two_layers(space: Any) -> None:
+    line(space)
+    space.add_line((0, 20), (50, 20), dxfattribs={"layer": "NOTES"})
+
+
+CUT: Final = "[layers.CUT]\nspeed = 20\n"
+HOLLOW: Final = """\
+[tools.knife]
+tip = [0, 0, 100]
+free_turn = true
+[layers.CUT]
+tool = "knife"
+tangential = true
+"""
+
+CASES: Final = (
+    Case("DX101", "check a.dxf", {"a.dxf": dxf(line, 0)}, ("check a.dxf --unit mm",)),
+    Case(
+        "DX101", "check a.dxf", {"a.dxf": dxf(line, 0)}, change={"a.process.toml": 'unit = "mm"\n'}
+    ),
+    Case("DX102", "check a.dxf", {"a.dxf": dxf(line, 99)}, ("check a.dxf --unit mm",)),
+    Case(
+        "DX102", "check a.dxf", {"a.dxf": dxf(line, 99)}, change={"a.process.toml": 'unit = "mm"\n'}
+    ),
+    Case(
+        "DX104",
+        "check a.dxf",
+        {"a.dxf": dxf(line), "a.process.toml": 'unit = "in"\n'},
+        change={"a.process.toml": "tolerance = 0.05\n"},
+    ),
+    Case(
+        "CT105",
+        "check a.dxf",
+        {"a.dxf": dxf(apart)},
+        change={"a.process.toml": "tolerance = 0.005\n"},
+    ),
+    Case(
+        "CT201",
+        "check a.dxf",
+        {"a.dxf": dxf(two_layers), "a.process.toml": CUT},
+        change={"a.process.toml": f'leave_out = ["NOTES"]\n{CUT}'},
+    ),
+    Case(
+        "CT201",
+        "check a.dxf",
+        {"a.dxf": dxf(two_layers), "a.process.toml": CUT},
+        change={"a.process.toml": f'{CUT}[layers."NOTES"]\n'},
+    ),
+    Case(
+        "CT203",
+        "check a.dxf",
+        {"a.dxf": dxf(tiny)},
+        change={"a.process.toml": "tolerance = 0.001\n"},
+    ),
+    Case(
+        "CT322",
+        "check a.dxf",
+        {"a.dxf": dxf(line), "a.process.toml": HOLLOW},
+        change={"a.process.toml": HOLLOW.replace("tangential = true\n", "")},
+    ),
+    Case(
+        "CT322",
+        "check a.dxf",
+        {"a.dxf": dxf(line), "a.process.toml": HOLLOW},
+        change={"a.process.toml": HOLLOW.replace("free_turn = true\n", "")},
+    ),
+    Case(
+        "CT307",
+        "check a.dxf",
+        {"a.dxf": dxf(line), "a.process.toml": "[tools.knife]\ncentre = [0, 0, 60]\n"},
+        change={"a.process.toml": "[tools.knife]\ncentre = [0, 0, 60]\nmass = 1.5\n"},
+    ),
+    Case(
+        "CT312",
+        "check a.dxf",
+        {"a.dxf": dxf(line), "a.process.toml": '[signals.glue]\nkind = "digital"\nbits = 4\n'},
+        change={"a.process.toml": '[signals.glue]\nkind = "group"\nbits = 4\n'},
+    ),
+    Case(
+        "CT205",
+        "check a.dxf",
+        {"a.dxf": dxf(curved)},
+        change={"a.process.toml": "tolerance = 0.001\n"},
+        becomes="0.0003 mm",
+    ),
+)

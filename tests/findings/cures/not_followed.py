@@ -1,0 +1,72 @@
+"""Cures that no case follows, and what of others none writes, each with the reason."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+_LIVE: Final = "a controller has to be there while commands come and go: tests/{}"
+_DIED: Final = "a deployment has to die half way: tests/deploy/test_unbreakable.py ends such ones"
+_TAUGHT: Final = "points are taught on a controller: tests/cli/test_pulling.py brings them home"
+_UNSEEN: Final = "no test comes there: {}; what it names is looked up"
+
+NOT_FOLLOWED: Final[Mapping[str, str]] = {
+    "CK442": "the planner is asked for a way by itself: tests/cell/planning/test_planner.py",
+    "CK455": "a body has to be open and carried: tests/cell/exploration/test_filling.py closes it",
+    "CK492": "the recording is of another run, by `monitor --log`, which CK480 and CK481 follow",
+    "CK493": "it is asked of Python: tests/cell/exploration/test_known_space.py",
+    "CL047": _LIVE.format("view/test_live.py"),
+    "CL048": _LIVE.format("view/test_live.py"),
+    "CL121": "an editor speaks to the command over pipes: tests/virtual/test_debugging.py",
+    "CL251": _LIVE.format("cli/test_follow.py"),
+    "CL254": _LIVE.format("cli/test_follow.py"),
+    "CL293": "a gateway runs until it is ended: tests/cli/test_gateways.py",
+    "CN113": _UNSEEN.format("the address of a virtual controller is asked for while none runs"),
+    "CN115": "the line has to leave this computer: tests/cli/test_clear_text.py has one made up",
+    "CN116": "the line has to leave this computer: tests/cli/test_clear_text.py has one made up",
+    "CN208": _LIVE.format("controllers/abb/rws/test_session.py"),
+    "CN512": "a controller runs the module: tests/controllers/abb/test_exchange.py",
+    "CO702": _LIVE.format("cli/test_moving.py"),
+    "CO715": _LIVE.format("compiler/test_teaching.py"),
+    "CT204": "a curve so wild is made by a function: tests/sources/contours",
+    "CT208": "a process file is refused first, by CT309: tests/sources/contours",
+    "DP205": _LIVE.format("cli/test_deployments.py"),
+    "DP208": _DIED,
+    "DP210": _DIED,
+    "DP211": _UNSEEN.format("a deployment dies, and somebody else changes what it left"),
+    "DP225": _UNSEEN.format("a deployment ends while its controller is gone"),
+    "DP229": _LIVE.format("cli/test_deployments.py"),
+    "DP234": "a controller needs two tasks with one module: tests/deploy/test_memory.py",
+    "LM001": "how long it takes is up to the computer: tests/program/system/test_budgets.py",
+    "LM002": "it would be the memory of the test: tests/program/system/test_budgets.py",
+    "PR203": _UNSEEN.format("the system kills a process that builds"),
+    "PR501": _TAUGHT,
+    "PR502": _TAUGHT,
+    "PR503": _TAUGHT,
+    "PR506": _UNSEEN.format("a program vanishes between a look and the next"),
+    "PR508": _TAUGHT,
+    "RA333": "a gateway runs until it is ended: tests/virtual/test_translated_bytes.py",
+    "RB009": "it is asked of Python: tests/robots/test_coupling.py",
+}
+"""Rules whose cure names an option, a command or a key that is only looked up."""
+
+_GIT: Final = "what was changed comes home into a repository: tests/cli/test_pulling.py"
+_NUMBERS: Final = "the columns are there, and what is written is their numbers"
+_SAME: Final = "the table is there, and what is written is a key in it"
+_BINARY: Final = "the file is no text, so its names are not seen; the case has both"
+
+NOT_WRITTEN: Final[Mapping[tuple[str, str], str]] = {
+    ("CO073", "type"): "the type is written with the value that belongs to it",
+    ("CO112", "--signals"): "the script that it names is what is changed",
+    ("DP204", "--pull"): _GIT,
+    ("DP222", "--pull"): _GIT,
+    ("MB201", "translate"): "the program is translated already; it is the option that is added",
+    ("TB134", "back"): _NUMBERS,
+    ("TB134", "down"): _NUMBERS,
+    ("TB134", "flip"): _NUMBERS,
+    ("TB313", "motion"): _SAME,
+    ("TB415", "positions"): _BINARY,
+    ("TB415", "quaternions"): _BINARY,
+    ("TB508", "targets"): "the word is there already; it is the brackets that change",
+}
+"""Of followed cures, by code and what they name."""
