@@ -26,7 +26,9 @@ from assistant.cli.options import (
     FromLanguage,
     FromRobot,
     LanguageOption,
+    MarkOption,
     NamesOption,
+    PlaceOption,
     ProcessOption,
     ProveOption,
     ReportOption,
@@ -39,6 +41,7 @@ from assistant.cli.options import (
     UnitOption,
     complete_language,
     complete_robot,
+    placing,
 )
 from assistant.cli.presentation import (
     FindingFormat,
@@ -113,6 +116,8 @@ def compile(
     robot: RobotOption = None,
     process: ProcessOption = None,
     unit: UnitOption = None,
+    place: PlaceOption = None,
+    marks: MarkOption = None,
     cell: CellOption = None,
     output: Annotated[
         str, typer.Option("--output", "-o", help="Folder for the files; - prints a single one.")
@@ -141,6 +146,7 @@ def compile(
             robot=robot,
             process=process,
             unit=unit,
+            placement=placing(place, marks),
             cell=cell,
             output=output,
             most_targets=most_targets,
@@ -224,6 +230,8 @@ def show(
     robot: RobotOption = None,
     process: ProcessOption = None,
     unit: UnitOption = None,
+    place: PlaceOption = None,
+    marks: MarkOption = None,
     from_language: FromLanguage = None,
     entry: EntryOption = None,
     output: Annotated[
@@ -241,7 +249,7 @@ def show(
     """Print the pseudo-program of any source or robot program."""
     from assistant.cli.showing import Wanted, run_show
 
-    wanted = Wanted(robot, process, unit, from_language, entry, to, after)
+    wanted = Wanted(robot, process, unit, from_language, entry, to, after, placing(place, marks))
     raise typer.Exit(run_show(source, wanted, output))
 
 
@@ -254,6 +262,8 @@ def check(
     robot: RobotOption = None,
     process: ProcessOption = None,
     unit: UnitOption = None,
+    place: PlaceOption = None,
+    marks: MarkOption = None,
     cell: CellOption = None,
     from_language: FromLanguage = None,
     format: FindingFormatOption = FindingFormat.TEXT,
@@ -269,11 +279,13 @@ def check(
             "--robot": robot,
             "--process": process,
             "--unit": unit,
+            "--place": place,
+            "--mark": marks or None,
             "--cell": cell,
             "--from": from_language,
         }
         raise typer.Exit(run_project_check(given, format, fail_on))
-    options = Options(robot, process, unit, cell, from_language)
+    options = Options(robot, process, unit, cell, from_language, placing(place, marks))
     raise typer.Exit(run_check(sources, options, format, fail_on))
 
 
@@ -344,6 +356,8 @@ def simulate(
     ] = None,
     process: ProcessOption = None,
     unit: UnitOption = None,
+    place: PlaceOption = None,
+    marks: MarkOption = None,
     cell: CellOption = None,
     from_language: FromLanguage = None,
     from_robot: FromRobot = None,
@@ -354,7 +368,16 @@ def simulate(
     from assistant.cli.simulating import Options, run_simulate
 
     options = Options(
-        robot, process, unit, from_language, from_robot, acceleration, period, entry, cell
+        robot,
+        process,
+        unit,
+        from_language,
+        from_robot,
+        acceleration,
+        period,
+        entry,
+        cell,
+        placing(place, marks),
     )
     raise typer.Exit(run_simulate(program, options, output or (), format))
 
@@ -378,6 +401,8 @@ def view(
     acceleration: AccelerationOption = None,
     process: ProcessOption = None,
     unit: UnitOption = None,
+    place: PlaceOption = None,
+    marks: MarkOption = None,
     from_language: FromLanguage = None,
     from_robot: FromRobot = None,
     entry: EntryOption = None,
@@ -388,7 +413,16 @@ def view(
     from assistant.cli.viewing import run_view
 
     options = Options(
-        robot, process, unit, from_language, from_robot, acceleration, None, entry, cell
+        robot,
+        process,
+        unit,
+        from_language,
+        from_robot,
+        acceleration,
+        None,
+        entry,
+        cell,
+        placing(place, marks),
     )
     raise typer.Exit(run_view(program, options, html, format, live))
 

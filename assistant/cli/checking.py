@@ -15,6 +15,7 @@ from assistant.program.diagnostics import Refused, fold
 
 if TYPE_CHECKING:
     from assistant.compiler.checking import Checked
+    from assistant.sources.placements import Placing
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,6 +27,7 @@ class Options:
     unit: str | None
     cell: Path | None
     from_language: str | None
+    placement: Placing | None = None
 
 
 def run_check(
@@ -70,6 +72,7 @@ def _checked(sources: Sequence[str], options: Options) -> Checked:
         text, spoken = standard_input(options.from_language)
         checked = check_text(text, language=spoken, **given)
     files = [source for source in sources if source != STANDARD]
+    given["placement"] = options.placement
     more = check_files(files, language=options.from_language, **given)
     return Checked(
         [*cell.findings, *checked.findings, *more.findings],

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from assistant.compiler.motion import Proving
     from assistant.program.text import SourceText
     from assistant.robots import Robot
+    from assistant.sources.placements import Placing
     from assistant.sources.surroundings import ByRobot
 
 NOT_ONE_FILE = error("CL002", "there are {count} files to print", "name a folder with --output")
@@ -47,6 +48,7 @@ def run_compile(
     robot: str | None,
     process: Path | None,
     unit: str | None,
+    placement: Placing | None,
     cell: Path | None,
     output: str,
     most_targets: int | None,
@@ -72,13 +74,14 @@ def run_compile(
     done: list[tuple[str, Compiled]] = []
     for source in dict.fromkeys(sources):
         with answers.of(source), working(f"compiling {source}"):
-            given = _input(source, from_language, from_robot, process, unit)
+            given = _input(source, from_language, from_robot, process, unit, placement)
             compiled = compile(
                 given or source,
                 language=language,
                 robot=robot,
                 process=process,
                 unit=unit,
+                placement=placement,
                 cell=stands,
                 from_robot=from_robot,
                 most_targets=most_targets,
@@ -129,6 +132,7 @@ def load_given(
     from_language: str | None,
     entry: str | None = None,
     around: ByRobot | None = None,
+    placement: Placing | None = None,
 ) -> Loaded:
     """The program of a file, or of standard input if the source says so.
 
@@ -139,8 +143,14 @@ def load_given(
     from assistant.compiler.opening import load
 
     arm = robot_of(robot)
-    given = _input(source, from_language, robot, process, unit) or load(
-        source, process=process, robot=arm, language=from_language, unit=unit, around=around
+    given = _input(source, from_language, robot, process, unit, placement) or load(
+        source,
+        process=process,
+        robot=arm,
+        language=from_language,
+        unit=unit,
+        around=around,
+        placement=placement,
     )
     return replace(given, program=entered(given.program, entry))
 
@@ -151,17 +161,28 @@ def _input(
     robot: str | Robot | None,
     process: Path | None,
     unit: str | None,
+    placement: Placing | None,
 ) -> Loaded | None:
     """The program on standard input if the source says so, or a file of a named language."""
     from assistant.compiler.arms import robot_of
     from assistant.compiler.loading import load_text
     from assistant.compiler.opening import load
     from assistant.sources.lengths import unit_stated
+    from assistant.sources.placements import check_drawn
 
+    if placement is not None and source == STANDARD:
+        check_drawn(Path("standard input"))
     if source != STANDARD:
         if language is None:
             return None
-        return load(source, process=process, robot=robot_of(robot), language=language, unit=unit)
+        return load(
+            source,
+            process=process,
+            robot=robot_of(robot),
+            language=language,
+            unit=unit,
+            placement=placement,
+        )
     text, spoken = standard_input(language)
     loaded = load_text(text, process=process, robot=robot_of(robot), language=spoken)
     if unit is None:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -15,6 +16,9 @@ from assistant.cli.presentation import (
     answer_as,
 )
 from assistant.findings.fail_on import FailOn
+
+if TYPE_CHECKING:
+    from assistant.sources.placements import Placing
 
 
 def complete_language(incomplete: str) -> list[str]:
@@ -80,6 +84,16 @@ UnitOption = Annotated[
     typer.Option("--unit", help="Unit that a drawing is in, whatever it says: mm, in, m …",
                  autocompletion=complete_unit),
 ]  # fmt: skip
+PlaceOption = Annotated[
+    str | None,
+    typer.Option("--place", metavar="X,Y,Z[,A,B,C]",
+                 help="Where a drawing's origin stands, mm, and degrees about z, y, x."),
+]  # fmt: skip
+MarkOption = Annotated[
+    list[str] | None,
+    typer.Option("--mark", metavar="X,Y=X,Y,Z",
+                 help="Mark of a drawing and where it was taught, mm; three place it."),
+]  # fmt: skip
 FramesOption = Annotated[
     FramesAs,
     typer.Option(help="Work objects in MELFA-BASIC: as Base, or as factors of the targets."),
@@ -124,3 +138,12 @@ SignalsOption = Annotated[
 SeedOption = Annotated[
     int, typer.Option(help="With --prove: of what the search draws; the same gives the same.")
 ]
+
+
+def placing(place: str | None, marks: Sequence[str] | None) -> Placing | None:
+    """What --place or --mark say, None for neither; raises Refused."""
+    if place is None and not marks:
+        return None
+    from assistant.sources.placements import of_options
+
+    return of_options(place, marks or ())

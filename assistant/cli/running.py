@@ -25,6 +25,7 @@ from assistant.program.diagnostics import Diagnostic, Refused, Severity, error, 
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
+    from assistant.sources.placements import Placing
     from assistant.virtual.events import Place, Run
     from assistant.virtual.kernel import Task
     from assistant.virtual.kernel.script import Script
@@ -56,6 +57,7 @@ class Options:
     robot: str | None
     process: Path | None
     unit: str | None
+    placement: Placing | None
     from_language: str | None
     entry: str | None
     signals: Path | None
@@ -131,6 +133,7 @@ def _programs(named: Sequence[str], options: Options, arm: Robot | None) -> Prog
         robot=arm,
         process=options.process,
         unit=options.unit,
+        placement=options.placement,
         entry=options.entry,
     )
 

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from assistant.compiler import Loaded
     from assistant.program.program import Program
     from assistant.program.pseudo.printer import Printed
+    from assistant.sources.placements import Placing
 
 NO_PASS: Final = error("CL012", "the program goes through no pass `{name}`", "name one of {passes}")
 NO_LANGUAGE: Final = error(
@@ -33,13 +34,20 @@ class Wanted:
     entry: str | None
     to: str | None
     after: str | None
+    placement: Placing | None = None
 
 
 def run_show(source: str, wanted: Wanted, output: Path | None) -> int:
     from assistant.program import pseudo
 
     loaded = load_given(
-        source, wanted.robot, wanted.process, wanted.unit, wanted.from_language, wanted.entry
+        source,
+        wanted.robot,
+        wanted.process,
+        wanted.unit,
+        wanted.from_language,
+        wanted.entry,
+        placement=wanted.placement,
     )
     print_findings(fold(f.within(source) for f in loaded.findings))
     program = _on_the_way(loaded, wanted)

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from assistant.program.program import Program
     from assistant.robots import Robot, SolvedProgram
     from assistant.robots.timing import Simulation
+    from assistant.sources.placements import Placing
 
 NO_ROBOT = error(
     "CL010",
@@ -52,6 +53,7 @@ class Options:
     period: float | None
     entry: str | None = None
     cell: Path | None = None
+    placement: Placing | None = None
 
 
 def run_simulate(source: str, options: Options, outputs: Sequence[str], format: Format) -> int:
@@ -120,7 +122,7 @@ def solved(source: str, options: Options, stands: InCell | None = None) -> Solve
     arms = stands.arms(robot_of(options.from_robot))
     reader = options.from_robot or stands.robot
     given = (options.process, options.unit, options.from_language, options.entry)
-    loaded = load_given(source, reader, *given, stands.around)
+    loaded = load_given(source, reader, *given, stands.around, options.placement)
     program: Program = loaded.program
     arms = standing(program, arms)
     program, located = with_locations(program, arms)

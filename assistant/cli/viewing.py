@@ -98,7 +98,7 @@ def shown_of(source: str, options: Options, ready: Solved) -> Shown:
         marked += placed_clearances(solution, scene, done)
     worst = list(Severity)
     marked.sort(key=lambda one: worst.index(one[0].severity))  # the page cannot hold all
-    drawn = drawn_lines(source, options.process, options.unit)
+    drawn = drawn_lines(source, options.process, options.unit, options.placement)
     return Shown(Path(source).name, solution, done, scene, placed, places, marked, drawn)
 
 

@@ -11,9 +11,12 @@ from assistant.cli.options import (
     EntryOption,
     FormatOption,
     FromLanguage,
+    MarkOption,
+    PlaceOption,
     ProcessOption,
     RobotOption,
     UnitOption,
+    placing,
 )
 from assistant.cli.presentation import Format
 
@@ -90,6 +93,8 @@ def run(
     ] = False,
     process: ProcessOption = None,
     unit: UnitOption = None,
+    place: PlaceOption = None,
+    marks: MarkOption = None,
     from_language: FromLanguage = None,
     entry: EntryOption = None,
     format: FormatOption = Format.TEXT,
@@ -101,6 +106,7 @@ def run(
         robot=robot,
         process=process,
         unit=unit,
+        placement=placing(place, marks),
         from_language=from_language,
         entry=entry,
         signals=signals,

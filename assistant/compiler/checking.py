@@ -35,9 +35,11 @@ from assistant.program.failing import details_wanted, failure
 from assistant.program.program import Program
 from assistant.program.text import SourceText, is_folder, read_bytes
 from assistant.sources.lengths import unit_stated
+from assistant.sources.placements import check_drawn
 
 if TYPE_CHECKING:
     from assistant.languages import Language
+    from assistant.sources.placements import Placing
 
 NOTHING_THERE: Final = error(
     "CO301",
@@ -90,6 +92,7 @@ def check_files(
     process: str | FilePath | None = None,
     language: str | None = None,
     unit: str | None = None,
+    placement: Placing | None = None,
     cell: str | FilePath | InCell | None = None,
 ) -> Checked:
     """Checks files, and what is in folders: robot programs, pseudo-programs and drawings.
@@ -97,8 +100,9 @@ def check_files(
     Modules that a controller loads together, as those of a folder in RAPID, are one program.
     robot: reach, limits and configurations are checked for it. process: process file, see `load`.
     language: of robot programs, where neither suffix nor text tell.
-    unit: of length, that drawings are in. cell: file of the cell that they run in, so that contacts
-    with its bodies are looked for; or what was read of it, whose findings the caller tells.
+    unit: of length, that drawings are in. placement: where they stand. cell: file of the cell that
+    they run in, so that contacts with its bodies are looked for; or what was read of it, whose
+    findings the caller tells.
     Raises Refused if there is no such robot or language, or for a cell file that is wrong.
     """
     named = None if language is None else language_of(language)
@@ -121,10 +125,12 @@ def check_files(
     for (spoken, _), files in programs.items():
         where = files[0] if len(files) == 1 else _folder_of(files)
         with _collecting(checked, where):
+            if placement is not None:
+                check_drawn(FilePath(files[0]))
             if spoken is not None:
                 found = _check_program(spoken, files, stands, process, checked)
             else:
-                found = _check_source(files[0], process, unit, stands, checked)
+                found = _check_source(files[0], process, unit, placement, stands, checked)
             if unit is not None and FilePath(files[0]).suffix.lower() not in sources.READERS:
                 found.append(unit_stated(where, unit))
             checked.findings += [f.within(where) for f in found]
@@ -223,6 +229,7 @@ def _check_source(
     file: str,
     process: str | FilePath | None,
     unit: str | None,
+    placement: Placing | None,
     stands: InCell,
     checked: Checked,
 ) -> list[Diagnostic]:
@@ -230,7 +237,14 @@ def _check_source(
     path = FilePath(file)
     if path.suffix.lower() == pseudo.SUFFIX:
         return _check_pseudo(read_pseudo(path), path.parent, stands, process, checked)
-    loaded = load(file, process=process, robot=stands.robot, unit=unit, around=stands.around)
+    loaded = load(
+        file,
+        process=process,
+        robot=stands.robot,
+        unit=unit,
+        around=stands.around,
+        placement=placement,
+    )
     return [*loaded.findings, *_check_meaning(loaded.program, stands)]
 
 

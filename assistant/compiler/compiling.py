@@ -49,6 +49,7 @@ if TYPE_CHECKING:
         Frames,
     )
     from assistant.robots import Robot
+    from assistant.sources.placements import Placing
 
 OTHER_MAKER = warning(
     "CO003",
@@ -122,6 +123,7 @@ def compile(
     robot: str | Robot | None = None,
     process: str | FilePath | None = None,
     unit: str | None = None,
+    placement: Placing | None = None,
     cell: str | FilePath | InCell | None = None,
     from_robot: str | Robot | None = None,
     most_targets: int | None = None,
@@ -135,8 +137,9 @@ def compile(
     the program's own, or the only one of its cell. cell: file of the cell that it stands in:
     nothing is written that touches anything there; or what was read of it, whose findings the
     caller tells. process: process file of a drawing or table. unit: of length, that a
-    drawing is in, whatever it says itself. from_robot: the arm that a
-    vendor program was written for. most_targets: of one unit, for controllers that take less.
+    drawing is in, whatever it says itself. placement: where a drawing stands. from_robot: the
+    arm that a vendor program was written for. most_targets: of one unit, for controllers that take
+    less.
     frames: how a language without work objects says them, see `Language.with_frames`.
     entry: the procedure that the program begins with, where it is not the one that its source
     says. proving: how a proof by motion is sought, None for none; nothing is given out that lacks
@@ -152,7 +155,14 @@ def compile(
         loaded = source
     else:
         arm = robot_of(from_robot)
-        loaded = load(source, process=process, robot=arm, unit=unit, around=stands.around)
+        loaded = load(
+            source,
+            process=process,
+            robot=arm,
+            unit=unit,
+            around=stands.around,
+            placement=placement,
+        )
         loaded = replace(loaded, findings=tuple(f.within(str(source)) for f in loaded.findings))
     program = entered(loaded.program, entry)
     arms = standing(program, in_arms(loaded, stands.arms(robot_of(from_robot))))

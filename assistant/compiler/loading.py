@@ -17,11 +17,13 @@ from assistant.program.kept import with_effects
 from assistant.program.program import Program, Signal
 from assistant.program.text import SourceText, decode, folders_of, read_bytes
 from assistant.sources.lengths import unit_stated
+from assistant.sources.placements import check_drawn
 
 if TYPE_CHECKING:
     from assistant.languages import Language, Tree
     from assistant.program.wanted import Wanted
     from assistant.robots import Robot
+    from assistant.sources.placements import Placing
     from assistant.sources.surroundings import ByRobot
 
 PSEUDO_ENCODINGS: Final = ("utf-8-sig", "utf-8")
@@ -62,6 +64,7 @@ def load(
     language: str | None = None,
     unit: str | None = None,
     around: ByRobot | None = None,
+    placement: Placing | None = None,
 ) -> Loaded:
     """The pseudo-program of a drawing, table, `.pseudo` text or vendor program.
 
@@ -69,11 +72,14 @@ def load(
     signals of those names it says anew. robot: the arm that a vendor program was
     written for, where its own header does not say. language: of a vendor program, if neither
     suffix nor text tell. Other units that a vendor program calls are read from beside it.
-    unit: of length, that a drawing is in. around: what stands around the work of one.
+    unit: of length, that a drawing is in. around: what stands around the work of one. placement:
+    where a drawing stands, instead of what its process file says; nothing else can be placed.
     Raises Unreadable or Refused.
     """
     source = FilePath(path)
     stated = () if unit is None else (unit_stated(path, unit),)
+    if placement is not None:
+        check_drawn(source)
     if source.suffix.lower() == pseudo.SUFFIX:
         text = read_pseudo(path)
         loaded = Loaded(parse_pseudo(text, source.parent), None, stated, text=text)
@@ -81,7 +87,7 @@ def load(
     data = None if source.suffix.lower() in sources.READERS else read_bytes(source)
     spoken = _spoken(source, data, language)
     if spoken is None:
-        reading = sources.read(source, process, unit, around)
+        reading = sources.read(source, process, unit, around, placement)
         return Loaded(reading.program, None, reading.findings)
     loaded = lift(spoken, [spoken.read(source)], robot, beside=source.parent)
     origin = loaded.program.origin

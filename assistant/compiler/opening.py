@@ -13,9 +13,11 @@ from assistant.compiler.loading import Loaded
 from assistant.compiler.tasks import Task, load_task, tasks_of
 from assistant.program.diagnostics import Diagnostic, Refused, error
 from assistant.program.text import is_folder
+from assistant.sources.placements import check_drawn
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
+    from assistant.sources.placements import Placing
     from assistant.sources.surroundings import ByRobot
 
 SEVERAL: Final = error(
@@ -34,6 +36,7 @@ def load(
     language: str | None = None,
     unit: str | None = None,
     around: ByRobot | None = None,
+    placement: Placing | None = None,
 ) -> Loaded:
     """The pseudo-program of a file, see `loading.load`, or of a folder with one robot program.
 
@@ -42,8 +45,16 @@ def load(
     """
     if not is_folder(path) or FilePath(path).suffix.lower() in sources.READERS:
         return loading.load(
-            path, process=process, robot=robot, language=language, unit=unit, around=around
+            path,
+            process=process,
+            robot=robot,
+            language=language,
+            unit=unit,
+            around=around,
+            placement=placement,
         )
+    if placement is not None:
+        check_drawn(FilePath(path))
     left = list[Diagnostic]()
     tasks = tasks_of(list(programs_in(str(path), language, left.append)), language)
     task = _only(tasks)

@@ -28,6 +28,7 @@ from assistant.virtual.parts import Group, Part, Programs, groups
 if TYPE_CHECKING:
     from assistant.languages import Language, Tree
     from assistant.robots import Robot
+    from assistant.sources.placements import Placing
 
 ONE_SOURCE: Final = error(
     "CO021", "`{name}` is run by itself, beside no other program", "name it alone"
@@ -52,12 +53,13 @@ def programs(
     process: str | FilePath | None = None,
     unit: str | None = None,
     entry: str | None = None,
+    placement: Placing | None = None,
 ) -> Programs:
     """What files and folders hold that run together on one controller.
 
     named: a drawing, table or pseudo-program; or robot programs of one language, or a folder with
-    them. language: of robot programs, where neither suffix nor text tell. robot, process, unit:
-    see `load`, of other sources. entry: the procedure that a pseudo-program begins with.
+    them. language: of robot programs, where neither suffix nor text tell. robot, process, unit,
+    placement: see `load`, of other sources. entry: the procedure that a pseudo-program begins with.
     Raises Unreadable or Refused.
     """
     title = ", ".join(named)
@@ -67,12 +69,12 @@ def programs(
             if is_folder(name) or _is_source(name):
                 raise Refused(ONE_SOURCE(path=name, name=name), exit_status=2)
     elif folder is None and _is_source(named[0], language):
-        loaded = load(named[0], process=process, robot=robot, unit=unit)
+        loaded = load(named[0], process=process, robot=robot, unit=unit, placement=placement)
         is_text = FilePath(named[0]).suffix.lower() == pseudo.SUFFIX
         program = entered(loaded.program, entry)
         text = read_pseudo(named[0]) if is_text else None
         return _for_arm(Programs(title, program=program, text=text), loaded.findings, robot)
-    for option, value in (("process", process), ("unit", unit)):
+    for option, value in (("process", process), ("unit", unit), ("place", placement)):
         if value is not None:
             raise Refused(OF_SOURCES(path=named[0], option=option, name=named[0]), exit_status=2)
     files = list(programs_in(folder, language)) if folder else list(dict.fromkeys(named))

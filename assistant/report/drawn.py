@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -12,6 +12,9 @@ from assistant.program.arrays import Floats
 from assistant.program.geometry import BASE, Frame
 from assistant.sources import process_of
 from assistant.sources.lengths import known_unit
+
+if TYPE_CHECKING:
+    from assistant.sources.placements import Placing
 
 SUFFIX: Final = ".dxf"
 PIECES: Final = 64
@@ -30,11 +33,13 @@ def drawn_lines(
     source: str | FilePath,
     process: str | FilePath | None = None,
     unit: str | None = None,
+    placement: Placing | None = None,
 ) -> list[Line]:
     """The curves of a drawing in order; nothing for other sources, and for a drawing whose frame
     the robot or something else carries.
 
-    process, unit: as for reading the drawing as a program. Raises Unreadable or Refused as that.
+    process, unit, placement: as for reading the drawing as a program. Raises Unreadable or Refused
+    as that.
     """
     path = FilePath(source)
     if path.suffix.lower() != SUFFIX:
@@ -45,6 +50,8 @@ def drawn_lines(
     chosen = process_of(path, process)
     if unit is not None:
         chosen = replace(chosen, unit=known_unit(unit))
+    if placement is not None:
+        chosen = replace(chosen, placement=placement.pose)
     name = chosen.defaults.frame
     frame = Frame() if name == BASE else chosen.frames.get(name)
     if frame is None or frame.held or frame.mechanism:

@@ -13,6 +13,7 @@ from assistant.program.diagnostics import Unreadable, error
 from assistant.program.system.budgets import TABLE, unpacked, within
 from assistant.program.text import is_file
 from assistant.sources.lengths import known_unit, unit_stated
+from assistant.sources.placements import INSTEAD, Placing, check_drawn
 from assistant.sources.process import NO_PROCESS, Process
 from assistant.sources.reading import Reader, Reading
 from assistant.sources.surroundings import ByRobot
@@ -47,12 +48,14 @@ def read(
     process: str | FilePath | None = None,
     unit: str | None = None,
     around: ByRobot | None = None,
+    placement: Placing | None = None,
 ) -> Reading:
     """The pseudo-program of a drawing, table or list of targets.
 
     process: a process file; without one, the file beside the source that is named like it.
     unit: the short name of the unit that a drawing is in, instead of what the process file says.
     around: what stands around the work, by the robot that the process file names, if it names one.
+    placement: of a drawing, instead of what the process file says.
     Raises Unreadable or Refused.
     """
     source = FilePath(path)
@@ -66,6 +69,12 @@ def read(
         chosen = replace(chosen, unit=known_unit(unit))
         if source.suffix.lower() in STATE_LENGTHS:
             findings += (unit_stated(path, unit),)
+    if placement is not None:
+        told = () if chosen.placement is None else (INSTEAD(path=str(path)),)
+        findings += (*(f.within(str(path)) for f in placement.findings), *told)
+        chosen = replace(chosen, placement=placement.pose)
+    if chosen.placement is not None:
+        check_drawn(source)
     if around is not None:
         chosen = replace(chosen, around=around(chosen.robot))
     with _stage(source):

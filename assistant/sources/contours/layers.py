@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Final
 
 from assistant.program.diagnostics import Diagnostic, error, info, warning
@@ -73,7 +74,7 @@ def contour_program(
 ) -> tuple[tuple[Procedure, ...], dict[str, Target], tuple[Diagnostic, ...]]:
     """A procedure for each layer that has a process, the targets they name, what was found.
 
-    curves: in the coordinates of the process's default frame; the layers come in order of
+    curves: where the process places them in its default frame; the layers come in order of
     first appearance. A layer whose motion names another frame is followed at the same
     place, its targets and its tool direction given in that frame. Without any layer in the
     process, every layer moves as the defaults say. Curves of other layers are counted in a
@@ -84,7 +85,6 @@ def contour_program(
     for curve in curves:
         layers.setdefault(curve.layer.casefold(), []).append(curve)
     known = {name.casefold(): layer for name, layer in process.layers.items()}
-    unwanted = {name.casefold() for name in process.leave_out}
     defaults = process.defaults
     usual = None if known else Layer("contours", defaults.motion, rounded=defaults.blend is None)
     names = TakenNames(taken)
@@ -93,14 +93,16 @@ def contour_program(
     findings: list[Diagnostic] = []
     followed: list[tuple[str, Sequence[Curve], Layer]] = []
     for key, group in layers.items():
-        layer = known.get(key, None if key in unwanted else usual)
+        unwanted = process.leaves_out(key)
+        layer = known.get(key, None if unwanted else usual)
         if layer is None:
-            if key not in unwanted:
+            if not unwanted:
                 findings.append(UNUSED(what=_count(group), layer=shown(group[0].layer)))
             continue
         name = _name(group[0].layer, names)
         names.add(name)
-        followed.append((name, group, layer))
+        direction = process.placed(layer.direction)
+        followed.append((name, group, replace(layer, direction=direction)))
     # All procedures have their names before any path gets one.
     for name, members, layer in followed:
         made, named, found = _procedure(name, members, layer, process, names)

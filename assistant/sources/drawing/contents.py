@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from assistant.program import rotations
+from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import BASE, FLANGE
 from assistant.program.statements import Motion
@@ -27,7 +30,7 @@ from assistant.sources.drawing.findings import (
 )
 from assistant.sources.drawing.locations import Location, Locations
 from assistant.sources.drawing.primitives import Degenerate
-from assistant.sources.drawing.transforms import scaling
+from assistant.sources.drawing.transforms import affine, scaling
 from assistant.sources.drawing.traversal import Placed, Traversal
 from assistant.sources.drawing.units import unit_of
 from assistant.sources.process import Process
@@ -38,7 +41,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Contents:
-    """Curves and locations in order of drawing, in mm, in the drawing's world."""
+    """Curves and locations in order of drawing, in mm, where the process places the drawing."""
 
     unit: str
     curves: tuple[Curve, ...]
@@ -58,23 +61,33 @@ def read_contents(path: FilePath, process: Process) -> Contents:
     document, opened = open_drawing(path)
     unit, factor, units = unit_of(document, name, process.unit)
     tally = Tally()
-    unwanted = frozenset(layer.lower() for layer in process.leave_out)
+    unwanted = cache(process.leaves_out)
     traversal = Traversal(document, name, tags, tally, unwanted=unwanted)
     locations = Locations(document, name, tags, process, tally)
     curves: list[Curve] = []
     found: list[Location] = []
     with within(INSERTING, name, traversal.count()):
-        for placed in traversal.model(scaling(factor)):
+        for placed in traversal.model(_root(process, factor)):
             if placed.entity.dxftype() in ("POINT", "INSERT"):
+                if unwanted(placed.layer):
+                    continue
                 location = locations.read(placed)
                 found += [location] if location else []
             else:
-                counted_in = Tally() if placed.layer.lower() in unwanted else tally
+                counted_in = Tally() if unwanted(placed.layer) else tally
                 curves += _curves(placed, counted_in, traversal)
         traversal.paper()
     counted = (f.within(name) for f in tally.findings())
     findings = (*opened, *units, *_ucs(document, name), *traversal.findings, *locations.findings)
     return Contents(unit, tuple(curves), tuple(found), (*findings, *counted))
+
+
+def _root(process: Process, factor: float) -> Floats:
+    """Drawing units to mm where the process places the drawing."""
+    if process.placement is None:
+        return scaling(factor)
+    turn = rotations.to_matrix(np.array(process.placement.quaternion))
+    return np.asarray(affine(turn, np.array(process.placement.position)) @ scaling(factor))
 
 
 def _curves(placed: Placed, tally: Tally, traversal: Traversal) -> list[Curve]:

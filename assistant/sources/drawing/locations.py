@@ -8,8 +8,8 @@ the drawing shows them, and y completes a right-handed frame. The scale of a loc
 insert is that of its symbol: only its sign, a mirroring, counts.
 
 Where nothing is stated, motion is that of the layer's process, else the default one. The
-drawing's world is the default frame of the process file; a location that names another frame
-is put into that one, and stays where it was drawn.
+drawing's world is the default frame of the process file, or stands in it as the file places it; a
+location that names another frame is put into that one, and stays where it was drawn.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ import numpy as np
 from assistant.program import rotations
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Diagnostic, Rule
-from assistant.program.geometry import BASE, FLANGE, Frame, Pose, Tool
+from assistant.program.geometry import BASE, FLANGE, Frame, Pose, Tool, Vector
 from assistant.program.motion import Speed
 from assistant.program.statements import Motion
 from assistant.sources.drawing.attributes import ANGLES, QUATERNION, Tags, Values, texts_of
@@ -73,7 +73,7 @@ REPAIRED_LENGTH: Final = 1e-3
 DOWN: Final = rotations.about((1.0, 0.0, 0.0), 180.0)
 """Tool against the axes of the location: half a turn about x."""
 
-UPWARDS: Final = np.array([0.0, 0.0, 1.0])
+UPWARDS: Final[Vector] = (0.0, 0.0, 1.0)
 LEVEL: Final = 1e-9
 """1 - cosine up to which an axis counts as upright; 0.003 degrees."""
 
@@ -233,15 +233,16 @@ class Locations:
         where there is no such process.
         """
         kind, handle = placed.entity.dxftype(), placed.entity.dxf.handle or ""
-        slope = 1.0 - abs(float(rotation[:, 2] @ UPWARDS)) > LEVEL
+        upwards = np.array(self.process.placed(UPWARDS))
+        slope = 1.0 - abs(float(rotation[:, 2] @ upwards)) > LEVEL
         for layer, process in self.process.layers.items():
             if layer.casefold() == placed.layer.casefold() and not slope:
                 self.tally.add(FACING, kind, placed.layer, "as the layer's process says", handle)
-                z = np.asarray(process.direction, dtype=np.float64)
+                z = np.asarray(self.process.placed(process.direction), dtype=np.float64)
                 steep = abs(float(z @ rotation[:, 0])) > (1.0 - LEVEL) * np.linalg.norm(z)
                 return right_handed(rotation[:, 1] if steep else rotation[:, 0], z)
         self.tally.add(FACING, kind, placed.layer, "against their own z axis", handle)
-        if not slope and rotation[2, 2] > 0:
+        if not slope and rotation[:, 2] @ upwards > 0:
             self._say(FACING_UP, placed.place, name=shown(name))
         return rotation
 

@@ -79,6 +79,10 @@ ANNOTATION: Final = frozenset(
 XREF_FLAGS: Final = 4 | 8
 
 
+def _none(_: str) -> bool:
+    return False
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Placed:
     """An entity at one of its places.
@@ -113,7 +117,7 @@ class Traversal:
     """Walks through a document; `tally` and `findings` fill while it goes.
 
     wanted: which entities are yielded, beside points and locations; what is not is counted.
-    unwanted: layers in lower case, of which what is not yielded is not counted either.
+    unwanted: tells layers of which what is not yielded is not counted either.
     """
 
     document: Drawing
@@ -121,7 +125,7 @@ class Traversal:
     tags: Tags
     tally: Tally
     wanted: Callable[[DXFGraphic], bool] = follows
-    unwanted: frozenset[str] = frozenset()
+    unwanted: Callable[[str], bool] = _none
     findings: list[Diagnostic] = field(default_factory=list)
     states: dict[str, str] = field(default_factory=dict)
     """Layer in lower case → `frozen` or `off`."""
@@ -258,7 +262,7 @@ class Traversal:
         return {"frozen": "the layer is frozen", "off": OFF}.get(state)
 
     def _leave(self, rule: Rule, entity: DXFGraphic, layer: str, reason: str) -> None:
-        if layer.lower() not in self.unwanted:
+        if not self.unwanted(layer):
             self.tally.add(rule, shown(entity.dxftype()), layer, reason, entity.dxf.handle or "")
 
     def _say(self, rule: Rule, place: str, **fields: Any) -> None:

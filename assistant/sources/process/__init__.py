@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
+import numpy as np
+
+from assistant.program import rotations
 from assistant.program.diagnostics import Diagnostic
 from assistant.program.expressions import Name
-from assistant.program.geometry import BASE, FLANGE, Frame, Tool, Vector
+from assistant.program.geometry import BASE, FLANGE, Frame, Pose, Tool, Vector
 from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.program import Signal
 from assistant.program.statements import Motion
@@ -97,7 +101,8 @@ class Process:
     `x_rotation`, …), for locations in drawings. tolerance: mm for chaining, fitting, rounding.
     unit: short name of the unit of drawings, whatever they say, and of arrays that say none.
     robot: name of the arm that joints were taught on and that runs the program, None if not said.
-    leave_out: layers whose contours nobody wants, compared without case.
+    leave_out: layers that nobody wants, compared without case, `*` being any letters.
+    placement: the drawing's world in the default frame, None where it is that frame.
     joint_speed: mm/s of joint moves of a robot program whose percentage cannot be said in mm/s.
     lines: by their numbers on the source's controller.
     around: what stands around the work, which no process file says; None if nobody knows.
@@ -114,10 +119,32 @@ class Process:
     unit: str | None = None
     robot: str | None = None
     leave_out: tuple[str, ...] = ()
+    placement: Pose | None = None
     joint_speed: float | None = None
     lines: Mapping[int, Line] = field(default_factory=dict)
     around: Surroundings | None = None
     findings: tuple[Diagnostic, ...] = ()
+
+    def leaves_out(self, layer: str) -> bool:
+        """Whether nobody wants a layer; one with a table of its own is wanted."""
+        name = layer.casefold()
+        if name in {one.casefold() for one in self.layers}:
+            return False
+        return any(_like(pattern.casefold(), name) for pattern in self.leave_out)
+
+    def placed(self, direction: Vector) -> Vector:
+        """A direction of the drawing as the drawing stands in the default frame."""
+        if self.placement is None:
+            return direction
+        x, y, z = rotations.rotate(
+            np.array(self.placement.quaternion), np.array(direction, dtype=np.float64)
+        ).tolist()
+        return (x, y, z)
+
+
+def _like(pattern: str, name: str) -> bool:
+    """Whether a name is of a pattern, in which `*` stands for any letters and nothing else does."""
+    return re.fullmatch(".*".join(map(re.escape, pattern.split("*"))), name, re.DOTALL) is not None
 
 
 NO_PROCESS: Final = Process()

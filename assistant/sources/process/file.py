@@ -6,7 +6,7 @@ masses kg; names are letters, digits and `_`, a letter first.
     robot = "irb1200-7-0.7"       # the arm that the targets were taught on, or will be run by
     tolerance = 0.05              # mm for joining ends, fitting curves, rounding corners of paths
     unit = "mm"                   # of a drawing, whatever it says itself
-    leave_out = ["BORDER"]        # layers whose contours are not wanted
+    leave_out = ["BORDER"]        # layers that are not wanted; "*" for any letters: ["DIM_*"]
     joint_speed = 100             # mm/s of joint moves of a robot program that state a percentage
 
     [motion]                      # where the source itself does not say how to move
@@ -59,6 +59,14 @@ masses kg; names are letters, digits and `_`, a letter first.
     tangential = false            # true: the tool's x axis follows the contour
     inside_first = true           # contours inside others first; false: as travel is shortest
 
+    [placement]                   # of a drawing in the frame of [motion]; moves all that is drawn
+    position = [300, 0, 0]        # mm, where its origin comes to
+    euler_zyx = [90, 0, 0]        # or quaternion, as for tools
+    # or three marks, each as it is drawn and as it was taught in that frame, both in mm:
+    # drawing = [[0, 0], [200, 0], [0, 100]]
+    # cell = [[412.1, 8.0, 20.3], [412.4, 208.0, 20.1], [312.1, 8.2, 20.2]]
+    # misfit = 1.0                # mm that a mark may be off
+
     [tags]                        # attribute tags of locations, by meaning
     name = "NAME"
 """
@@ -81,6 +89,7 @@ from assistant.sources.process import Defaults, Line, Process
 from assistant.sources.process import values as values
 from assistant.sources.process.known import MOTION, Known
 from assistant.sources.process.layers import layer_of
+from assistant.sources.process.placing import MOST_MISFIT, ONE_WAY, PLACEMENT, by_marks, wrong_ways
 from assistant.sources.process.table import REPAIRED, Page, Table
 from assistant.sources.process.values import Read, shown
 
@@ -114,6 +123,8 @@ PLAIN: Final[Mapping[str, Read]] = {
 
 OF_DRAWINGS: Final[Mapping[str, Read]] = {"unit": values.unit, "leave_out": values.texts}
 """Keys of the top that only a drawing needs."""
+PLACE: Final = "placement"
+"""A table that only a drawing needs."""
 
 ORIENTATION: Final[Mapping[str, Read]] = {
     "quaternion": values.quaternion,
@@ -167,7 +178,7 @@ def process_in(top: Table, beside: Sequence[str] = ()) -> Process:
     """
     page = top.page
     keys = {**dict.fromkeys((*TOP, *beside), _as_it_is), **PLAIN}
-    found = top.read(keys if beside else {**keys, **OF_DRAWINGS})
+    found = top.read(keys if beside else {**keys, **OF_DRAWINGS, PLACE: _as_it_is})
     tools = {n: _tool(n, t) for n, t in top.table("tools").named()}
     frames = {n: _frame(n, t) for n, t in top.table("frames").named()}
     signals = {n: _signal(n, t) for n, t in top.table("signals").named()}
@@ -179,12 +190,17 @@ def process_in(top: Table, beside: Sequence[str] = ()) -> Process:
         for layer, table in top.table("layers").named(identifiers=False)
     }
     tags = top.table("tags").read(_tag_keys(top))
+    placement = _placement(top.table(PLACE)) if not beside and PLACE in top.content else None
     findings = tuple(sorted(page.findings, key=lambda f: f.line or 0))
     if has_errors(findings):
         raise Refused(*findings)
     plain = {key: found[key] for key in (*PLAIN, *OF_DRAWINGS) if key in found}
     return Process(
-        defaults, tools, frames, signals, layers, tags, lines=lines, findings=findings, **plain
+        *(defaults, tools, frames, signals, layers, tags),
+        lines=lines,
+        placement=placement,
+        findings=findings,
+        **plain,
     )
 
 
@@ -252,6 +268,21 @@ def _frame(name: str, table: Table) -> Frame:
     if name.casefold() == BASE:
         table.say(RESERVED, name=name, meaning="the robot's own base")
     return Frame(user=_pose(name, table, found, "position"), held=found.get("held", False))
+
+
+def _placement(table: Table) -> Pose | None:
+    """None with a finding where the table is wrong."""
+    found = table.read(PLACEMENT)
+    wrong = wrong_ways(table.content)
+    if wrong is not None:
+        table.say(ONE_WAY, what=wrong)
+    if wrong is not None or len(found) < len(table.content):
+        return None
+    if "drawing" not in found:
+        return _pose(PLACE, table, found, "position")
+    placed = by_marks(found["drawing"], found["cell"], found.get("misfit", MOST_MISFIT))
+    table.say(placed.rule, **placed.fields)
+    return placed.pose
 
 
 def _pose(name: str, table: Table, found: Mapping[str, Any], position: str) -> Pose:

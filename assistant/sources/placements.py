@@ -1,0 +1,93 @@
+"""Where a drawing stands as a command line says it, instead of its process file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+from typing import Final
+
+from assistant.program.diagnostics import Diagnostic, Refused, error, info
+from assistant.program.geometry import Pose
+from assistant.sources.process import values
+from assistant.sources.process.placing import ONE_WAY, by_marks
+from assistant.sources.process.values import shown
+
+INSTEAD = info(
+    "CT365",
+    "the drawing is placed as the command line says, not as [placement] of the process file does",
+    "leave out --place and --mark to have it as the file says",
+)
+NO_NUMBERS = error("CT366", "`{text}` says no {what}", "write {cure}")
+THREE_MARKS = error(
+    "CT367",
+    "three marks place a drawing, and --mark was given {count} times",
+    "give --mark three times",
+)
+NOT_DRAWN = error(
+    "CT368",
+    "`{name}` is no drawing, so it cannot be placed: it says itself where everything is",
+    "leave out [placement], --place and --mark, and move it by a frame",
+)
+
+DRAWN: Final = (".dxf",)
+"""Sources that do not say where they stand."""
+
+
+@dataclass(frozen=True, slots=True)
+class Placing:
+    """pose: the drawing's world in the default frame. findings: what is said of it."""
+
+    pose: Pose
+    findings: tuple[Diagnostic, ...] = ()
+
+
+def check_drawn(source: FilePath) -> None:
+    """Raises Refused (exit status 2) for a source that says itself where it stands."""
+    if source.suffix.lower() not in DRAWN:
+        raise Refused(NOT_DRAWN(path=str(source), name=shown(source.name)), exit_status=2)
+
+
+def of_options(place: str | None, marks: Sequence[str]) -> Placing | None:
+    """What `--place X,Y,Z,A,B,C` or three `--mark X,Y=X,Y,Z` say, None for neither.
+
+    Raises Refused (exit status 2) for what says no place.
+    """
+    if place is None and not marks:
+        return None
+    if place is not None and marks:
+        raise Refused(ONE_WAY(what="both --place and --mark are given"), exit_status=2)
+    if place is not None:
+        numbers = _numbers(
+            place, "place of a drawing", (3, 4, 6), "X,Y,Z, X,Y,Z,TURN or X,Y,Z,A,B,C"
+        )
+        position = values.position(numbers[:3])
+        angles = [*numbers[3:], 0.0, 0.0, 0.0][:3]
+        return Placing(Pose(position, values.euler_zyx(angles)))
+    if len(marks) != 3:
+        raise Refused(THREE_MARKS(count=len(marks)), exit_status=2)
+    pairs = [_pair(mark) for mark in marks]
+    placed = by_marks([pair[0] for pair in pairs], [pair[1] for pair in pairs])
+    said = placed.rule(**placed.fields)
+    if placed.pose is None:
+        raise Refused(said, exit_status=2)
+    return Placing(placed.pose, (said,))
+
+
+def _pair(mark: str) -> tuple[list[float], list[float]]:
+    drawn, equals, taught = mark.partition("=")
+    cure = "X,Y=X,Y,Z: where the mark is in the drawing, and where it was taught"
+    if not equals:
+        raise Refused(NO_NUMBERS(text=shown(mark), what="mark", cure=cure), exit_status=2)
+    one = _numbers(drawn, "mark", (2, 3), cure)
+    return [*one, 0.0][:3], _numbers(taught, "mark", (3,), cure)
+
+
+def _numbers(text: str, what: str, counts: Sequence[int], cure: str) -> list[float]:
+    try:
+        numbers = [float(part) for part in text.split(",")]
+    except ValueError:
+        numbers = []
+    if len(numbers) not in counts or not all(abs(n) <= values.LARGEST for n in numbers):
+        raise Refused(NO_NUMBERS(text=shown(text), what=what, cure=cure), exit_status=2)
+    return numbers

@@ -1,0 +1,171 @@
+"""Where a drawing stands: by position and rotation, or by three marks that were taught in the cell.
+
+Marks are used as controllers define frames: the first is the origin, the second lies on the x axis,
+the third on the side of y. Drawing and cell each have such a frame, and the drawing is moved, never
+stretched, so that one comes onto the other. What distances between the marks differ by is told.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from assistant.program import rotations
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Rule, error, info
+from assistant.program.geometry import Pose
+from assistant.sources.process import values
+from assistant.sources.process.values import Read, Wrong, kind_of
+
+MISFIT = error(
+    "CT360",
+    "the marks do not fit: mark {mark} would come {misfit:.2f} mm from where it was taught, "
+    "and {most:g} mm are allowed; {lengths}",
+    "teach the marks again, look at the unit of the drawing, or allow it with a `misfit` of "
+    "{wanted:g} in [placement]",
+)
+ON_A_LINE = error(
+    "CT361",
+    "the three marks of {where} lie on one line or too near to each other: {reason}",
+    "take three marks that are well apart and not in a row",
+)
+TURNED_OVER = error(
+    "CT362",
+    "the marks turn the drawing over: what is above it would be below",
+    "see that the marks of `drawing` and of `cell` are in the same order; a part that does lie on "
+    "its face is placed by `position` and `euler_zyx`",
+)
+ONE_WAY = error(
+    "CT363",
+    "{what}",
+    "give `position` and `euler_zyx` or `quaternion`, or three marks as `drawing` and `cell`",
+)
+BY_MARKS = info(
+    "CT364",
+    "the drawing stands at {position}, turned by {angles} degrees about z, y, x; its marks fit "
+    "within {misfit:.2f} mm",
+)
+MOST_MISFIT: Final = 1.0
+"""mm that a mark may be off where the file does not say: what a careful hand teaches."""
+NEAREST: Final = 1.0
+"""mm that marks have to be apart, and the third one from the line through the others."""
+SLIMMEST: Final = 0.05
+"""Sine of the least angle at the first mark: below 3 degrees a mistake of the third turns all."""
+
+
+def _mark(value: Any) -> tuple[float, ...]:
+    """Two or three numbers; in the plane of the drawing z is 0."""
+    if isinstance(value, list) and len(value) == 2:
+        value = [*value, 0.0]
+    return values.position(value)
+
+
+def _marks(value: Any) -> tuple[tuple[float, ...], ...]:
+    if not isinstance(value, list):
+        raise Wrong(f"is {kind_of(value)}", "write three points: [[0, 0], [100, 0], [0, 50]]")
+    if len(value) != 3:
+        raise Wrong(f"has {len(value)} marks", "give three")
+    found = []
+    for number, one in enumerate(value, 1):
+        try:
+            found.append(_mark(one))
+        except Wrong as wrong:
+            raise Wrong(f"{wrong.what} in mark {number}", wrong.cure) from None
+    return tuple(found)
+
+
+PLACEMENT: Final[Mapping[str, Read]] = {
+    "position": values.position,
+    "quaternion": values.quaternion,
+    "euler_zyx": values.euler_zyx,
+    "drawing": _marks,
+    "cell": _marks,
+    "misfit": values.number("mm", above=0.0, most=100.0),
+}
+"""Keys of [placement]."""
+
+
+def wrong_ways(given: Mapping[str, Any]) -> str | None:
+    """What is wrong with the keys of a placement that were given together."""
+    marks, pose = {"drawing", "cell"} & given.keys(), {"position", "quaternion", "euler_zyx"}
+    if marks and pose & given.keys():
+        return "the drawing is placed in two ways"
+    if len(marks) == 1:
+        (there,) = marks
+        return f"`{there}` gives marks, but not where they are in the other place"
+    if "misfit" in given and not marks:
+        return "`misfit` is of marks, and there are none"
+    return None
+
+
+@dataclass(frozen=True, slots=True)
+class ByMarks:
+    """pose: the drawing's world in the frame that marks were taught in; None if they are wrong.
+
+    rule, fields: the finding about it.
+    """
+
+    pose: Pose | None
+    rule: Rule
+    fields: Mapping[str, Any]
+
+
+def by_marks(
+    drawing: Sequence[Sequence[float]], cell: Sequence[Sequence[float]], most: float = MOST_MISFIT
+) -> ByMarks:
+    """Where three marks put a drawing. drawing, cell: (3, 3) mm. most: mm that one may be off."""
+    drawn, taught = np.array(drawing, dtype=np.float64), np.array(cell, dtype=np.float64)
+    for where, marks in (("drawing", drawn), ("cell", taught)):
+        reason = _slim(marks)
+        if reason is not None:
+            return ByMarks(None, ON_A_LINE, {"where": f"`{where}`", "reason": reason})
+    placed = _frame(taught) @ _frame(drawn).inverse()
+    off = np.linalg.norm(placed.moved(drawn) - taught, axis=1)
+    worst = int(off.argmax())
+    misfit = float(off[worst])
+    if misfit > most:
+        wanted, lengths = math.ceil(misfit * 10.0) / 10.0, _lengths(drawn, taught)
+        fields = {"mark": worst + 1, "misfit": misfit, "most": most, "wanted": wanted}
+        return ByMarks(None, MISFIT, {**fields, "lengths": lengths})
+    if rotations.rotate(np.array(placed.quaternion), np.array([0.0, 0.0, 1.0]))[2] < 0.0:
+        return ByMarks(None, TURNED_OVER, {})
+    angles = rotations.to_euler(np.array(placed.quaternion), "ZYX") + 0.0
+    at = {"position": _listed(placed.position), "angles": _listed(angles), "misfit": misfit}
+    return ByMarks(placed, BY_MARKS, at)
+
+
+def _slim(marks: Floats) -> str | None:
+    """Why marks are too near to each other, or to one line, to tell how something is turned."""
+    along, aside = marks[1] - marks[0], marks[2] - marks[0]
+    sides = (along, aside, marks[2] - marks[1])
+    if min(float(np.linalg.norm(side)) for side in sides) < NEAREST:
+        return "two of them are one place"
+    away = float(np.linalg.norm(np.cross(along, aside)) / np.linalg.norm(along))
+    if away < max(NEAREST, SLIMMEST * float(np.linalg.norm(aside))):
+        return f"the third is {away:.2f} mm from the line through the others"
+    return None
+
+
+def _frame(marks: Floats) -> Pose:
+    """The right-handed frame of an origin, a point on its x axis and one on the side of its y."""
+    along, normal = marks[1] - marks[0], np.cross(marks[1] - marks[0], marks[2] - marks[0])
+    x, z = along / np.linalg.norm(along), normal / np.linalg.norm(normal)
+    turn = rotations.from_matrix(np.column_stack([x, np.cross(z, x), z]))
+    return Pose.of(marks[0], turn)
+
+
+def _lengths(drawn: Floats, taught: Floats) -> str:
+    """How far the marks are from each other, drawn and taught."""
+    said = []
+    for one, other in ((0, 1), (0, 2), (1, 2)):
+        here, there = (float(np.linalg.norm(m[one] - m[other])) for m in (drawn, taught))
+        said.append(f"{one + 1} to {other + 1} is {here:.2f} mm drawn, {there:.2f} mm taught")
+    return "; ".join(said)
+
+
+def _listed(numbers: Sequence[float] | Floats) -> str:
+    return "[" + ", ".join(f"{round(float(n), 3) + 0.0:g}" for n in numbers) + "]"
