@@ -25,8 +25,7 @@ MISFIT = error(
     "CT360",
     "the marks do not fit: mark {mark} would come {misfit:.2f} mm from where it was taught, "
     "and {most:g} mm are allowed; {lengths}",
-    "teach the marks again, look at the unit of the drawing, or allow it with a `misfit` of "
-    "{wanted:g} in [placement]",
+    "teach the marks again, look at the unit of the drawing, or allow it: `misfit` {wanted:g}",
 )
 ON_A_LINE = error(
     "CT361",

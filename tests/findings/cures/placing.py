@@ -1,0 +1,57 @@
+"""Cures of drawings that are placed, and of what a command line may leave to a project."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from tests.findings.cures.case import Case, dxf
+from tests.findings.cures.drawings import line
+
+DRAWN: Final = {"a.dxf": dxf(line)}
+MARKS: Final = "--mark 0,0=0,0,0 --mark 90,0=90,0,0"
+FITTING: Final = (
+    "drawing = [[0, 0], [90, 0], [0, 50]]\ncell = [[0, 0, 0], [90, 0, 0], [0, 50, 0]]\n"
+)
+WIDE: Final = "drawing = [[0, 0], [90, 0], [0, 50]]\ncell = [[0, 0, 0], [92, 0, 0], [0, 50, 0]]\n"
+OVER: Final = "drawing = [[0, 0], [90, 0], [0, 50]]\ncell = [[0, 0, 0], [90, 0, 0], [0, -50, 0]]\n"
+ALONE: Final = "drawing = [[0, 0], [90, 0], [0, 50]]\n"
+
+
+def _process(text: str) -> dict[str, str]:
+    return {"a.process.toml": f"[placement]\n{text}"}
+
+
+POSED: Final = "position = [0, 0, 0]\neuler_zyx = [0, 0, 180]\n"
+TURNED: Final = "position = [0, 0, 0]\nquaternion = [1, 0, 0, 0]\n"
+ROWS: Final = "x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z\n400,0,300,0,1,0,0\n420,0,300,0,1,0,0\n"
+TABLE: Final = {"a.csv": ROWS, **_process("position = [0, 9, 0]\n")}
+
+CASES: Final = (
+    Case("CT360", "check a.dxf", DRAWN | _process(WIDE), change=_process(WIDE + "misfit = 2\n")),
+    Case("CT362", "check a.dxf", DRAWN | _process(OVER), change=_process(FITTING)),
+    Case("CT362", "check a.dxf", DRAWN | _process(OVER), change=_process(POSED)),
+    Case("CT363", "check a.dxf", DRAWN | _process(ALONE), change=_process(FITTING)),
+    Case("CT363", "check a.dxf", DRAWN | _process(ALONE), change=_process(POSED)),
+    Case("CT363", "check a.dxf", DRAWN | _process(ALONE), change=_process(TURNED)),
+    Case(
+        "CT365",
+        "check a.dxf --place 0,0,5",
+        DRAWN | _process("position = [0, 9, 0]\n"),
+        ("check a.dxf",),
+    ),
+    Case(
+        "CT365",
+        f"check a.dxf {MARKS} --mark 0,50=0,50,0",
+        DRAWN | _process("position = [0, 9, 0]\n"),
+        ("check a.dxf",),
+    ),
+    Case("CT367", f"check a.dxf {MARKS}", DRAWN, (f"check a.dxf {MARKS} --mark 0,50=0,50,0",)),
+    Case("CT368", "check a.csv", TABLE, change={"a.process.toml": 'robot = "irb1200-7-0.7"\n'}),
+    Case("CT368", "check a.csv --place 0,9,0", {"a.csv": ROWS}, ("check a.csv",)),
+    Case(
+        "CT368",
+        f"check a.csv {MARKS} --mark 0,50=0,50,0",
+        {"a.csv": ROWS},
+        ("check a.csv",),
+    ),
+)
