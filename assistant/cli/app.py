@@ -428,6 +428,19 @@ def view(
 
 
 @app.command()
+def info(
+    drawing: Annotated[Path, typer.Argument(help="A DXF drawing.")],
+    process: ProcessOption = None,
+    unit: UnitOption = None,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Tell what is in a drawing: unit, size, layers, contours, blocks, and what would be used."""
+    from assistant.cli.drawings import run_info
+
+    raise typer.Exit(run_info(drawing, process, unit, format))
+
+
+@app.command()
 def scene(
     file: Annotated[Path, typer.Argument(help="Cell file, or a drawing of the cell.")],
     output: Annotated[

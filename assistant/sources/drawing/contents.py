@@ -67,7 +67,7 @@ def read_contents(path: FilePath, process: Process) -> Contents:
     curves: list[Curve] = []
     found: list[Location] = []
     with within(INSERTING, name, traversal.count()):
-        for placed in traversal.model(_root(process, factor)):
+        for placed in traversal.model(root_of(process, factor)):
             if placed.entity.dxftype() in ("POINT", "INSERT"):
                 if unwanted(placed.layer):
                     continue
@@ -75,14 +75,14 @@ def read_contents(path: FilePath, process: Process) -> Contents:
                 found += [location] if location else []
             else:
                 counted_in = Tally() if unwanted(placed.layer) else tally
-                curves += _curves(placed, counted_in, traversal)
+                curves += curves_of(placed, counted_in, traversal)
         traversal.paper()
     counted = (f.within(name) for f in tally.findings())
-    findings = (*opened, *units, *_ucs(document, name), *traversal.findings, *locations.findings)
+    findings = (*opened, *units, *ucs_of(document, name), *traversal.findings, *locations.findings)
     return Contents(unit, tuple(curves), tuple(found), (*findings, *counted))
 
 
-def _root(process: Process, factor: float) -> Floats:
+def root_of(process: Process, factor: float) -> Floats:
     """Drawing units to mm where the process places the drawing."""
     if process.placement is None:
         return scaling(factor)
@@ -90,7 +90,7 @@ def _root(process: Process, factor: float) -> Floats:
     return np.asarray(affine(turn, np.array(process.placement.position)) @ scaling(factor))
 
 
-def _curves(placed: Placed, tally: Tally, traversal: Traversal) -> list[Curve]:
+def curves_of(placed: Placed, tally: Tally, traversal: Traversal) -> list[Curve]:
     """The curves of an entity; what has no length is counted, what is broken is a finding."""
     entity, layer = placed.entity, placed.layer
     kind, handle = entity.dxftype(), entity.dxf.handle or ""
@@ -127,7 +127,7 @@ def _check_defaults(process: Process, path: str) -> None:
         )
 
 
-def _ucs(document: Drawing, path: str) -> tuple[Diagnostic, ...]:
+def ucs_of(document: Drawing, path: str) -> tuple[Diagnostic, ...]:
     """A finding if people drew in a coordinate system of their own.
 
     Entities are stored in world coordinates whatever it is; but who reads coordinates off the

@@ -27,6 +27,7 @@ ROWS: Final = "x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z\n400,0,300,0,1,0,0\n420,0,300,0,1,
 TABLE: Final = {"a.csv": ROWS, **_process("position = [0, 9, 0]\n")}
 
 CASES: Final = (
+    Case("CL050", "info a.csv", {"a.csv": ROWS}, ("show a.csv",)),
     Case("CT360", "check a.dxf", DRAWN | _process(WIDE), change=_process(WIDE + "misfit = 2\n")),
     Case("CT362", "check a.dxf", DRAWN | _process(OVER), change=_process(FITTING)),
     Case("CT362", "check a.dxf", DRAWN | _process(OVER), change=_process(POSED)),

@@ -1,0 +1,46 @@
+"""`info`: what is in a drawing, before anything is done with it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from assistant.cli.compiling import working
+from assistant.cli.presentation import Format, print_findings, print_json, say
+from assistant.program.diagnostics import Refused, Severity, error, fold, worst
+
+NOT_DRAWN = error(
+    "CL050",
+    "`{name}` is no drawing",
+    "name a DXF file; `show` prints what programs and tables say",
+)
+DRAWINGS = (".dxf",)
+
+
+def run_info(drawing: Path, process: Path | None, unit: str | None, format: Format) -> int:
+    """0; 1 if something of the drawing is not in order."""
+    from assistant.findings.project_severities import settle
+    from assistant.report import drawings as report
+    from assistant.sources import process_of
+    from assistant.sources.drawing.survey import survey
+    from assistant.sources.lengths import known_unit
+
+    if drawing.suffix.lower() not in DRAWINGS:
+        raise Refused(NOT_DRAWN(path=str(drawing), name=drawing.name), exit_status=2)
+    chosen, stated = process_of(drawing, process), "as the process file says"
+    if unit is not None:
+        chosen, stated = replace(chosen, unit=known_unit(unit)), "as --unit says"
+    with working(f"reading {drawing}"):
+        found = survey(drawing, chosen, stated)
+    told = [finding.within(str(drawing)) for finding in (*chosen.findings, *found.findings)]
+    findings = settle(told).left
+    if format is Format.JSON:
+        from assistant.findings.formats import finding_record
+
+        answer = {"drawing": str(drawing), **report.record(found)}
+        print_json(answer | {"findings": [finding_record(finding) for finding in findings]})
+    else:
+        print_findings(fold(findings), explained=True)
+        for line in report.lines(found):
+            say(line)
+    return 1 if worst(findings) in (Severity.ERROR, Severity.WARNING) else 0

@@ -1,0 +1,263 @@
+"""What is in a drawing before anybody says what is to be done with it: sizes, layers, blocks."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Final, cast
+
+import numpy as np
+
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Diagnostic
+from assistant.program.geometry import Vector
+from assistant.program.system.budgets import CONTOURS, INSERTING, within
+from assistant.sources.contours.chaining import chain
+from assistant.sources.contours.curves import Curve, Line
+from assistant.sources.drawing.attributes import Tags, texts_of
+from assistant.sources.drawing.contents import curves_of, root_of, ucs_of
+from assistant.sources.drawing.document import library_errors, open_drawing
+from assistant.sources.drawing.findings import NO_UNITS, Tally, shown
+from assistant.sources.drawing.locations import Location, Locations
+from assistant.sources.drawing.traversal import Traversal
+from assistant.sources.drawing.units import unit_of
+from assistant.sources.process import Process
+
+if TYPE_CHECKING:
+    from ezdxf.document import Drawing
+    from ezdxf.entities.insert import Insert
+
+PIECES: Final = 256
+"""Steps along a curve where its extents are looked for: of an arc they miss 0.01 % of its radius
+at most."""
+
+
+@dataclass(frozen=True, slots=True)
+class Extents:
+    """The box around curves and locations in the drawing's world, mm."""
+
+    low: Vector
+    high: Vector
+
+    @property
+    def size(self) -> Vector:
+        x, y, z = (b - a for a, b in zip(self.low, self.high, strict=True))
+        return (x, y, z)
+
+    @staticmethod
+    def around(points: Sequence[Floats]) -> Extents | None:
+        """Of arrays (n, 3), None without a point."""
+        every = np.vstack(points) if points else np.empty((0, 3))
+        every = every[np.isfinite(every).all(axis=1)]
+        if not len(every):
+            return None
+        low, high = (every.min(axis=0) + 0.0).tolist(), (every.max(axis=0) + 0.0).tolist()
+        return Extents((low[0], low[1], low[2]), (high[0], high[1], high[2]))
+
+
+@dataclass(frozen=True, slots=True)
+class SurveyedLayer:
+    """name: as drawn. colour: number of AutoCAD's colours, None for a layer that no table has.
+    state: "on", "off" or "frozen". kinds: entities by type, with all inserts; unused: those that no
+    robot follows or visits, as they are hidden, for people to read, or of a kind that is no line.
+    closed, open: contours, with curves joined end to end. length: of them, mm. locations: points
+    and blocks with attributes. use: what the process file makes of it.
+    """
+
+    name: str
+    colour: int | None
+    state: str
+    kinds: dict[str, int]
+    unused: dict[str, int]
+    closed: int
+    open: int
+    length: float
+    extents: Extents | None
+    locations: int
+    use: str
+
+    @property
+    def works(self) -> bool:
+        return self.closed + self.open > 0
+
+
+@dataclass(frozen=True, slots=True)
+class SurveyedBlock:
+    """inserts: in the model space and in blocks there. attributes: texts by tag, each once."""
+
+    name: str
+    inserts: int
+    location: bool
+    attributes: dict[str, tuple[str, ...]]
+
+
+@dataclass(frozen=True, slots=True)
+class SurveyedLocation:
+    name: str
+    layer: str
+    position: Vector
+
+
+@dataclass(frozen=True, slots=True)
+class Survey:
+    """unit: for people. millimetres: of one unit. stated: who says so."""
+
+    unit: str
+    millimetres: float
+    stated: str
+    extents: Extents | None
+    layers: tuple[SurveyedLayer, ...]
+    blocks: tuple[SurveyedBlock, ...]
+    locations: tuple[SurveyedLocation, ...]
+    findings: tuple[Diagnostic, ...]
+
+
+@dataclass(slots=True)
+class _Layer:
+    name: str
+    kinds: Counter[str] = field(default_factory=Counter)
+    unused: Counter[str] = field(default_factory=Counter)
+    curves: list[Curve] = field(default_factory=list)
+    places: list[Vector] = field(default_factory=list)
+
+
+def survey(path: FilePath, process: Process, stated: str = "as stated") -> Survey:
+    """What a drawing holds, in mm of its own world, and what its process would use.
+
+    stated: who says so, where the process gives the unit. Raises Unreadable or Refused.
+    """
+    name, tally = str(path), Tally()
+    process = replace(process, placement=None)
+    tags = Tags.of(process.tags, name)
+    document, opened = open_drawing(path)
+    unit, factor, units = unit_of(document, name, process.unit)
+    said = stated if process.unit is not None else "as the drawing says"
+    if NO_UNITS.code in {finding.code for finding in units}:
+        said = "assumed, as the drawing names none"
+    traversal = Traversal(document, name, tags, tally)
+    reader = Locations(document, name, tags, process, Tally(), attached=True)
+    layers: dict[str, _Layer] = {}
+    found: list[SurveyedLocation] = []
+
+    def at(layer: str) -> _Layer:
+        return layers.setdefault(layer.lower(), _Layer(layer))
+
+    for one in document.layers:
+        at(one.dxf.name)
+    empty = Tally()
+    with within(INSERTING, name, traversal.count()):
+        for placed in traversal.model(root_of(process, factor)):
+            here = at(placed.layer)
+            here.kinds[placed.entity.dxftype()] += 1
+            if placed.entity.dxftype() not in ("POINT", "INSERT"):
+                here.curves += curves_of(placed, empty, traversal)
+            elif (location := reader.read(placed)) is not None:
+                here.places.append(location.pose.position)
+                found.append(_located(location, placed.layer))
+    for (_, kind, layer, _), count in tally.counts.items():
+        at(layer).kinds[kind] += count
+        at(layer).unused[kind] += count
+    with (
+        np.errstate(all="ignore"),
+        within(CONTOURS, name, sum(len(one.curves) for one in layers.values())),
+    ):
+        told = [_layer(one, document, process, traversal) for one in layers.values()]
+        boxes = [_box(one) for one in layers.values()]
+    findings = (*opened, *units, *ucs_of(document, name), *traversal.findings, *reader.findings)
+    return Survey(
+        unit,
+        factor,
+        said,
+        Extents.around([points for points in boxes if len(points)]),
+        tuple(told),
+        tuple(_blocks(document, tags)),
+        tuple(found),
+        findings,
+    )
+
+
+def _located(location: Location, layer: str) -> SurveyedLocation:
+    return SurveyedLocation(location.given or location.stem, layer, location.pose.position)
+
+
+def _box(layer: _Layer) -> Floats:
+    """Points (n, 3) that reach as far as all of a layer."""
+    points = [np.array(layer.places).reshape(-1, 3)]
+    for curve in layer.curves:
+        steps = 1 if isinstance(curve, Line) else PIECES
+        along = np.asarray(curve.at(np.linspace(0.0, 1.0, steps + 1)))
+        points.append(np.stack([along.min(axis=0), along.max(axis=0)]))
+    return np.vstack(points)
+
+
+def _layer(
+    layer: _Layer, document: Drawing, process: Process, traversal: Traversal
+) -> SurveyedLayer:
+    state = traversal.states.get(layer.name.lower(), "") or "on"
+    contours = chain(layer.curves, process.tolerance)[0] if layer.curves else ()
+    closed = sum(contour.closed for contour in contours)
+    length = sum(curve.length for contour in contours for curve in contour.curves)
+    colour = None
+    if layer.name in document.layers:
+        colour = abs(int(document.layers.get(layer.name).color))
+    points = _box(layer)
+    return SurveyedLayer(
+        layer.name,
+        colour,
+        state,
+        dict(layer.kinds),
+        dict(layer.unused),
+        closed,
+        len(contours) - closed,
+        float(length),
+        Extents.around([points] if len(points) else []),
+        len(layer.places),
+        _use(layer, state, process),
+    )
+
+
+def _use(layer: _Layer, state: str, process: Process) -> str:
+    """What becomes of a layer, in words."""
+    known = {name.casefold(): name for name in process.layers}
+    if not layer.curves and not layer.places:
+        hidden = f"nothing: the layer is {state}" if state != "on" else "nothing"
+        return hidden if layer.kinds else "nothing is on it"
+    if process.leaves_out(layer.name):
+        return "left out"
+    visited = ["locations are visited"] if layer.places else []
+    if not layer.curves:
+        return visited[0]
+    if known.get(layer.name.casefold()) is not None:
+        return ", ".join(["contours are followed", *visited])
+    if known:
+        return ", ".join(["contours are not used: it has no table", *visited])
+    return ", ".join(["contours are followed as [motion] says", *visited])
+
+
+def _blocks(document: Drawing, tags: Tags) -> Iterator[SurveyedBlock]:
+    """Blocks that stand somewhere, in order of first appearance."""
+    counts: Counter[str] = Counter()
+    texts: dict[str, dict[str, dict[str, None]]] = {}
+    names: dict[str, str] = {}
+    pending = [*document.modelspace().query("INSERT")]
+    while pending:
+        insert = cast("Insert", pending.pop(0))
+        name = str(insert.dxf.get("name", ""))
+        key = name.lower()
+        counts[key] += 1
+        seen = texts.setdefault(key, {})
+        try:
+            for tag, text in texts_of(insert, document):
+                seen.setdefault(tag, {})[text] = None
+        except library_errors():
+            continue  # it is a finding of who reads it
+        block = document.blocks.get(name)
+        if key not in names and block is not None:
+            pending += block.query("INSERT")
+        names.setdefault(key, name)
+    for key, name in names.items():
+        if not name.startswith("*"):
+            attributes = {t: tuple(shown(v) for v in values) for t, values in texts[key].items()}
+            yield SurveyedBlock(name, counts[key], tags.make_location(texts[key]), attributes)
