@@ -16,7 +16,7 @@ from assistant.cli.presentation import (
     say,
 )
 from assistant.findings.fail_on import FailOn
-from assistant.program.diagnostics import Refused, fold
+from assistant.program.diagnostics import Refused, fold_files
 
 if TYPE_CHECKING:
     from assistant.project import Build
@@ -46,7 +46,7 @@ def run_project_check(given: Mapping[str, object], format: FindingFormat, fail_o
     if format is not FindingFormat.TEXT:
         print_for_programs(done.findings, done.ignored, format, fail_on, done.sources)
     else:
-        print_findings(fold(done.findings), explained=True)
+        print_findings(fold_files(done.findings), explained=True)
         count = len(done.findings)
         ignored = f", {len(done.ignored)} ignored" if done.ignored else ""
         say(f"{_programs(done.programs)} checked, {count} finding{'s' * (count != 1)}{ignored}")

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from assistant.cli.compiling import STANDARD, TWICE, standard_input, working
 from assistant.cli.presentation import FindingFormat, print_findings, print_for_programs, say
 from assistant.findings.fail_on import FailOn
-from assistant.program.diagnostics import Refused, fold
+from assistant.program.diagnostics import Refused, fold_files
 
 if TYPE_CHECKING:
     from assistant.compiler.checking import Checked
@@ -41,7 +41,7 @@ def run_check(
     if format is not FindingFormat.TEXT:
         print_for_programs(settled.left, settled.ignored, format, fail_on, checked.paths)
     else:
-        print_findings(fold(settled.left), explained=True)
+        print_findings(fold_files(settled.left), explained=True)
         count = len(settled.left)
         ignored = f", {len(settled.ignored)} ignored" if settled.ignored else ""
         say(f"{checked.files} checked, {count} finding{'s' * (count != 1)}{ignored}")

@@ -6,7 +6,6 @@ import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
-from difflib import get_close_matches
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any, Final
 
@@ -342,6 +341,8 @@ class _Running:
 
 def _unused(programs: Programs, script: Script) -> Iterator[Diagnostic]:
     """Signals of a script that no program uses, most likely misspelled."""
+    from assistant.sources.process.table import nearest
+
     known = programs.signals()
     if known is None:
         return
@@ -350,8 +351,8 @@ def _unused(programs: Programs, script: Script) -> Iterator[Diagnostic]:
         + [one.when.name for one in script.changes if one.when is not None]
     ):
         if name not in known:
-            near = get_close_matches(name, known, n=1, cutoff=0.6)
-            cure = f"write `{near[0]}`" if near else "name a signal that they use"
+            near = nearest(name, known)
+            cure = f"write `{near}`" if near else "name a signal that they use"
             yield NOT_USED(name=name, cure=cure)
 
 

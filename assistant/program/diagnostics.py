@@ -255,3 +255,31 @@ def _folded(group: list[Diagnostic]) -> Diagnostic:
     places = ", ".join(n for n in named if n)
     more = f" and {rest} more" if rest > 0 else ""
     return replace(first, about=f"{len(group)} times: {places}{more}" if places else first.about)
+
+
+def fold_files(findings: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
+    """The same of findings of many files, joined where more than a few say the same.
+
+    Errors are only joined within their file: each file that has one is named.
+    """
+    groups: dict[tuple[str, str, str, str | None], list[Diagnostic]] = {}
+    for finding in fold(findings):
+        alone = finding.path if finding.severity is Severity.ERROR else None
+        groups.setdefault((finding.code, finding.message, finding.cure, alone), []).append(finding)
+    return tuple(
+        one
+        for group in groups.values()
+        for one in (group if len(group) <= MOST_PLACES else [_over_files(group)])
+    )
+
+
+def _over_files(group: list[Diagnostic]) -> Diagnostic:
+    first, rest = group[0], len(group) - MOST_PLACES
+    named = ", ".join(f.path or "" for f in group[:MOST_PLACES])
+    return Diagnostic(
+        first.code,
+        first.severity,
+        first.message,
+        first.cure,
+        about=f"in {len(group)} files: {named} and {rest} more",
+    )

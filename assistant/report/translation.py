@@ -73,7 +73,7 @@ def reasons(one: Translated) -> Iterator[str]:
         cure = f"; {cost.cure}" if cost.cure else ""
         statements = "statement" if cost.count == 1 else "statements"
         yield (
-            f"{one.source}: {cost.count:,} {statements} not, first in line {cost.place.line}: "
+            f"{one.source}: {cost.count:,} {statements} not, first at {_at(cost.place)}: "
             f"{cost.code} {cost.message}{cure}"
         )
 

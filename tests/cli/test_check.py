@@ -263,3 +263,17 @@ def test_file_names_that_are_no_text(tmp_path, form):
         assert artifact["uri"] == "odd%FF.mod"
     elif form == "json":
         assert codes(done.stdout.decode()) == ["RA204"]
+
+
+def test_the_same_of_many_files_is_said_once_and_errors_of_each(capsys, tmp_path):
+    for name in "abcde":
+        write(tmp_path / name / f"{name}.mod", ODD.replace("odd", name))
+        write(tmp_path / f"wrong_{name}" / f"{name}.mod", BROKEN.replace("broken", name))
+    status, out, err = run(capsys, "check", tmp_path)
+    assert status == 1
+    (told,) = (line for line in err.splitlines() if line.startswith("RA204"))
+    assert "in 5 files: " in told and "and 2 more" in told
+    assert all(f"{tmp_path}/{name}/{name}.mod" in told for name in "abc")
+    assert all(f"{tmp_path}/wrong_{name}/{name}.mod:3" in err for name in "abcde")
+    status, out, _ = run(capsys, "check", tmp_path, "--format", "json")
+    assert codes(out).count("RA204") == 5

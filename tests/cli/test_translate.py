@@ -346,3 +346,19 @@ def test_programs_do_not_go_to_standard_output(
     assert (status, out) == (2, "")
     assert "CL014" in err
     assert list(tmp_path.iterdir()) == []
+
+
+def test_rows_of_several_modules_name_their_file(tmp_path: Path, capsys: Capture) -> None:
+    for name, odd in (("one", "IPathPos"), ("two", "OddOne")):
+        text = f"MODULE {name}\n  PROC p{name}()\n    {odd};\n  ENDPROC\nENDMODULE\n"
+        (tmp_path / f"{name}.mod").write_text(text)
+    (tmp_path / "all.pgf").write_text(
+        '<?xml version="1.0"?><Program><Module>one.mod</Module><Module>two.mod</Module></Program>'
+    )
+    given = (tmp_path / "all.pgf", "--to", "melfa-basic-5", "--entry", "pone")
+    for kind in ("html", "md", "txt"):
+        report = tmp_path / f"report.{kind}"
+        _, said, _ = run(capsys, "translate", *given, "-o", tmp_path / "out", "--report", report)
+        for name in ("one", "two"):
+            assert f"{name}.mod:3" in report.read_text("utf-8"), kind
+            assert f"{name}.mod:3" in said

@@ -74,8 +74,10 @@ LOSSES: Final = frozenset(
 
 HANDLE_OR_LINE: Final = re.compile(r"#[0-9A-Fa-f]+|\bline \d+")
 
+MOST_REPAIRS: Final = 3
+"""Kinds of repairs that a finding names."""
 MOST_NOTES: Final = 20
-"""How many repairs or notes are told one by one."""
+"""How many notes are told one by one."""
 
 
 def open_drawing(path: FilePath) -> tuple[Drawing, tuple[Diagnostic, ...]]:
@@ -158,18 +160,19 @@ def _load(path: FilePath, binary: bool) -> tuple[Drawing, tuple[Diagnostic, ...]
     except library_errors() as error:
         raise _broken(path, error) from error
     name = str(path)
-    first = REPAIRED(path=name, place="file", what=shown(_said(strict)))
-    repairs = [
-        (LOST if _code(entry.code) in LOSSES else REPAIRED)(
-            path=name, place=_code(entry.code), what=shown(entry.message)
-        )
-        for entry in [*auditor.fixes, *auditor.errors]
-    ]
-    kept = [r for i, r in enumerate(repairs) if i < MOST_NOTES or r.code == LOST.code]
-    if len(kept) < len(repairs):
-        what = f"{len(repairs) - len(kept)} more of the same kind"
-        kept.append(REPAIRED(path=name, place="file", what=what))
-    return document, (first, *kept)
+    repairs = [*auditor.fixes, *auditor.errors]
+    lost = [entry for entry in repairs if _code(entry.code) in LOSSES]
+    told = [LOST(path=name, place=_code(e.code), what=shown(e.message)) for e in lost]
+    mended = [_said(strict), *(e.message for e in repairs if _code(e.code) not in LOSSES)]
+    return document, (_repaired(mended, name), *told)
+
+
+def _repaired(notes: list[str], path: str) -> Diagnostic:
+    """One finding for all repairs: the first of each kind, and how many there are."""
+    kinds = {HANDLE_OR_LINE.sub("", note): note for note in reversed(notes)}
+    some = [shown(note) for note in [*reversed(kinds.values())][:MOST_REPAIRS]]
+    more = f"; and more, {len(notes)} repairs in all" if len(notes) > len(some) else ""
+    return REPAIRED(path=path, place="file", what="; ".join(some) + more)
 
 
 def _named(document: Drawing) -> Drawing:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from typing import Any, Final
@@ -98,7 +98,7 @@ class Table:
         self.say(UNKNOWN_KEY, key, key=shown(key), where=where, cure=cure)
 
 
-def nearest(given: str, known: Mapping[str, Any] | list[str]) -> str | None:
+def nearest(given: str, known: Iterable[str]) -> str | None:
     """The known name that is most like the given one, without case."""
     plain: Final = {name.casefold(): name for name in known}
     close = get_close_matches(given.casefold(), plain, n=1, cutoff=0.7)

@@ -36,6 +36,7 @@ from typing import Any, Final
 from assistant.program.diagnostics import Rule, Severity, error
 from assistant.program.path import CONFIGURATION_COLUMNS
 from assistant.sources.lengths import UNITS
+from assistant.sources.process.table import nearest
 
 ERROR: Final = Severity.ERROR
 UNKNOWN_COLUMN = error("TB101", "there is no column called {name}", "{cure}")
@@ -222,8 +223,8 @@ def _column(index: int, given: str) -> tuple[Column | None, Problem | None]:
 
 
 def _unknown(index: int, given: str) -> Problem:
-    near = difflib.get_close_matches(given.strip().lower(), KNOWN, n=1, cutoff=0.5)
-    cure = f"did you mean `{near[0]}`? " if near else ""
+    near = nearest(given.strip(), KNOWN)
+    cure = f"did you mean `{near}`? " if near else "docs/tables.md lists the columns; "
     cure += "put `_` before the name of a column that is not for the robot"
     return Problem(UNKNOWN_COLUMN, index, {"name": shown(given), "cure": cure})
 

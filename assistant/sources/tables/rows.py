@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
@@ -19,6 +18,7 @@ from assistant.program.path import Kind, Path
 from assistant.program.program import MANGLED, Procedure, Program, Signal, TakenNames, identifier
 from assistant.program.statements import Follow, Motion, Move, Statement
 from assistant.sources.process import Process
+from assistant.sources.process.table import nearest
 from assistant.sources.rounding import SIZES, radii
 from assistant.sources.tables.headers import shown
 
@@ -226,9 +226,8 @@ def known_frame(name: str, process: Process) -> str | None:
 
 def cure_for(kind: str, name: str, table: Mapping[str, Any]) -> str:
     """What to do about a tool, frame or signal that nobody declared."""
-    near = difflib.get_close_matches(name, list(table), n=1, cutoff=0.6)
-    if near:
-        return f"did you mean `{near[0]}`?"
+    if near := nearest(name, table):
+        return f"did you mean `{near}`?"
     return f"declare it in the process file: `[{kind}s.{identifier(name)}]`"
 
 

@@ -23,7 +23,7 @@ def choose(given: Mapping[str, object]) -> Options:
     taken: dict[str, Any] = {}
     for name, value in given.items():
         if name not in hints:
-            near = get_close_matches(name, hints, n=1, cutoff=0.6)
+            near = get_close_matches(name, hints, n=1, cutoff=0.7)
             cure = f"write `{near[0]}`" if near else f"there are {', '.join(hints)}"
             findings.append(NO_OPTION(name=name, cure=cure))
         elif (read := _read(hints[name], value)) is None:

@@ -190,6 +190,15 @@ def test_repair_is_told(save: Save, drawing: Drawing) -> None:
     assert any("ENDSEC" in f.message for f in repaired)
 
 
+def test_many_repairs_are_one_finding_with_a_count(save: Save, drawing: Drawing) -> None:
+    for i in range(30):
+        drawing.modelspace().add_line((i, 0), (i, 1), dxfattribs={"linetype": "NOWHERE"})
+    path = damaged(save(drawing), b"  0\nENDSEC\n", b"")
+    (told,) = (f for f in read_contents(path, NO_PROCESS).findings if f.code == "DX004")
+    assert "ENDSEC" in told.message and "32 repairs in all" in told.message
+    assert len(told.message) < 400
+
+
 def test_repair_that_drops_an_insert_is_an_error(save: Save, drawing: Drawing) -> None:
     drawing.modelspace().add_line((0, 0), (1, 1))
     drawing.modelspace().add_blockref("NOWHERE", (0, 0))

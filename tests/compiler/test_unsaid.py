@@ -1,0 +1,73 @@
+"""Of what crosses: calls of what does not, and what stands in it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from assistant.compiler import translate
+
+HEAD = """\
+MODULE part
+  VAR num n:=1;
+  PROC main()
+    {0}
+  ENDPROC
+  PROC Outer()
+    Inner;
+  ENDPROC
+  PROC Inner()
+    WaitTime 1;
+    {1}
+  ENDPROC
+  PROC Whole()
+    WaitTime 2;
+  ENDPROC
+  PROC Again(num k)
+    WaitTime 3;
+    IF k>0 Again k-1;
+  ENDPROC
+  FUNC num Value()
+    {1}
+    RETURN 1;
+  ENDFUNC
+ENDMODULE
+"""
+UNKNOWN = "IPathPos;"
+
+
+def levels(folder: Path, main: str, inner: str) -> dict[str, tuple[str, set[str]]]:
+    """Level and codes of each row, by its text."""
+    file = folder / "part.mod"
+    file.write_text(HEAD.format(main, inner), encoding="utf-8")
+    done = translate(file, to="melfa-basic-5")
+    return {row.text.rstrip(";"): (row.level, {f.code for f in row.reasons}) for row in done.rows}
+
+
+@pytest.mark.parametrize("call", ["Inner", "Outer", "n:=Value()"])
+def test_a_call_of_what_is_not_said_in_full_says_so(tmp_path: Path, call: str) -> None:
+    rows = levels(tmp_path, f"{call};", UNKNOWN)
+    assert rows["IPathPos"][0] == "not"
+    assert rows[call] == ("partial", {"CO014"})
+    assert rows["WaitTime 1"] == ("supported", set())
+    rows = levels(tmp_path, f"{call};", "WaitTime 9;")
+    assert "CO014" not in rows[call][1] and rows[call][0] != "not"
+
+
+def test_a_call_of_what_is_whole_is_said(tmp_path: Path) -> None:
+    assert levels(tmp_path, "Whole;", UNKNOWN)["Whole"] == ("supported", set())
+
+
+def test_what_is_not_said_at_all_is_not_called_either(tmp_path: Path) -> None:
+    rows = levels(tmp_path, "Again 3;", "WaitTime 9;")
+    assert rows["PROC Again(num k)"][0] == "not"
+    assert rows["Again 3"] == ("not", {"CO015"})
+    assert rows["WaitTime 3"] == ("not", {"CO013"})
+    assert rows["WaitTime 2"][0] == "supported"
+
+
+def test_what_stands_in_a_block_that_is_not_said_is_not_said(tmp_path: Path) -> None:
+    rows = levels(tmp_path, "IF OddFunction() THEN\n WaitTime 5;\n Whole;\n ENDIF", "WaitTime 9;")
+    assert rows["IF OddFunction() THEN"][0] == "not"
+    assert rows["WaitTime 5"] == rows["Whole"] == ("not", {"CO013"})
