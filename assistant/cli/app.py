@@ -15,6 +15,7 @@ from assistant.cli.explorations import explore
 from assistant.cli.gateways import gateway
 from assistant.cli.options import (
     AccelerationOption,
+    CalledOption,
     CellOption,
     DraftOption,
     EntryOption,
@@ -28,6 +29,7 @@ from assistant.cli.options import (
     LanguageOption,
     MarkOption,
     NamesOption,
+    NoMainOption,
     PlaceOption,
     ProcessOption,
     ProveOption,
@@ -130,6 +132,8 @@ def compile(
     from_language: FromLanguage = None,
     from_robot: FromRobot = None,
     entry: EntryOption = None,
+    called: CalledOption = None,
+    no_main: NoMainOption = False,
     prove: ProveOption = False,
     signals: SignalsOption = None,
     seed: SeedOption = 0,
@@ -154,6 +158,8 @@ def compile(
             from_language=from_language,
             from_robot=from_robot,
             entry=entry,
+            called=called,
+            main=False if no_main else None,
             proving=proving(prove, signals, seed),
             format=format,
         )

@@ -57,6 +57,8 @@ def run_compile(
     from_robot: str | None,
     format: FindingFormat,
     entry: str | None = None,
+    called: str | None = None,
+    main: bool | None = None,
     proving: Proving | None = None,
 ) -> int:
     from assistant.compiler import compile
@@ -87,6 +89,8 @@ def run_compile(
                 most_targets=most_targets,
                 frames=frames.value,
                 entry=entry,
+                called=called,
+                main=main,
                 proving=proving,
             )
             done.append((source, compiled))

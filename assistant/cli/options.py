@@ -79,6 +79,14 @@ EntryOption = Annotated[
     str | None,
     typer.Option("--entry", help="Procedure that the program begins with; default its main."),
 ]
+CalledOption = Annotated[
+    str | None,
+    typer.Option("--as", metavar="NAME", help="What others call the program; default main."),
+]
+NoMainOption = Annotated[
+    bool,
+    typer.Option("--no-main", help="Without a main: others call the procedures of the layers."),
+]
 UnitOption = Annotated[
     str | None,
     typer.Option("--unit", help="Unit that a drawing is in, whatever it says: mm, in, m …",

@@ -26,7 +26,7 @@ NOT_OF_PROGRAMS = info(
     "what the process file says of {keys} changes nothing in a program that states its own moves",
     "name arms with --robot and --from-robot; the rest is for drawings and tables",
 )
-OF_PROGRAMS: Final = ("tools", "frames", "signals", "lines", "joint_speed", "findings")
+OF_PROGRAMS: Final = ("tools", "frames", "signals", "lines", "joint_speed", "interface", "findings")
 """What a process file says that a program takes from it."""
 KEYS: Final = {"defaults": "motion"}
 """Keys of a process file that have other names here."""
@@ -63,6 +63,7 @@ def equipped(
         program,
         tools=_with(program.tools, stated.tools),
         frames=_with(program.frames, stated.frames),
+        interface=stated.interface or program.interface,
     ), tuple(findings)
 
 

@@ -18,6 +18,7 @@ from assistant.compiler.loading import Loaded, language_of
 from assistant.compiler.locations import with_locations
 from assistant.compiler.motion import MotionProof, Proving, prove_motion
 from assistant.compiler.motion_sides import Made
+from assistant.compiler.naming import named, not_called_so, wished
 from assistant.compiler.opening import load
 from assistant.compiler.proof import SAYS_OTHERWISE, Proof, prove
 from assistant.compiler.scenes import InCell, in_cell
@@ -129,6 +130,8 @@ def compile(
     most_targets: int | None = None,
     frames: Frames = "base",
     entry: str | None = None,
+    called: str | None = None,
+    main: bool | None = None,
     proving: Proving | None = None,
 ) -> Compiled:
     """The source as a program of the language, read back and compared before it is given out.
@@ -142,8 +145,10 @@ def compile(
     less.
     frames: how a language without work objects says them, see `Language.with_frames`.
     entry: the procedure that the program begins with, where it is not the one that its source
-    says. proving: how a proof by motion is sought, None for none; nothing is given out that lacks
-    one that was asked for. Raises Unreadable or Refused for input that cannot be used at all.
+    says. called: the name that others call the program by; main: False for none that runs all of
+    it; instead of what the process file says of them. proving: how a proof by motion is sought,
+    None for none; nothing is given out that lacks one that was asked for. Raises Unreadable or
+    Refused for input that cannot be used at all.
     """
     target = language_of(language).with_frames(frames)
     if most_targets is not None and most_targets < LEAST_TARGETS:
@@ -165,12 +170,14 @@ def compile(
         )
         loaded = replace(loaded, findings=tuple(f.within(str(source)) for f in loaded.findings))
     program = entered(loaded.program, entry)
+    program = named(program, wished(program.interface, called, main), target)
     arms = standing(program, in_arms(loaded, stands.arms(robot_of(from_robot))))
     program, located = with_locations(program, arms)
     if located:
         raise Refused(*located)
     compiled = compile_program(program, Places(program, loaded.text), target, arms, most_targets)
-    compiled = proven_by_motion(compiled, arms, proving, entry)
+    begun = entry if program.interface is None or program.origin is not None else None
+    compiled = proven_by_motion(compiled, arms, proving, begun)
     about = () if isinstance(cell, InCell) else stands.findings
     return replace(compiled, found=(*loaded.findings, *about, *compiled.found))
 
@@ -256,6 +263,8 @@ def compile_program(
     adapted = target.adapt(program, arm, most_targets=most_targets)
     findings += adapted.findings
     program = adapted.program
+    if program.interface is not None:
+        findings += not_called_so(program.interface, program, target)
     compiled = Compiled(program, target.name, Proof(None), source, places)
     if has_errors(findings):
         return replace(compiled, found=tuple(findings), wanting=adapted.wanting)

@@ -68,6 +68,8 @@ class Language(abc.ABC, Generic[T]):
     """What it does state of ARITHMETIC."""
     joint_percent: bool = False
     """Whether joint moves state percents of the axes' speeds; else mm/s and degrees/s."""
+    called_by_file: bool = False
+    """Whether others call a program by the name of its file, and see nothing else of it."""
     steps: bool = False
     """Whether its lines have step numbers."""
 
@@ -274,6 +276,15 @@ class Language(abc.ABC, Generic[T]):
         Asked by its kind (`ONE_OF`, `parameter`, `label`), its procedure and its name.
         """
         return lambda kind, owner, name: name  # noqa: ARG005
+
+    def not_there(self, program: Program) -> Iterator[str]:
+        """Tools and frames that a controller is said to have, and this language cannot name so."""
+        stands, called = program.interface, self.spelled(program)
+        for kind, table in (("tool", program.tools), ("frame", program.frames)):
+            for name in table if stands is not None else ():
+                there = stands is not None and name.lower() in stands.there
+                if there and called(kind, "", name).lower() != name.lower():
+                    yield name
 
     def kept_secret(self, tree: T) -> str:  # noqa: ARG002
         """The word of a file which keeps controllers from showing its text, "" without one."""

@@ -11,6 +11,7 @@ from assistant.program.diagnostics import Span, info
 from assistant.program.effects import Effect
 from assistant.program.expressions import Expression
 from assistant.program.geometry import Frame, JointTarget, Target, Tool
+from assistant.program.interface import Interface
 from assistant.program.letters import plain_letters
 from assistant.program.motion import Blend, Speed
 from assistant.program.statements import (
@@ -193,7 +194,7 @@ class Program:
     speeds, blends: named ones that moves refer to by `Name`.
     comments: the lines above the program.
     origin: lets its own language give back what was not changed as it stood; it is not part
-    of what the program says.
+    of what the program says. interface: what others of its controller know of it; nor is that.
     Names of one kind are unique without regard to case.
     """
 
@@ -212,6 +213,7 @@ class Program:
     variables: dict[str, Variable] = field(default_factory=dict)
     declarations: tuple[Declaration, ...] = ()
     origin: Origin | None = field(default=None, compare=False, repr=False)
+    interface: Interface | None = field(default=None, compare=False, repr=False)
     _by_name: dict[str, Procedure] = field(
         default_factory=dict, init=False, compare=False, repr=False
     )

@@ -57,6 +57,8 @@ class Recipe:
     signals: FilePath | None = None
     seed: int = 0
     cell: FilePath | None = None
+    called: str | None = None
+    main: bool | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -216,6 +218,8 @@ class _Reader:
             paths.get("signals"),
             given.get("seed", 0),
             paths.get("cell"),
+            given.get("as"),
+            given.get("main"),
         )
 
     def _file(self, table: Table, key: str, text: str) -> FilePath | None:

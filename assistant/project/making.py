@@ -203,6 +203,8 @@ def _compiled(order: Order, name: str) -> Made:
         most_targets=recipe.most_targets,
         frames=recipe.frames,
         entry=recipe.entry,
+        called=recipe.called,
+        main=recipe.main,
         proving=Proving(script=script, seed=recipe.seed) if recipe.prove else None,
     )
     files = compiled.files if compiled.ok else {}

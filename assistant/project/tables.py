@@ -27,6 +27,7 @@ from assistant.controllers.named import LONGEST_TIMEOUT, keys
 from assistant.languages.answers import (
     Frames,
 )
+from assistant.program.program import IDENTIFIER
 from assistant.sources.lengths import UNITS
 from assistant.sources.process import values
 from assistant.sources.process.values import Read, Wrong
@@ -85,6 +86,12 @@ PROGRAM: Final[Mapping[str, Key]] = {
     "from": _choice(SPOKEN, "Language of the source, if its name does not tell."),
     "from_robot": _text("Arm that a robot program was written for, by name or file."),
     "entry": _text("Procedure that the program begins with; default its main."),
+    "as": Key(
+        values.name,
+        {"type": "string", "pattern": f"^{IDENTIFIER.pattern}$"},
+        "What others call the program; default main, or what its process file says.",
+    ),
+    "main": _truth("false: no main; others call the procedures of the layers."),
     "most_targets": _whole(10, MOST_TARGETS, "Of one unit; default the language's own limit."),
     "frames": _choice(get_args(Frames), "How a language without work objects says them."),
     "prove": _truth("Run the source and what is written, and compare what they do."),

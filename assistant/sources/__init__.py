@@ -79,7 +79,10 @@ def read(
         chosen = replace(chosen, around=around(chosen.robot))
     with _stage(source):
         reading = reader(source, chosen)
-    return replace(reading, findings=(*findings, *reading.findings))
+    program = reading.program
+    if chosen.interface is not None:
+        program = replace(program, interface=chosen.interface)
+    return Reading(program, (*findings, *reading.findings))
 
 
 def _stage(source: FilePath) -> AbstractContextManager[None]:

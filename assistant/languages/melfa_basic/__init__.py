@@ -82,6 +82,7 @@ class MelfaBasic(Language["File"]):
     restated = MappingProxyType({"CK101": "MB703", "CK102": "MB703"})
     steps = True
     surroundings = staticmethod(_surroundings)
+    called_by_file = True
     joint_percent = True
     frames: Frames = "base"
     table = "melfa-basic"
@@ -172,6 +173,10 @@ class MelfaBasic(Language["File"]):
         from assistant.languages.melfa_basic.text.effects import of_text
 
         return of_text(text, kind)
+
+    def not_there(self, program: Program) -> Iterator[str]:
+        there = () if program.interface is None else program.interface.there
+        return (name for name in (*program.tools, *program.frames) if name.lower() in there)
 
     def wanted(self, trees: Sequence[File]) -> tuple[Wanted, ...]:
         from assistant.languages.melfa_basic.checks.wanted import wanted

@@ -102,8 +102,9 @@ class Rapid(Language["File"]):
 
     def wanted(self, trees: Sequence[File]) -> tuple[Wanted, ...]:
         from assistant.languages.rapid.checks.wanted import wanted
+        from assistant.languages.rapid.text.elsewhere import with_elsewhere
 
-        return wanted(trees)
+        return wanted(with_elsewhere(trees))
 
     def supplied(self, given: Supplied, trees: Sequence[File]) -> str:
         from assistant.languages.rapid.lower.supplied import supplied
@@ -142,8 +143,9 @@ class Rapid(Language["File"]):
 
     def lift_trees(self, trees: Sequence[File], robot: Robot | None) -> Program:  # noqa: ARG002
         from assistant.languages.rapid.lift.program import lift
+        from assistant.languages.rapid.text.elsewhere import with_elsewhere
 
-        return lift(trees)
+        return lift(with_elsewhere(trees))
 
     def told(self, program: Program, to: Language[Any]) -> Program:
         from assistant.languages.rapid.lift.plain_data import with_plain_data
@@ -207,8 +209,9 @@ class Rapid(Language["File"]):
 
     def check(self, trees: Sequence[File]) -> tuple[Diagnostic, ...]:
         from assistant.languages.rapid.checks import check
+        from assistant.languages.rapid.text.elsewhere import with_elsewhere
 
-        return check(trees)
+        return check(with_elsewhere(trees))
 
     def program_of(self, path: FilePath) -> FilePath:
         return program_of(path)

@@ -13,6 +13,7 @@ from assistant.program import rotations
 from assistant.program.diagnostics import Diagnostic
 from assistant.program.expressions import Name
 from assistant.program.geometry import BASE, FLANGE, Frame, Pose, Tool, Vector
+from assistant.program.interface import Interface
 from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.program import Signal
 from assistant.program.statements import Motion
@@ -105,6 +106,7 @@ class Process:
     placement: the drawing's world in the default frame, None where it is that frame.
     joint_speed: mm/s of joint moves of a robot program whose percentage cannot be said in mm/s.
     lines: by their numbers on the source's controller.
+    interface: how the program stands among others, None if nothing is said of it.
     around: what stands around the work, which no process file says; None if nobody knows.
     findings: warnings about the process file itself.
     """
@@ -122,6 +124,7 @@ class Process:
     placement: Pose | None = None
     joint_speed: float | None = None
     lines: Mapping[int, Line] = field(default_factory=dict)
+    interface: Interface | None = None
     around: Surroundings | None = None
     findings: tuple[Diagnostic, ...] = ()
 

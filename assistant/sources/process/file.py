@@ -9,6 +9,12 @@ masses kg; names are letters, digits and `_`, a letter first.
     leave_out = ["BORDER"]        # layers that are not wanted; "*" for any letters: ["DIM_*"]
     joint_speed = 100             # mm/s of joint moves of a robot program that state a percentage
 
+    [program]                     # how it stands among other programs of its controller
+    as = "Glue_Left"              # what others call it by
+    main = true                   # false: none that runs all of it; others call its procedures
+    prefix = "left_"              # before every name that it declares, but that one
+    local = false                 # true: what nobody else calls is seen in its own module only
+
     [motion]                      # where the source itself does not say how to move
     kind = "linear"               # or "joint"; of a drawing "travel": ways planned in the cell
     speed = 100                   # mm/s
@@ -25,12 +31,15 @@ masses kg; names are letters, digits and `_`, a letter first.
     mass = 1.2
     centre = [0, 0, 60]           # of gravity; needs a mass
     held = true                   # false: stands in the room
+    on_controller = false         # true: the controller has it already; it is named, not written
+    number = 2                    # that it has there, for controllers that count tools
     free_turn = false             # true: its turn about its axis is free, as of a round nozzle
 
     [frames.table]
     position = [400, 0, 20]       # in the robot's base frame
     euler_zyx = [90, 0, 0]        # or quaternion, as for tools
     held = false                  # true: the robot carries the work piece
+    on_controller = false         # and number, as for tools
 
     [signals.glue]
     kind = "digital"              # or "analog", "group"
@@ -89,6 +98,7 @@ from assistant.sources.process import Defaults, Line, Process
 from assistant.sources.process import values as values
 from assistant.sources.process.known import MOTION, Known
 from assistant.sources.process.layers import layer_of
+from assistant.sources.process.names import THERE, interface_of
 from assistant.sources.process.placing import MOST_MISFIT, ONE_WAY, PLACEMENT, by_marks, wrong_ways
 from assistant.sources.process.table import REPAIRED, Page, Table
 from assistant.sources.process.values import Read, shown
@@ -112,7 +122,7 @@ AT: Final = re.compile(r"\s*\(at (?:line (\d+), column (\d+)|end of document)\)$
 MOST_NUMBER: Final = 65535
 """Highest signal number of a CR controller (network inputs and outputs included)."""
 
-TOP: Final = ("motion", "tools", "frames", "signals", "lines", "layers", "tags")
+TOP: Final = ("program", "motion", "tools", "frames", "signals", "lines", "layers", "tags")
 
 PLAIN: Final[Mapping[str, Read]] = {
     "robot": values.text,
@@ -130,6 +140,7 @@ ORIENTATION: Final[Mapping[str, Read]] = {
     "quaternion": values.quaternion,
     "euler_zyx": values.euler_zyx,
     "held": values.truth,
+    **THERE,
 }
 TOOL: Final[Mapping[str, Read]] = {
     "tip": values.position,
@@ -183,6 +194,7 @@ def process_in(top: Table, beside: Sequence[str] = ()) -> Process:
     frames = {n: _frame(n, t) for n, t in top.table("frames").named()}
     signals = {n: _signal(n, t) for n, t in top.table("signals").named()}
     lines = dict(one for n, t in top.table("lines").named() for one in _line(n, t))
+    interface = interface_of(top)
     names = Known(tools, frames, signals)
     defaults = Defaults(**names.motion(top.table("motion"), DEFAULTS))
     layers = {
@@ -199,6 +211,7 @@ def process_in(top: Table, beside: Sequence[str] = ()) -> Process:
         *(defaults, tools, frames, signals, layers, tags),
         lines=lines,
         placement=placement,
+        interface=interface,
         findings=findings,
         **plain,
     )

@@ -28,7 +28,7 @@ from assistant.program.pseudo.grammar import FIRST_WORDS
 from assistant.project.schema import schema
 from assistant.sources import cell as of_data
 from assistant.sources.process import file as of_processes
-from assistant.sources.process import layers, placing
+from assistant.sources.process import layers, names, placing
 from assistant.sources.tables import headers, taught
 
 ROOT: Final = Path(__file__).parents[3]
@@ -179,7 +179,13 @@ def keys() -> frozenset[str]:
     """Every key of every kind of file that is read."""
     read = (
         *(of_processes.PLAIN, of_processes.OF_DRAWINGS, of_processes.TOOL, of_processes.FRAME),
-        *(of_processes.DEFAULTS, of_processes.SIGNAL, layers.LAYER, placing.PLACEMENT),
+        *(
+            of_processes.DEFAULTS,
+            of_processes.SIGNAL,
+            layers.LAYER,
+            placing.PLACEMENT,
+            names.PROGRAM,
+        ),
         *(of_cells.PLACE, of_cells.WORLD, of_cells.ROBOT, of_cells.PART, of_cells.BODY),
         *(of_data.POSITION, of_data.DATA, of_data.ROUTINE, of_data.RECORD, of_data.ARM),
         *(script_file.SET, script_file.ANSWER, taught.KEYS, headers.KNOWN),

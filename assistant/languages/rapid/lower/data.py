@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Final
 
@@ -33,6 +33,8 @@ from assistant.program.program import Program, Variable
 from assistant.program.timers import timers
 
 TASK: Final = "TASK"
+LOCAL: Final = "LOCAL"
+OF_MOVES: Final = ("speeddata", "zonedata", TRIGGER)
 NO_LOAD: Final = Load(LEAST_MASS, LEAST_CENTRE)
 """Of a tool that states none."""
 
@@ -42,9 +44,34 @@ def data(program: Program, names: Naming) -> Iterator[s.Data]:
 
     What was one task's own where it was read stays that: a pseudo-program is of one task.
     """
-    own = _of_task(program)
+    own, local = _of_task(program), _own_to_module(program)
     for node in _data(program, names):
-        yield replace(node, scope=TASK) if node.name.lower() in own else node
+        if node.name.lower() in own:
+            yield replace(node, scope=TASK)
+        else:
+            yield replace(node, scope=LOCAL) if local(node) else node
+
+
+def scope_of_paths(program: Program) -> str:
+    """Of the targets of paths."""
+    return LOCAL if program.interface is not None and program.interface.local else ""
+
+
+def _own_to_module(program: Program) -> Callable[[s.Data], bool]:
+    """Whether data are seen in their module alone: others do not call them, or have the like.
+
+    The latter are speeds and zones that are called by what they are, and what is set on the way of
+    moves.
+    """
+    stands = program.interface
+    if stands is None:
+        return lambda node: False  # noqa: ARG005
+    if stands.local:
+        return lambda node: True  # noqa: ARG005
+    if not (stands.prefix or stands.called or not stands.main):
+        return lambda node: False  # noqa: ARG005
+    named = {name.lower() for name in (*program.speeds, *program.blends)}
+    return lambda node: node.type in OF_MOVES and node.name.lower() not in named
 
 
 def _of_task(program: Program) -> set[str]:
@@ -57,14 +84,7 @@ def _of_task(program: Program) -> set[str]:
 
 def _data(program: Program, names: Naming) -> Iterator[s.Data]:
     expressions = Expressions(names, names.value)
-    for name, tool in program.tools.items():
-        if name != FLANGE:
-            value = RECORDS.values(replace(tool, load=tool.load or NO_LOAD))
-            yield s.Data("", "PERS", "tooldata", names.get("tools", name), (), bracketed(value))
-    for name, frame in program.frames.items():
-        if name != BASE:
-            value = bracketed(RECORDS.values(frame))
-            yield s.Data("", "PERS", "wobjdata", names.get("frames", name), (), value)
+    yield from (node for node in _equipment(program, names) if not _is_there(node, program))
     speeds = {names.get("speeds", n): v for n, v in program.speeds.items()}
     blends = {names.get("blends", n): v for n, v in program.blends.items()}
     for speed, blend in motions(program):
@@ -90,6 +110,27 @@ def _data(program: Program, names: Naming) -> Iterator[s.Data]:
     for name, target in program.targets.items():
         short = names.get("values", name)
         yield s.Data("", "CONST", "robtarget", short, (), bracketed(RECORDS.values(target)))
+
+
+def _equipment(program: Program, names: Naming) -> Iterator[s.Data]:
+    """Tools and work objects."""
+    for name, tool in program.tools.items():
+        if name != FLANGE:
+            value = RECORDS.values(replace(tool, load=tool.load or NO_LOAD))
+            yield s.Data("", "PERS", "tooldata", names.get("tools", name), (), bracketed(value))
+    for name, frame in program.frames.items():
+        if name != BASE:
+            value = bracketed(RECORDS.values(frame))
+            yield s.Data("", "PERS", "wobjdata", names.get("frames", name), (), value)
+
+
+def elsewhere(program: Program, names: Naming) -> Iterator[s.Data]:
+    """Tools and work objects that the controller has."""
+    return (node for node in _equipment(program, names) if _is_there(node, program))
+
+
+def _is_there(node: s.Data, program: Program) -> bool:
+    return program.interface is not None and node.name.lower() in program.interface.there
 
 
 def variable_node(name: str, variable: Variable, expressions: Expressions) -> s.Data:

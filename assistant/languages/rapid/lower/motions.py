@@ -37,12 +37,12 @@ _SHORTEST: Final = 8
 """Rows of a run; fewer are single declarations or statements, as they are when read."""
 
 
-def path_targets(path: Path, stem: str) -> list[s.TargetRunNode | s.Data]:
+def path_targets(path: Path, stem: str, scope: str) -> list[s.TargetRunNode | s.Data]:
     """The declarations of a path's targets, `stem_1` and so on."""
     run = _targets(path, stem)
     if len(run) >= _SHORTEST:
-        return [s.TargetRunNode("", run)]
-    return list(verbatim.items(targets_text(run, "", "", "\n")))  # type: ignore[arg-type]
+        return [s.TargetRunNode(scope, run)]
+    return list(verbatim.items(targets_text(run, scope, "", "\n")))  # type: ignore[arg-type]
 
 
 def path_moves(path: Path, stem: str, names: Naming) -> list[s.StatementNode]:

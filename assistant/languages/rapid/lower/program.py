@@ -6,13 +6,14 @@ from collections.abc import Iterator
 from typing import Any
 
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.lower.data import data, variable_node
+from assistant.languages.rapid.lower.data import data, elsewhere, scope_of_paths, variable_node
 from assistant.languages.rapid.lower.modules import resident, with_own_places
 from assistant.languages.rapid.lower.motions import path_targets
 from assistant.languages.rapid.lower.names import NAMES
 from assistant.languages.rapid.lower.statements import Body
 from assistant.languages.rapid.tables.words import TYPE_OF_VALUE
 from assistant.languages.rapid.text import verbatim
+from assistant.languages.rapid.text.elsewhere import said
 from assistant.languages.rapid.text.header import header_lines
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import gathered
@@ -27,7 +28,8 @@ def build(program: Program, unit: str | None = None) -> s.File:
     names = NAMES.naming(program)
     here = [q for q in program.procedures if q.unit == unit]
     held = resident(program)
-    head = header_lines(program, unit, names.changed, resident=unit in held)
+    there = [said(one) for one in elsewhere(program, names)] if unit is None else ()
+    head = header_lines(program, unit, names.changed, resident=unit in held, there=there)
     items: list[Any] = [s.CommentLine(x) for x in head]
     declared = _declared(program) if unit is None else []
     items += [i for i in declared if isinstance(i, s.Record | s.Alias)]
@@ -35,7 +37,7 @@ def build(program: Program, unit: str | None = None) -> s.File:
         items += data(with_own_places(program, unit, held), names)
     items += [i for i in declared if not isinstance(i, s.Record | s.Alias | s.Routine)]
     for procedure in here:
-        items += _targets(procedure, names)
+        items += _targets(procedure, names, scope_of_paths(program))
     items += [_routine(procedure, program, names) for procedure in here]
     items += [i for i in declared if isinstance(i, s.Routine)]
     return s.File((s.Module(module_name(program, unit), (), gathered(items)),))
@@ -55,11 +57,11 @@ def _declared(program: Program) -> list[s.Item]:
     return found
 
 
-def _targets(procedure: Procedure, names: Naming) -> Iterator[s.TargetRunNode | s.Data]:
+def _targets(procedure: Procedure, names: Naming, scope: str) -> Iterator[s.TargetRunNode | s.Data]:
     """Those of the paths that a procedure follows."""
     for statement in walk(procedure.body):
         if isinstance(statement, p.Follow):
-            yield from path_targets(statement.path, names.rows[id(statement)])
+            yield from path_targets(statement.path, names.rows[id(statement)], scope)
 
 
 def _routine(procedure: Procedure, program: Program, names: Naming) -> s.Routine:

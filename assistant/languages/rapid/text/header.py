@@ -2,7 +2,8 @@
 
 One item a line: `program: NAME`, `robot: NAME`, `entry: NAME`, `unit of: NAME` of a module that is
 loaded when it is called, `module of: NAME` of one that its task holds beside the main one,
-`signal: NAME digital output [number [bits]]`, `name: SHORT = original`. Anything else is a
+`signal: NAME digital output [number [bits]]`, `name: SHORT = original`, `elsewhere: PERS …` of a
+tool or work object that the controller has, see `elsewhere.py`. Anything else is a
 comment; one that looks like an item is written with `: ` before it. Names are written in ASCII,
 for a module is.
 """
@@ -25,6 +26,7 @@ _ITEM: Final = re.compile(
     rf"|(?P<kept>unit|module) of: (?P<unit>{NAME})"
     rf"|signal: (?P<signal>{NAME}) (?P<kind>digital|analog|group) (?P<direction>input|output)"
     r"(?: (?P<number>[0-9]{1,9})?(?: x(?P<bits>[0-9]{1,3}))?)?"
+    r"|elsewhere: (?P<there>PERS (?:tooldata|wobjdata) [A-Za-z][A-Za-z0-9_]*:=\[[^;]+\])"
     rf"|name: (?P<short>{NAME}) = (?P<original>{NAME})",
     re.ASCII,
 )
@@ -35,7 +37,8 @@ _QUOTED: Final = ": "
 class Header:
     """What the opening comments say. names: short → original. unit: of the program it is of.
 
-    resident: the task holds the unit, so that nobody loads it.
+    resident: the task holds the unit, so that nobody loads it. there: declarations of what the
+    controller has.
     """
 
     program: str = ""
@@ -45,13 +48,14 @@ class Header:
     resident: bool = False
     signals: dict[str, Signal] = field(default_factory=dict)
     names: dict[str, str] = field(default_factory=dict)
+    there: list[str] = field(default_factory=list)
     comments: list[str] = field(default_factory=list)
 
     @property
     def lines(self) -> int:
         """How many lines it stands in."""
         single = sum(map(bool, (self.program, self.robot, self.entry, self.unit)))
-        return single + len(self.signals) + len(self.names) + len(self.comments)
+        return single + len(self.signals) + len(self.names) + len(self.there) + len(self.comments)
 
 
 def header_lines(
@@ -60,8 +64,9 @@ def header_lines(
     names: Sequence[tuple[str, str]],
     *,
     resident: bool = False,
+    there: Sequence[str] = (),
 ) -> list[str]:
-    """The lines of a module's header. names: (short, original) each. resident: see `Header`."""
+    """The lines of a module's header. names: (short, original) each. Others: see `Header`."""
     if unit is None:
         lines = [f"program: {in_ascii(program.name)}"]
         if program.robot:
@@ -71,6 +76,7 @@ def header_lines(
         lines += [_signal(name, signal) for name, signal in program.signals.items()]
     else:
         lines = [f"{'module' if resident else 'unit'} of: {in_ascii(program.name)}"]
+    lines += [f"elsewhere: {declaration}" for declaration in there]
     lines += [f"name: {short} = {in_ascii(original)}" for short, original in names]
     if unit is None:
         lines += [
@@ -111,6 +117,8 @@ def read_header(comments: Sequence[str]) -> Header:
                 number,
                 int(match["bits"] or 1),
             )
+        elif match["there"]:
+            header.there.append(match["there"])
         else:
             header.names[match["short"].lower()] = from_ascii(match["original"])
     return header

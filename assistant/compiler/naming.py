@@ -1,0 +1,281 @@
+"""Names for a cell that exists: what others call a program, and what they see of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import PurePath
+from typing import TYPE_CHECKING, Any, Final
+
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.contents import everywhere
+from assistant.program.diagnostics import Diagnostic, Refused, error, warning
+from assistant.program.geometry import BASE, FLANGE
+from assistant.program.interface import ALONE, Interface
+from assistant.program.kept import effect_of
+from assistant.program.path import Path
+from assistant.program.program import IDENTIFIER, Declaration, Procedure, Program, identifier
+from assistant.program.rewriting import records, renamed, rewrite
+
+if TYPE_CHECKING:
+    from assistant.languages import Language
+
+NO_NAME = error("CO320", "`{name}` is no name: letters, digits and `_`, a letter first", "{cure}")
+NAME_TAKEN = error(
+    "CO321",
+    "the program cannot be called `{name}`: its {kind} `{there}` is called so",
+    "choose another name, or put one before those of the program with `prefix`",
+)
+OTHER_NAME = error(
+    "CO322",
+    "in {language} the program cannot be called `{name}`, but `{short}`",
+    "choose a name that it can have, such as `{short}`",
+)
+NEAR_NAME = warning(
+    "CO323", "in {language} the program is called `{short}`: others call it by that", ""
+)
+NOT_MERE_CALLS = error(
+    "CO324",
+    "`{name}` does more than call others, so the program cannot be without it",
+    "give it the name that others call it by with `as`",
+)
+BEGINS_AT_TOP = error(
+    "CO325",
+    "a program of {language} begins at its top: without a main nobody could call anything of it",
+    "leave out `main = false`, or `--no-main`; others call the program by the name of its file",
+)
+NOBODY = error(
+    "CO326", "there is no main that could be called `{name}`", "leave out `as`, or `main = false`"
+)
+KEPT_NAMES = error(
+    "CO327",
+    "`{text}` keeps its text, in which names stay as they are",
+    "leave out `as` and `prefix`, or say it in plain statements",
+)
+
+NOT_THERE = error(
+    "CO329",
+    "{language} cannot name `{name}` as the controller has it",
+    "give it a name that the language has, or leave out `on_controller`",
+)
+
+TABLES: Final = ("targets", "joint_targets", "variables", "tools", "frames", "speeds", "blends")
+"""What a program declares by name, but for signals, which the controller has."""
+
+
+def wished(given: Interface | None, called: str | None, main: bool | None) -> Interface:
+    """What is asked of the names of a program, of which a run may say other things."""
+    stated = given or ALONE
+    if called is not None:
+        stated = replace(stated, called=called)
+    return stated if main is None else replace(stated, main=main)
+
+
+def named(program: Program, wishes: Interface, language: Language[Any]) -> Program:
+    """The program with the names that are asked of it; raises Refused where it cannot have them."""
+    if wishes == ALONE:
+        return program
+    _look_at(program, wishes, language)
+    begins = program.procedure(program.entry or "")
+    callable_ = {program.entry} if begins is not None else set()
+    if not wishes.main and begins is not None:
+        callable_ = {one.procedure for one in begins.body if isinstance(one, p.Call)}
+        rest = tuple(one for one in program.procedures if one is not begins)
+        program = replace(program, procedures=rest, entry=None)
+    if wishes.local and not language.called_by_file:
+        program = _local(program, {name.lower() for name in callable_ if name})
+    if wishes.prefix:
+        program = prefixed(program, wishes.prefix, kept=wishes.there)
+    if wishes.called and begins is not None:
+        program = _called(program, wishes.called, language)
+    return replace(program, interface=wishes)
+
+
+def _look_at(program: Program, wishes: Interface, language: Language[Any]) -> None:
+    for name in filter(None, (wishes.called, wishes.prefix)):
+        if IDENTIFIER.fullmatch(name) is None:
+            raise Refused(NO_NAME(name=name, cure=f"write {identifier(name)}"), exit_status=2)
+    begins = program.procedure(program.entry or "")
+    if wishes.called and (not wishes.main or begins is None):
+        raise Refused(NOBODY(name=wishes.called))
+    if not wishes.main:
+        if language.called_by_file:
+            raise Refused(BEGINS_AT_TOP(language=language.title))
+        if begins is not None and not _only_calls(begins):
+            raise Refused(NOT_MERE_CALLS(name=begins.name))
+    kept = _kept(program, None if wishes.prefix else program.entry)
+    if kept is not None and (wishes.prefix or wishes.called):
+        raise Refused(KEPT_NAMES(text=" ".join(kept.split())))
+
+
+def _only_calls(procedure: Procedure) -> bool:
+    plain = all(isinstance(one, p.Call | p.Comment) for one in procedure.body)
+    given = any(isinstance(one, p.Call) and one.arguments for one in procedure.body)
+    return plain and not given and not procedure.variables
+
+
+def _kept(program: Program, name: str | None) -> str | None:
+    """The first text of a robot language that the program keeps; that says a name, if given."""
+    others = records((program.declarations, program.variables))
+    for part in (*everywhere(program, p.Opaque, e.Verbatim), *others):
+        if isinstance(part, p.Opaque | e.Verbatim | Declaration):
+            if name is None or name.lower() in effect_of(part).names:
+                return part.text
+    return None
+
+
+def _local(program: Program, callable_: set[str]) -> Program:
+    """All that others do not call is the module's own."""
+    procedures = (
+        one if one.name.lower() in callable_ else replace(one, local=True)
+        for one in program.procedures
+    )
+    variables = {name: replace(one, local=True) for name, one in program.variables.items()}
+    return replace(program, procedures=tuple(procedures), variables=variables)
+
+
+def _called(program: Program, name: str, language: Language[Any]) -> Program:
+    """The program whose entry has a name, and its file where others call that."""
+    for kind, there in _declared(program):
+        own = kind == "procedure" and there.lower() == (program.entry or "").lower()
+        if there.lower() == name.lower() and not own:
+            raise Refused(NAME_TAKEN(name=name, kind=kind, there=there))
+    names = {(program.entry or "").lower(): name}
+    procedures = tuple(renamed(one, names) for one in program.procedures)
+    title = name if language.called_by_file else program.name
+    return replace(program, name=title, procedures=procedures, entry=name)
+
+
+def _declared(program: Program) -> Iterator[tuple[str, str]]:
+    """What has a name that others see, with its kind."""
+    yield from (("procedure", one.name) for one in program.procedures)
+    yield from (("signal", name) for name in program.signals)
+    for table in TABLES:
+        yield from ((table[:-1].replace("_", " "), name) for name in getattr(program, table))
+
+
+def not_called_so(
+    wishes: Interface, program: Program, language: Language[Any]
+) -> Iterator[Diagnostic]:
+    """Findings of what a language cannot call as it is to be called.
+
+    program: as the language adapted it.
+    """
+    for name in language.not_there(program):
+        yield NOT_THERE(name=name, language=language.title)
+    name = wishes.called
+    if not name or program.entry is None:
+        return
+    if language.called_by_file:
+        short = PurePath(language.file_name(program)).stem
+    else:
+        short = language.spelled(program)("procedure", "", program.entry)
+    if short.lower() == name.lower():
+        return
+    near = short.lower() == name.replace("_", "").lower()
+    rule = NEAR_NAME if near else OTHER_NAME
+    yield rule(name=name, short=short, language=language.title)
+
+
+@dataclass(frozen=True, slots=True)
+class _Names:
+    """New names by lower-case ones: of procedures, of data, of settings by their tables."""
+
+    tables: Mapping[str, Mapping[str, str]]
+
+    def of(self, table: str, name: str) -> str:
+        return self.tables[table].get(name.lower(), name)
+
+
+def prefixed(program: Program, prefix: str, kept: Mapping[str, Any] | None = None) -> Program:
+    """The program with a prefix before all that it declares, but for signals.
+
+    kept: lower-case names of tools and frames that the controller has, which stay.
+    """
+    there = {FLANGE, BASE, *(kept or ())}
+    own: dict[str, list[str]] = {table: list(getattr(program, table)) for table in TABLES}
+    own["procedures"] = [one.name for one in program.procedures]
+    names = _Names(
+        {
+            table: {
+                name.lower(): prefix + name
+                for name in given
+                if table not in ("tools", "frames") or name.lower() not in there
+            }
+            for table, given in own.items()
+        }
+    )
+    tables: dict[str, Any] = {
+        table: {names.of(table, name): part for name, part in getattr(program, table).items()}
+        for table in TABLES
+    }
+    tables["variables"] = {
+        name: _renamed(one, names, prefix, frozenset()) for name, one in tables["variables"].items()
+    }
+    procedures = []
+    for one in program.procedures:
+        inner = frozenset(
+            name.lower() for name in (*one.variables, *(q.name for q in one.parameters))
+        )
+        counted = {s.variable.lower() for s in records(one.body) if isinstance(s, p.For)}
+        hidden = inner | (counted - set(names.tables["variables"]))
+        body = _renamed(one.body, names, prefix, hidden)
+        variables = {n: _renamed(v, names, prefix, hidden) for n, v in one.variables.items()}
+        name = names.of("procedures", one.name)
+        procedures.append(replace(one, name=name, body=body, variables=variables))
+    entry = program.entry and names.of("procedures", program.entry)
+    begun = f"{program.name}_".lower().startswith(prefix.lower())
+    title = program.name if begun else prefix + program.name
+    return replace(program, name=title, procedures=tuple(procedures), entry=entry, **tables)
+
+
+def _renamed(value: Any, names: _Names, prefix: str, hidden: frozenset[str]) -> Any:
+    """A part of the program with the new names. hidden: what is its own, in lower case."""
+    data = {
+        low: new
+        for table in ("targets", "joint_targets", "variables", "tools", "frames")
+        for low, new in names.tables[table].items()
+        if low not in hidden
+    }
+
+    def setting(table: str, part: Any) -> Any:
+        if isinstance(part, e.Name):
+            return e.Name(names.of(table, part.name))
+        return rewrite(part, visit, _WHOLE)  # of one that is worked out
+
+    def visit(part: Any) -> Any:
+        match part:
+            case e.Name(name):
+                return replace(part, name=data.get(name.lower(), name))
+            case e.Here(tool, frame):
+                return e.Here(names.of("tools", tool), names.of("frames", frame))
+            case e.Apply(name):
+                return replace(part, function=names.of("procedures", name))
+            case p.Call(name):
+                return replace(part, procedure=names.of("procedures", name))
+            case p.For(name):
+                return replace(part, variable=data.get(name.lower(), name))
+            case p.Motion(speed, blend, tool, frame):
+                return p.Motion(
+                    setting("speeds", speed),
+                    setting("blends", blend),
+                    names.of("tools", tool),
+                    names.of("frames", frame),
+                )
+            case Path():
+                return replace(
+                    part,
+                    name=prefix + part.name,
+                    speeds=tuple(setting("speeds", one) for one in part.speeds),
+                    blends=tuple(setting("blends", one) for one in part.blends),
+                    tools=tuple(names.of("tools", one) for one in part.tools),
+                    frames=tuple(names.of("frames", one) for one in part.frames),
+                )
+        return part
+
+    return rewrite(value, visit, _WHOLE)
+
+
+_WHOLE: Final = (Path, p.Motion)
+"""What has names of settings, which are no expressions."""

@@ -1,0 +1,56 @@
+"""How a program stands among others of its controller, as a process file says it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+from assistant.program.diagnostics import error
+from assistant.program.interface import Interface
+from assistant.sources.process import values
+from assistant.sources.process.table import Table
+from assistant.sources.process.values import Read
+
+NOT_COUNTED = error(
+    "CO328",
+    "`{name}` has a number, but is written with the program",
+    "write `on_controller = true` too, or leave out `number`",
+)
+MOST_COUNTED: Final = 16
+"""Highest number of a tool on controllers that count them (parameters MEXTL1 to MEXTL16)."""
+
+PROGRAM: Final[Mapping[str, Read]] = {
+    "as": values.name,
+    "main": values.truth,
+    "prefix": values.name,
+    "local": values.truth,
+}
+THERE: Final[Mapping[str, Read]] = {
+    "on_controller": values.truth,
+    "number": values.whole(1, MOST_COUNTED),
+}
+"""Keys of a tool or a frame."""
+
+
+def interface_of(top: Table) -> Interface | None:
+    """What [program] says, with the tools and frames that the controller has; None for nothing."""
+    found = top.table("program").read(PROGRAM)
+    there: dict[str, int | None] = {}
+    for kind in ("tools", "frames"):
+        given = top.content.get(kind)
+        for name, said in given.items() if isinstance(given, dict) else ():
+            if not isinstance(said, dict):
+                continue
+            if said.get("on_controller") is True:
+                there[name.lower()] = said.get("number")
+            elif "number" in said:
+                top.page.say(NOT_COUNTED, (*top.path, kind, name, "number"), name=name)
+    if not found and not there:
+        return None
+    return Interface(
+        found.get("as", ""),
+        found.get("main", True),
+        found.get("prefix", ""),
+        found.get("local", False),
+        there,
+    )

@@ -1,0 +1,197 @@
+"""Programs for a cell that exists: its names, and what it has already, run beside its own modules.
+
+What they do is told by the interpreters of `assistant.virtual`, which share nothing with what
+gives the names.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import ezdxf
+import pytest
+
+from assistant import languages
+from assistant.compiler import Compiled, compile
+from assistant.compiler.checking import check_files
+from assistant.program.diagnostics import Refused
+from assistant.program.geometry import Pose
+from assistant.virtual import rapid
+from assistant.virtual.events import Run
+
+PROCESS = """
+[motion]
+tool = "gun"
+frame = "table"
+[tools.gun]
+tip = [0, 0, 120]
+mass = 1
+centre = [0, 0, 50]
+{tool}
+[frames.table]
+position = [300, 0, 200]
+{frame}
+[signals.gun_on]
+number = 8
+[layers.GLUE]
+speed = 33
+blend = 0.7
+on = {{gun_on = 1}}
+off = {{gun_on = 0}}
+[layers."Außen"]
+speed = 77
+"""
+CELL = """MODULE Cell
+PERS tooldata gun:=[TRUE,[[0,0,120],[1,0,0,0]],[1,[0,0,50],[1,0,0,0],0,0,0]];
+PERS wobjdata table:=[FALSE,TRUE,"",[[300,0,200],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];
+PROC main()
+{calls}
+ENDPROC
+ENDMODULE
+"""
+THERE = "on_controller = true"
+START = Pose((400.0, 0.0, 500.0), (0.0, 1.0, 0.0, 0.0))
+
+
+def drawn(folder: Path, name: str, at: float = 0.0, program: str = "", there: str = "") -> Path:
+    """A drawing with two contours and a place, and its process file."""
+    document = ezdxf.new()
+    document.units = 4
+    space = document.modelspace()
+    space.add_line((at, 0), (at + 40, 0), dxfattribs={"layer": "GLUE"})
+    space.add_lwpolyline([(at, 10), (at + 30, 10), (at + 30, 40)], dxfattribs={"layer": "Außen"})
+    space.add_point((at, 50, 60))
+    file = folder / f"{name}.dxf"
+    document.saveas(file)
+    text = PROCESS.format(tool=there, frame=there) + program
+    file.with_suffix(".process.toml").write_text(text, encoding="utf-8")
+    return file
+
+
+def made(source: Path, language: str = "rapid", **options: object) -> Compiled:
+    found = compile(source, language=language, robot="irb1200-7-0.7", **options)  # type: ignore[arg-type]
+    assert found.ok, [str(one) for one in found.findings]
+    return found
+
+
+def texts(*programs: Compiled) -> list[str]:
+    return [data.decode("ascii") for one in programs for data in one.files.values()]
+
+
+def ran(*modules: str, entry: str = "main") -> Run:
+    """A task of modules, from its main to the end."""
+    language = languages.get("rapid")
+    trees = [language.parse(text) for text in modules]
+    assert not any(tree.findings for tree in trees)
+    found = rapid.run(trees, entry=entry, start=START)
+    assert (found.ended, found.message) == ("end", "")
+    return found
+
+
+def whole(folder: Path) -> Iterator[tuple[str, Run]]:
+    """Each of two drawings as a program by itself, and what that does."""
+    for name, at in (("left", 0.0), ("right", 50.0)):
+        alone = folder / f"alone_{name}"
+        alone.mkdir()
+        yield name, ran(*texts(made(drawn(alone, name, at))))
+
+
+def checked(folder: Path, *modules: str) -> list[str]:
+    """Codes of what is found in modules of one task."""
+    files = [folder / f"m{number}.mod" for number, _ in enumerate(modules)]
+    for file, text in zip(files, modules, strict=True):
+        file.write_text(text, encoding="ascii")
+    return [one.code for one in check_files(files, robot="irb1200-7-0.7").findings]
+
+
+def test_others_call_a_program_by_the_name_that_it_is_given(tmp_path: Path) -> None:
+    alone = dict(whole(tmp_path))
+    said = '[program]\nas = "{}"\nlocal = true\n'
+    left = drawn(tmp_path, "left", 0.0, said.format("Glue_Left"), THERE)
+    right = drawn(tmp_path, "right", 50.0, said.format("Glue_Right"), THERE)
+    cell = CELL.format(calls="Glue_Left;\nGlue_Right;")
+    modules = [cell, *texts(made(left), made(right))]
+    assert ran(*modules).events == (*alone["left"].events, *alone["right"].events)
+    assert checked(tmp_path, *modules) == []
+
+
+def test_what_others_do_not_call_is_the_modules_own(tmp_path: Path) -> None:
+    (text,) = texts(made(drawn(tmp_path, "left", 0.0, '[program]\nas = "Go"\nlocal = true\n')))
+    declared = [line.strip() for line in text.splitlines() if line.startswith("    ")]
+    seen = [one for one in declared if one.startswith(("PERS", "CONST", "VAR", "PROC"))]
+    assert seen == ["PROC Go()"]
+    assert "LOCAL PERS tooldata gun" in text
+    assert "LOCAL PROC Aussen()" in text
+
+
+def test_without_a_main_others_call_the_layers(tmp_path: Path) -> None:
+    alone = dict(whole(tmp_path))
+    prefixes = '[program]\nprefix = "{}_"\nmain = false\n'
+    left = drawn(tmp_path, "left", 0.0, prefixes.format("left"), THERE)
+    right = drawn(tmp_path, "right", 50.0, prefixes.format("right"), THERE)
+    routines = ("locations", "GLUE", "Aussen")
+    calls = "\n".join(f"{side}_{name};" for side in ("left", "right") for name in routines)
+    modules = [CELL.format(calls=calls), *texts(made(left), made(right))]
+    assert ran(*modules).events == (*alone["left"].events, *alone["right"].events)
+    assert checked(tmp_path, *modules) == []
+
+
+def test_an_option_says_another_name_than_the_process_file(tmp_path: Path) -> None:
+    file = drawn(tmp_path, "left", 0.0, '[program]\nas = "Other"\n')
+    alone = ran(*texts(made(drawn(tmp_path, "alone"))))
+    assert ran(*texts(made(file, called="Go")), entry="Go").events == alone.events
+    assert "PROC Go()" in texts(made(file, called="Go"))[0]
+    assert "PROC main()" not in texts(made(file, called="Go"))[0]
+
+
+def test_what_the_controller_has_is_named_and_not_written(tmp_path: Path) -> None:
+    (text,) = texts(made(drawn(tmp_path, "left", there=THERE)))
+    code = [line for line in text.splitlines() if "!" not in line]
+    assert not any("tooldata" in line or "wobjdata" in line for line in code)
+    assert any(r",gun\WObj:=table;" in line for line in code)
+    tree = languages.get("rapid").parse(text)
+    assert rapid.run([tree], start=START).ended != "end"  # a controller without them
+
+
+def test_a_module_by_itself_is_checked_with_what_the_controller_has(tmp_path: Path) -> None:
+    (text,) = texts(made(drawn(tmp_path, "left", there=THERE)))
+    assert checked(tmp_path, text) == []
+    far = text.replace("[[300,0,200]", "[[3000,0,200]")
+    assert "RB102" in checked(tmp_path, far)
+
+
+def test_every_name_is_checked_before_anything_is_written(tmp_path: Path) -> None:
+    file = drawn(tmp_path, "left")
+    for options, code in (
+        ({"called": "glue"}, "CO321"),
+        ({"called": "GUN"}, "CO321"),
+        ({"called": "a-b"}, "CO320"),
+        ({"called": "Go", "main": False}, "CO326"),
+    ):
+        with pytest.raises(Refused) as refused:
+            compile(file, language="rapid", **options)  # type: ignore[arg-type]
+        assert [one.code for one in refused.value.findings] == [code]
+    found = compile(file, language="rapid", called="default")  # a word of the language
+    assert not found.files
+    assert "CO322" in [one.code for one in found.findings]
+
+
+def test_a_name_that_the_language_has_not_is_no_name_of_the_controller(tmp_path: Path) -> None:
+    file = drawn(tmp_path, "left", there=THERE)
+    process = file.with_suffix(".process.toml")
+    process.write_text(process.read_text("utf-8").replace("gun", "Default"), "utf-8")
+    found = compile(file, language="rapid")
+    assert not found.files
+    assert [one.code for one in found.findings if one.severity == "error"] == ["CO329"]
+
+
+def test_a_program_that_moves_by_itself_keeps_its_main(tmp_path: Path) -> None:
+    file = tmp_path / "moves.pseudo"
+    file.write_text(
+        "program moves\n\nprocedure main\n  wait 1 s\nend\n",
+        encoding="utf-8",
+    )
+    with pytest.raises(Refused) as refused:
+        compile(file, language="rapid", main=False)
+    assert [one.code for one in refused.value.findings] == ["CO324"]

@@ -1,0 +1,64 @@
+"""Cures of programs that stand among others of their controller."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from tests.findings.cures.case import Case, dxf
+from tests.findings.cures.drawings import line
+
+DRAWN: Final = {"a.dxf": dxf(line)}
+RAPID: Final = "compile a.dxf -l rapid"
+MELFA: Final = "compile a.dxf -l melfa-basic-5"
+MOVING: Final = {"b.pseudo": "program b\n\nprocedure main\n  wait 1 s\nend\n"}
+KEPT: Final = {
+    "c.mod": "MODULE c\nPROC main()\nrun;\nENDPROC\nPROC run()\nActUnit m7;\nENDPROC\nENDMODULE\n"
+}
+TOOL: Final = '[tools.{name}]\ntip = [0, 0, 60]\n{more}[motion]\ntool = "{name}"\n'
+
+
+def _process(text: str) -> dict[str, str]:
+    return {"a.process.toml": text}
+
+
+def _program(text: str) -> dict[str, str]:
+    return _process(f"[program]\n{text}")
+
+
+def _tool(more: str, name: str = "gun") -> dict[str, str]:
+    return _process(TOOL.format(name=name, more=more))
+
+
+THERE: Final = "on_controller = true\n"
+CASES: Final = (
+    Case("CO321", f"{RAPID} --as cut", DRAWN, change=_program('prefix = "left_"\n')),
+    Case(
+        "CO324",
+        "compile b.pseudo -l rapid -p a.process.toml",
+        MOVING | _program("main = false\n"),
+        change=_program('as = "Go"\n'),
+    ),
+    Case("CO325", MELFA, DRAWN | _program("main = false\n"), change=_program("local = true\n")),
+    Case("CO325", f"{MELFA} --no-main", DRAWN, (MELFA,)),
+    Case(
+        "CO326",
+        RAPID,
+        DRAWN | _program('as = "Go"\nmain = false\n'),
+        change=_program("main = false\n"),
+    ),
+    Case(
+        "CO326",
+        RAPID,
+        DRAWN | _program('as = "Go"\nmain = false\n'),
+        change=_program('as = "Go"\n'),
+    ),
+    Case(
+        "CO327",
+        "compile c.mod -l rapid -p a.process.toml -o out",
+        KEPT | _program('prefix = "left_"\n'),
+        change=_program('as = "Go"\n'),
+    ),
+    Case("CO328", RAPID, DRAWN | _tool("number = 2\n"), change=_tool(f"number = 2\n{THERE}")),
+    Case("CO328", RAPID, DRAWN | _tool("number = 2\n"), change=_tool("")),
+    Case("CO329", RAPID, DRAWN | _tool(THERE, "Default"), change=_tool("", "Default")),
+)
