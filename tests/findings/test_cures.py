@@ -9,7 +9,16 @@ import pytest
 
 import assistant
 from assistant.findings.rulebook import rules
-from tests.findings.cures import cells, controllers, drawings, placing, programs, standing, tables
+from tests.findings.cures import (
+    cells,
+    controllers,
+    drawings,
+    placing,
+    programs,
+    shaping,
+    standing,
+    tables,
+)
 from tests.findings.cures.case import Bench, Case, follow
 from tests.findings.cures.naming import FOLLOWED, followable, in_text, named
 from tests.findings.cures.not_followed import NOT_FOLLOWED, NOT_WRITTEN
@@ -18,7 +27,7 @@ PACKAGE = Path(assistant.__file__).parent
 OTHER_PROGRAMS = ("deploy/repository.py", "virtual/cr/mxt_process.py")
 """What calls programs that are none of ours, or itself, with options of their own."""
 SENTENCES = {"robot-assistant itself failed"}
-MODULES = (drawings, cells, programs, tables, controllers, placing, standing)
+MODULES = (drawings, cells, programs, tables, controllers, placing, shaping, standing)
 CASES: tuple[Case, ...] = tuple(one for module in MODULES for one in module.CASES)
 
 

@@ -17,7 +17,8 @@ import numpy as np
 from assistant.program.arrays import Rows
 from assistant.program.diagnostics import Diagnostic, Rule, error, info, warning
 from assistant.program.geometry import Vector
-from assistant.sources.contours.curves import Arc, Curve, Points, sample
+from assistant.sources.contours.curves import Arc, Curve, FreeCurve, Points, sample
+from assistant.sources.contours.flat import started
 from assistant.sources.contours.proximity import Indices, clusters, pairs_within
 
 EXACT: Final = 1e-4
@@ -57,11 +58,19 @@ GAP = info(
 
 @dataclass(frozen=True, slots=True)
 class Contour:
-    """Curves of one layer, each beginning where the one before it ends."""
+    """Curves of one layer, each beginning where the one before it ends.
+
+    starts: (curve, part of it) where a closed one may start, its own start first; none: at any
+    joint. Such curves are lines and arcs. fixed: an open one that is not to be run backwards.
+    number: to know it by.
+    """
 
     curves: tuple[Curve, ...]
     closed: bool
     layer: str = ""
+    starts: tuple[tuple[int, float], ...] = ()
+    fixed: bool = False
+    number: int = 0
 
     @property
     def start(self) -> Vector:
@@ -79,6 +88,8 @@ class Contour:
     @property
     def vertices(self) -> Points:
         """Where a closed contour may start, (m, 3): its joints, the quadrants of a circle."""
+        if self.starts:
+            return np.concatenate([self.curves[i].at([part]) for i, part in self.starts])
         only = self.curves[0]
         if len(self.curves) == 1 and isinstance(only, Arc):
             return only.at(QUADRANTS)
@@ -89,6 +100,9 @@ class Contour:
         only = self.curves[0]
         if vertex == 0:
             return self
+        if self.starts:
+            pieces = [c for c in self.curves if not isinstance(c, FreeCurve)]
+            return replace(self, curves=started(pieces, *self.starts[vertex]), starts=())
         if len(self.curves) == 1 and isinstance(only, Arc):
             start = self.vertices[vertex]
             turned = Arc.about(only.centre, only.normal, start, only.sweep, only.layer, only.handle)

@@ -7,19 +7,22 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
+import numpy as np
+
 from assistant.program.diagnostics import Diagnostic, error, info, warning
-from assistant.program.geometry import Target
+from assistant.program.geometry import Target, Vector
 from assistant.program.program import MANGLED, Procedure, TakenNames, identifier
 from assistant.program.statements import (
     Comment,
     Statement,
 )
-from assistant.sources.contours.chaining import chain
+from assistant.sources.contours.chaining import Contour, chain
 from assistant.sources.contours.curves import Arc, Curve, Line
 from assistant.sources.contours.following import Placed, follow, measured
 from assistant.sources.contours.moves import WIDEST, moves
-from assistant.sources.contours.nesting import holders
+from assistant.sources.contours.nesting import NONE, holders
 from assistant.sources.contours.ordering import ordered
+from assistant.sources.contours.shaping import Shaped, Shaper
 from assistant.sources.process import Layer, Process
 from assistant.sources.process.table import nearest
 from assistant.sources.process.values import shown
@@ -70,7 +73,12 @@ LONGEST_STEM: Final = 20
 
 
 def contour_program(
-    curves: Sequence[Curve], process: Process, *, taken: set[str], path: str | None = None
+    curves: Sequence[Curve],
+    process: Process,
+    *,
+    taken: set[str],
+    path: str | None = None,
+    marks: Sequence[tuple[str, Vector]] = (),
 ) -> tuple[tuple[Procedure, ...], dict[str, Target], tuple[Diagnostic, ...]]:
     """A procedure for each layer that has a process, the targets they name, what was found.
 
@@ -79,7 +87,7 @@ def contour_program(
     place, its targets and its tool direction given in that frame. Without any layer in the
     process, every layer moves as the defaults say. Curves of other layers are counted in a
     finding. taken: names that must not be used; those that the program got are added.
-    path: the drawing, for findings.
+    path: the drawing, for findings. marks: points on layers, where contours start.
     """
     layers: dict[str, list[Curve]] = {}
     for curve in curves:
@@ -91,7 +99,7 @@ def contour_program(
     procedures: list[Procedure] = []
     targets: dict[str, Target] = {}
     findings: list[Diagnostic] = []
-    followed: list[tuple[str, Sequence[Curve], Layer]] = []
+    followed: list[tuple[str, Layer, Sequence[Contour]]] = []
     for key, group in layers.items():
         unwanted = process.leaves_out(key)
         layer = known.get(key, None if unwanted else usual)
@@ -101,11 +109,20 @@ def contour_program(
             continue
         name = _name(group[0].layer, names)
         names.add(name)
-        direction = process.placed(layer.direction)
-        followed.append((name, group, replace(layer, direction=direction)))
+        contours, chained = chain(group, process.tolerance)
+        findings += chained
+        if contours:
+            direction = process.placed(layer.direction)
+            followed.append((name, replace(layer, direction=direction), contours))
+    shaper = Shaper([(layer, contours) for _, layer, contours in followed], process.tolerance)
     # All procedures have their names before any path gets one.
-    for name, members, layer in followed:
-        made, named, found = _procedure(name, members, layer, process, names)
+    for row, (name, layer, drawn) in enumerate(followed):
+        key = drawn[0].layer.casefold()
+        points = [point for marked, point in marks if marked.casefold() == key]
+        shaped = shaper.shaped(row, np.reshape(points, (-1, 3)))
+        findings += shaper.findings
+        shaper.findings.clear()
+        made, named, found = _procedure(name, drawn, shaped, layer, process, names)
         procedures += made
         targets |= named
         findings += found
@@ -141,21 +158,27 @@ def _without_contours(layers: Mapping[str, Layer], drawn: list[str]) -> list[Dia
 
 
 def _procedure(
-    named: str, curves: Sequence[Curve], layer: Layer, process: Process, taken: TakenNames
+    named: str,
+    drawn: Sequence[Contour],
+    shaped: Sequence[Shaped | None],
+    layer: Layer,
+    process: Process,
+    taken: TakenNames,
 ) -> tuple[list[Procedure], dict[str, Target], list[Diagnostic]]:
-    """The procedure of that name along the curves of one layer, none if nothing is left.
+    """The procedure of that name along the contours of one layer, none if nothing is left.
 
-    With it the targets that it names, and the findings.
+    shaped: what the contours have become. With it the targets that it names, and the findings.
     """
-    name = curves[0].layer
-    contours, chained = chain(curves, process.tolerance)
-    findings = list(chained)
+    name, findings = drawn[0].layer, list[Diagnostic]()
     placed = Placed.of(name, layer, process)
     if isinstance(placed, Diagnostic):
-        return [], {}, [*findings, placed]
+        return [], {}, [placed]
+    kept = [one for one in shaped if one is not None]
+    contours = [one.main for one in kept]
     if not contours:
         return [], {}, findings
-    around = holders(contours, layer.direction, process.tolerance) if layer.inside_first else []
+    around = holders(drawn, layer.direction, process.tolerance) if layer.inside_first else []
+    around = _of_those_left(around, shaped)
     standing = Standing.of(process, layer.motion)
     measure = measured(layer, placed, standing) if process.defaults.travels else None
     order = ordered(contours, around, measure)
@@ -178,8 +201,17 @@ def _procedure(
     widest = WIDEST_TURN if layer.tangential else WIDEST
     deviation, fitted, count = 0.0, 0, 0
     wound: float | None = None
-    for contour in order.contours:
+    of_number = {one.main.number: one for one in kept}
+    followed = [
+        (of_number[main.number], way)
+        for main in order.contours
+        for way in of_number[main.number].ways(main, layer.shaping)
+    ]
+    for one, way in followed:
+        contour = way.contour
         rows = moves(contour, process.tolerance, widest=widest)
+        if one.fitted:
+            rows = replace(rows, deviation=one.deviation, fitted=one.fitted)
         handle = next((c.handle for c in contour.curves if c.handle), "")
         place = f"entity {handle}" if handle else None
         if not rows.within:
@@ -190,7 +222,8 @@ def _procedure(
             count += 1
             deviation, fitted = max(deviation, rows.deviation), fitted + rows.fitted
             taken.add(f"{stem}_{count}")
-            made = follow(f"{stem}_{count}", rows, layer, placed, wound, process, taken)
+            lower = way.lower(layer)
+            made = follow(f"{stem}_{count}", rows, lower, placed, wound, process, taken)
             body += made.statements
             findings += made.findings
             targets |= made.targets
@@ -199,6 +232,20 @@ def _procedure(
     if fitted:
         findings.append(FITTED(layer=shown(name), count=fitted, deviation=deviation))
     return ([Procedure(named, tuple(body))] if count else []), targets, findings
+
+
+def _of_those_left(around: Sequence[int], shaped: Sequence[Shaped | None]) -> list[int]:
+    """What each contour that is left lies inside, by rows of those that are left."""
+    rows = [i for i, one in enumerate(shaped) if one is not None]
+    number = {row: i for i, row in enumerate(rows)}
+
+    def holder(row: int) -> int:
+        while (row := around[row]) != NONE:
+            if row in number:
+                return number[row]
+        return NONE
+
+    return [holder(row) for row in rows] if around else []
 
 
 def _stem(layer: str, taken: TakenNames) -> str:

@@ -58,6 +58,27 @@ def moves(contour: Contour, tolerance: float, *, widest: float = WIDEST) -> Move
 
     tolerance: mm that free curves and flat arcs may be off. widest: degrees of an arc.
     """
+    given = as_pieces(contour, tolerance)
+    made: list[Line | Arc] = []
+    for piece in given.pieces:
+        made += _possible(piece, tolerance * FLATTENED, widest)
+    start = made[0].start if made else contour.start
+    found = (given.deviation, given.fitted, given.within)
+    return Moves(np.array(start), *_columns(made), *found)
+
+
+@dataclass(frozen=True, slots=True)
+class Pieces:
+    """Lines and arcs end to end. deviation, fitted, within: as of `Moves`."""
+
+    pieces: tuple[Line | Arc, ...]
+    deviation: float
+    fitted: int
+    within: bool
+
+
+def as_pieces(contour: Contour, tolerance: float) -> Pieces:
+    """A contour as lines and arcs without gaps; none if it cannot be followed in tolerance mm."""
     pieces: list[Line | Arc] = []
     deviation, fitted, within = 0.0, 0, True
     for curve in contour.curves:
@@ -68,28 +89,24 @@ def moves(contour: Contour, tolerance: float, *, widest: float = WIDEST) -> Move
             within = within and result.within
         else:
             pieces.append(curve)
-    made: list[Line | Arc] = []
-    for piece in _without_gaps(pieces, contour.closed):
-        made += _possible(piece, tolerance * FLATTENED, widest)
-    start = made[0].start if made else contour.start
-    return Moves(np.array(start), *_columns(made), deviation, fitted, within)
+    return Pieces(tuple(tight(pieces, contour.closed)), deviation, fitted, within)
 
 
-def _without_gaps(pieces: Sequence[Line | Arc], closed: bool) -> list[Line | Arc]:
+def tight(pieces: Sequence[Line | Arc], closed: bool) -> list[Line | Arc]:
     """Every piece begins where the one before it ends, and the last one at the start.
 
     Pieces that are left without length are dropped.
     """
-    tight: list[Line | Arc] = []
+    made: list[Line | Arc] = []
     for i, piece in enumerate(pieces):
-        start = tight[-1].end if tight else piece.start
+        start = made[-1].end if made else piece.start
         last = closed and i == len(pieces) - 1
-        end = tight[0].start if last and tight else piece.end
+        end = made[0].start if last and made else piece.end
         if piece.closed:
-            tight.append(piece)
+            made.append(piece)
         elif start != end:
-            tight.append(_between(piece, start, end))
-    return tight
+            made.append(_between(piece, start, end))
+    return made
 
 
 def _between(piece: Line | Arc, start: Vector, end: Vector) -> Line | Arc:

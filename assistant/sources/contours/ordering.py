@@ -156,11 +156,13 @@ class _Stop:
     choices: list[Place] = field(default_factory=list)
     chosen: int = 0
     backwards: bool = False
+    fixed: bool = False
 
     @staticmethod
     def of(contour: Contour) -> _Stop:
         if not contour.closed:
-            return _Stop(contour, np.array([contour.start, contour.end]), [])
+            ends = np.array([contour.start, contour.end])
+            return _Stop(contour, ends, [], fixed=contour.fixed)
         vertices = contour.vertices
         count = len(vertices)
         tried = min(count, MOST_ENTRIES)
@@ -204,6 +206,7 @@ class _Tour:
             if holder != FREE:
                 self.held[holder].append(stop)
         self.free = all(holder == FREE for holder in holders)
+        self.any_fixed = any(stop.fixed for stop in stops)
         ends = [stop.ends() for stop in stops]
         points = np.concatenate(ends)
         owners = np.repeat(np.arange(len(stops)), [len(e) for e in ends])
@@ -252,7 +255,7 @@ class _Tour:
         it = self.stops[stop]
         if it.choices:
             it.enter(min(range(len(it.choices)), key=lambda i: self.apart(here, it.choices[i])))
-        elif self.apart(here, it.exit) < self.apart(here, it.entry):
+        elif not it.fixed and self.apart(here, it.exit) < self.apart(here, it.entry):
             it.flip()
         return self.apart(here, it.entry)
 
@@ -286,7 +289,7 @@ class _Tour:
         best = (LEAST_GAIN, 0, 0, -1, False)
         for change in self._changes(stop):
             gain = self._gain(*change)
-            if gain > best[0] and (self.free or self._keeps_holders(*change)):
+            if gain > best[0] and self._allowed(*change):
                 best = (gain, *change)
         _, low, high, to, backwards = best
         if high == 0:
@@ -326,6 +329,11 @@ class _Tour:
                         if to not in (low, high):
                             yield low, high, to, False
                         yield low, high, to, True
+
+    def _allowed(self, low: int, high: int, to: int, backwards: bool) -> bool:
+        if backwards and self.any_fixed and any(self.stops[s].fixed for s in self.order[low:high]):
+            return False
+        return self.free or self._keeps_holders(low, high, to, backwards)
 
     def _keeps_holders(self, low: int, high: int, to: int, backwards: bool) -> bool:
         """Whether after a change each stop still comes before its holder."""

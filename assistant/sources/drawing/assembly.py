@@ -53,7 +53,9 @@ def assemble(contents: Contents, path: FilePath, process: Process) -> Reading:
     places = len(contents.curves) + len(contents.locations)
     with within(CONTOURS if process.around is None else AROUND, name, places):
         curves = contents.curves
-        contours, ends, followed = contour_program(curves, process, taken=taken, path=name)
+        contours, ends, followed = contour_program(
+            curves, process, taken=taken, path=name, marks=contents.marks
+        )
         order = visiting_order(contents.locations, name, process)
         visits, visited = _visiting(contents.locations, named.names, order.rows, process)
     arriving = (finding.within(name) for finding in visited)

@@ -12,10 +12,10 @@ import numpy as np
 from assistant.program import rotations
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.program.geometry import BASE, FLANGE
+from assistant.program.geometry import BASE, FLANGE, Vector
 from assistant.program.statements import Motion
 from assistant.program.system.budgets import INSERTING, within
-from assistant.sources.contours.curves import Curve
+from assistant.sources.contours.curves import Curve, vector
 from assistant.sources.drawing.attributes import Tags
 from assistant.sources.drawing.document import library_errors, open_drawing
 from assistant.sources.drawing.entities import ignored, primitives
@@ -30,7 +30,7 @@ from assistant.sources.drawing.findings import (
 )
 from assistant.sources.drawing.locations import Location, Locations
 from assistant.sources.drawing.primitives import Degenerate
-from assistant.sources.drawing.transforms import affine, scaling
+from assistant.sources.drawing.transforms import affine, point, scaling
 from assistant.sources.drawing.traversal import Placed, Traversal
 from assistant.sources.drawing.units import unit_of
 from assistant.sources.process import Process
@@ -41,12 +41,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Contents:
-    """Curves and locations in order of drawing, in mm, where the process places the drawing."""
+    """Curves and locations in order of drawing, in mm, where the process places the drawing.
+
+    marks: points that are no locations but say where the contours of their layer start.
+    """
 
     unit: str
     curves: tuple[Curve, ...]
     locations: tuple[Location, ...]
     findings: tuple[Diagnostic, ...]
+    marks: tuple[tuple[str, Vector], ...] = ()
 
 
 def read_contents(path: FilePath, process: Process) -> Contents:
@@ -66,9 +70,15 @@ def read_contents(path: FilePath, process: Process) -> Contents:
     locations = Locations(document, name, tags, process, tally)
     curves: list[Curve] = []
     found: list[Location] = []
+    marks: list[tuple[str, Vector]] = []
+    marked = {n.lower() for n, layer in process.layers.items() if layer.shaping.start == "point"}
     with within(INSERTING, name, traversal.count()):
         for placed in traversal.model(root_of(process, factor)):
-            if placed.entity.dxftype() in ("POINT", "INSERT"):
+            kind = placed.entity.dxftype()
+            if kind == "POINT" and placed.layer.lower() in marked:
+                at = vector(point(placed.matrix, placed.entity.dxf.location))
+                marks.append((placed.layer, at))
+            elif kind in ("POINT", "INSERT"):
                 if unwanted(placed.layer):
                     continue
                 location = locations.read(placed)
@@ -79,7 +89,8 @@ def read_contents(path: FilePath, process: Process) -> Contents:
         traversal.paper()
     counted = (f.within(name) for f in tally.findings())
     findings = (*opened, *units, *ucs_of(document, name), *traversal.findings, *locations.findings)
-    return Contents(unit, tuple(curves), tuple(found), (*findings, *counted))
+    said = (*findings, *counted)
+    return Contents(unit, tuple(curves), tuple(found), said, tuple(marks))
 
 
 def root_of(process: Process, factor: float) -> Floats:

@@ -17,6 +17,7 @@ from assistant.program.interface import Interface
 from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.program import Signal
 from assistant.program.statements import Motion
+from assistant.sources.process.shaping import AS_DRAWN, Shaping
 from assistant.sources.surroundings import Surroundings
 
 SLOW: Final = Speed(100.0)
@@ -65,6 +66,7 @@ class Layer:
     drawing's frame (0, 0, -1: down). tangential: the tool's x axis follows the contour.
     delay: seconds after switching on. inside_first: contours that lie inside closed ones come
     before them. rounded: the file states no blend, and corners are rounded within the tolerance.
+    shaping: where beside a contour the tool runs, and how it comes onto it.
     """
 
     process: str
@@ -79,6 +81,7 @@ class Layer:
     delay: float = 0.0
     inside_first: bool = True
     rounded: bool = False
+    shaping: Shaping = AS_DRAWN
 
 
 @dataclass(frozen=True, slots=True)

@@ -67,6 +67,16 @@ masses kg; names are letters, digits and `_`, a letter first.
     direction = [0, 0, -1]        # where the tool points, in the frame
     tangential = false            # true: the tool's x axis follows the contour
     inside_first = true           # contours inside others first; false: as travel is shortest
+    offset = 3                    # from the contour to the tool's centre: its radius, half a kerf
+    side = "nesting"              # outlines outside, holes inside; or inside, outside, left, right
+    way_round = "climb"           # or conventional, clockwise, anticlockwise, drawn
+    start = "nearest"             # of closed contours; or corner, longest, point
+    lead_in = {arc = 5, angle = 90}    # radius; or {line = 5, angle = 60}, {tangent = 5}
+    lead_out = {line = 5}         # on the side where the tool is
+    overlap = 8                   # that a closed contour goes on over its own start
+    depth = 12                    # of the last pass below the drawing, along the tool
+    passes = 3                    # equal steps down to it
+    allowances = [0.5, 0]         # more than the offset, once around for each: rough, then finish
 
     [placement]                   # of a drawing in the frame of [motion]; moves all that is drawn
     position = [300, 0, 0]        # mm, where its origin comes to

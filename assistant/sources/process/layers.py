@@ -9,6 +9,7 @@ from assistant.program.diagnostics import error
 from assistant.program.statements import Motion
 from assistant.sources.process import Defaults, Layer, values
 from assistant.sources.process.known import MOTION, Known
+from assistant.sources.process.shaping import SHAPING, shaping_of
 from assistant.sources.process.table import Table
 from assistant.sources.process.values import Read, shown
 
@@ -30,6 +31,7 @@ LAYER: Final[Mapping[str, Read]] = {
     "direction": values.direction,
     "tangential": values.truth,
     "inside_first": values.truth,
+    **SHAPING,
 }
 
 
@@ -45,6 +47,8 @@ def layer_of(name: str, table: Table, defaults: Defaults, names: Known) -> Layer
     tool = parts.get("tool", defaults.tool)
     if found.get("tangential", False) and names.turns_freely(tool):
         table.say(TURNS_FREELY, "tangential", name=tool)
+    shaping = shaping_of(table, found)
     process = found.pop("process", shown(name))
     rounded = defaults.blend is None and "blend" not in parts
-    return Layer(process, Motion(**(usual | parts)), rounded=rounded, **switched, **found)
+    motion = Motion(**(usual | parts))
+    return Layer(process, motion, rounded=rounded, shaping=shaping, **switched, **found)

@@ -20,6 +20,7 @@ from assistant.sources.process import file as process_file
 from assistant.sources.process import layers as process_layers
 from assistant.sources.process.file import parse_process, read_process
 from assistant.sources.process.lines import key_spans
+from assistant.sources.process.shaping import Lead, Shaping
 
 
 def parse(text):
@@ -50,6 +51,16 @@ def test_the_example_of_the_documentation():
             on=(("glue", 1.0),),
             off=(("glue", 0.0),),
             delay=0.2,
+            shaping=Shaping(
+                offset=3.0,
+                way_round="climb",
+                lead_in=Lead("arc", 5.0),
+                lead_out=Lead("line", 5.0),
+                overlap=8.0,
+                depth=12.0,
+                passes=3,
+                allowances=(0.5, 0.0),
+            ),
         )
     }
     assert process.tags == {"name": "NAME"}
@@ -77,7 +88,7 @@ def test_layers_to_leave_out_are_a_list_of_names():
         assert "text" in finding.cure
 
 
-@pytest.mark.parametrize("key", ["lead_in", "offset", "percent", "travel_blend"])
+@pytest.mark.parametrize("key", ["kerf", "percent", "pierce"])
 def test_a_key_is_not_taken_for_one_of_another_meaning(key):
     (finding,) = refused(f"[layers.GLUE]\n{key} = 1")
     assert finding.cure.startswith("use one of ")

@@ -1,0 +1,147 @@
+"""Lines and arcs as they are seen along the tool: x and y of the view count, z is against it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.program.geometry import Vector
+from assistant.sources.contours.curves import Arc, Line, Points, cross, vector
+
+Piece = Line | Arc
+Plane = NDArray[np.float64]
+"""(n, 2) mm."""
+
+SAMPLED: Final = 0.05
+"""Part of the tolerance that chords of an arc may be off where polygons stand for contours."""
+
+
+def heights(pieces: Sequence[Piece]) -> tuple[float, float]:
+    """The lowest and the highest place of the pieces, mm against the tool."""
+    found = [p[2] for piece in pieces for p in _points_of(piece)]
+    return min(found), max(found)
+
+
+def _points_of(piece: Piece) -> tuple[Vector, ...]:
+    if isinstance(piece, Line):
+        return piece.start, piece.end
+    quarters = [vector(p) for p in piece.at([0.25, 0.75])]
+    return piece.start, piece.via, piece.end, *quarters
+
+
+def lowered(pieces: Sequence[Piece], by: float) -> tuple[Piece, ...]:
+    """The pieces `by` mm further along the tool."""
+    return tuple(_lifted(piece, -by) for piece in pieces) if by else tuple(pieces)
+
+
+def _lifted(piece: Piece, by: float) -> Piece:
+    def up(v: Vector) -> Vector:
+        return (v[0], v[1], v[2] + by)
+
+    start, end = up(piece.start), up(piece.end)
+    if isinstance(piece, Line):
+        return replace(piece, start=start, end=end)
+    return replace(piece, start=start, end=end, via=up(piece.via), centre=up(piece.centre))
+
+
+def polyline(pieces: Sequence[Piece], off: float, *, closed: bool) -> Plane:
+    """Corners (n, 2) along the pieces, chords at most `off` mm off; the end left out if closed."""
+    parts = [piece.at(np.arange(n) / n) for piece in pieces for n in (chords(piece, off),)]
+    if not closed:
+        parts.append(np.array([pieces[-1].end]))
+    return np.asarray(np.concatenate(parts)[:, :2])
+
+
+def chords(piece: Piece, off: float) -> int:
+    """How many chords stand for a piece, at most `off` mm off."""
+    if isinstance(piece, Line):
+        return 1
+    step = 2.0 * math.acos(max(1.0 - off / piece.radius, 0.5))
+    return math.ceil(math.radians(piece.sweep) / step) + 1
+
+
+def area(outline: Plane) -> float:
+    """Of a closed polygon by the shoelace formula; below 0 if it runs clockwise."""
+    x, y = (outline - outline[0]).T
+    return 0.5 * float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum())
+
+
+def tangent(piece: Piece, part: float) -> Points:
+    """The unit direction (2,) of a piece at a part of it, 0 to 1."""
+    if isinstance(piece, Line):
+        along = np.subtract(piece.end, piece.start)
+    else:
+        arm = piece.at([part])[0] - np.asarray(piece.centre)
+        along = cross(np.asarray(piece.normal), arm)
+    return np.asarray(along[:2] / np.linalg.norm(along[:2]))
+
+
+def cut(piece: Piece, part: float) -> tuple[Piece, Piece]:
+    """The piece in two, at a part of its length between 0 and 1."""
+    return stretch(piece, 0.0, part), stretch(piece, part, 1.0)
+
+
+def stretch(piece: Piece, first: float, last: float) -> Piece:
+    """From one part of a piece to another, its own ends kept as they are."""
+    start, via, end = (vector(p) for p in piece.at([first, 0.5 * (first + last), last]))
+    start = piece.start if first == 0.0 else start
+    end = piece.end if last == 1.0 else end
+    if isinstance(piece, Line):
+        return replace(piece, start=start, end=end)
+    return replace(piece, start=start, via=via, end=end, closed=False)
+
+
+def started(pieces: Sequence[Piece], at: int, part: float) -> tuple[Piece, ...]:
+    """A closed contour from a part, 0 to below 1, of one of its pieces on."""
+    if part == 0.0:
+        return (*pieces[at:], *pieces[:at])
+    piece = pieces[at]
+    if isinstance(piece, Arc) and piece.closed:
+        start = piece.at([part])[0]
+        sweep = (360.0, piece.layer, piece.handle)
+        return (Arc.about(piece.centre, piece.normal, start, *sweep),)
+    before, after = cut(piece, part)
+    return (after, *pieces[at + 1 :], *pieces[:at], before)
+
+
+def seen_from(
+    places: Sequence[tuple[int, float]], pieces: Sequence[Piece], at: int, part: float
+) -> tuple[tuple[int, float], ...]:
+    """The places (piece, part) in what `started` gives, that of the start first."""
+    count, found = len(pieces), [(0, 0.0)]
+    for i, other in places:
+        if (i, other) == (at, part):
+            continue
+        if pieces[at].closed:
+            found.append((0, (other - part) % 1.0))
+        elif i != at:
+            found.append(((i - at) % count, other))
+        elif other > part:
+            found.append((0, (other - part) / (1.0 - part)))
+        else:
+            found.append((count, other / part))
+    return tuple(found)
+
+
+def ahead(pieces: Sequence[Piece], length: float) -> tuple[Piece, ...]:
+    """The first `length` mm of the pieces, which are longer."""
+    made: list[Piece] = []
+    for piece in pieces:
+        own = piece.length
+        if length <= own * (1.0 + 1e-9):
+            part = min(length / own, 1.0)
+            whole = part > 1.0 - 1e-9
+            made.append(piece if whole and not piece.closed else stretch(piece, 0.0, part))
+            break
+        made.append(piece)
+        length -= own
+    return tuple(made)
+
+
+def reversed_(pieces: Sequence[Piece]) -> tuple[Piece, ...]:
+    return tuple(piece.reversed() for piece in reversed(pieces))

@@ -1,0 +1,90 @@
+"""How near a way of the tool comes to the contours that it must not cut into."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from assistant.sources.contours.flat import SAMPLED, Piece, polyline
+from assistant.sources.contours.offsets import Ring, polygon
+
+LEAST: Final = 0.5
+"""Part of an offset that a way has to keep away at least, however large the tolerance is."""
+
+
+@dataclass(frozen=True, slots=True)
+class Room:
+    """contours: their lines by what they are known by; tree: of the same lines."""
+
+    keys: tuple[tuple[int, int], ...]
+    tree: Any
+    tolerance: float
+
+    @staticmethod
+    def of(
+        contours: Sequence[tuple[tuple[int, int], Sequence[Piece], bool]], tolerance: float
+    ) -> Room:
+        """Contours by their keys, as (key, pieces, whether closed)."""
+        import shapely
+
+        lines = []
+        for _, pieces, closed in contours:
+            points = polyline(pieces, tolerance * SAMPLED, closed=closed)
+            lines.append(
+                shapely.LineString(np.concatenate([points, points[:1]] if closed else [points]))
+            )
+        return Room(tuple(key for key, *_ in contours), shapely.STRtree(lines), tolerance)
+
+    def too_near(self, ring: Ring, offset: float) -> float | None:
+        """The mm that a way beside a contour comes near to any; None if that is enough."""
+        line = self._line(ring.pieces)
+        away = self._away(offset)
+        rows = self.tree.query(line, predicate="dwithin", distance=away)
+        apart = [line.distance(self.tree.geometries[row]) for row in rows.tolist()]
+        return min(apart) if apart else None
+
+    def beside(
+        self, key: tuple[int, int], own: Ring, offset: float
+    ) -> Callable[[Sequence[Piece]], bool]:
+        """Whether pieces have room that lead onto a contour or off it. own: as it was drawn."""
+        if offset > 0.0:
+            away = self._away(offset)
+            return lambda pieces: (
+                not len(self.tree.query(self._line(pieces), predicate="dwithin", distance=away))
+            )
+        kept = self._kept(own)
+        number = self.keys.index(key)
+
+        def free(pieces: Sequence[Piece]) -> bool:
+            line = self._line(pieces)
+            rows = self.tree.query(line, predicate="dwithin", distance=self.tolerance)
+            return set(rows.tolist()) <= {number} and kept(line)
+
+        return free
+
+    def _kept(self, own: Ring) -> Callable[[Any], bool]:
+        """Whether a line that begins or ends on a contour stays on the side of the tool."""
+        import shapely
+
+        if own.closed:
+            around = polygon(own.pieces, self.tolerance)
+            if own.encloses:
+                inner = around.buffer(-self.tolerance)
+                return lambda line: not line.intersects(inner)
+            outer = around.buffer(self.tolerance)
+            return lambda line: bool(line.within(outer))
+        drawn = self._line(own.pieces)
+        ends = shapely.MultiPoint([own.pieces[0].start[:2], own.pieces[-1].end[:2]])
+        away = drawn.difference(ends.buffer(2.0 * self.tolerance))
+        return lambda line: not line.intersects(away)
+
+    def _away(self, offset: float) -> float:
+        return max(offset - self.tolerance, LEAST * offset)
+
+    def _line(self, pieces: Sequence[Piece]) -> Any:
+        import shapely
+
+        return shapely.LineString(polyline(pieces, self.tolerance * SAMPLED, closed=False))

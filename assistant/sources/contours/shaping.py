@@ -1,0 +1,207 @@
+"""From the contours of layers to the ways of a tool beside them, as the process shapes them.
+
+Contours are seen along the tool. A contour that nothing shapes stays as it is.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from assistant.program.diagnostics import Diagnostic
+from assistant.sources.contours import shaping_rules as rules
+from assistant.sources.contours.beside import Beside
+from assistant.sources.contours.chaining import Contour
+from assistant.sources.contours.curves import Points
+from assistant.sources.contours.flat import Piece, lowered, started
+from assistant.sources.contours.leads import apart, whole
+from assistant.sources.contours.moves import as_pieces
+from assistant.sources.contours.nesting import NONE, holders
+from assistant.sources.contours.offsets import Ring
+from assistant.sources.contours.room import Room
+from assistant.sources.contours.seen import View
+from assistant.sources.process import Layer
+from assistant.sources.process.shaping import Shaping
+from assistant.sources.process.values import shown
+
+Key = tuple[int, int]
+"""Row of a layer, row of its contour."""
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """What is followed at once: a contour with leads and all, `below` mm under the drawing."""
+
+    contour: Contour
+    below: float = 0.0
+
+    def lower(self, layer: Layer) -> Layer:
+        """The layer with ways in and out that begin and end where those of the drawing do."""
+        if not self.below:
+            return layer
+        approach, retract = layer.approach + self.below, layer.retract + self.below
+        return replace(layer, approach=approach, retract=retract)
+
+
+@dataclass(frozen=True, slots=True)
+class Shaped:
+    """A drawn contour as one thing to be put in order.
+
+    main: what stands for it. rounds: for each allowance its ways, seen along the tool; the first
+    of the last is `main`. deviation, fitted: as of `Moves`, of curves that are arcs and lines now.
+    """
+
+    main: Contour
+    view: View | None = None
+    rounds: tuple[tuple[Ring, ...], ...] = ()
+    deviation: float = 0.0
+    fitted: int = 0
+
+    def ways(self, contour: Contour, shaping: Shaping) -> Iterator[Way]:
+        """What is followed, in order. contour: `main`, as it was put in order."""
+        if self.view is None:
+            yield Way(contour)
+            return
+        pieces = self.view.of([c for c in contour.curves if isinstance(c, Piece)])
+        begin = np.asarray(pieces[0].start)
+        last = self.rounds[-1][0]
+        for rings in self.rounds:
+            for ring in rings:
+                if ring is last:
+                    turned = replace(ring, pieces=pieces)
+                else:
+                    turned = replace(ring, pieces=started(ring.pieces, *_near(ring, begin)))
+                made = whole(turned, shaping)
+                closed = ring.closed and len(made) == len(turned.pieces)
+                for below in shaping.depths:
+                    curves = self.view.back(lowered(made, below))
+                    yield Way(Contour(curves, closed, contour.layer), below)
+
+
+def _near(ring: Ring, begin: Points) -> tuple[int, float]:
+    """The start of a ring that is nearest to a point."""
+
+    def far(start: tuple[int, float]) -> float:
+        i, part = start
+        return float(np.linalg.norm(ring.pieces[i].at([part])[0] - begin))
+
+    return min(ring.starts, key=far) if ring.closed else (0, 0.0)
+
+
+@dataclass(slots=True)
+class Shaper:
+    """layers: those that are followed, each with its contours. Of these it knows which lie inside
+    which, over all layers on which sides matter, and how near they are to each other.
+    """
+
+    layers: Sequence[tuple[Layer, Sequence[Contour]]]
+    tolerance: float
+    findings: list[Diagnostic] = field(default_factory=list)
+    rooms: dict[tuple[float, ...], Room] = field(default_factory=dict)
+    depths: dict[Key, int] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        alike: dict[tuple[float, ...], list[tuple[Key, Contour]]] = {}
+        for i, (layer, contours) in enumerate(self.layers):
+            if layer.shaping.sided:
+                them = [((i, k), contour) for k, contour in enumerate(contours)]
+                alike.setdefault(layer.direction, []).extend(them)
+        for direction, members in alike.items():
+            x, y, z = direction
+            around = holders([c for _, c in members], (x, y, z), self.tolerance)
+            view = View.along((x, y, z))
+            lines = []
+            for row, (key, contour) in enumerate(members):
+                self.depths[key] = _depth(row, around)
+                pieces = as_pieces(contour, self.tolerance).pieces
+                if pieces:
+                    lines.append((key, view.of(pieces), contour.closed))
+            self.rooms[direction] = Room.of(lines, self.tolerance)
+
+    def shaped(self, row: int, marks: Points) -> list[Shaped | None]:
+        """The contours of a layer, in their order; None for one that is left out.
+
+        marks: (m, 3) points of the layer.
+        """
+        layer, contours = self.layers[row]
+        shaping = layer.shaping
+        if shaping == Shaping(depth=shaping.depth, passes=shaping.passes) and not shaping.depth:
+            return [Shaped(replace(c, number=k)) for k, c in enumerate(contours)]
+        view = View.along(layer.direction)
+        marked = self._marked(layer, contours, marks @ view.axes.T, view)
+        room = self.rooms.get(layer.direction)
+        made: list[Shaped | None] = []
+        sides: list[bool] = []
+        for k, contour in enumerate(contours):
+            given = as_pieces(contour, self.tolerance)
+            if not (given.pieces and given.within):
+                made.append(Shaped(replace(contour, number=k)))
+                continue
+            depth = self.depths.get((row, k), 0)
+            one = Beside(
+                (row, k), contour, view.of(given.pieces), shaping, self.tolerance, room, depth
+            )
+            rounds = one.rounds(marked.get(k))
+            self.findings += one.findings
+            if contour.closed:
+                sides.append(one.outside)
+            if not rounds:
+                made.append(None)
+                continue
+            main = rounds[-1][0]
+            stands = Contour(
+                view.back(main.pieces),
+                main.closed,
+                contour.layer,
+                main.starts if main.closed else (),
+                not main.closed and one.fixed,
+                k,
+            )
+            made.append(Shaped(stands, view, rounds, given.deviation, given.fitted))
+        if shaping.sided and shaping.side == "nesting" and sides:
+            outside = sum(sides)
+            self.findings.append(
+                rules.SIDES(
+                    layer=shown(contours[0].layer),
+                    offset=shaping.offset,
+                    outside=outside,
+                    inside=len(sides) - outside,
+                )
+            )
+        return made
+
+    def _marked(
+        self, layer: Layer, contours: Sequence[Contour], marks: Points, view: View
+    ) -> Mapping[int, Points]:
+        """The mark of each closed contour, where starts are marked."""
+        closed = [k for k, contour in enumerate(contours) if contour.closed]
+        if layer.shaping.start != "point" or not closed:
+            return {}
+        flat = {k: view.of(as_pieces(contours[k], self.tolerance).pieces) for k in closed}
+        found: dict[int, tuple[float, Points]] = {}
+        for mark in marks:
+            far = {k: apart(pieces, mark) if pieces else math.inf for k, pieces in flat.items()}
+            k = min(far, key=lambda one: far[one])
+            if k not in found or far[k] < found[k][0]:
+                found[k] = (far[k], mark)
+        missing, unused = len(closed) - len(found), len(marks) - len(found)
+        said = []
+        if missing:
+            said.append(f"{missing} closed contours have no POINT and start where travel is short")
+        if unused:
+            said.append(f"{unused} POINTs mark no start, as another one is nearer")
+        if said:
+            name = shown(contours[0].layer)
+            self.findings.append(rules.MARKS(what="; ".join(said), layer=name))
+        return {k: mark for k, (_, mark) in found.items()}
+
+
+def _depth(row: int, around: Sequence[int]) -> int:
+    """How many contours are around one."""
+    depth = 0
+    while around[row] != NONE:
+        row, depth = around[row], depth + 1
+    return depth
