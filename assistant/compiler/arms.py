@@ -34,6 +34,7 @@ class Arms:
     """robot: the arm that was named to run a program. written_for: where the program does not
     say it, the one that it was written for; each None if nobody has named it. joint_speed: mm/s
     of joint moves that state a percentage which nothing else makes a speed of, None for none.
+    joint_percent: of those that state mm/s, for a controller that takes percents.
     same: joint angles count for the arm that runs the program, whichever it is. scene: the cell
     that it stands in, None if none is told.
     """
@@ -41,6 +42,7 @@ class Arms:
     robot: Robot | None = None
     written_for: Robot | None = None
     joint_speed: float | None = None
+    joint_percent: float | None = None
     same: bool = False
     scene: Scene | None = None
 
@@ -93,4 +95,10 @@ def in_arms(loaded: Loaded, arms: Arms) -> Arms:
     """The arms of a program that was read, with what a cell file says of them."""
     taught = None if loaded.arm in (None, SAME_ARM) else robot_of(loaded.arm)
     same, written_for = loaded.arm == SAME_ARM, arms.written_for or taught
-    return replace(arms, written_for=written_for, joint_speed=loaded.joint_speed, same=same)
+    return replace(
+        arms,
+        written_for=written_for,
+        joint_speed=loaded.joint_speed,
+        joint_percent=loaded.joint_percent,
+        same=same,
+    )

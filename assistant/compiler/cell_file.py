@@ -26,7 +26,10 @@ NOT_OF_PROGRAMS = info(
     "what the process file says of {keys} changes nothing in a program that states its own moves",
     "name arms with --robot and --from-robot; the rest is for drawings and tables",
 )
-OF_PROGRAMS: Final = ("tools", "frames", "signals", "lines", "joint_speed", "interface", "findings")
+OF_PROGRAMS: Final = (
+    *("tools", "frames", "signals", "lines", "joint_speed", "joint_percent", "interface"),
+    "findings",
+)
 """What a process file says that a program takes from it."""
 KEYS: Final = {"defaults": "motion"}
 """Keys of a process file that have other names here."""

@@ -13,7 +13,7 @@ from assistant.compiler.arithmetic import differences
 from assistant.compiler.arms import Arms, in_arms, known_robot, robot_of, standing, taught_on
 from assistant.compiler.crossing import for_arm, unsaid, without_unused
 from assistant.compiler.entering import entered
-from assistant.compiler.joint_speeds import at_a_speed, at_the_pace
+from assistant.compiler.joint_speeds import at_a_percent, at_a_speed, at_the_pace
 from assistant.compiler.loading import Loaded, language_of
 from assistant.compiler.locations import with_locations
 from assistant.compiler.motion import MotionProof, Proving, prove_motion
@@ -220,6 +220,9 @@ def compile_program(
     if taught is not None or not arms.same:
         program, left = without_unused(program, target, taught, arms.robot)
         findings += (*left, *unsaid(program, target, taught, arms.robot))
+    if arms.joint_percent is not None and target.joint_percent:
+        program, changed = at_a_percent(program, arms.joint_percent)
+        findings += changed
     before = program
     if arm is not None:
         program, changed = for_arm(program, taught, arm)

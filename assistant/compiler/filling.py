@@ -116,6 +116,7 @@ def in_cell(loaded: Loaded, cell: Cell, path: FilePath, *, taught: bool = False)
         program=program,
         findings=(*loaded.findings, *findings),
         joint_speed=cell.process.joint_speed or loaded.joint_speed,
+        joint_percent=cell.process.joint_percent or loaded.joint_percent,
         wanting=(*missing, *unnumbered, *([arm] if stated is None else [])),
         arm=str(neutral(arm) if stated is None else stated) if joints else loaded.arm,
     )

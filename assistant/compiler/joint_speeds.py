@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from assistant.program.diagnostics import Diagnostic, Rule, warning
+from assistant.program.diagnostics import Diagnostic, Rule, info, warning
 from assistant.program.motion import Speed
 from assistant.program.path import Path
 from assistant.program.program import Program
@@ -34,6 +34,11 @@ AS_STATED = warning(
     "CO509",
     "a joint speed of {percent:g} % is written as the {tcp:g} mm/s of the process file",
     "see that the arm is not faster there than it was",
+)
+
+GIVEN_PERCENT = info(
+    "CO511",
+    "joint moves that state mm/s get the {percent:g} % of the process file, `joint_percent`",
 )
 
 
@@ -94,3 +99,23 @@ def at_a_speed(program: Program, tcp: float) -> tuple[Program, tuple[Diagnostic,
 
 def _percent_alone(part: Any) -> bool:
     return isinstance(part, Speed) and part.joint is not None and math.isinf(part.tcp)
+
+
+def at_a_percent(program: Program, percent: float) -> tuple[Program, tuple[Diagnostic, ...]]:
+    """A program whose joint moves are at that percentage where they state none.
+
+    Other moves keep their mm/s, as both stand in a speed.
+    """
+    given = False
+
+    def changed(part: Any) -> Any:
+        nonlocal given
+        if isinstance(part, Speed) and part.joint is None:
+            given = True
+            return replace(part, joint=percent)
+        if isinstance(part, Path):
+            return replace(part, speeds=tuple(map(changed, part.speeds)))
+        return part
+
+    done = rewrite(program, changed)
+    return done, (GIVEN_PERCENT(percent=percent),) if given else ()

@@ -40,16 +40,17 @@ NOT_THERE: Final = warning(
 class Loaded:
     """A pseudo-program, what it was written in (None: no robot language), and the findings.
 
-    joint_speed: see `Process`. wanting: what the program uses and neither it nor a cell file says;
-    something that only stands for it is there. arm: that joint angles were taught on, by its name,
-    or SAME_ARM; None if a cell file does not say it. signals: that files of its controller state.
-    text: of a pseudo-program.
+    joint_speed, joint_percent: see `Process`. wanting: what the program uses and neither it nor a
+    cell file says; something that only stands for it is there. arm: that joint angles were taught
+    on, by its name, or SAME_ARM; None if a cell file does not say it. signals: that files of its
+    controller state. text: of a pseudo-program.
     """
 
     program: Program
     language: str | None = None
     findings: tuple[Diagnostic, ...] = ()
     joint_speed: float | None = None
+    joint_percent: float | None = None
     wanting: tuple[Wanted, ...] = ()
     arm: str | None = None
     signals: Mapping[str, Signal] = field(default_factory=dict)
@@ -88,7 +89,8 @@ def load(
     spoken = _spoken(source, data, language)
     if spoken is None:
         reading = sources.read(source, process, unit, around, placement)
-        return Loaded(reading.program, None, reading.findings)
+        percent = reading.joint_percent
+        return Loaded(reading.program, None, reading.findings, joint_percent=percent)
     loaded = lift(spoken, [spoken.read(source)], robot, beside=source.parent)
     origin = loaded.program.origin
     missing = not_there(spoken, origin.trees if origin is not None else ())
@@ -135,7 +137,13 @@ def with_process(loaded: Loaded, process: str | FilePath) -> Loaded:
     stated = read_process(process)
     program, findings = equipped(loaded.program, stated, str(process))
     found = (*loaded.findings, *findings)
-    return replace(loaded, program=program, findings=found, joint_speed=stated.joint_speed)
+    return replace(
+        loaded,
+        program=program,
+        findings=found,
+        joint_speed=stated.joint_speed,
+        joint_percent=stated.joint_percent,
+    )
 
 
 def read_pseudo(path: str | FilePath) -> SourceText:

@@ -82,7 +82,7 @@ def read(
     program = reading.program
     if chosen.interface is not None:
         program = replace(program, interface=chosen.interface)
-    return Reading(program, (*findings, *reading.findings))
+    return Reading(program, (*findings, *reading.findings), chosen.joint_percent)
 
 
 def _stage(source: FilePath) -> AbstractContextManager[None]:

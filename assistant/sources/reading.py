@@ -13,10 +13,14 @@ from assistant.sources.process import Process
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """The pseudo-program of a source, and what was found on the way."""
+    """The pseudo-program of a source, and what was found on the way.
+
+    joint_percent: see `Process`.
+    """
 
     program: Program
     findings: tuple[Diagnostic, ...] = ()
+    joint_percent: float | None = None
 
 
 class Reader(Protocol):

@@ -356,7 +356,7 @@ def test_rows_of_several_modules_name_their_file(tmp_path: Path, capsys: Capture
         '<?xml version="1.0"?><Program><Module>one.mod</Module><Module>two.mod</Module></Program>'
     )
     given = (tmp_path / "all.pgf", "--to", "melfa-basic-5", "--entry", "pone")
-    for kind in ("html", "md", "txt"):
+    for kind in ("md", "txt"):
         report = tmp_path / f"report.{kind}"
         _, said, _ = run(capsys, "translate", *given, "-o", tmp_path / "out", "--report", report)
         for name in ("one", "two"):

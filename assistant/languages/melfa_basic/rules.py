@@ -124,7 +124,7 @@ SPEED_PARTS = warning(
 )
 JOINT_PERCENT = warning(
     "MB204", "a joint move states {tcp} mm/s but no percentage and gets JOVRD {percent:g}",
-    "try it slowly and write the JOVRD that suits; a table states it as `joint_percent`",
+    "try it slowly, and state what suits: `joint_percent = 20` at the top of the process file",
 )  # fmt: skip
 COMPUTED_PERCENT = warning(
     "MB284",

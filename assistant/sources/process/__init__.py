@@ -108,6 +108,7 @@ class Process:
     leave_out: layers that nobody wants, compared without case, `*` being any letters.
     placement: the drawing's world in the default frame, None where it is that frame.
     joint_speed: mm/s of joint moves of a robot program whose percentage cannot be said in mm/s.
+    joint_percent: of joint moves whose mm/s cannot be said, None to take the share of the fastest.
     lines: by their numbers on the source's controller.
     interface: how the program stands among others, None if nothing is said of it.
     around: what stands around the work, which no process file says; None if nobody knows.
@@ -126,6 +127,7 @@ class Process:
     leave_out: tuple[str, ...] = ()
     placement: Pose | None = None
     joint_speed: float | None = None
+    joint_percent: float | None = None
     lines: Mapping[int, Line] = field(default_factory=dict)
     interface: Interface | None = None
     around: Surroundings | None = None

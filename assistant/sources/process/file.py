@@ -8,6 +8,7 @@ masses kg; names are letters, digits and `_`, a letter first.
     unit = "mm"                   # of a drawing, whatever it says itself
     leave_out = ["BORDER"]        # layers that are not wanted; "*" for any letters: ["DIM_*"]
     joint_speed = 100             # mm/s of joint moves of a robot program that state a percentage
+    joint_percent = 20            # of joint moves, where a controller takes no mm/s
 
     [program]                     # how it stands among other programs of its controller
     as = "Glue_Left"              # what others call it by
@@ -138,6 +139,7 @@ PLAIN: Final[Mapping[str, Read]] = {
     "robot": values.text,
     "tolerance": values.tolerance,
     "joint_speed": values.number("mm/s", above=0.0),
+    "joint_percent": values.number("percent", least=1.0, most=100.0),
 }
 """Keys of the top that hold one value."""
 

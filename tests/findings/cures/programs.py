@@ -261,7 +261,13 @@ CASES: Final = (
         "MB204",
         "compile a.csv --language melfa-basic-5 --robot rv-4frl -o out",
         {"a.csv": JOINED.format("speed_mm_s", 100)},
-        change={"a.csv": JOINED.format("joint_percent", 10)},
+        change={"a.process.toml": "joint_percent = 20\n"},
+    ),
+    Case(
+        "MB204",
+        "translate a.mod --to melfa-basic-5 -p p.toml -o out",
+        {"a.mod": MOVING.replace("MoveL", "MoveJ"), "p.toml": "# how it moves\n"},
+        change={"p.toml": "joint_percent = 20\n"},
     ),
     Case(
         "CO073",
