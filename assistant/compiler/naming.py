@@ -57,7 +57,8 @@ KEPT_NAMES = error(
 NOT_THERE = error(
     "CO329",
     "{language} cannot name `{name}` as the controller has it",
-    "give it a name that the language has, or leave out `on_controller`",
+    "give it a name that the language has, or the `number` that the controller counts it by, or"
+    " leave out `on_controller`",
 )
 
 TABLES: Final = ("targets", "joint_targets", "variables", "tools", "frames", "speeds", "blends")

@@ -15,10 +15,13 @@ import pytest
 from assistant import languages
 from assistant.compiler import Compiled, compile
 from assistant.compiler.checking import check_files
+from assistant.languages.answers import Frames
 from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
-from assistant.virtual import rapid
-from assistant.virtual.events import Run
+from assistant.virtual import melfa, rapid
+from assistant.virtual.comparing import difference
+from assistant.virtual.events import Moved, Run
+from assistant.virtual.melfa.options import Options
 
 PROCESS = """
 [motion]
@@ -76,7 +79,7 @@ def made(source: Path, language: str = "rapid", **options: object) -> Compiled:
 
 
 def texts(*programs: Compiled) -> list[str]:
-    return [data.decode("ascii") for one in programs for data in one.files.values()]
+    return [data.decode("cp1252") for one in programs for data in one.files.values()]
 
 
 def ran(*modules: str, entry: str = "main") -> Run:
@@ -159,6 +162,81 @@ def test_a_module_by_itself_is_checked_with_what_the_controller_has(tmp_path: Pa
     assert checked(tmp_path, text) == []
     far = text.replace("[[300,0,200]", "[[3000,0,200]")
     assert "RB102" in checked(tmp_path, far)
+
+
+COUNTED = "on_controller = true\nnumber = 1"
+MELFA = ("melfa-basic-5", "melfa-basic-6")
+
+
+def called(language: str, *programs: str, options: Options | None = None) -> Run:
+    """Programs of MELFA-BASIC that one calls after the other."""
+    spoken = languages.get(language)
+    names = [f"P{number}" for number, _ in enumerate(programs)]
+    main = "\n".join(f'CallP "{name}"' for name in names) + "\nEnd\n"
+    trees = [spoken.parse(text) for text in (main, *programs)]
+    found = melfa.run(trees, names=["MAIN", *names], start=START, options=options)
+    assert (found.ended, found.message) == ("end", "")
+    return found
+
+
+@pytest.mark.parametrize("language", MELFA)
+def test_tools_and_frames_are_called_by_the_numbers_of_a_controller(
+    tmp_path: Path, language: str
+) -> None:
+    alone, there = [], []
+    for name, at in (("left", 0.0), ("right", 50.0)):
+        (tmp_path / name).mkdir()
+        robot = "rv-4frl"
+        for found, more in ((alone, ""), (there, COUNTED)):
+            file = drawn(tmp_path / name, f"{name}{len(found)}", at, there=more)
+            compiled = compile(file, language=language, robot=robot)
+            assert compiled.ok, [str(one) for one in compiled.findings]
+            found += texts(compiled)
+    code = "\n".join(line for line in there[0].splitlines() if "'" not in line)
+    assert "Tool 1" in code and "Base 1" in code and "MEXTL" not in code and "CORD" not in code
+    kept = Options(
+        tools={1: (0, 0, 120, 0, 0, 0)}, bases={1: (300, 0, 200, 0, 0, 0)}, bases_are="seen"
+    )
+    first, second = called(language, *alone), called(language, *there, options=kept)
+    assert len([one for one in first.events if isinstance(one, Moved)]) > 10
+    assert difference(first, second) is None
+
+
+def test_the_file_that_is_called_has_the_name_that_it_is_given(tmp_path: Path) -> None:
+    file = drawn(tmp_path, "left", there=COUNTED)
+    found = compile(file, language="melfa-basic-5", robot="rv-4frl", called="Glue_Left")
+    assert list(found.files) == ["GLUELEFT.prg"]
+    assert "CO323" in [one.code for one in found.findings]
+    long = compile(file, language="melfa-basic-5", robot="rv-4frl", called="TheGlueOfTheLeft")
+    assert not long.files and "CO322" in [one.code for one in long.findings]
+
+
+def test_a_program_by_itself_is_checked_with_the_tools_of_its_numbers(tmp_path: Path) -> None:
+    file = drawn(tmp_path, "left", there=COUNTED)
+    (text,) = texts(compile(file, language="melfa-basic-5", robot="rv-4frl"))
+    for name, said, codes in (("a", text, False), ("b", text.replace("+300.0", "+3000.0"), True)):
+        program = tmp_path / f"{name}.prg"
+        program.write_text(said, encoding="cp1252")
+        found = check_files([program], robot="rv-4frl").findings
+        assert any(one.code == "RB102" for one in found) is codes
+
+
+@pytest.mark.parametrize(
+    ("language", "there", "frames"),
+    [
+        ("melfa-basic-4", COUNTED, "base"),
+        ("melfa-basic-5", THERE, "base"),
+        ("melfa-basic-5", COUNTED, "product"),
+        ("melfa-basic-5", COUNTED.replace("1", "9"), "base"),
+    ],
+)
+def test_what_cannot_be_called_by_a_number_is_refused(
+    tmp_path: Path, language: str, there: str, frames: Frames
+) -> None:
+    found = compile(drawn(tmp_path, "left", there=there), language=language, frames=frames)
+    assert not found.files
+    errors = [one.code for one in found.findings if one.severity == "error"]
+    assert set(errors) == {"CO329"}
 
 
 def test_every_name_is_checked_before_anything_is_written(tmp_path: Path) -> None:

@@ -175,13 +175,18 @@ class MelfaBasic(Language["File"]):
         return of_text(text, kind)
 
     def not_there(self, program: Program) -> Iterator[str]:
+        from assistant.languages.melfa_basic.lower.names import counted
+
         there = () if program.interface is None else program.interface.there
-        return (name for name in (*program.tools, *program.frames) if name.lower() in there)
+        named = {name for *_, name in counted(program, self.dialect, self._products)}
+        given = (*program.tools, *program.frames)
+        return (name for name in given if name.lower() in there and name not in named)
 
     def wanted(self, trees: Sequence[File]) -> tuple[Wanted, ...]:
         from assistant.languages.melfa_basic.checks.wanted import wanted
+        from assistant.languages.melfa_basic.text.elsewhere import with_elsewhere
 
-        return wanted(trees)
+        return wanted([with_elsewhere(tree) for tree in trees])
 
     def wanted_of(
         self, trees: Sequence[File], values: Container[tuple[WantedKind, str]]
@@ -199,8 +204,9 @@ class MelfaBasic(Language["File"]):
 
     def lift_trees(self, trees: Sequence[File], robot: Robot | None) -> Program:
         from assistant.languages.melfa_basic.lift.files.program import lift
+        from assistant.languages.melfa_basic.text.elsewhere import with_elsewhere
 
-        return lift(trees, robot)
+        return lift([with_elsewhere(tree) for tree in trees], robot)
 
     def exported(
         self,

@@ -60,5 +60,6 @@ CASES: Final = (
     ),
     Case("CO328", RAPID, DRAWN | _tool("number = 2\n"), change=_tool(f"number = 2\n{THERE}")),
     Case("CO328", RAPID, DRAWN | _tool("number = 2\n"), change=_tool("")),
+    Case("CO329", MELFA, DRAWN | _tool(THERE), change=_tool(f"number = 2\n{THERE}")),
     Case("CO329", RAPID, DRAWN | _tool(THERE, "Default"), change=_tool("", "Default")),
 )

@@ -213,7 +213,7 @@ class Expressions:
                 return s.Variable(table[key])
         if key in self.signals:
             return self.signal(name, self.signals[key])
-        if key in self.names.tools:
+        if key in self.names.tools and self.names.tools[key] not in self.names.numbers:
             return s.Variable(self.names.tools[key])
         if (base := self.base(name)) is not None:
             return self.call("Inv", base)
@@ -222,7 +222,8 @@ class Expressions:
     def base(self, name: str) -> s.Variable | None:
         """What `Base` is given for a frame, which is the inverse of it; None for any other name."""
         known = None if self.names.products else self.names.frames.get(name.lower())
-        return None if known is None or self.variable(name) else s.Variable(known)
+        counted = known in self.names.numbers
+        return None if known is None or counted or self.variable(name) else s.Variable(known)
 
     def element(self, inner: e.Expression, indices: tuple[e.Expression, ...]) -> s.Variable:
         whole = self.of(inner)

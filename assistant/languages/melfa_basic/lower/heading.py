@@ -5,8 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
+from assistant.languages.melfa_basic.lower.names import counted
 from assistant.languages.melfa_basic.lower.writer import Writer
+from assistant.languages.melfa_basic.tables import poses
+from assistant.languages.melfa_basic.tables.variables import PARAMETERS, kept_as
 from assistant.languages.melfa_basic.text import header as headers
+from assistant.languages.melfa_basic.text.elsewhere import said
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.analysis.interrupts import spelled
 from assistant.program.program import Parameter, ValueType, Variable
@@ -43,6 +47,11 @@ def heading(w: Writer) -> list[s.Item]:
     _name_labels(w, head)
     for kind, table, given in named(w):
         head.names[kind] = {table[n.lower()]: n for n in given}
+    for word, _, number, name in counted(program, w.dialect, names.products):
+        short = kept_as(PARAMETERS[word].format(number=number))
+        tool = word == "Tool"
+        pose = program.tools[name].tip if tool else program.frames[name].pose
+        head.there.append(said(short, poses.plain_values(pose)))
     for owner, name, variable in w.variables():
         short = names.variables[owner, name.lower()]
         head.variables[short] = _declared(w, owner, name, variable)

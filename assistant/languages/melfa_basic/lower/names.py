@@ -9,13 +9,18 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
 from assistant.languages.melfa_basic.tables.channels import NUMBERS
 from assistant.languages.melfa_basic.tables.dialects import PROGRAM_NAME, Dialect
-from assistant.languages.melfa_basic.tables.variables import LETTERS, is_external
+from assistant.languages.melfa_basic.tables.variables import (
+    LETTERS,
+    PARAMETERS,
+    is_external,
+    kept_as,
+)
 from assistant.languages.melfa_basic.tables.vocabulary.interrupts import NUMBERS as INTERRUPTS
 from assistant.languages.melfa_basic.tables.vocabulary.timers import MOST_TIMERS
 from assistant.languages.melfa_basic.tables.words import ARC_START, RESERVED, free
@@ -43,6 +48,7 @@ class Names:
 
     timers, channels, interrupts: their numbers by lower-case name. defined: every interrupt, also
     those that have no number. wait_timer: of those that time limits make.
+    numbers: of tools and frames that the controller has, by what they are called.
     position: the first number that `P<number>` and `J<number>` may have.
     """
 
@@ -64,6 +70,7 @@ class Names:
     wait_timer: int = 1
     position: int = 1
     products: bool = False
+    numbers: dict[str, int] = field(default_factory=dict)
 
     def variable(self, owner: str, name: str) -> str | None:
         """What a variable is called in a procedure, None if it is none."""
@@ -87,6 +94,11 @@ class Names:
 def naming(program: Program, dialect: Dialect, products: bool = False) -> Names:
     """The names of a whole program; the same program always gets the same."""
     names, taken = Names(products=products), TakenNames((ARC_START, *RESERVED))
+    for word, table, number, name in counted(program, dialect, products):
+        short = kept_as(PARAMETERS[word].format(number=number))
+        (names.tools if table is program.tools else names.frames)[name.lower()] = short
+        names.numbers[short] = number
+        taken.add(short)
     for group, letter, given in (
         (names.targets, "P", program.targets),
         (names.joints, "J", program.joint_targets),
@@ -94,7 +106,8 @@ def naming(program: Program, dialect: Dialect, products: bool = False) -> Names:
         (names.frames, "P", program.frames),
     ):
         for name in given:
-            group[name.lower()] = _variable(name, letter, dialect, taken)
+            if name.lower() not in group:
+                group[name.lower()] = _variable(name, letter, dialect, taken)
     for procedure, owner in _owners(program):
         variables: Iterable[tuple[str, Variable | Parameter]] = program.variables.items()
         if procedure is not None:
@@ -130,6 +143,26 @@ def naming(program: Program, dialect: Dialect, products: bool = False) -> Names:
     numbers = (re.fullmatch(r"[PJ]([0-9]{1,8})", name) for name in taken)
     names.position = 1 + max((int(n.group(1)) for n in numbers if n), default=0)
     return names
+
+
+def counted(
+    program: Program, dialect: Dialect, products: bool
+) -> Iterator[tuple[str, Mapping[str, object], int, str]]:
+    """The tools and frames that the controller has by number: statement, table, number, name.
+
+    A frame that targets are multiplied by is a position of the program's own.
+    """
+    there = {} if program.interface is None else program.interface.there
+    for word, table in (("Tool", program.tools), ("Base", program.frames)):
+        most = MOST_COUNTED[word] if dialect.numbered_frames else 0
+        for name in table if word == "Tool" or not products else ():
+            number = there.get(name.lower())
+            if number is not None and number <= most:
+                yield word, table, number, name
+
+
+MOST_COUNTED: Final = {"Tool": 16, "Base": 8}
+"""Highest numbers (parameters MEXTL1 to MEXTL16, WK1CORD to WK8CORD of CR750)."""
 
 
 def unit_names(program: Program) -> dict[str | None, str]:

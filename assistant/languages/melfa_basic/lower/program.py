@@ -198,6 +198,8 @@ class UnitLines(Writer):
         """The variable lines: named positions first, then those of the paths."""
         for kind, table, members in named(self):
             for name in members:
+                if table[name.lower()] in self.names.numbers:
+                    continue
                 yield s.Data(s.Variable(table[name.lower()]), self._constant(kind, name))
         inline = self.expressions.inline
         for number, target in inline.positions:

@@ -278,7 +278,8 @@ class Writer:
             ("Base", frame, names.frames, "P_NBase"),
         ):
             known = table.get(name.lower(), self.expressions.word(status))
-            self._set(word, name, s.Variable(known))
+            number = names.numbers.get(known)
+            self._set(word, name, s.Variable(known) if number is None else s.Number(number))
 
     def changed_tool(self, place: e.Expression) -> None:
         """After an assignment: a tool that was changed is set again before it is used."""

@@ -25,6 +25,9 @@ from assistant.program.program import Signal, ValueType
 MARK: Final = "robot-assistant: "
 END: Final = MARK + "end"
 
+THERE: Final = "elsewhere: "
+"""Before what a parameter of the controller holds, see `elsewhere.py`."""
+
 PRODUCTS: Final = "frames: product"
 """Says that frames are no `Base`, but what targets are multiplied by."""
 
@@ -61,9 +64,9 @@ class Declared:
 class Header:
     """program, entry, robot, unit: None where not stated. names: by kind, short → original.
 
-    products: whether targets are multiplied by frames. paths: (first, last, name) ranges of P
-    numbers. inline: position and joint variables that stand for a value. signals in their
-    order. variables: short → declaration.
+    products: whether targets are multiplied by frames. there: what the controller has. paths:
+    (first, last, name) ranges of P numbers. inline: position and joint variables that stand for a
+    value. signals in their order. variables: short → declaration.
     """
 
     program: str | None = None
@@ -71,6 +74,7 @@ class Header:
     entry: str | None = None
     unit: str | None = None
     products: bool = False
+    there: list[str] = field(default_factory=list)
     names: dict[str, dict[str, str]] = field(default_factory=lambda: {k: {} for k in NAME_KINDS})
     paths: list[tuple[int, int, str]] = field(default_factory=list)
     inline: dict[str, None] = field(default_factory=dict)
@@ -86,6 +90,7 @@ def lines(header: Header, dialect: str) -> Iterator[str]:
             yield f"{key}: {value if key in AS_IS else in_ascii(value)}"
     if header.products:
         yield PRODUCTS
+    yield from (THERE + text for text in header.there)
     for kind in NAME_KINDS:
         yield from packed(kind, starmap(_pair, header.names[kind].items()))
     yield from packed("path", (f"P{a}-P{b} = {in_ascii(n)}" for a, b, n in header.paths))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Collection, Mapping
 from typing import Any, Final, TypeVar
 
@@ -62,7 +63,9 @@ class Settings:
                 self.tools.setdefault(name, self._tool(constant.values))
         for short, name in self.names["frame"].items():
             if (constant := positions.constant(short)) is not None:
-                self.frames.setdefault(name, self._frame(constant.values))
+                plain = PARAMETER_OF_BASE.fullmatch(short) is not None
+                seen = plain_frame if plain else self._frame
+                self.frames.setdefault(name, seen(constant.values))
 
     def effect(self, node: s.Statement | None) -> tuple[int, Any] | None:
         """Which setting a statement makes, and the value: UNKNOWN if the program works it out."""
@@ -170,11 +173,18 @@ class Settings:
                 parameter = PARAMETERS["Base" if kind == "frame" else "Tool"].format(
                     number=round(number)
                 )
-                if (constant := self.positions.constant(kept_as(parameter))) is not None:
+                key = kept_as(parameter).upper()
+                if (constant := self.positions.constant(key)) is not None:
+                    if key in self.names[kind]:
+                        return self.names[kind][key]
                     # as the cell states it: work coordinates are seen from the robot
                     seen: Any = plain_frame if kind == "frame" else made
                     return _named(parameter, seen(constant.values), known)
         return UNKNOWN
+
+
+PARAMETER_OF_BASE: Final = re.compile(kept_as(PARAMETERS["Base"].format(number=r"\d+")))
+"""What work coordinates of a number are called among positions."""
 
 
 def plain_frame(values: tuple[float | None, ...]) -> Frame:
