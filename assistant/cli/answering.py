@@ -76,11 +76,19 @@ def write_each(
     """Writes the files of all sources, and of those that have a folder of their own there."""
     ordered = sorted(files, key=lambda source: source in folders)  # those without one first
     wanted = {
-        place_of(name, Path(output) / folders.get(source, "")): data
+        path: data
         for source in ordered
-        for name, data in files[source].items()
+        for path, data in places(source, files[source], folders, output).items()
     }
     return [str(path) for path in write_all(wanted)]
+
+
+def places(
+    source: str, files: Files, folders: Mapping[str, str], output: str | Path
+) -> dict[Path, bytes]:
+    """The files of one source by where they are written."""
+    folder = Path(output) / folders.get(source, "")
+    return {place_of(name, folder): data for name, data in files.items()}
 
 
 def paths_of(

@@ -18,6 +18,7 @@ from assistant.cli.options import (
     CalledOption,
     CellOption,
     DraftOption,
+    DropEditOption,
     EntryOption,
     EveryOption,
     FailOnOption,
@@ -26,10 +27,12 @@ from assistant.cli.options import (
     FramesOption,
     FromLanguage,
     FromRobot,
+    KeepEditOption,
     LanguageOption,
     MarkOption,
     NamesOption,
     NoMainOption,
+    OverwriteOption,
     PlaceOption,
     ProcessOption,
     ProveOption,
@@ -137,11 +140,15 @@ def compile(
     prove: ProveOption = False,
     signals: SignalsOption = None,
     seed: SeedOption = 0,
+    overwrite: OverwriteOption = False,
+    keep_edit: KeepEditOption = None,
+    drop_edit: DropEditOption = None,
     format: FindingFormatOption = FindingFormat.TEXT,
 ) -> None:
     """Write sources in a robot language, read back and compared before anything is written."""
     from assistant.cli.compiling import run_compile
     from assistant.cli.proving import proving
+    from assistant.compiler.keeping import Wishes
 
     raise typer.Exit(
         run_compile(
@@ -161,6 +168,7 @@ def compile(
             called=called,
             main=False if no_main else None,
             proving=proving(prove, signals, seed),
+            wishes=Wishes.of(overwrite, keep_edit or (), drop_edit or ()),
             format=format,
         )
     )

@@ -19,6 +19,7 @@ from assistant.findings.fail_on import FailOn
 from assistant.program.diagnostics import Refused, fold_files
 
 if TYPE_CHECKING:
+    from assistant.compiler.keeping import Wishes
     from assistant.project import Build
 
 
@@ -53,10 +54,16 @@ def run_project_check(given: Mapping[str, object], format: FindingFormat, fail_o
     return fail_on.status(done.findings, unreadable=done.unreadable)
 
 
-def run_build(names: Sequence[str], jobs: int | None, anew: bool, format: FindingFormat) -> int:
+def run_build(
+    names: Sequence[str],
+    jobs: int | None,
+    anew: bool,
+    format: FindingFormat,
+    wishes: Wishes | None = None,
+) -> int:
     from assistant.project import State, build, project_of
 
-    done = build(project_of(), names, jobs=jobs, anew=anew, working=_building)
+    done = build(project_of(), names, jobs=jobs, anew=anew, working=_building, wishes=wishes)
     if format is FindingFormat.JSON:
         print_json(_answer(done))
     elif format is not FindingFormat.TEXT:
@@ -68,6 +75,8 @@ def run_build(names: Sequence[str], jobs: int | None, anew: bool, format: Findin
             say(f"{one.target}: {one.program} {one.state}{said and ': '}{said}")
             for line in one.proof:
                 say(f"  {line}")
+            for diff in one.diffs.values():
+                say(diff.rstrip("\n"))
     return done.status
 
 
@@ -91,6 +100,7 @@ def _answer(done: Build) -> dict[str, object]:
                 "state": str(one.state),
                 "files": [_shown(file) for file in one.files],
                 "proof": list(one.proof),
+                "edits": {_shown(file): diff for file, diff in one.diffs.items()},
             }
             for one in done.programs
         ],

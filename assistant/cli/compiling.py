@@ -10,7 +10,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from assistant.cli.answering import Answers, paths_of, placed, write_each
+from assistant.cli.answering import Answers, paths_of, placed
+from assistant.cli.keeping import write_kept
 from assistant.cli.presentation import (
     FindingFormat,
     FramesAs,
@@ -24,6 +25,7 @@ from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors
 
 if TYPE_CHECKING:
     from assistant.compiler import Compiled, Loaded
+    from assistant.compiler.keeping import Wishes
     from assistant.compiler.motion import Proving
     from assistant.program.text import SourceText
     from assistant.robots import Robot
@@ -60,9 +62,11 @@ def run_compile(
     called: str | None = None,
     main: bool | None = None,
     proving: Proving | None = None,
+    wishes: Wishes | None = None,
 ) -> int:
     from assistant.compiler import compile
     from assistant.compiler.arms import robot_of
+    from assistant.compiler.keeping import Keeper, Wishes
     from assistant.compiler.loading import language_of
     from assistant.compiler.scenes import in_cell
     from assistant.findings.project_severities import settle
@@ -105,6 +109,7 @@ def run_compile(
     findings += told
     ok = len(files) == len(done) and not answers.refusals
     written: list[str] = []
+    diffs: dict[str, str] = {}
     if files and output == STANDARD:
         data = [data for made in files.values() for data in made.values()]
         if len(data) != 1:
@@ -112,9 +117,12 @@ def run_compile(
         sys.stdout.buffer.write(data[0])
     elif files:
         keep_sources(sources, paths_of(files, folders, output))
-        written = write_each(files, folders, output)
+        keeper = Keeper(language, robot, stands if cell else None, wishes or Wishes())
+        kept = write_kept(files, folders, output, keeper)
+        findings += settle(kept.findings).left
+        ok, written, diffs = ok and not has_errors(kept.findings), kept.written, kept.diffs
     if format is FindingFormat.JSON:
-        print_json(_answer(done, findings, written, ok))
+        print_json({**_answer(done, findings, written, ok), "edits": diffs})
     elif format is not FindingFormat.TEXT:
         print_for_programs(findings, (), format)
     else:
@@ -125,6 +133,8 @@ def run_compile(
                     say(f"{source}: {line}")
             for name in written:
                 say(f"wrote {name}")
+            for diff in diffs.values():
+                say(diff.rstrip("\n"))
     return max(answers.status, 0 if ok else 1)
 
 

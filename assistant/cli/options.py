@@ -146,6 +146,19 @@ SignalsOption = Annotated[
 SeedOption = Annotated[
     int, typer.Option(help="With --prove: of what the search draws; the same gives the same.")
 ]
+OverwriteOption = Annotated[
+    bool, typer.Option("--overwrite", help="Write over files that were edited, without the edits.")
+]
+KeepEditOption = Annotated[
+    list[str] | None,
+    typer.Option("--keep-edit", metavar="NAME", help="Keep this edit of a file although the source "
+                 "has changed the same.", show_default=False),
+]  # fmt: skip
+DropEditOption = Annotated[
+    list[str] | None,
+    typer.Option("--drop-edit", metavar="NAME", help="Leave this edit of a file out.",
+                 show_default=False),
+]  # fmt: skip
 
 
 def placing(place: str | None, marks: Sequence[str] | None) -> Placing | None:

@@ -8,7 +8,12 @@ from typing import Annotated, Final
 
 import typer
 
-from assistant.cli.options import FindingFormatOption
+from assistant.cli.options import (
+    DropEditOption,
+    FindingFormatOption,
+    KeepEditOption,
+    OverwriteOption,
+)
 from assistant.cli.presentation import FindingFormat
 
 JobsOption = Annotated[
@@ -26,12 +31,17 @@ def build(
     anew: Annotated[
         bool, typer.Option("--anew", help="Also what has not changed since the last build.")
     ] = False,
+    overwrite: OverwriteOption = False,
+    keep_edit: KeepEditOption = None,
+    drop_edit: DropEditOption = None,
     format: FindingFormatOption = FindingFormat.TEXT,
 ) -> None:
     """Compile the programs of the project for its targets, into build/TARGET/."""
     from assistant.cli.building import run_build
+    from assistant.compiler.keeping import Wishes
 
-    raise typer.Exit(run_build(names or (), jobs, anew, format))
+    wishes = Wishes.of(overwrite, keep_edit or (), drop_edit or ())
+    raise typer.Exit(run_build(names or (), jobs, anew, format, wishes))
 
 
 def init(

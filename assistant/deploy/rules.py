@@ -241,3 +241,9 @@ NOT_BEGUN_AFTER = warning(
     "the deployment to `{name}` was not begun: `{failed}` failed before",
     "mend that, and run it again; what is done already is left as it is",
 )
+IN_WRITTEN: Final = info(
+    "DP330",
+    "`{source}` has no place for what was changed in `{name}`: it is in `{file}`, and stays there "
+    "when that is compiled again",
+    "keep `{file}` with the sources, or have the source say it, before the folder is emptied",
+)

@@ -5,12 +5,14 @@ from __future__ import annotations
 import contextlib
 import enum
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
 
+from assistant.compiler.keeping import WRITTEN, Keeper, Kept, Wishes
+from assistant.findings.project_severities import settle
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.system.bounded import read_file
-from assistant.program.system.writing import write_files
+from assistant.program.system.writing import place_of, write_all
 from assistant.project import kept, rules
 from assistant.project.inputs import digest_of
 from assistant.project.layout import BUILT, Place, Project, Recipe
@@ -32,13 +34,17 @@ class State(enum.StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Built:
-    """A program of a target. files: that there are of it now, none if it failed."""
+    """A program of a target. files: that there are of it now, none if it failed.
+
+    diffs: of files with what was edited in them, from what was compiled, by their paths.
+    """
 
     target: str
     program: str
     state: State
     files: tuple[FilePath, ...] = ()
     proof: tuple[str, ...] = ()
+    diffs: Mapping[FilePath, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,13 +67,17 @@ def build(
     jobs: int | None = None,
     anew: bool = False,
     working: Working | None = None,
+    wishes: Wishes | None = None,
 ) -> Build:
     """Builds what has changed; what fails keeps nothing else from being built.
 
     names: of programs and targets, all without one. jobs: processes at a time. anew: also what
-    has not changed. working: around the making of so many. Raises Refused for an unknown name.
+    has not changed. working: around the making of so many. wishes: what becomes of edits of built
+    files. Raises Refused for an unknown name.
     """
-    return _Run(project, names).done(jobs, anew, working or (lambda _: contextlib.nullcontext()))
+    return _Run(project, names, wishes or Wishes()).done(
+        jobs, anew, working or (lambda _: contextlib.nullcontext())
+    )
 
 
 def chosen(project: Project, names: Sequence[str]) -> list[tuple[Place, Recipe]]:
@@ -92,8 +102,10 @@ def chosen(project: Project, names: Sequence[str]) -> list[tuple[Place, Recipe]]
 class _Run:
     """One build. entries: of what is built, those of other targets among them."""
 
-    def __init__(self, project: Project, names: Sequence[str]) -> None:
+    def __init__(self, project: Project, names: Sequence[str], wishes: Wishes) -> None:
         self.project = project
+        self.wishes = wishes
+        self.edits: set[str] = set()
         self.orders = {
             (place.name, recipe.name): order_of(project.folder, place, recipe)
             for place, recipe in chosen(project, names)
@@ -125,6 +137,9 @@ class _Run:
             self._answer(*key, made[stale[key]] if key in stale else None) for key in self.orders
         ]
         kept.write_entries(self.project, self.entries)
+        unknown = Keeper("", wishes=self.wishes, known=self.edits).unknown_names()
+        self.findings += unknown
+        self.status = 2 if unknown else self.status
         if any(one.state is State.FAILED for one in answers):
             self.status = max(self.status, 1)
         return Build(tuple(answers), tuple(self.findings), self.status)
@@ -145,14 +160,16 @@ class _Run:
         wanted = kept.wanted(self.project, self.orders[target, program])
         # Kept with what is there of it, to be taken away when it is built again.
         self.entries[name] = kept.Entry(wanted, {}, old)
-        new = {file: digest_of(data) for file, data in sorted(made.files.items())}
+        edited = self._with_edits(target, self.orders[target, program], made)
+        names = sorted(edited.files, key=lambda path: path.name)
+        new = {path.name: digest_of(edited.files[path]) for path in names}
         others = self._others(target, program)
         clashing = clashes(target, {**others, program: new})
         self.findings += [one for one in clashing if one not in self.findings]
         if not new or clashing:
             return Built(target, program, State.FAILED)
         try:
-            written = write_files({file: made.files[file] for file in new}, folder)
+            write_all(edited.all)
         except Refused as refused:
             self.findings += refused.findings
             self.status = 2
@@ -160,7 +177,19 @@ class _Run:
         stay = {file.lower() for files in (new, *others.values()) for file in files}
         _remove(folder, {file: old[file] for file in old if file.lower() not in stay})
         self.entries[name] = kept.Entry(wanted, made.inputs, new, made.origins)
-        return Built(target, program, State.BUILT, written, made.proof)
+        return Built(target, program, State.BUILT, tuple(names), made.proof, edited.diffs)
+
+    def _with_edits(self, target: str, order: Order, made: Made) -> Kept:
+        """What was made, with what was edited in the files that are there; none if that fails."""
+        files = {
+            place_of(n, self.project.folder / BUILT / target): d for n, d in made.files.items()
+        }
+        cell = None if order.recipe.cell is None else str(order.recipe.cell)
+        keeper = Keeper(made.language, order.arm, cell, self.wishes, self.edits)
+        done = keeper.kept(files, self.project.kept / WRITTEN.name / target)
+        found = [one for one in settle(list(done.findings)).left if one not in self.findings]
+        self.findings += found
+        return replace(done, files=done.files if done.ok else {}, findings=tuple(found))
 
     def _others(self, target: str, program: str) -> dict[str, Mapping[str, str]]:
         """Files of the other programs of a target with their digests."""

@@ -49,7 +49,7 @@ class Made:
 
     files: bytes by name, empty if anything forbids them. inputs: what they were made of. origins:
     source of each file that was taken as it is, from the project's folder. proof: a line each.
-    unreadable: whether something could not be read at all.
+    unreadable: whether something could not be read at all. language: of the files, empty without.
     """
 
     files: Mapping[str, bytes] = field(default_factory=dict)
@@ -58,6 +58,7 @@ class Made:
     findings: tuple[Diagnostic, ...] = ()
     proof: tuple[str, ...] = ()
     unreadable: bool = False
+    language: str = ""
 
 
 def order_of(folder: FilePath, place: Place, recipe: Recipe) -> Order:
@@ -169,7 +170,7 @@ def _as_it_is(order: Order, name: str) -> Made | None:
         files[path.name] = read_bytes(path)
         beside = recipe.source.parent / path.name
         origins[path.name] = beside.relative_to(order.folder).as_posix()
-    return Made(files, origins=origins, findings=found)
+    return Made(files, origins=origins, findings=found, language=spoken)
 
 
 def _paths(trees: Sequence[Tree]) -> Iterator[str]:
@@ -192,9 +193,10 @@ def _compiled(order: Order, name: str) -> Made:
             unit=recipe.unit,
         )
     script = _named(recipe.signals)
+    language = _language(order, spoken)
     compiled = compile(
         given or source,
-        language=_language(order, spoken),
+        language=language,
         robot=robot_of(order.arm),
         process=_named(recipe.process),
         unit=recipe.unit,
@@ -208,7 +210,8 @@ def _compiled(order: Order, name: str) -> Made:
         proving=Proving(script=script, seed=recipe.seed) if recipe.prove else None,
     )
     files = compiled.files if compiled.ok else {}
-    return Made(files, findings=compiled.findings, proof=tuple(compiled.proof_lines()))
+    proof = tuple(compiled.proof_lines())
+    return Made(files, findings=compiled.findings, proof=proof, language=language)
 
 
 def _named(path: FilePath | None) -> str | None:

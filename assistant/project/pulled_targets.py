@@ -31,6 +31,8 @@ from assistant.sources.tables.taught import ORIENTATIONS, read_taught
 from assistant.sources.tables.teaching import TaughtTarget, is_kept, with_target
 
 TAUGHT: Final = ".toml"
+PLACES_OF: Final = (TAUGHT, pseudo.SUFFIX)
+"""Sources in which targets have their names."""
 DIGITS: Final = 4
 """Of millimetres and degrees, as many as controllers tell."""
 TURN_DIGITS: Final = 9
@@ -82,11 +84,10 @@ def with_targets(
 ) -> bytes:
     """The source with the targets as they are now, all else to the letter; raises Refused.
 
-    name: of the program that they come from. precision: in which its language writes them.
+    source: of those in PLACES_OF. name: of the program that they come from. precision: in which
+    its language writes them.
     """
     suffix = source.suffix.lower()
-    if suffix not in (TAUGHT, pseudo.SUFFIX):
-        raise Refused(rules.NO_TARGETS(path=str(source), source=source, name=name))
     encodings = ENCODINGS if suffix == TAUGHT else PSEUDO_ENCODINGS
     text = decode(data, str(source), encodings)
     for change in changes:

@@ -2,7 +2,8 @@
 
 A program that stands here as it is sent gets the change in its own layout. Of a compiled program
 the targets that were taught anew go into its source, by their names: a file of taught targets, or
-a pseudo-program. All changes of a plan are brought home, or none is.
+a pseudo-program. Other sources have no names for them, so they go into what was compiled, which
+keeps them when it is compiled again. All changes of a plan are brought home, or none is.
 """
 
 from __future__ import annotations
@@ -16,12 +17,13 @@ from assistant import languages
 from assistant.deploy import Change, Held, Plan, PlannedFile
 from assistant.deploy.merging import Form, in_layout, merged
 from assistant.deploy.repository import is_committed
+from assistant.deploy.rules import IN_WRITTEN
 from assistant.deploy.site import Site
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
 from assistant.program.system.writing import write_all
 from assistant.program.text import read_bytes
 from assistant.project import rules
-from assistant.project.pulled_targets import changed_targets, with_targets
+from assistant.project.pulled_targets import PLACES_OF, changed_targets, with_targets
 from assistant.robots import Robot
 
 KEPT: Final = ".orig"
@@ -89,6 +91,14 @@ class _Run:
         if source.suffix.lower() in spoken.suffixes:
             self.wanted[source] = self._as_text(file, base, now, there, form)
             self.told.setdefault(source, []).append(f"`{file.name}` as it is on the controller")
+            return
+        if source.suffix.lower() not in PLACES_OF:
+            built = FilePath(file.path)
+            now = self.wanted.get(built) or read_bytes(built)
+            self.wanted[built] = self._as_text(file, base, now, there, form)
+            self.told.setdefault(built, []).append(f"`{file.name}` as it is on the controller")
+            told = {"file": file.path, "name": file.name, "source": source}
+            self.findings.append(IN_WRITTEN(path=file.path, **told))
             return
         changes = changed_targets(
             spoken, form(file.data if base is None else base), form(there), file, source, self.robot

@@ -109,12 +109,6 @@ OTHER_TARGET: Final = error(
     "be written there; nothing was written",
     "build and look at the difference with `plan`, then change the source by hand",
 )
-NO_TARGETS: Final = error(
-    "PR504",
-    "`{source}` has no targets with names, so that what was changed in `{name}` cannot be brought "
-    "into it; nothing was written",
-    "change it by hand, or keep the program itself or a file of taught targets as the source",
-)
 NOT_COMMITTED: Final = error(
     "PR505",
     "`{file}` has changes that are not committed; nothing was written",

@@ -137,7 +137,7 @@ def test_a_warning_that_is_made_an_error_keeps_compile_from_writing(capsys, tmp_
     write(tmp_path / "assistant.toml", '[severity]\nRA303 = "error"\n')
     status, _, err = run(capsys, *arguments)
     assert (status, "RA303 error" in err) == (1, True)
-    assert not list(out.iterdir())
+    assert not list(out.glob("*.mod"))
 
 
 def test_a_comment_ignores_a_finding_in_either_language(capsys, tmp_path):

@@ -49,7 +49,7 @@ def test_compile_prints_the_proof_and_what_it_wrote(capsys, tmp_path):
     assert status == 0
     assert "proven: 36 statements and 36 targets read back, largest deviation 0.0000" in out
     assert f"wrote {tmp_path / 'positioning.mod'}" in out
-    assert os.listdir(tmp_path) == ["positioning.mod"]
+    assert sorted(os.listdir(tmp_path)) == [".robot-assistant", "positioning.mod"]
 
 
 def test_compile_answers_in_json(capsys, tmp_path):
@@ -121,7 +121,7 @@ def test_one_source_that_fails_keeps_no_other_from_being_compiled(capsys, tmp_pa
     status, _, err = run(capsys, "compile", bad, POSITIONING, *IRB, "-o", tmp_path / "out")
     assert status == 1
     assert str(bad) in err
-    assert [path.name for path in (tmp_path / "out").iterdir()] == ["positioning.mod"]
+    assert [path.name for path in (tmp_path / "out").glob("*.mod")] == ["positioning.mod"]
 
 
 def test_check_is_clean_or_says_what_is_wrong(capsys, tmp_path):

@@ -174,7 +174,6 @@ def test_what_cannot_come_home_is_said_and_nothing_is_written(capsys, repository
     assert status == 0 and "PR509" in err
     declared = "CONST robtarget "
     for name, old, new, made_of, code in (
-        ("plate.mod", "robtarget pick:=[[235", "robtarget pick:=[[236", source, "PR504"),
         ("taught.mod", "v50,", "v60,", taught, "PR502"),
         ("taught.mod", f"{declared}down", f"VAR num x;\r\n{declared}down", taught, "PR502"),
     ):

@@ -54,7 +54,7 @@ def test_what_is_replaced_keeps_its_rights(here, command, capsys):
     target = written(here, command, capsys)
     target.write_text(MODULE)
     target.chmod(0o640)
-    run(capsys, *COMMANDS[command])
+    run(capsys, *COMMANDS[command], *(["--overwrite"] if command == "compile" else []))
     assert target.read_text() != MODULE and stat.S_IMODE(target.stat().st_mode) == 0o640
 
 

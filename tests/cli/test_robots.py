@@ -142,7 +142,7 @@ def test_compiling_for_an_own_robot(own: Path, tmp_path: Path, capsys: Capture) 
             capsys, "compile", POSITIONING, "-l", "rapid", "-r", robot, "-o", folder
         )
         assert status == 0, err
-        (module,) = folder.iterdir()
+        (module,) = folder.glob("*.mod")
         lines = module.read_text().splitlines()
         targets.append([line for line in lines if "robtarget" in line or line.startswith("    [[")])
     assert targets[0]

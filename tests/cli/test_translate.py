@@ -235,7 +235,7 @@ def test_what_fails_inside_is_the_finding_of_one_program(
     assert err.count("CL900 error") == 1
     assert "FAULT.prg" in err
     if "-o" in options:
-        written = sorted(path.name for path in (tmp_path / "out").iterdir())
+        written = sorted(path.name for path in (tmp_path / "out").glob("*.mod"))
         assert written == ["FIRST.mod", "LAST.mod"]
     else:
         assert "3 checked" in said or "2 files" in said
@@ -247,7 +247,7 @@ def test_parts_that_a_program_loads_are_translated_with_it(tmp_path: Path, capsy
     source.write_text("x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z\n" + rows)
     made = tmp_path / "made"
     run(capsys, "compile", source, "-l", "rapid", "--most-targets", "10", "-o", made)
-    files = sorted(made.iterdir())
+    files = sorted(made.glob("*.mod"))
     assert len(files) == 4
     out = tmp_path / "out"
     status, said, err = run(capsys, "translate", *files, "--to", "melfa-basic-5", "-o", out)

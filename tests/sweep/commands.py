@@ -88,7 +88,11 @@ GET: Final = ("get", "cell1", "ONE", "TWO", "THREE", "-o", "out", "--replace")
 SIMULATED: Final = ("out/one.csv", "out/one.npz", "out/one.moves.csv")
 
 COMMANDS: Final[Mapping[str, Command]] = {
-    "compile": Command(("compile", *TABLES, "--language", "rapid", "-o", "out"), TABLES),
+    "compile": Command(
+        ("compile", *TABLES, "--language", "rapid", "-o", "out", "--overwrite"),
+        TABLES,
+        books=frozenset(f"out/.robot-assistant/written/{name}.mod.written" for name in NAMES),
+    ),
     "fmt": Command(("fmt", *MODULES), MODULES, over=False, together=False),
     "translate": Command(
         ("translate", *MODULES, "--to", "melfa-basic-5", "-o", "out", "--report", "out.json"),
@@ -144,7 +148,12 @@ COMMANDS: Final[Mapping[str, Command]] = {
         OTHERS,
         over=False,
         together=False,
-        books=frozenset({".robot-assistant/build.json"}),
+        books=frozenset(
+            {
+                ".robot-assistant/build.json",
+                *(f".robot-assistant/written/cell1/{name}.mod.written" for name in NAMES),
+            }
+        ),
     ),
     "teach": Command(
         (*TEACH, "two"), {"assistant.toml": CELL}, ((*TEACH, "one"),), over=False, again=False

@@ -1,0 +1,55 @@
+"""Writing programs that may have been edited since they were written."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from assistant.cli.answering import Files, places
+from assistant.program.diagnostics import Diagnostic
+from assistant.program.system.writing import write_all
+
+if TYPE_CHECKING:
+    from assistant.compiler.keeping import Keeper
+
+
+@dataclass(slots=True)
+class Written:
+    """written: files, in order. findings: about edits. diffs: by file, of what was edited.
+
+    refused: sources of which nothing is written.
+    """
+
+    written: list[str] = field(default_factory=list)
+    findings: list[Diagnostic] = field(default_factory=list)
+    diffs: dict[str, str] = field(default_factory=dict)
+    refused: list[str] = field(default_factory=list)
+
+
+def write_kept(
+    files: Mapping[str, Files], folders: Mapping[str, str], output: str, keeper: Keeper
+) -> Written:
+    """Writes the files of all sources, with what was edited in those that are there."""
+    from assistant.compiler.keeping import written_in
+
+    done = Written()
+    wanted: dict[Path, bytes] = {}
+    compiled: dict[Path, bytes] = {}
+    for source in sorted(files, key=lambda source: source in folders):
+        memory = written_in(Path(output) / folders.get(source, ""))
+        kept = keeper.kept(places(source, files[source], folders, output), memory)
+        done.findings += kept.findings
+        if not kept.ok:
+            done.refused.append(source)
+            continue
+        done.diffs |= {str(path): diff for path, diff in kept.diffs.items()}
+        wanted |= kept.files
+        compiled |= kept.compiled
+    unknown = keeper.unknown_names()
+    done.findings += unknown
+    if wanted and not unknown:
+        write_all({**wanted, **compiled})
+        done.written = [str(path) for path in wanted]
+    return done

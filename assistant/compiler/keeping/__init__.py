@@ -1,0 +1,11 @@
+"""Keeping: what was edited in a written program stays when its source is compiled again.
+
+`made.py` tells what of a program is which place of its source; `merging.py` finds what was edited
+and brings it into the new program, `statements.py` what of that is statements; `texts.py` writes
+the text; `files.py` does all that with files, and remembers what was written.
+"""
+
+from assistant.compiler.keeping.files import WRITTEN, Keeper, Kept, written_in
+from assistant.compiler.keeping.merging import Wishes
+
+__all__ = ["WRITTEN", "Keeper", "Kept", "Wishes", "written_in"]

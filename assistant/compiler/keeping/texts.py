@@ -1,0 +1,79 @@
+"""The text of a merged program, with what people wrote beside the program itself."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Final
+
+from assistant.deploy.merging import says_the_same
+from assistant.program.program import Program
+from assistant.program.text import comments
+
+if TYPE_CHECKING:
+    from assistant.languages import Language
+    from assistant.robots import Robot
+
+WORD: Final = re.compile(r'"[^"\r\n]*"|[A-Za-z_]\w*|[^\w\s]')
+
+
+def merged(
+    language: Language[Any],
+    program: Program,
+    sides: tuple[Program, Program, Program],
+    arm: Robot | None,
+) -> Iterator[bytes]:
+    """A merged program in the text that was compiled now, or in that of the file, or both.
+
+    sides: the programs that it was made of: as it was written, as it is in the file, as it is now.
+    That of the file is the first where it says what its program does not, as how data are declared
+    and comments; it is none where the new one has changed that as well.
+    """
+    base, edited, made = sides
+    whole, there = _as(language, edited, base, arm), _source(language, edited)
+    if says_the_same(whole, there, bytes):
+        yield _as(language, program, made, arm)
+        return
+    now = _as(language, made, base, arm)
+    if _words(language, now) == _words(language, _source(language, made)):
+        yield _as(language, program, edited, arm)
+    if _words(language, whole) == _words(language, there):
+        yield _as(language, program, made, arm)
+
+
+def lost_comments(language: Language[Any], sides: tuple[bytes, bytes, bytes]) -> list[str]:
+    """The comments that somebody wrote and that are not in the merged text.
+
+    sides: as it was written, as it is in the file, as it is merged.
+    """
+    old, now, new = (Counter(_comments(language, data)) for data in sides)
+    return [comment for comment in (now - old) - new if comment]
+
+
+def _as(language: Language[Any], program: Program, text_of: Program, arm: Robot | None) -> bytes:
+    """A program in the text that another one was read from, as far as that says the same."""
+    return language.encode(language.lower(replace(program, origin=text_of.origin), arm))
+
+
+def _source(language: Language[Any], program: Program) -> bytes:
+    assert program.origin is not None
+    return language.encode(program.origin.trees[0])
+
+
+def _comments(language: Language[Any], data: bytes) -> Iterator[str]:
+    text, mark = language.decode(data).text, language.comment_mark
+    for span in comments(text, mark):
+        yield text[span.start + len(mark) : span.end].strip()
+
+
+def _words(language: Language[Any], data: bytes) -> Counter[str]:
+    """The words of a text in any order, without its comments and numbers."""
+    text, mark = language.decode(data).text, language.comment_mark
+    plain, at = [], 0
+    for span in comments(text, mark):
+        plain.append(text[at : span.start])
+        at = span.end
+    plain.append(text[at:])
+    return Counter(found[0] for found in WORD.finditer("".join(plain)))
