@@ -33,7 +33,7 @@ AROUND: Final[Mapping[str, str]] = {
     ".gitlab-ci.yml": "gitlab-ci.yml",
 }
 """What a repository needs; each written unless it is there."""
-IGNORED: Final = "/build/ and /.robot-assistant/"
+IGNORED: Final = "/build/ and .robot-assistant/"
 VERSION: Final = "{{ version }}"
 
 

@@ -277,3 +277,23 @@ def test_positions_of_the_other_maker_stay(tmp_path, capsys):
     text = file.read_text()
     assert "PSEAM3START=(+460.50,-60.00,+299.00" in text
     assert "PSEAM2START=(+400.00,-100.00,+300.00" in text
+
+
+def test_a_program_of_several_files_is_not_merged(tmp_path, capsys):
+    rows = [f"{400 + i},0,300,0,1,0,0" for i in range(25)]
+    source = tmp_path / "part.csv"
+    source.write_text("x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z\n" + "\n".join(rows) + "\n")
+    words = ("compile", source, "-l", "rapid", "--most-targets", "10", "-o", tmp_path / "out")
+    assert run(capsys, *words)[0] == 0
+    files = sorted((tmp_path / "out").glob("*.mod"))
+    assert len(files) > 2
+    edit(files[-1], "[424,0,300]", "[424,0,299]")
+    edited = {file: file.read_bytes() for file in files}
+    assert run(capsys, *words)[0] == 0  # nothing else has changed
+    assert {file: file.read_bytes() for file in files} == edited
+    source.write_text(source.read_text().replace("424,", "425,"))
+    status, _, err = run(capsys, *words)
+    assert status == 1 and "CO335" in err
+    assert {file: file.read_bytes() for file in files} == edited
+    assert run(capsys, *words, "--overwrite")[0] == 0
+    assert "[425,0,300]" in files[-1].read_text()

@@ -6,6 +6,6 @@ the text; `files.py` does all that with files, and remembers what was written.
 """
 
 from assistant.compiler.keeping.files import WRITTEN, Keeper, Kept, written_in
-from assistant.compiler.keeping.merging import Wishes
+from assistant.compiler.keeping.sides import Wishes
 
 __all__ = ["WRITTEN", "Keeper", "Kept", "Wishes", "written_in"]

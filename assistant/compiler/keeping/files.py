@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.compiler.keeping import rules, texts
 from assistant.compiler.keeping.made import Made
-from assistant.compiler.keeping.merging import Merge, Wishes
+from assistant.compiler.keeping.merging import Merge
+from assistant.compiler.keeping.sides import Wishes
 from assistant.compiler.loading import language_of, lift, load_text
 from assistant.compiler.proof import prove
 from assistant.deploy.differences import difference

@@ -8,17 +8,17 @@ its place if it has a number. All else is refused, with what to do.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
 
 from assistant.compiler.keeping import rules
-from assistant.compiler.keeping.made import Made, kind_of, names_of, paths_of, place, same_contours
+from assistant.compiler.keeping.made import kind_of, names_of, paths_of, place, same_contours
 from assistant.compiler.keeping.showing import shown
+from assistant.compiler.keeping.sides import Sides, is_same
 from assistant.compiler.keeping.statements import Bodies
-from assistant.program.diagnostics import Diagnostic, Rule
 from assistant.program.geometry import Target
 from assistant.program.path import Path
 from assistant.program.program import Procedure, Program
@@ -39,47 +39,9 @@ HEADS: Final = ("parameters", "variables", "result", "unit", "local")
 MISSING: Final = "nothing"
 
 
-@dataclass(frozen=True, slots=True)
-class Wishes:
-    """What is decided about edits. overwrite: none is kept. keep, drop: their names.
-
-    keep: the edit stays where the source has changed the same. drop: it does not stay.
-    """
-
-    overwrite: bool = False
-    keep: frozenset[str] = frozenset()
-    drop: frozenset[str] = frozenset()
-
-    @staticmethod
-    def of(
-        overwrite: bool = False, keep: Collection[str] = (), drop: Collection[str] = ()
-    ) -> Wishes:
-        return Wishes(overwrite, _lower(keep), _lower(drop))
-
-
-def _lower(names: Collection[str]) -> frozenset[str]:
-    return frozenset(name.lower() for name in names)
-
-
 @dataclass(slots=True)
-class Merge:
-    """One merge. base: as it was written. edited: as it is in the file. made: as it is now.
-
-    edits: what is kept, in words. dropped: what is not, as was wished. conflicts: what cannot be.
-    names: of all edits, in lower case.
-    """
-
-    file: str
-    base: Made
-    edited: Made
-    made: Made
-    wishes: Wishes
-    edits: list[str] = field(default_factory=list)
-    dropped: list[str] = field(default_factory=list)
-    conflicts: list[Diagnostic] = field(default_factory=list)
-    names: set[str] = field(default_factory=set)
-    contours: Mapping[str, str] = field(default_factory=dict)
-    _points: set[str] = field(default_factory=set)
+class Merge(Sides):
+    """One merge."""
 
     def program(self) -> Program:
         """The new program with the edits."""
@@ -98,27 +60,8 @@ class Merge:
     def _without_unused(self, program: Program) -> Program:
         """Without targets that are points of a path, unless statements of the file name them."""
         named = {name for one in program.statements() for name in names_of(one)}
-        targets = {n: t for n, t in program.targets.items() if n not in self._points or n in named}
+        targets = {n: t for n, t in program.targets.items() if n not in self.points or n in named}
         return replace(program, targets=targets)
-
-    # ------------------------------------------------------------------------------- what is wished
-
-    def is_dropped(self, name: str, what: str, of: str | None = None) -> bool:
-        """Whether an edit is not to stay. of: the contour or procedure that it is in."""
-        called = {name.lower(), *([of.lower()] if of else [])}
-        self.names |= called
-        if self.wishes.drop.isdisjoint(called):
-            return False
-        self.dropped.append(what)
-        return True
-
-    def is_kept(self, name: str) -> bool:
-        return name.lower() in self.wishes.keep
-
-    def refuse(self, rule: Rule, name: str, **told: Any) -> None:
-        finding = rule(path=self.file, file=self.file, name=name, **told)
-        if finding not in self.conflicts:
-            self.conflicts.append(finding)
 
     # -------------------------------------------------------------------------------------- tables
 
@@ -139,7 +82,7 @@ class Merge:
             if to is None:
                 continue
             if point:
-                self._points.add(to)
+                self.points.add(to)
             else:
                 self.edits.append(what if to == name else f"{what}, which is `{to}` now")
             if now is None:
@@ -178,55 +121,15 @@ class Merge:
         found, why = self.place_of(name)
         if found is not None:
             return found
-        other = made.get(name) if self._resembles(name) else None
-        if other is not None and (self.is_kept(name) or (now and _same(other, now))):
+        other = made.get(name) if self.resembles(name) else None
+        if other is not None and (self.is_kept(name) or (now and is_same(other, now))):
             return name
-        if other is not None and not _same(other, was):
+        if other is not None and not is_same(other, was):
             there = shown(other, was)
             self.refuse(rules.BOTH_MOVED, name, **told, now=shown(now, was), made=there)
         else:
             self.refuse(rules.NOWHERE, name, **told, now=shown(now, was), reason=why)
         return None
-
-    def _resembles(self, name: str) -> bool:
-        """Whether what has this name now is what had it before, but for its place."""
-        if not self.base.is_numbered(name):
-            return True
-        owner = self.base.contour(name)
-        if owner is None or self.made.contour(name) != owner:
-            return False
-        before = self.base.profiles[owner][1:]
-        own = (name.removeprefix(owner), place(self.base.program.targets[name].pose))
-        others = [one for one in before if one != own]
-        there = set(self.made.profiles[owner][1:])
-        return 2 * sum(one in there for one in others) > len(others)
-
-    def place_of(self, name: str) -> tuple[str | None, str]:
-        """What a target of the old program is called in the new one, or why nobody can tell."""
-        was = self.base.program.targets[name]
-        made = self.made.program.targets
-        if not self.base.is_numbered(name):
-            same = name in made and _same(made[name], was)
-            return (name, "") if same else (None, f"there is no `{name}` any more")
-        owner = self.base.contour(name)
-        if owner is not None and owner in self.contours:
-            return f"{self.contours[owner]}{name.removeprefix(owner)}", ""
-        key = self.base.role(name), place(was.pose)
-        twins, there = self.base.places[key], self.made.places.get(key, [])
-        if not there:
-            return None, "nothing of the kind is at its old place"
-        if len(twins) > 1 or len(there) > 1:
-            return None, "several are at its old place"
-        if there[0] != name and owner is not None:
-            return None, f"`{there[0]}` is at its old place, but not the same contour"
-        return there[0], ""
-
-    def renamed(self, name: str) -> str:
-        """A name that only the file has, after the contour that it is of."""
-        owner = self.base.contour(name)
-        if owner is None or owner not in self.contours:
-            return name
-        return f"{self.contours[owner]}{name.removeprefix(owner)}"
 
     # -------------------------------------------------------------------------------- rows of paths
 
@@ -390,10 +293,6 @@ def _with_row(path: Path, row: int, target: Target) -> Path:
     positions, quaternions = np.array(path.positions), np.array(path.quaternions)
     positions[row], quaternions[row] = target.pose.position, target.pose.quaternion
     return replace(path, positions=positions, quaternions=quaternions)
-
-
-def _same(one: Target, other: Target) -> bool:
-    return place(one.pose) == place(other.pose)
 
 
 def _with_values(now: Any, was: Any, made: Any) -> Any:

@@ -7,18 +7,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from difflib import SequenceMatcher
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from assistant.compiler.keeping import rules
 from assistant.compiler.keeping.made import Made, place
+from assistant.compiler.keeping.sides import Sides
 from assistant.program import expressions as e
 from assistant.program.path import Path
 from assistant.program.program import Procedure
 from assistant.program.rewriting import rewrite
 from assistant.program.statements import Statement
-
-if TYPE_CHECKING:
-    from assistant.compiler.keeping.merging import Merge
 
 Body = tuple[Statement, ...]
 Key = tuple[str, int]
@@ -33,7 +31,7 @@ class Unknown(Exception):
 class Bodies:
     """The bodies of the procedures of a merge."""
 
-    def __init__(self, merge: Merge) -> None:
+    def __init__(self, merge: Sides) -> None:
         self._merge = merge
 
     def are_same(self, was: Procedure, there: Procedure) -> bool:
