@@ -97,8 +97,8 @@ class _Run:
             now = self.wanted.get(built) or read_bytes(built)
             self.wanted[built] = self._as_text(file, base, now, there, form)
             self.told.setdefault(built, []).append(f"`{file.name}` as it is on the controller")
-            told = {"file": file.path, "name": file.name, "source": source}
-            self.findings.append(IN_WRITTEN(path=file.path, **told))
+            path, name = file.path, file.name
+            self.findings.append(IN_WRITTEN(path=path, file=path, name=name, source=source))
             return
         changes = changed_targets(
             spoken, form(file.data if base is None else base), form(there), file, source, self.robot
