@@ -116,7 +116,8 @@ def contour_program(
             followed.append((name, replace(layer, direction=direction), contours))
     shaper = Shaper([(layer, contours) for _, layer, contours in followed], process.tolerance)
     # All procedures have their names before any path gets one.
-    for row, (name, layer, drawn) in enumerate(followed):
+    for row in shaper.order():
+        name, layer, drawn = followed[row]
         key = drawn[0].layer.casefold()
         points = [point for marked, point in marks if marked.casefold() == key]
         shaped = shaper.shaped(row, np.reshape(points, (-1, 3)))

@@ -95,6 +95,9 @@ def _near(ring: Ring, begin: Points) -> tuple[int, float]:
 class Shaper:
     """layers: those that are followed, each with its contours. Of these it knows which lie inside
     which, over all layers on which sides matter, and how near they are to each other.
+
+    rooms: by the direction of the tool. depths: how many contours are around one. held: rows of
+    the layers whose contours lie inside those of a layer.
     """
 
     layers: Sequence[tuple[Layer, Sequence[Contour]]]
@@ -102,6 +105,7 @@ class Shaper:
     findings: list[Diagnostic] = field(default_factory=list)
     rooms: dict[tuple[float, ...], Room] = field(default_factory=dict)
     depths: dict[Key, int] = field(default_factory=dict)
+    held: dict[int, set[int]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         alike: dict[tuple[float, ...], list[tuple[Key, Contour]]] = {}
@@ -116,10 +120,30 @@ class Shaper:
             lines = []
             for row, (key, contour) in enumerate(members):
                 self.depths[key] = _depth(row, around)
+                if around[row] != NONE:
+                    (outer, _), _ = members[around[row]]
+                    self.held.setdefault(outer, set()).add(key[0])
                 pieces = as_pieces(contour, self.tolerance).pieces
                 if pieces:
                     lines.append((key, view.of(pieces), contour.closed))
             self.rooms[direction] = Room.of(lines, self.tolerance)
+
+    def order(self) -> list[int]:
+        """The rows of the layers: those whose contours lie inside others' come before them."""
+        left, order = list(range(len(self.layers))), list[int]()
+        while left:
+            free = (row for row in left if not self._waits_for(row) & (set(left) - {row}))
+            row = next(free, None)
+            if row is None:
+                row = left[0]
+                name = shown(self.layers[row][1][0].layer)
+                self.findings.append(rules.MINGLED(layer=name))
+            left.remove(row)
+            order.append(row)
+        return order
+
+    def _waits_for(self, row: int) -> set[int]:
+        return self.held.get(row, set()) if self.layers[row][0].inside_first else set()
 
     def shaped(self, row: int, marks: Points) -> list[Shaped | None]:
         """The contours of a layer, in their order; None for one that is left out.

@@ -66,3 +66,9 @@ TOO_LONG: Final = error(
     "an overlap of {overlap:g} mm is longer than a contour on layer {layer!r}, of {length:.2f} mm",
     "give a smaller `overlap`",
 )
+MINGLED: Final = warning(
+    "CT334",
+    "contours of layer {layer!r} lie inside of contours of layers that lie inside of its own: "
+    "not every one comes before what is around it",
+    "draw them on one layer",
+)

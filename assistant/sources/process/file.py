@@ -33,7 +33,7 @@ masses kg; names are letters, digits and `_`, a letter first.
     centre = [0, 0, 60]           # of gravity; needs a mass
     held = true                   # false: stands in the room
     on_controller = false         # true: the controller has it already; it is named, not written
-    number = 2                    # that it has there, for controllers that count tools
+    # number = 2                  # that it has there then, for controllers that count tools
     free_turn = false             # true: its turn about its axis is free, as of a round nozzle
 
     [frames.table]

@@ -309,9 +309,18 @@ def test_holes_on_a_layer_of_their_own_are_holes():
     procedures, targets, _ = program(
         [*box(40.0), ring(8.0, (20.0, 20.0), "HOLES")], "offset = 3", more=more
     )
-    (hole,) = whole_paths(procedures[1], targets)
+    assert [p.name for p in procedures] == ["HOLES", "CUT"]  # the outline was drawn first
+    (hole,) = whole_paths(procedures[0], targets)
     apart = np.linalg.norm(hole.positions[:, :2] - [20.0, 20.0], axis=1)
     assert apart == pytest.approx(5.0)
+
+
+def test_layers_that_lie_in_each_other_are_told():
+    more = "[layers.HOLES]\noffset = 1"
+    both = [*box(40.0), ring(8.0, (20, 20), "HOLES"), *box(40.0, at=(100, 0), layer="HOLES")]
+    found = codes([*both, ring(8.0, (120, 20))], "offset = 1", more=more)
+    assert "CT334" in found
+    assert "CT334" not in codes(both, "offset = 1", more=more)
 
 
 @pytest.mark.parametrize(
