@@ -105,7 +105,7 @@ def _columns(
         raise Refused(NOT_RECORDED(names=", ".join(lacking), robot=robot.title, **where))
     if contact is None:
         return found
-    for what, names in (("contact", (contact.lower(),)), ("seconds", SECONDS)):
+    for what, names in (("contact", (contact.lower().removeprefix("_"),)), ("seconds", SECONDS)):
         at = next((i for i, name in enumerate(plain) if name in names), None)
         if at is None:
             known = ", ".join(shown(name) for name in header)

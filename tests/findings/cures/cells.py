@@ -50,7 +50,6 @@ OTHER: Final = (
 )
 BARE: Final = '[robots.arm]\nrobot = "rv-2aj"\n'
 CELL: Final = '[controllers.cell1]\naddress = "virtual:cr"\nrobot = "rv-2aj"\n'
-TIMELESS: Final = "j1_deg,j2_deg,j3_deg,j5_deg,j6_deg\n0,0,90,90,0\n"
 WANDER: Final = "explore wander w.toml --runs 1 --seed 1 --size 40"
 AJ: Final = """\
 program across for rv-2aj
@@ -205,12 +204,13 @@ CASES: Final = (
     ),
     Case(
         "CK481",
-        "explore recorded a.csv --cell c.toml --chart arm.npz",
-        {"a.csv": TIMELESS, "assistant.toml": CELL, "c.toml": BARE},
+        "explore recorded a.csv --cell c.toml --chart arm.npz --contact in:3",
+        {"assistant.toml": CELL, "c.toml": BARE},
         (
-            "monitor cell1 --log b.csv --seconds 1",
-            "explore recorded b.csv --cell c.toml --chart arm.npz",
+            "monitor cell1 --signals in:3 --log b.csv --seconds 1",
+            "explore recorded b.csv --cell c.toml --chart arm.npz --contact _in:3",
         ),
+        before=("monitor cell1 --log a.csv --seconds 1",),
         slow=True,
     ),
     Case(

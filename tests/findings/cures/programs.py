@@ -310,7 +310,7 @@ CASES: Final = (
     Case(
         "IN010",
         "--budget 0.001 check a.mod",
-        {"a.mod": MOVING + "! long\n" * 20000},
+        {"a.mod": MOVING + "! long\n" * 45000},
         ("--budget 10 check a.mod",),
         slow=True,
     ),
