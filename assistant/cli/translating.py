@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -93,7 +94,7 @@ def run_translate(
     from assistant.report.markdown import findings_markdown
     from assistant.report.names import names_csv
     from assistant.report.translation import markdown, record
-    from assistant.report.translation import written as reported
+    from assistant.report.translation import written as report_written
 
     if list(programs).count(STANDARD) > 1:
         raise Refused(TWICE(), exit_status=2)
@@ -113,6 +114,7 @@ def run_translate(
     files = {one.source: one.translation.files for one in done if one.translation.files}
     folders, told = placed(files)
     refusals = [*answers.refusals, *told]
+    reported = partial(report_written, refusals=refusals)
     whole = all(one.translation.ok for one in done)
     status = max(answers.status, 0 if whole else 1)
     keep_sources(

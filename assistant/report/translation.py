@@ -11,6 +11,7 @@ from typing import Any, Final
 from assistant.compiler.source_map import Place
 from assistant.compiler.translating import Row, Translation
 from assistant.findings.formats import finding_record
+from assistant.program.diagnostics import Diagnostic
 from assistant.report.costs import MOST, costs
 from assistant.report.markdown import cell, code, findings_markdown
 from assistant.resources import resource
@@ -216,6 +217,34 @@ WRITTEN: Final[dict[str, Callable[[Sequence[Translated]], str]]] = {
 """What a report file is written as, by its suffix."""
 
 
-def written(done: Sequence[Translated], file: FilePath) -> bytes:
-    """The report as the suffix of its file asks for; text for any other."""
-    return WRITTEN.get(file.suffix.lower(), text)(done).encode("utf-8")
+def written(
+    done: Sequence[Translated], file: FilePath, refusals: Sequence[Diagnostic] = ()
+) -> bytes:
+    """The report as the suffix of its file asks for; text for any other.
+
+    refusals: why programs are in no translation; in each form but the page.
+    """
+    suffix = file.suffix.lower()
+    said = WRITTEN.get(suffix, text)(done)
+    if suffix == ".json":
+        records = [*map(record, done), *_refused(refusals)]
+        said = json.dumps(records, indent=2, ensure_ascii=False) + "\n"
+    elif suffix == ".md":
+        said = "".join(f"{line}\n" for line in findings_markdown(refusals)) + said
+    elif WRITTEN.get(suffix, text) is text:
+        of_all = (finding for one in done for finding in one.translation.whole)
+        said += "".join(map(_finding_text, (*of_all, *refusals)))
+    return said.encode("utf-8")
+
+
+def _refused(refusals: Sequence[Diagnostic]) -> Iterator[dict[str, Any]]:
+    """A record for each source that could not be read, as plain data."""
+    for source in dict.fromkeys(finding.path for finding in refusals):
+        found = [finding_record(finding) for finding in refusals if finding.path == source]
+        yield {"source": source, "ok": False, "findings": found}
+
+
+def _finding_text(finding: Diagnostic) -> str:
+    where = f"{finding.where()}: " if finding.where() else ""
+    cure = f"; {finding.cure}" if finding.cure else ""
+    return f"{where}{finding.severity}: {finding.code} {finding.message}{cure}\n"

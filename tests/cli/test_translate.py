@@ -362,3 +362,21 @@ def test_rows_of_several_modules_name_their_file(tmp_path: Path, capsys: Capture
         for name in ("one", "two"):
             assert f"{name}.mod:3" in report.read_text("utf-8"), kind
             assert f"{name}.mod:3" in said
+
+
+def test_a_report_says_why_a_program_is_not_in_it(tmp_path: Path, capsys: Capture) -> None:
+    (tmp_path / "in").mkdir()
+    broken = tmp_path / "in" / "broken.mod"
+    broken.write_text("MODULE broken\n  PROC main()\n    reg1 = 5;\n  ENDPROC\nENDMODULE\n")
+    mainless = tmp_path / "in" / "part.mod"
+    mainless.write_text("MODULE part\n  PROC glue()\n    WaitTime 1;\n  ENDPROC\nENDMODULE\n")
+    for kind in ("md", "json", "txt"):
+        report = tmp_path / f"report.{kind}"
+        given = (broken, mainless, "--to", "melfa-basic-5", "-o", tmp_path / "out")
+        status, _, _ = run(capsys, "translate", *given, "--report", report)
+        told = report.read_text("utf-8")
+        assert status == 1
+        assert "RA101" in told and "broken.mod" in told and "MB245" in told, kind
+    records = json.loads((tmp_path / "report.json").read_text("utf-8"))
+    assert [one["ok"] for one in records] == [False, False]
+    assert records[1]["source"] == str(broken)
