@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -18,19 +18,12 @@ from assistant.cli.presentation import Format, print_findings, print_json, say
 from assistant.program.diagnostics import Diagnostic, Refused, error, fold, has_errors
 
 if TYPE_CHECKING:
-    from assistant.cell.scene import Scene
     from assistant.compiler.scenes import InCell
-    from assistant.compiler.source_map import Places
-    from assistant.program.program import Program
-    from assistant.robots import Robot, SolvedProgram
+    from assistant.compiler.solving import Solved
+    from assistant.robots import Robot
     from assistant.robots.timing import Simulation
     from assistant.sources.placements import Placing
 
-NO_ROBOT = error(
-    "CL010",
-    "the program names no robot that it is for",
-    "name one with --robot; `robot-assistant robots` lists them",
-)
 NO_RESULT = error(
     "CL011",
     "a simulation is not written as `{name}`",
@@ -90,55 +83,19 @@ def run_simulate(source: str, options: Options, outputs: Sequence[str], format: 
     return 1 if has_errors(near) else 0
 
 
-@dataclass(frozen=True, slots=True)
-class Solved:
-    """A program as the arm goes through it, in a scene if there is one, and where its parts are.
-
-    program: as it was read, before ways were planned and turns chosen.
-    """
-
-    solution: SolvedProgram
-    scene: Scene | None
-    places: Places
-    findings: list[Diagnostic]
-    program: Program
-
-
 def solved(source: str, options: Options, stands: InCell | None = None) -> Solved:
     """The program of a file, for the arm that runs it. Raises Refused if nobody names one.
 
     stands: the cell, where it has been read already.
     """
-    from assistant import robots
-    from assistant.compiler.arms import known_robot, robot_of, standing, taught_on
-    from assistant.compiler.crossing import for_arm
-    from assistant.compiler.locations import with_locations
     from assistant.compiler.scenes import in_cell
-    from assistant.compiler.source_map import Places
-    from assistant.compiler.travelling import travelled
-    from assistant.compiler.turning import with_turns
+    from assistant.compiler.solving import solve
 
     stands = stands or in_cell(options.cell, options.robot)
-    arms = stands.arms(robot_of(options.from_robot))
     reader = options.from_robot or stands.robot
     given = (options.process, options.unit, options.from_language, options.entry)
     loaded = load_given(source, reader, *given, stands.around, options.placement)
-    program: Program = loaded.program
-    arms = standing(program, arms)
-    program, located = with_locations(program, arms)
-    arm = arms.robot or known_robot(program.robot)
-    if arm is None:
-        raise Refused(NO_ROBOT(path=source), exit_status=2)
-    program, changed = for_arm(program, taught_on(program, replace(arms, robot=arm)), arm)
-    program, turned = with_turns(program, arm, arms.scene)
-    changed += turned
-    places = Places(loaded.program, loaded.text)
-    ways = travelled(program, arm, arms.scene, places)
-    solution = robots.solve_program(replace(ways.program, robot=arm.name), arm)
-    also = () if has_errors(ways.findings) else solution.findings
-    found = (*loaded.findings, *located, *changed, *map(places.finding, ways.findings), *also)
-    said = [*stands.findings, *fold(f.within(source) for f in found)]
-    return Solved(solution, arms.scene, places, said, loaded.program)
+    return solve(loaded, stands, source, options.from_robot)
 
 
 def refused(

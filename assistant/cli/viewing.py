@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.cli.compiling import STANDARD, keep_sources, working
 from assistant.cli.presentation import Format, print_findings, print_json, say
-from assistant.cli.simulating import Options, Solved, refused, solved
+from assistant.cli.simulating import Options, refused, solved
 from assistant.program.diagnostics import Diagnostic, Refused, Severity, error, fold, has_errors
 
 if TYPE_CHECKING:
     from assistant.cell.clearances import Closeness
     from assistant.cell.scene import Placed, Scene
+    from assistant.compiler.solving import Solved
     from assistant.robots import SolvedProgram
     from assistant.view.record import Shown
 
