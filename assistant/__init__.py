@@ -1,27 +1,75 @@
-"""A programming-assistant compiler for industrial robots."""
+"""A programming-assistant compiler for industrial robots.
+
+compiled = assistant.compile("part.dxf", language="rapid", robot="irb1200-7-0.7")
+compiled.write("out")
+"""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from assistant.lazy import offered
+from assistant.lazy import draw_by, listed, offered
 
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from assistant import languages, robots
+    from assistant import deploy, languages, robots
+    from assistant.api.arrays import from_joints, from_poses
+    from assistant.api.checking import check
+    from assistant.api.simulating import simulate
+    from assistant.cell.planning.planner import plan
+    from assistant.cell.reading.cell_file import read_scene
     from assistant.compiler import compile, load, translate
+    from assistant.controllers import connect
+    from assistant.program.diagnostics import Refused
 
 _LAZY: Final = {
+    "Refused": ("assistant.program.diagnostics", "Refused"),
+    "check": ("assistant.api.checking", "check"),
     "compile": ("assistant.compiler", "compile"),
-    "load": ("assistant.compiler", "load"),
-    "translate": ("assistant.compiler", "translate"),
+    "connect": ("assistant.controllers", "connect"),
+    "deploy": ("assistant.deploy", None),
+    "from_joints": ("assistant.api.arrays", "from_joints"),
+    "from_poses": ("assistant.api.arrays", "from_poses"),
     "languages": ("assistant.languages", None),
+    "load": ("assistant.compiler", "load"),
+    "plan": ("assistant.cell.planning.planner", "plan"),
+    "read_scene": ("assistant.cell.reading.cell_file", "read_scene"),
     "robots": ("assistant.robots", None),
+    "simulate": ("assistant.api.simulating", "simulate"),
+    "translate": ("assistant.compiler", "translate"),
 }
 """Public names, imported when first used so that the command line starts fast."""
 
-__all__ = ["__version__", "compile", "languages", "load", "robots", "translate"]
+__all__ = [
+    "Refused",
+    "__version__",
+    "check",
+    "compile",
+    "connect",
+    "deploy",
+    "from_joints",
+    "from_poses",
+    "languages",
+    "load",
+    "plan",
+    "read_scene",
+    "robots",
+    "simulate",
+    "translate",
+]
 
 
 __getattr__ = offered(__name__, _LAZY)
+__dir__ = listed(__name__, _LAZY)
+
+draw_by(
+    {
+        "Check": ("assistant.api.notebook", "check_html"),
+        "Compiled": ("assistant.api.notebook", "compiled_html"),
+        "Diagnostic": ("assistant.api.notebook", "finding_html"),
+        "Program": ("assistant.api.notebook", "program_html"),
+        "Simulated": ("assistant.api.notebook", "simulated_html"),
+        "Translation": ("assistant.api.notebook", "translation_html"),
+    }
+)

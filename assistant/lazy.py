@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 import sys
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, Final
 
 
 def offered(package: str, names: Mapping[str, tuple[str, str | None]]) -> Callable[[str], Any]:
@@ -24,3 +24,28 @@ def offered(package: str, names: Mapping[str, tuple[str, str | None]]) -> Callab
         return value
 
     return get
+
+
+def listed(package: str, names: Mapping[str, tuple[str, str | None]]) -> Callable[[], list[str]]:
+    """The `__dir__` of a package: what it offers, loaded or not, and nothing that it only uses."""
+
+    def names_of() -> list[str]:
+        own = (name for name in vars(sys.modules[package]) if name.startswith("__"))
+        return sorted({*own, *names})
+
+    return names_of
+
+
+_DRAWING: Final[dict[str, tuple[str, str]]] = {}
+
+
+def draw_by(names: Mapping[str, tuple[str, str]]) -> None:
+    """Who draws what for a notebook: name of a class → module and function, loaded when asked."""
+    _DRAWING.update(names)
+
+
+def pictured(one: object) -> str:
+    """What a notebook shows of an object, as HTML: the `_repr_html_` of its class."""
+    module, name = _DRAWING[type(one).__name__]
+    html: str = getattr(importlib.import_module(module), name)(one)
+    return html

@@ -40,6 +40,12 @@ ROOMS: dict[str, frozenset[str]] = {
     ),
     "report": frozenset({"program", "sources", "robots", "cell", "compiler", "findings"}),
     "view": frozenset({"program", "robots", "cell", "compiler", "findings", "report"}),
+    "api": frozenset(
+        {
+            *("program", "sources", "robots", "cell", "checks", "compiler", "findings"),
+            *("report",),
+        }
+    ),
     "cli": frozenset(
         {
             *("program", "sources", "robots", "cell", "languages", "checks"),
@@ -67,7 +73,12 @@ and its statements. Elsewhere such imports count as others do.
 SHARED = frozenset({"lazy", "resources"})
 """Modules of the top folder that every room may import."""
 
-TOP_MAY_IMPORT = frozenset({"lazy", "compiler", "languages", "robots"})
+TOP_MAY_IMPORT = frozenset(
+    {
+        *("lazy", "program", "languages", "robots", "cell", "controllers", "deploy", "compiler"),
+        *("api",),
+    }
+)
 """What `assistant/__init__.py` offers to users, loaded when first used, and what loads it."""
 
 

@@ -25,7 +25,7 @@ from assistant.project.schema import schema
 from assistant.sources.process.file import read_process
 from assistant.virtual.melfa import Options
 from assistant.virtual.melfa.choosing import choose
-from docs import findings, house, limits, pictures
+from docs import api, findings, house, limits, pictures
 from tests.forks import Forks
 
 PROJECT = Path(__file__).parent.parent
@@ -197,6 +197,12 @@ def test_the_findings_page_is_what_the_rules_say():
 def test_the_page_about_limits_is_what_they_are():
     written = (PROJECT / "docs" / "limits.md").read_text(encoding="utf-8")
     assert written == limits.page(), "python -m docs.limits > docs/limits.md"
+
+
+def test_the_page_about_python_is_what_the_docstrings_say():
+    written = (PROJECT / "docs" / "api.md").read_text(encoding="utf-8")
+    assert written == api.page(), "python -m docs.api > docs/api.md"
+    assert all(f"### assistant.{name}\n" in written for name in api.FUNCTIONS)
 
 
 def test_every_finding_says_what_to_do():

@@ -30,7 +30,7 @@ from assistant.compiler.source_map import Places, at_moves
 from assistant.compiler.travelling import travelled
 from assistant.compiler.turning import with_turns
 from assistant.program import pseudo
-from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors, info
+from assistant.program.diagnostics import Diagnostic, Refused, error, fold, has_errors, info
 from assistant.program.failing import details_wanted, failure
 from assistant.program.program import Program
 from assistant.program.text import SourceText, is_folder, read_bytes
@@ -161,6 +161,14 @@ def check_text(
             found.append(unit_stated(text.path or "standard input", unit))
         checked.findings += [f.within(text.path) for f in dict.fromkeys(found)]
     return checked
+
+
+def check_program(
+    program: Program, stands: InCell, text: SourceText | None = None
+) -> tuple[Diagnostic, ...]:
+    """The same for a program that has been read or made. text: that it was read of, if any."""
+    places = Places(program, text)
+    return fold(map(places.finding, _check_meaning(program, stands, places)))
 
 
 def _stood(cell: str | FilePath | InCell | None, robot: str | None) -> InCell:

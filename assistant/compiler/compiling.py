@@ -25,6 +25,7 @@ from assistant.compiler.scenes import InCell, in_cell
 from assistant.compiler.source_map import Places, at_moves
 from assistant.compiler.travelling import travelled, travels
 from assistant.compiler.turning import has_free_turns, with_turns
+from assistant.lazy import pictured
 from assistant.program.contents import saying
 from assistant.program.diagnostics import (
     Diagnostic,
@@ -41,6 +42,7 @@ from assistant.program.passes.watching import passed
 from assistant.program.program import Origin, Program
 from assistant.program.statements import Opaque
 from assistant.program.system.budgets import COMPILING, PRINTING, staged, within
+from assistant.program.system.writing import write_files
 
 if TYPE_CHECKING:
     from assistant.cell.scene import Scene
@@ -115,6 +117,25 @@ class Compiled:
     @property
     def ok(self) -> bool:
         return bool(self.files) and self.proof.holds and not has_errors(self.found)
+
+    def write(self, folder: str | FilePath) -> tuple[FilePath, ...]:
+        """Writes the files into a folder, which is made; all of them or none.
+
+        Gives where they are. Raises Refused with all findings where the program is not to be
+        written, and (exit status 2) where the folder cannot be.
+        """
+        if not self.ok:
+            raise Refused(*self.findings)
+        return write_files(self.files, folder)
+
+    def __repr__(self) -> str:
+        count = len(self.findings)
+        state = "proven" if self.ok else "not written"
+        told = [state, *sorted(self.files), f"{count} finding{'s' * (count != 1)}"]
+        return f"<Compiled {self.program.name} in {self.language}: {', '.join(told)}>"
+
+    def _repr_html_(self) -> str:
+        return pictured(self)
 
 
 def compile(

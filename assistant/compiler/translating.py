@@ -21,6 +21,7 @@ from assistant.compiler.proof import Proof
 from assistant.compiler.scenes import in_cell
 from assistant.compiler.source_map import Place, Places, Trace
 from assistant.compiler.unsaid import unsaid
+from assistant.lazy import pictured
 from assistant.program import statements as p
 from assistant.program.diagnostics import (
     Diagnostic,
@@ -35,6 +36,7 @@ from assistant.program.lines import lines_of
 from assistant.program.program import Program, bodies, walk
 from assistant.program.subjects import Declared, PathRow, Subject, Table
 from assistant.program.system.budgets import DRAFTING, REPORTING, within
+from assistant.program.system.writing import write_files
 from assistant.program.without_gc import uncollected
 from assistant.sources.cell import said
 
@@ -112,6 +114,25 @@ class Translation:
     def motion(self) -> MotionProof | None:
         """The proof by motion, None where it was not asked for."""
         return self.written.motion
+
+    def write(self, folder: str | FilePath) -> tuple[FilePath, ...]:
+        """Writes the files into a folder, which is made; all of them or none.
+
+        Gives where they are. Raises Refused with all findings where something is not said, unless
+        a draft was asked for, and (exit status 2) where the folder cannot be written.
+        """
+        if not self.files:
+            raise Refused(*self.findings)
+        return write_files(self.files, folder)
+
+    def __repr__(self) -> str:
+        count = len(self.findings)
+        state = "proven" if self.ok else "a draft" if self.files else "not written"
+        told = [state, *sorted(self.files), f"{count} finding{'s' * (count != 1)}"]
+        return f"<Translation {self.compiled.program.name} to {self.language}: {', '.join(told)}>"
+
+    def _repr_html_(self) -> str:
+        return pictured(self)
 
     @property
     def totals(self) -> dict[Level, int]:

@@ -16,8 +16,11 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any, Final, Self
 
+from assistant.lazy import pictured
 from assistant.program.subjects import Subject
 
+MOST_TOLD: Final = 5
+"""Findings that the text of an exception tells; the rest is counted."""
 LONGEST_EXCERPT: Final = 240
 """Characters of a source line that are shown with a finding."""
 
@@ -84,6 +87,18 @@ class Diagnostic:
         numbers = [str(n) for n in (self.line, self.column) if n is not None]
         head = ":".join([self.path or "", *numbers] if self.path or numbers else [])
         return " ".join(part for part in (head.strip(":"), self.place) if part)
+
+    def __str__(self) -> str:
+        """Code, place, what is wrong and, in brackets, what to do: one line."""
+        where = self.where()
+        head = f"{self.code} {where}: " if where else f"{self.code}: "
+        return f"{head}{self.message}{f' ({self.cure})' if self.cure else ''}"
+
+    def __repr__(self) -> str:
+        return f"<{self.severity.upper()} {self}>"
+
+    def _repr_html_(self) -> str:
+        return pictured(self)
 
     def within(self, path: str | None) -> Diagnostic:
         """The same finding, placed in a file if it names none yet."""
@@ -173,7 +188,9 @@ class Refused(ValueError):
     exit_status: int = 1
 
     def __init__(self, *findings: Diagnostic, exit_status: int | None = None) -> None:
-        super().__init__("; ".join(f"{f.where()} {f.message}".strip() for f in findings))
+        more = len(findings) - MOST_TOLD
+        told = [*map(str, findings[:MOST_TOLD]), *([f"and {more} more"] if more > 0 else [])]
+        super().__init__("; ".join(told))
         self.findings: Final = findings
         if exit_status is not None:
             self.exit_status = exit_status

@@ -120,6 +120,9 @@ class Path:
     def __len__(self) -> int:
         return len(self.positions)
 
+    def __repr__(self) -> str:
+        return f"<Path {self.name}: {len(self)} row{'s' * (len(self) != 1)}>"
+
     def __eq__(self, other: object) -> bool:
         """Same rows in effect: tables may be ordered differently."""
         if not isinstance(other, Path):

@@ -7,6 +7,7 @@ from collections.abc import Hashable, Iterable, Iterator, Set
 from dataclasses import dataclass, field
 from typing import Any, Final, Literal
 
+from assistant.lazy import pictured
 from assistant.program.diagnostics import Span, info
 from assistant.program.effects import Effect
 from assistant.program.expressions import Expression
@@ -217,6 +218,16 @@ class Program:
     _by_name: dict[str, Procedure] = field(
         default_factory=dict, init=False, compare=False, repr=False
     )
+
+    def __repr__(self) -> str:
+        said = sum(len(s.path) if isinstance(s, Follow) else 1 for s in self.statements())
+        counts = {"procedure": len(self.procedures), "statement": said}
+        counts["target"] = len(self.targets) + len(self.joint_targets)
+        told = ", ".join(f"{count} {what}{'s' * (count != 1)}" for what, count in counts.items())
+        return f"<Program {self.name}: {told}>"
+
+    def _repr_html_(self) -> str:
+        return pictured(self)
 
     def procedure(self, name: str) -> Procedure | None:
         """The first procedure of a name, in any case."""

@@ -81,7 +81,8 @@ def test_equal_findings_are_folded_with_a_count_and_the_first_places() -> None:
 def test_refusing_carries_the_findings() -> None:
     refused = Refused(RULE(name="n", path="a", line=1), RULE(name="m"))
     assert isinstance(refused, ValueError)
-    assert str(refused) == "a:1 `n` is odd; `m` is odd"
+    said = "XX101 a:1: `n` is odd (rename `n`); XX101: `m` is odd (rename `m`)"
+    assert str(refused) == said
     assert (refused.exit_status, len(refused.findings)) == (1, 2)
     assert Unreadable(RULE(name="n")).exit_status == 2
     assert Refused(RULE(name="n"), exit_status=2).exit_status == 2

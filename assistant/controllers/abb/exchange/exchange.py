@@ -302,7 +302,7 @@ class PoseExchange:
                 self.programs.__enter__()
             self.stop()
         except Refused as refused:
-            self.ended = f"the robot could not be told to stop and may still move: {refused}"
+            self.ended = f"the robot could not be told to stop and may still move: {_said(refused)}"
         except BaseException:
             self.ended = "the stop was broken off, and the robot may still move"
             raise
@@ -391,3 +391,7 @@ def _next(number: int) -> int:
 
 def _bad(row: int, reason: str, cure: str) -> Diagnostic:
     return rules.BAD_POSE(row=row + 1, reason=reason, cure=cure)
+
+
+def _said(refused: Refused) -> str:
+    return "; ".join(finding.message for finding in refused.findings)

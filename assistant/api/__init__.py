@@ -1,0 +1,1 @@
+"""What Python offers beside the commands: arrays as programs, checks, times, pages of notebooks."""

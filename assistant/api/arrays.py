@@ -1,0 +1,262 @@
+"""Programs of arrays: poses and joints, with speed, blend, tool and frame as plain arguments."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path as FilePath
+from typing import Any, Final, Literal
+
+import numpy as np
+
+from assistant.compiler.arms import robot_of
+from assistant.program import rotations
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Refused, Severity, error, has_errors
+from assistant.program.expressions import JointValue
+from assistant.program.geometry import FLANGE, Frame, JointTarget, Pose, Tool
+from assistant.program.motion import FINE, Blend, Speed
+from assistant.program.path import Kind
+from assistant.program.program import Program, identifier
+from assistant.program.statements import Motion, MoveJoints
+from assistant.robots import Robot
+from assistant.sources.process import NO_PROCESS, Process
+from assistant.sources.process.file import read_process
+from assistant.sources.tables import rows
+from assistant.sources.tables.headers import shown
+from assistant.sources.tables.poses import NOT_FINITE
+from assistant.sources.waypoints import Unit, read_poses
+
+NO_JOINTS = error(
+    "TB431",
+    "`{given}` is no array of joints",
+    "give an array (n, {axes}), a row for each point, or what `jtraj` of roboticstoolbox returns",
+)
+JOINT_SHAPE = error(
+    "TB432",
+    "the shape is {shape}, and {robot} has {axes} axes: {names}",
+    "give a row of {axes} values for each point",
+)
+JOINT_UNIT = error("TB433", "the unit {unit} of joints is not known", "write `rad` or `deg`")
+NO_ARM = error(
+    "TB434",
+    "joint angles mean a place on one arm only, and none is named",
+    'name it: robot="irb1200-7-0.7"; `assistant.robots.names()` lists them',
+)
+TOO_MUCH = error(
+    "TB435", "{value:g} percent is no part of the joints' speed", "write a number from 1 to 100"
+)
+NO_PLACE = error(
+    "TB436",
+    "`{given}` is no {kind}",
+    "give the name of one in the process file, three numbers in mm, a `Pose` or a `{type}`",
+)
+
+JointUnit = Literal["rad", "deg"]
+TOOL: Final = "tool"
+FRAME: Final = "frame"
+"""What a tool and a frame are called that are given by value."""
+
+
+def from_poses(
+    poses: Any,
+    *,
+    unit: Unit,
+    name: str = "path",
+    speed: float | None = None,
+    blend: float | Literal["fine"] | None = None,
+    tool: str | Tool | Pose | Sequence[float] | None = None,
+    frame: str | Frame | Pose | Sequence[float] | None = None,
+    robot: str | Robot | None = None,
+    process: str | FilePath | Process | None = None,
+) -> Program:
+    """The program that follows poses.
+
+    poses: one spatialmath SE3 of many poses (what roboticstoolbox's `ctraj` gives), a
+    sequence of SE3, or an array (n, 7) of x y z and a quaternion w x y z, or (n, 4, 4).
+    unit: of their positions, "mm" or "m"; it is not guessed, roboticstoolbox uses metres.
+    speed: mm/s of the tool, 100 if nothing says more. blend: mm at which a corner may be left,
+    "fine" to stop at each pose; without one corners are rounded within the tolerance.
+    tool: name of one of the process file, or by value: its tip in the flange as three numbers in
+    mm or a `Pose`, or a whole `Tool`. frame: what the poses are relative to, by the same forms, in
+    the robot's base. robot: the arm that is to run it. process: file with tools, frames, signals
+    and whatever is not said here.
+
+    What should be looked at becomes a Python warning; raises Refused for what is wrong.
+    """
+    stated = _process(process, speed, None, blend, tool, frame, robot)
+    reading = read_poses(poses, stated, name, unit=unit)
+    for finding in (*stated.findings, *reading.findings):
+        if finding.severity is Severity.WARNING:
+            warnings.warn(str(finding), stacklevel=2)
+    return reading.program
+
+
+def from_joints(
+    joints: Any,
+    *,
+    unit: JointUnit,
+    robot: str | Robot | None = None,
+    name: str = "path",
+    speed: float | None = None,
+    percent: float | None = None,
+    blend: float | Literal["fine"] | None = None,
+    tool: str | Tool | Pose | Sequence[float] | None = None,
+    process: str | FilePath | Process | None = None,
+) -> Program:
+    """The program of joint moves through rows of joints.
+
+    joints: array (n, a) for the a axes of the arm in their order, or what has one as `q`, as the
+    trajectory that roboticstoolbox's `jtraj` gives. unit: "rad", sliding axes in m, as
+    roboticstoolbox has it, or "deg", sliding axes in mm. robot: the arm that they are joints of.
+    speed: mm/s of the tool at most, 100 if nothing says more; percent: of the joints' greatest
+    speed, for languages that say joint moves so. When each row is passed is not kept: a program
+    states speeds, and the controller goes as fast as these allow. blend: mm at which the way may
+    leave a row for the next one, "fine" to stop at each; without one the arm stops only at the
+    ends and where the tip of the tool stays or turns back sharply, and keeps within the tolerance.
+    tool, process: as of `from_poses`.
+
+    Raises Refused for what is wrong; limits of the joints are looked at by `check` and `compile`.
+    """
+    stated = _process(process, speed, percent, blend, tool, None, robot)
+    arm = robot_of(stated.robot if robot is None else robot)
+    if arm is None:
+        raise Refused(NO_ARM(place="robot"))
+    if unit not in ("rad", "deg"):
+        raise Refused(JOINT_UNIT(place="unit", unit=shown(str(unit))))
+    values = _in_degrees(_array_of(joints, arm), unit, arm)
+    found = rows.default_findings(stated, None)
+    if has_errors(found):
+        raise Refused(*found)
+    kinds = np.full(len(values), Kind.JOINT, dtype=np.uint8)
+    motions = rows.default_motions(len(values), stated)
+    columns = motions.rounded(_tips(values, arm, stated), kinds, stated.tolerance)
+    defaults, blends = stated.defaults, columns["blends"]
+    body = [
+        MoveJoints(
+            JointValue(JointTarget(_spread(row, arm))),
+            Motion(defaults.speed, blends[index], defaults.tool, defaults.frame),
+        )
+        for row, index in zip(values.tolist(), columns["blend"].tolist(), strict=True)
+    ]
+    for finding in stated.findings:
+        if finding.severity is Severity.WARNING:
+            warnings.warn(str(finding), stacklevel=2)
+    return rows.program_of(identifier(name), body, replace(stated, robot=arm.name))
+
+
+def _process(
+    given: str | FilePath | Process | None,
+    speed: float | None,
+    percent: float | None,
+    blend: float | Literal["fine"] | None,
+    tool: str | Tool | Pose | Sequence[float] | None,
+    frame: str | Frame | Pose | Sequence[float] | None,
+    robot: str | Robot | None,
+) -> Process:
+    """A process file with what is said beside it; raises Refused."""
+    if given is None:
+        given = NO_PROCESS
+    stated = given if isinstance(given, Process) else read_process(given)
+    changed: dict[str, Any] = {}
+    if speed is not None or percent is not None:
+        changed["speed"] = _speed(stated, speed, percent)
+    if blend is not None:
+        changed["blend"] = _blend(blend)
+    tools, frames = dict(stated.tools), dict(stated.frames)
+    if tool is not None:
+        changed["tool"] = _declared(tool, TOOL, Tool, tools)
+    if frame is not None:
+        changed["frame"] = _declared(frame, FRAME, Frame, frames)
+    arm = stated.robot if robot is None else getattr(robot_of(robot), "name", None)
+    defaults = replace(stated.defaults, **changed)
+    return replace(stated, defaults=defaults, tools=tools, frames=frames, robot=arm)
+
+
+def _speed(stated: Process, tcp: float | None, percent: float | None) -> Speed:
+    if tcp is not None and not tcp > 0.0:
+        raise Refused(rows.TOO_SLOW(place="speed", what="the speed", value=tcp, more=""))
+    if percent is not None and not 0.0 < percent <= 100.0:
+        raise Refused(TOO_MUCH(place="percent", value=percent))
+    known = stated.defaults.speed
+    base = known if isinstance(known, Speed) else Speed(100.0)
+    changed = {"tcp": tcp, "joint": percent}
+    return replace(base, **{key: float(v) for key, v in changed.items() if v is not None})
+
+
+def _blend(blend: float | Literal["fine"]) -> Blend:
+    if blend == "fine":
+        return FINE
+    if not float(blend) >= 0.0:
+        raise Refused(rows.NEGATIVE(place="blend", what="the blend", value=blend, more=""))
+    return Blend(float(blend)) if blend else FINE
+
+
+def _declared(given: Any, name: str, kind: type[Tool] | type[Frame], table: dict[str, Any]) -> str:
+    """The name of a tool or frame, which stands in the table if it was given by value."""
+    if isinstance(given, str):
+        return given
+    if not isinstance(given, kind | Pose):
+        try:
+            x, y, z = (float(value) for value in given)
+        except (TypeError, ValueError):
+            finding = NO_PLACE(place=name, given=str(given)[:80], kind=name, type=kind.__name__)
+            raise Refused(finding) from None
+        given = Pose((x, y, z))
+    pose = given if isinstance(given, Pose) else None
+    values = (*given.position, *given.quaternion) if pose else ()
+    if not all(np.isfinite(values)):
+        raise Refused(NOT_FINITE(place=name, what=f"the {name}", value=pose, more=""))
+    free = identifier(name, frozenset(table))
+    table[free] = kind(given) if isinstance(given, Pose) else given
+    return free
+
+
+def _array_of(joints: Any, arm: Robot) -> Floats:
+    """Rows (n, a) of what was given; raises Refused."""
+    given = getattr(joints, "q", joints)
+    wrong = NO_JOINTS(place="joints", given=type(joints).__name__, axes=len(arm.axes))
+    try:
+        array = np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise Refused(wrong) from None
+    if array.ndim == 0:
+        raise Refused(wrong)
+    array = array[None] if array.ndim == 1 else array
+    if array.ndim != 2 or array.shape[1] != len(arm.axes) or not len(array):
+        shape = "(" + ", ".join(map(str, np.shape(given))) + ")"
+        said: Mapping[str, Any] = {"robot": arm.name, "names": ", ".join(arm.axes)}
+        raise Refused(JOINT_SHAPE(place="joints", shape=shape, axes=len(arm.axes), **said))
+    return array
+
+
+def _in_degrees(values: Floats, unit: JointUnit, arm: Robot) -> Floats:
+    """Degrees, and mm of sliding axes; raises Refused for what is not finite."""
+    bad = np.argwhere(~np.isfinite(values))
+    if len(bad):
+        row, axis = bad[0].tolist()
+        what, more = f"the joint {arm.axes[axis]}", f" ({len(bad)} such)" if len(bad) > 1 else ""
+        fields: dict[str, Any] = {"what": what, "value": values[row, axis], "more": more}
+        raise Refused(NOT_FINITE(place=f"joints[{row}]", **fields))
+    if unit == "deg":
+        return values
+    return np.where(arm.sliding, values * 1000.0, np.degrees(values))
+
+
+def _tips(values: Floats, arm: Robot, process: Process) -> Floats:
+    """Where the tip of the tool is (n, 3), in mm."""
+    positions, quaternions = arm.fk(values)
+    named = rows.known_tool(process.defaults.tool, process)
+    tool = Tool() if named in (None, FLANGE) else process.tools[str(named)]
+    if not tool.held:
+        return positions
+    return np.asarray(positions + rotations.rotate(quaternions, np.array(tool.tip.position)))
+
+
+def _spread(row: Sequence[float], arm: Robot) -> tuple[float, ...]:
+    """The values of a row at the places of their axes; NaN for one that the arm has not."""
+    full = [float("nan")] * (max(arm.places) + 1)
+    for place, value in zip(arm.places, row, strict=True):
+        full[place] = value
+    return tuple(full)

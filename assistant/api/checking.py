@@ -1,0 +1,86 @@
+"""Checking from Python: files, folders, programs and what was compiled."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from os import fspath
+from pathlib import Path as FilePath
+
+from assistant.compiler.checking import Checked, check_files, check_program
+from assistant.compiler.compiling import Compiled
+from assistant.compiler.loading import Loaded
+from assistant.compiler.scenes import in_cell
+from assistant.findings.fail_on import FailOn
+from assistant.findings.project_severities import settle
+from assistant.lazy import pictured
+from assistant.program.diagnostics import Diagnostic
+from assistant.program.program import Program
+from assistant.robots import Robot
+
+Source = str | FilePath | Program | Loaded | Compiled
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Check:
+    """What a check found.
+
+    findings: as the settings of a project want them. ignored: by comments in programs. files: that
+    were looked at. unreadable: something could not be read.
+    """
+
+    findings: tuple[Diagnostic, ...]
+    ignored: tuple[Diagnostic, ...] = ()
+    files: tuple[str, ...] = ()
+    unreadable: bool = False
+
+    @property
+    def ok(self) -> bool:
+        """Whether all was read, and neither an error nor a warning found."""
+        return FailOn.WARNING.status(self.findings, unreadable=self.unreadable) == 0
+
+    def __repr__(self) -> str:
+        count = len(self.findings)
+        return f"<Check {'ok' if self.ok else 'not ok'}: {count} finding{'s' * (count != 1)}>"
+
+    def _repr_html_(self) -> str:
+        return pictured(self)
+
+
+def check(
+    source: Source | Sequence[Source],
+    *,
+    robot: str | Robot | None = None,
+    process: str | FilePath | None = None,
+    unit: str | None = None,
+    cell: str | FilePath | None = None,
+    language: str | None = None,
+) -> Check:
+    """Checks files, folders, and programs that are no files, as the command `check` does.
+
+    source: one or several; of a `Compiled` or a `Loaded`, its program. robot: reach, limits and
+    configurations are checked for it; without one for the robot that a program names. process:
+    process file of drawings and tables. unit: of length, that drawings are in. cell: file of the
+    cell that they run in. language: of robot programs, where neither suffix nor text tell.
+    Raises Refused for options that are wrong; what is wrong with a source is a finding.
+    """
+    several = isinstance(source, Sequence) and not isinstance(source, str)
+    given: list[Source] = list(source) if several else [source]  # type: ignore[arg-type, list-item]
+    stands = in_cell(cell, robot)
+    checked = Checked(list(stands.findings))
+    paths = [fspath(one) for one in given if isinstance(one, str | FilePath)]
+    for one in given:
+        if isinstance(one, str | FilePath):
+            continue
+        loaded = one if isinstance(one, Loaded) else None
+        program = one if isinstance(one, Program) else one.program
+        checked.findings += loaded.findings if loaded else ()
+        checked.findings += check_program(program, stands, loaded.text if loaded else None)
+    if paths:
+        more = check_files(paths, process=process, unit=unit, cell=stands, language=language)
+        checked.findings += more.findings
+        checked.texts |= more.texts
+        checked.paths += more.paths
+        checked.unreadable |= more.unreadable
+    settled = settle(checked.findings, checked.texts)
+    return Check(settled.left, settled.ignored, tuple(checked.paths), checked.unreadable)

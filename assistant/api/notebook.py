@@ -1,0 +1,199 @@
+"""Pages of notebooks: what Jupyter shows of programs, findings, compilations and simulations.
+
+HTML in one piece, without a script and without anything from outside; whatever names and texts
+hold is shown as it is written.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from html import escape
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from assistant.compiler.arms import known_robot
+from assistant.program import rotations
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Diagnostic, Refused, Severity
+from assistant.program.expressions import JointValue, Name
+from assistant.program.geometry import Tool
+from assistant.program.path import Kind
+from assistant.program.program import Program
+from assistant.program.statements import MoveJoints
+from assistant.program.visible import visible
+from assistant.report.track import track
+
+if TYPE_CHECKING:
+    from assistant.api.checking import Check
+    from assistant.api.simulating import Simulated
+    from assistant.compiler import Compiled, Translation
+
+WIDTH: Final = 300.0
+HEIGHT: Final = 220.0
+MARGIN: Final = 10.0
+"""px of one view of a picture, and what is left free at its edges."""
+MOST_POINTS: Final = 2000
+"""Points of a way that are drawn; of more, every second, third …"""
+MOST_FINDINGS: Final = 50
+MOST_LINES: Final = 200
+"""Findings, and lines of a file, that are shown; the rest is counted."""
+COLOURS: Final = {Severity.ERROR: "#b3261e", Severity.WARNING: "#8a5a00", Severity.INFO: "#1f5f8b"}
+VIEWS: Final = (("from above", 0, 1), ("from the side", 0, 2))
+"""Views of a picture, with the axes that lead to the right and up."""
+JOINT: Final = "#9a9a9a"
+WORK: Final = "#1f5f8b"
+
+
+def program_html(program: Program) -> str:
+    """A program: how long it is, and the way of its tool."""
+    return f"<div><p>{_text(repr(program)[1:-1])}</p>{_picture(program)}</div>"
+
+
+def finding_html(finding: Diagnostic) -> str:
+    return findings_html([finding])
+
+
+def findings_html(findings: Sequence[Diagnostic]) -> str:
+    """A table of findings, and how many more there are."""
+    if not findings:
+        return "<p>no findings</p>"
+    lines = [_row(finding) for finding in findings[:MOST_FINDINGS]]
+    more = len(findings) - len(lines)
+    rest = f"<p>and {more} more</p>" if more > 0 else ""
+    return f'<table style="text-align:left"><tbody>{"".join(lines)}</tbody></table>{rest}'
+
+
+def check_html(check: Check) -> str:
+    return f"<div><p>{_text(repr(check)[1:-1])}</p>{findings_html(check.findings)}</div>"
+
+
+def compiled_html(compiled: Compiled) -> str:
+    """What was compiled: its proof, the way of the tool, findings, the text of the files."""
+    told = [repr(compiled)[1:-1], *compiled.proof_lines()]
+    parts = [_picture(compiled.source), findings_html(compiled.findings)]
+    return _page(told, parts, compiled.files.items())
+
+
+def translation_html(translation: Translation) -> str:
+    """What was translated: how much is said, the way of the tool, findings, the files."""
+    totals = ", ".join(f"{count} {level}" for level, count in translation.totals.items() if count)
+    told = [repr(translation)[1:-1], totals]
+    source = translation.compiled.source
+    return _page(
+        told, [_picture(source), findings_html(translation.findings)], translation.files.items()
+    )
+
+
+def simulated_html(done: Simulated) -> str:
+    """A simulation: its times, and findings."""
+    told = [repr(done)[1:-1]]
+    told += [
+        f"{name}: {time.most:.2f} s a call" for name, time in done.simulation.procedures.items()
+    ]
+    return _page(told, [findings_html(done.findings)], ())
+
+
+def _page(told: Iterable[str], parts: Iterable[str], files: Iterable[tuple[str, bytes]]) -> str:
+    lines = "".join(f"<p>{_text(line)}</p>" for line in told)
+    return f"<div>{lines}{''.join(parts)}{''.join(_file(*one) for one in files)}</div>"
+
+
+def _file(name: str, data: bytes) -> str:
+    lines = data.decode("utf-8", "replace").splitlines()
+    shown = "\n".join(_text(line.expandtabs(4)) for line in lines[:MOST_LINES])
+    more = len(lines) - MOST_LINES
+    rest = f"\n… {more} more lines" if more > 0 else ""
+    return f"<details><summary>{_text(name)}</summary><pre>{shown}{rest}</pre></details>"
+
+
+def _row(finding: Diagnostic) -> str:
+    colour = COLOURS[finding.severity]
+    cure = f"<br><small>{_text(finding.cure)}</small>" if finding.cure else ""
+    head = f'<td style="color:{colour}">{_text(finding.code)} {finding.severity}</td>'
+    where = f"<td>{_text(finding.where())}</td>"
+    return f'<tr>{head}{where}<td style="text-align:left">{_text(finding.message)}{cure}</td></tr>'
+
+
+def _text(text: str) -> str:
+    return escape(visible(text))
+
+
+def _picture(program: Program) -> str:
+    """The way of the tool from above and from the side; nothing of one that does not move."""
+    points, joint = _way(program)
+    if len(points) < 2:
+        return ""
+    every = -(-len(points) // MOST_POINTS)
+    kept = np.unique(np.append(np.arange(0, len(points), every), len(points) - 1))
+    points, joint = points[kept], joint[kept]
+    low, high = points.min(axis=0), points.max(axis=0)
+    extents = ", ".join(f"{axis} {low[i]:.1f} to {high[i]:.1f} mm" for i, axis in enumerate("xyz"))
+    views = "".join(
+        _view(label, points[:, [x, y]], joint, number * WIDTH)
+        for number, (label, x, y) in enumerate(VIEWS)
+    )
+    size = f'width="{2 * WIDTH:.0f}" height="{HEIGHT:.0f}"'
+    box = f'viewBox="0 0 {2 * WIDTH:.0f} {HEIGHT:.0f}"'
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" {size} {box} fill="none" '
+        f'style="background:white">{views}</svg><p><small>{extents}; '
+        "grey: joint moves, which the arm does not make in a line</small></p>"
+    )
+
+
+def _view(label: str, points: Floats, joint: Floats, left: float) -> str:
+    """Points (n, 2) mm, scaled alike along both axes into one view, y upwards. left: its edge."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    room = np.array([WIDTH, HEIGHT]) - 2 * MARGIN
+    span = high - low
+    scale = float(np.min(room / np.maximum(span, 1e-9))) if span.max() > 1e-9 else 1.0
+    middle = np.array([left + WIDTH / 2, HEIGHT / 2])
+    places = (points - (low + high) / 2) * scale * [1.0, -1.0] + middle
+    lines = [
+        f'<polyline points="{one}" stroke="{JOINT if grey else WORK}" stroke-width="1.2"/>'
+        for one, grey in _stretches(places, joint)
+    ]
+    x, y = places[0]
+    start = f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3" fill="{WORK}"/>'
+    text = f'<text x="{left + MARGIN:.0f}" y="14" fill="#555" font-size="11">{label}</text>'
+    return f"{''.join(lines)}{start}{text}"
+
+
+def _stretches(places: Floats, joint: Floats) -> Iterable[tuple[str, bool]]:
+    """Point lists of moves of one kind that follow each other, and whether they are joint moves."""
+    cuts = np.flatnonzero(np.diff(joint[1:].astype(np.int8))) + 1
+    begins, ends = np.append(0, cuts), np.append(cuts, len(places) - 1)
+    for begin, end in zip(begins.tolist(), ends.tolist(), strict=True):
+        some = places[begin : end + 1]
+        yield " ".join(f"{x:.1f},{y:.1f}" for x, y in some), bool(joint[begin + 1])
+
+
+def _way(program: Program) -> tuple[Floats, Floats]:
+    """Points (n, 3) mm in the robot's base, and whether a joint move leads to each."""
+    drawn = track(program)
+    if len(drawn):
+        return drawn.positions, drawn.kinds == Kind.JOINT
+    rows = list(_joint_rows(program))
+    try:
+        arm = known_robot(program.robot)
+    except Refused:  # an arm of the user's own
+        arm = None
+    own = [] if arm is None else [arm.own_joints(row) for row, _ in rows]
+    if arm is None or not own or any(len(row) != len(arm.axes) for row in own):
+        return np.empty((0, 3)), np.empty(0, dtype=bool)
+    positions, quaternions = arm.fk(own)
+    tools = [program.tools.get(name, Tool()) for _, name in rows]
+    tips = np.array([tool.tip.position if tool.held else (0.0, 0.0, 0.0) for tool in tools])
+    return positions + rotations.rotate(quaternions, tips), np.ones(len(own), dtype=bool)
+
+
+def _joint_rows(program: Program) -> Iterable[tuple[Sequence[float], str]]:
+    """The joints that the moves of a program go to, in order of text, each with its tool."""
+    for statement in program.statements():
+        if isinstance(statement, MoveJoints):
+            target = statement.target
+            if isinstance(target, JointValue):
+                yield target.target.joints, statement.motion.tool
+            elif isinstance(target, Name) and target.name in program.joint_targets:
+                yield program.joint_targets[target.name].joints, statement.motion.tool

@@ -1,0 +1,176 @@
+"""Arrays as programs: what is emitted is held against the numbers that were given."""
+
+from __future__ import annotations
+
+import math
+import re
+import warnings
+
+import numpy as np
+import pytest
+from roboticstoolbox import jtraj
+from spatialmath import SE3
+
+import assistant
+from assistant.program.diagnostics import Severity
+from assistant.program.geometry import Pose, Tool
+from assistant.program.motion import FINE, Blend
+
+IRB, RV, FIVE = "irb1200-7-0.7", "rv-4frl", "rv-2aj"
+START, END = np.radians([0, 0, 0, 0, 30, 0]), np.radians([40, 20, 10, 5, 60, 30])
+WAY = jtraj(START, END, 40)
+
+
+def text_of(program, **options):
+    compiled = assistant.compile(program, **options)
+    assert compiled.ok, compiled.findings
+    (data,) = compiled.files.values()
+    return data.decode()
+
+
+def test_a_trajectory_of_the_toolbox_is_joint_moves_in_rapid():
+    program = assistant.from_joints(WAY, unit="rad", robot=IRB, speed=80, name="swing")
+    text = text_of(program, language="rapid")
+    moves = re.findall(r"MoveAbsJ \[\[([^]]*)\],\[[^]]*\]\],(\w+),(\w+),tool0", text)
+    said = np.array([[float(v) for v in joints.split(",")] for joints, _, _ in moves])
+    assert np.abs(said - np.degrees(WAY.q)).max() < 1e-5
+    assert {speed for _, speed, _ in moves} == {"v80"}
+    zones = [zone for _, _, zone in moves]
+    assert zones[0] == zones[-1] == "fine" and "fine" not in zones[1:-1]
+
+
+@pytest.mark.parametrize(
+    ("robot", "columns", "language"),
+    [(RV, [0, 1, 2, 3, 4, 5], "melfa-basic-5"), (FIVE, [0, 1, 2, 4, 5], "melfa-basic-4")],
+)
+def test_a_trajectory_of_the_toolbox_is_joint_moves_in_melfa_basic(robot, columns, language):
+    q = WAY.q[:, columns]
+    program = assistant.from_joints(q, unit="rad", robot=robot, percent=20, name="swing")
+    text = text_of(program, language=language)
+    said = {
+        int(number): [float(value) for value in values.split(",")]
+        for number, values in re.findall(r"^J(\d+)=\(([^)]*)\)", text, re.M)
+    }
+    order = [int(number) for number in re.findall(r"M(?:ov|OV) J(\d+)", text)]
+    emitted = np.array([said[number] for number in order])[:, columns]
+    assert np.abs(emitted - np.degrees(q)).max() <= 0.005 + 1e-9, "two decimals"
+    assert re.search(r"J(?:Ovrd|OVRD) 20\b", text)
+
+
+def test_degrees_and_radians_are_the_same_program():
+    radians = assistant.from_joints(WAY.q, unit="rad", robot=IRB)
+    degrees = assistant.from_joints(np.degrees(WAY.q).tolist(), unit="deg", robot=IRB)
+    assert text_of(radians, language="rapid") == text_of(degrees, language="rapid")
+    (one,) = assistant.from_joints(END, unit="rad", robot=IRB).statements()
+    assert one.target.target.joints == pytest.approx(np.degrees(END))
+
+
+def test_the_arm_comes_where_the_joints_say():
+    """The kinematics of the toolbox, by parameters of its own arm, share no code with ours."""
+    program = assistant.from_joints(WAY, unit="rad", robot=IRB, speed=200)
+    done = assistant.simulate(program)
+    samples = done.simulation.samples
+    assert np.abs(samples.joints[-1] - np.degrees(END)).max() < 0.5, "the last sample, not the end"
+    arm = assistant.robots.get(IRB).to_rtb()
+    tips = np.array([arm.fkine(np.radians(row)).t for row in samples.joints[::20]])
+    assert np.abs(samples.positions[::20] - tips * 1000).max() < 1e-3
+
+
+def test_a_blend_keeps_the_tip_near_its_way():
+    straight = np.linspace([0, 0, 0, 0, 30, 0], [40, 0, 0, 0, 30, 0], 9)
+    bent = np.vstack([straight, np.linspace([40, 0, 0, 0, 30, 0], [40, 30, 0, 0, 30, 0], 5)[1:]])
+    program = assistant.from_joints(bent, unit="deg", robot=IRB)
+    blends = [move.motion.blend for move in program.statements()]
+    radii = [blend.radius for blend in blends[1:-1]]
+    assert blends[0] == blends[-1] == FINE and all(radii)
+    assert min(radii) == radii[7] < 0.1, "where the way turns"
+    stops = assistant.from_joints(bent, unit="deg", robot=IRB, blend="fine")
+    assert {move.motion.blend for move in stops.statements()} == {FINE}
+    wide = assistant.from_joints(bent, unit="deg", robot=IRB, blend=5)
+    assert {move.motion.blend for move in wide.statements()} == {Blend(5.0)}
+
+
+WRONG_JOINTS = [
+    ("TB433", {"unit": "grad"}),
+    ("TB432", {"joints": WAY.q[:, :4]}),
+    ("TB432", {"joints": np.zeros((0, 6))}),
+    ("TB432", {"joints": np.zeros((2, 3, 6))}),
+    ("TB431", {"joints": "J1"}),
+    ("TB431", {"joints": 3.0}),
+    ("TB431", {"joints": [[1, 2], [3]]}),
+    ("TB201", {"joints": [[0, 0, 0, 0, math.nan, 0]]}),
+    ("TB434", {"robot": None}),
+    ("CO002", {"robot": "irb99"}),
+    ("TB301", {"tool": "torch"}),
+    ("TB436", {"tool": (1, 2)}),
+    ("TB201", {"tool": (1, 2, math.inf)}),
+    ("TB305", {"speed": 0}),
+    ("TB305", {"speed": math.nan}),
+    ("TB435", {"percent": 120}),
+    ("TB306", {"blend": -1}),
+]
+
+
+@pytest.mark.parametrize(("code", "wrong"), WRONG_JOINTS)
+def test_wrong_joints_are_refused(code, wrong):
+    given = {"joints": WAY, "unit": "rad", "robot": IRB, **wrong}
+    with pytest.raises(assistant.Refused) as caught:
+        assistant.from_joints(given.pop("joints"), **given)
+    (finding,) = caught.value.findings
+    assert (finding.code, finding.severity) == (code, Severity.ERROR)
+    assert finding.cure and finding.cure in str(caught.value)
+
+
+def test_joints_beyond_their_limits_are_not_written(tmp_path):
+    program = assistant.from_joints([[0, 0, 0, 0, 500, 0]], unit="deg", robot=IRB)
+    compiled = assistant.compile(program, language="rapid")
+    with pytest.raises(assistant.Refused, match=r"RB109.*J5"):
+        compiled.write(tmp_path / "out")
+    assert not (tmp_path / "out").exists() and not compiled.ok
+
+
+LINE = [SE3(0.3, y, 0.3) * SE3.Rx(180, "deg") for y in (-0.1, 0.0, 0.1)]
+
+
+def test_poses_take_speed_blend_tool_and_frame():
+    program = assistant.from_poses(
+        LINE,
+        unit="m",
+        name="seam",
+        speed=25,
+        blend=2,
+        tool=(0, 0, 120),
+        frame=(10, 20, 30),
+        robot=IRB,
+    )
+    text = text_of(program, language="rapid")
+    assert "[TRUE,[[0,0,120],[1,0,0,0]]" in text
+    assert re.search(r"PERS wobjdata frame:=\[FALSE,TRUE,\"\",\[\[10,20,30\],\[1,0,0,0\]\]", text)
+    move = re.search(r"Move[LJ] .*", text)[0]
+    assert "tool" in move and "\\WObj:=frame" in move
+    (path,) = [s.path for s in program.statements()]
+    assert {s.tcp for s in path.speeds} == {25.0} and set(path.blends) == {Blend(2.0)}
+    assert np.abs(path.positions - [[300, -100, 300], [300, 0, 300], [300, 100, 300]]).max() < 1e-9
+
+
+def test_tools_by_value_by_name_and_from_a_process_file(tmp_path):
+    file = tmp_path / "cell.process.toml"
+    file.write_text("[motion]\nspeed = 40\n[tools.tool]\ntip = [0, 0, 50]\n", encoding="utf-8")
+    named = assistant.from_poses(LINE, unit="m", tool="TOOL", process=file)
+    assert named.tools["tool"].tip.position == (0, 0, 50)
+    tool = Tool(Pose((0.0, 0.0, 9.0)))
+    both = assistant.from_poses(LINE, unit="m", tool=tool, process=file, blend="fine")
+    (path,) = [s.path for s in both.statements()]
+    assert both.tools[path.tools[0]] == tool and len(both.tools) == 2
+    assert path.speeds[0].tcp == 40.0 and set(path.blends) == {FINE}
+    with pytest.raises(assistant.Refused, match=r"TB301.*did you mean|TB301.*declare"):
+        assistant.from_poses(LINE, unit="m", tool="tol")
+
+
+def test_what_should_be_looked_at_is_a_warning_of_python():
+    rows = [[300, 0, 300, 1.001, 0, 0, 0], [300, 50, 300, 1.001, 0, 0, 0]]
+    with pytest.warns(UserWarning, match="TB2"):
+        assistant.from_poses(rows, unit="mm")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assistant.from_poses(LINE, unit="m")
