@@ -39,6 +39,7 @@ COMMON: Final = frozenset(
 """Words of vendors that are also English, mathematics, or the pseudo-program's own."""
 
 EXCEPTIONS: Final = {
+    ("__init__.py", "connect"): "the name of our own function",
     ("checks/arcs.py", "rapid"): "says whose limit it is",
     ("cli/app.py", "rapid"): "help: what the program is for",
     ("cli/app.py", "melfa"): "help: what the program is for",

@@ -31,18 +31,20 @@ from assistant.sources.waypoints import Unit, read_poses
 NO_JOINTS = error(
     "TB431",
     "`{given}` is no array of joints",
-    "give an array (n, {axes}), a row for each point, or what `jtraj` of roboticstoolbox returns",
+    "give an array (n, {axes}), a row for each point, or what jtraj of roboticstoolbox returns",
 )
 JOINT_SHAPE = error(
     "TB432",
     "the shape is {shape}, and {robot} has {axes} axes: {names}",
     "give a row of {axes} values for each point",
 )
-JOINT_UNIT = error("TB433", "the unit {unit} of joints is not known", "write `rad` or `deg`")
+JOINT_UNIT = error(
+    "TB433", "the unit {unit} of joints is not known", 'write unit="rad" or unit="deg"'
+)
 NO_ARM = error(
     "TB434",
     "joint angles mean a place on one arm only, and none is named",
-    'name it: robot="irb1200-7-0.7"; `assistant.robots.names()` lists them',
+    'name it: robot="irb1200-7-0.7"; assistant.robots.names() lists them',
 )
 TOO_MUCH = error(
     "TB435", "{value:g} percent is no part of the joints' speed", "write a number from 1 to 100"
@@ -50,7 +52,7 @@ TOO_MUCH = error(
 NO_PLACE = error(
     "TB436",
     "`{given}` is no {kind}",
-    "give the name of one in the process file, three numbers in mm, a `Pose` or a `{type}`",
+    "give the name of one in the process file, three numbers in mm, a Pose or a {type}",
 )
 
 JointUnit = Literal["rad", "deg"]

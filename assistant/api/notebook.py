@@ -61,7 +61,7 @@ def findings_html(findings: Sequence[Diagnostic]) -> str:
     lines = [_row(finding) for finding in findings[:MOST_FINDINGS]]
     more = len(findings) - len(lines)
     rest = f"<p>and {more} more</p>" if more > 0 else ""
-    return f'<table style="text-align:left"><tbody>{"".join(lines)}</tbody></table>{rest}'
+    return f"<table><tbody>{''.join(lines)}</tbody></table>{rest}"
 
 
 def check_html(check: Check) -> str:
@@ -112,7 +112,7 @@ def _row(finding: Diagnostic) -> str:
     cure = f"<br><small>{_text(finding.cure)}</small>" if finding.cure else ""
     head = f'<td style="color:{colour}">{_text(finding.code)} {finding.severity}</td>'
     where = f"<td>{_text(finding.where())}</td>"
-    return f'<tr>{head}{where}<td style="text-align:left">{_text(finding.message)}{cure}</td></tr>'
+    return f"<tr>{head}{where}<td>{_text(finding.message)}{cure}</td></tr>"
 
 
 def _text(text: str) -> str:
