@@ -38,6 +38,11 @@ TWICE = error("CL004", "standard input can be read only once", "name `-` only on
 OVER_SOURCE = error(
     "CL007", "`{name}` would be written over the source itself", "name another folder or file"
 )
+ONE_NAME = error(
+    "CL073",
+    "several programs cannot all be called `{name}`",
+    "make one of them with `--together`, or compile them one by one",
+)
 STANDARD: Final = "-"
 SIDE_TABLES_ABOVE: Final = 1000
 """Rows of a path that a `.pseudo` file on disk still holds in its text."""
@@ -61,6 +66,7 @@ def run_compile(
     entry: str | None = None,
     called: str | None = None,
     main: bool | None = None,
+    together: str | None = None,
     proving: Proving | None = None,
     wishes: Wishes | None = None,
 ) -> int:
@@ -69,6 +75,7 @@ def run_compile(
     from assistant.compiler.keeping import Keeper, Wishes
     from assistant.compiler.loading import language_of
     from assistant.compiler.scenes import in_cell
+    from assistant.compiler.together import together as joined
     from assistant.findings.project_severities import settle
 
     if list(sources).count(STANDARD) > 1:
@@ -78,9 +85,22 @@ def run_compile(
     stands = in_cell(cell, robot)
     answers = Answers()
     done: list[tuple[str, Compiled]] = []
-    for source in dict.fromkeys(sources):
+    apart = dict.fromkeys(sources)
+    if called is not None and together is None and len(apart) > 1:
+        raise Refused(ONE_NAME(name=called), exit_status=2)
+    for source in apart if together is None else (together,):
         with answers.of(source), working(f"compiling {source}"):
-            given = _input(source, from_language, from_robot, process, unit, placement)
+            if together is None:
+                given = _input(source, from_language, from_robot, process, unit, placement)
+            else:
+                given = joined(
+                    tuple(apart),
+                    together,
+                    process=process,
+                    unit=unit,
+                    placement=placement,
+                    around=stands.around,
+                )
             compiled = compile(
                 given or source,
                 language=language,

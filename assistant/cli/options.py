@@ -83,6 +83,10 @@ CalledOption = Annotated[
     str | None,
     typer.Option("--as", metavar="NAME", help="What others call the program; default main."),
 ]
+TogetherOption = Annotated[
+    str | None,
+    typer.Option("--together", metavar="NAME", help="All sources as one program of this name."),
+]
 NoMainOption = Annotated[
     bool,
     typer.Option("--no-main", help="Without a main: others call the procedures of the layers."),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, Final
@@ -105,7 +105,7 @@ def _look_at(program: Program, wishes: Interface, language: Language[Any]) -> No
             raise Refused(BEGINS_AT_TOP(language=language.title))
         if begins is not None and not _only_calls(begins):
             raise Refused(NOT_MERE_CALLS(name=begins.name))
-    kept = _kept(program, None if wishes.prefix else program.entry)
+    kept = kept_text(program, None if wishes.prefix else program.entry)
     if kept is not None and (wishes.prefix or wishes.called):
         raise Refused(KEPT_NAMES(text=" ".join(kept.split())))
 
@@ -116,7 +116,7 @@ def _only_calls(procedure: Procedure) -> bool:
     return plain and not given and not procedure.variables
 
 
-def _kept(program: Program, name: str | None) -> str | None:
+def kept_text(program: Program, name: str | None) -> str | None:
     """The first text of a robot language that the program keeps; that says a name, if given."""
     others = records((program.declarations, program.variables))
     for part in (*everywhere(program, p.Opaque, e.Verbatim), *others):
@@ -142,10 +142,15 @@ def _called(program: Program, name: str, language: Language[Any]) -> Program:
         own = kind == "procedure" and there.lower() == (program.entry or "").lower()
         if there.lower() == name.lower() and not own:
             raise Refused(NAME_TAKEN(name=name, kind=kind, there=there))
+    made = entry_called(program, name)
+    return replace(made, name=name) if language.called_by_file else made
+
+
+def entry_called(program: Program, name: str) -> Program:
+    """The program whose entry has a name that is free."""
     names = {(program.entry or "").lower(): name}
     procedures = tuple(renamed(one, names) for one in program.procedures)
-    title = name if language.called_by_file else program.name
-    return replace(program, name=title, procedures=procedures, entry=name)
+    return replace(program, procedures=procedures, entry=name)
 
 
 def _declared(program: Program) -> Iterator[tuple[str, str]]:
@@ -189,12 +194,12 @@ class _Names:
         return self.tables[table].get(name.lower(), name)
 
 
-def prefixed(program: Program, prefix: str, kept: Mapping[str, Any] | None = None) -> Program:
+def prefixed(program: Program, prefix: str, kept: Collection[str] = ()) -> Program:
     """The program with a prefix before all that it declares, but for signals.
 
     kept: lower-case names of tools and frames that the controller has, which stay.
     """
-    there = {FLANGE, BASE, *(kept or ())}
+    there = {FLANGE, BASE, *kept}
     own: dict[str, list[str]] = {table: list(getattr(program, table)) for table in TABLES}
     own["procedures"] = [one.name for one in program.procedures]
     names = _Names(

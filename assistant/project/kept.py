@@ -59,7 +59,7 @@ def _portable(project: Project, value: object) -> object:
     if isinstance(value, str | FilePath) and FilePath(value).is_absolute():
         path = FilePath(value)
         return path.relative_to(project.folder).as_posix() if _within(project, path) else str(path)
-    return list(value) if isinstance(value, tuple) else value
+    return [_portable(project, one) for one in value] if isinstance(value, tuple) else value
 
 
 def _within(project: Project, path: FilePath) -> bool:

@@ -59,6 +59,7 @@ class Recipe:
     cell: FilePath | None = None
     called: str | None = None
     main: bool | None = None
+    also: tuple[FilePath, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -199,6 +200,7 @@ class _Reader:
             table.say(rules.MISSING, name=name, key="source", example='"FILE"')
         paths = {key: self._file(table, key, given[key]) for key in FILES if key in given}
         arms = {key: self._robot(table, key, given[key]) for key in ROBOTS if key in given}
+        also = [self._file(table, "also", text) for text in given.get("also", ())]
         source = paths.get("source")
         if source is None:
             return None
@@ -220,6 +222,7 @@ class _Reader:
             paths.get("cell"),
             given.get("as"),
             given.get("main"),
+            tuple(one for one in also if one is not None),
         )
 
     def _file(self, table: Table, key: str, text: str) -> FilePath | None:

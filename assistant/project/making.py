@@ -13,6 +13,8 @@ from assistant.compiler import compile
 from assistant.compiler.arms import robot_of
 from assistant.compiler.loading import language_of, load, read_trees
 from assistant.compiler.motion import Proving
+from assistant.compiler.scenes import in_cell
+from assistant.compiler.together import together
 from assistant.findings.project_severities import settle
 from assistant.languages import Tree
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
@@ -101,7 +103,8 @@ def _asked_for(order: Order) -> Iterator[str]:
     """Files that change what is made by being there; who only looks for them opens nothing."""
     recipe, folder = order.recipe, order.folder
     beside = recipe.source.with_suffix(PROCESS_SUFFIX)
-    for file in (recipe.source, recipe.process or beside, recipe.signals, recipe.cell):
+    others = (file for one in recipe.also for file in (one, one.with_suffix(PROCESS_SUFFIX)))
+    for file in (recipe.source, recipe.process or beside, recipe.signals, recipe.cell, *others):
         if file is not None:
             yield file.relative_to(folder).as_posix()
 
@@ -191,6 +194,14 @@ def _compiled(order: Order, name: str) -> Made:
             robot=robot_of(recipe.from_robot),
             language=recipe.from_language,
             unit=recipe.unit,
+        )
+    if recipe.also:
+        given = together(
+            [source, *map(shown_path, recipe.also)],
+            recipe.name,
+            process=_named(recipe.process),
+            unit=recipe.unit,
+            around=in_cell(_named(recipe.cell), robot_of(order.arm)).around,
         )
     script = _named(recipe.signals)
     language = _language(order, spoken)

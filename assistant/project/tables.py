@@ -78,6 +78,11 @@ SPOKEN: Final = languages.names()
 
 PROGRAM: Final[Mapping[str, Key]] = {
     "source": _text("Drawing, table, pseudo-program or robot program, from the project's folder."),
+    "also": Key(
+        values.texts,
+        {"type": "array", "items": TEXT, "minItems": 1},
+        "Drawings and tables that are in the same program, each with a routine of its own.",
+    ),
     "language": _choice(SPOKEN, "To write; default what the target's controller takes."),
     "robot": _text("Arm that runs it, by name or file; default that of the controller."),
     "process": _text("Process file; default NAME.process.toml beside the source."),

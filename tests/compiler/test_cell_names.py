@@ -15,9 +15,12 @@ import pytest
 from assistant import languages
 from assistant.compiler import Compiled, compile
 from assistant.compiler.checking import check_files
+from assistant.compiler.loading import Loaded
+from assistant.compiler.together import together
 from assistant.languages.answers import Frames
 from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
+from assistant.project import build, project_of
 from assistant.virtual import melfa, rapid
 from assistant.virtual.comparing import difference
 from assistant.virtual.events import Moved, Run
@@ -72,7 +75,7 @@ def drawn(folder: Path, name: str, at: float = 0.0, program: str = "", there: st
     return file
 
 
-def made(source: Path, language: str = "rapid", **options: object) -> Compiled:
+def made(source: Path | Loaded, language: str = "rapid", **options: object) -> Compiled:
     found = compile(source, language=language, robot="irb1200-7-0.7", **options)  # type: ignore[arg-type]
     assert found.ok, [str(one) for one in found.findings]
     return found
@@ -162,6 +165,53 @@ def test_a_module_by_itself_is_checked_with_what_the_controller_has(tmp_path: Pa
     assert checked(tmp_path, text) == []
     far = text.replace("[[300,0,200]", "[[3000,0,200]")
     assert "RB102" in checked(tmp_path, far)
+
+
+def test_several_drawings_are_routines_of_one_module(tmp_path: Path) -> None:
+    alone = dict(whole(tmp_path))
+    files = [drawn(tmp_path, name, at, there=THERE) for name, at in (("left", 0), ("right", 50))]
+    (text,) = texts(made(together(files, "glue"), main=False))
+    modules = [CELL.format(calls="right;\nleft;"), text]
+    assert ran(*modules).events == (*alone["right"].events, *alone["left"].events)
+    assert checked(tmp_path, *modules) == []
+
+
+def test_several_drawings_are_one_program(tmp_path: Path) -> None:
+    alone = dict(whole(tmp_path))
+    process = '[program]\nas = "{}"\nlocal = true\n'
+    files = [
+        drawn(tmp_path, "left", 0, process.format("Glue_Left")),
+        drawn(tmp_path, "right", 50, process.format("Glue_Right") + "main = true\n"),
+    ]
+    (text,) = texts(made(together(files, "glue")))
+    assert ran(text).events == (*alone["left"].events, *alone["right"].events)
+    assert text.count("PERS tooldata gun") == 1  # which both drawings have in common
+    assert "LOCAL PROC Glue_Left()" in text
+
+
+def test_one_of_them_without_a_routine_of_its_own(tmp_path: Path) -> None:
+    alone = dict(whole(tmp_path))
+    files = [
+        drawn(tmp_path, "left", 0, '[program]\nprefix = "l_"\nmain = false\n'),
+        drawn(tmp_path, "right", 50),
+    ]
+    (text,) = texts(made(together(files, "glue")))
+    assert ran(text).events == (*alone["left"].events, *alone["right"].events)
+    assert "PROC l_Aussen()" in text and "PROC left()" not in text
+
+
+def test_drawings_that_do_not_go_together_are_refused_once(tmp_path: Path) -> None:
+    (tmp_path / "other").mkdir()
+    left, same = drawn(tmp_path, "left"), drawn(tmp_path / "other", "left")
+    right = drawn(tmp_path, "right")
+    process = right.with_suffix(".process.toml")
+    process.write_text(process.read_text("utf-8").replace("0, 120]", "0, 121]"), "utf-8")
+    module = tmp_path / "cell.mod"
+    module.write_text("MODULE cell\nPROC main()\nENDPROC\nENDMODULE\n", encoding="ascii")
+    for files, code in (([left, same], "CL072"), ([left, right], "CL071"), ([module], "CL070")):
+        with pytest.raises(Refused) as refused:
+            together(files, "glue")
+        assert [one.code for one in refused.value.findings] == [code]
 
 
 COUNTED = "on_controller = true\nnumber = 1"
@@ -273,3 +323,26 @@ def test_a_program_that_moves_by_itself_keeps_its_main(tmp_path: Path) -> None:
     with pytest.raises(Refused) as refused:
         compile(file, language="rapid", main=False)
     assert [one.code for one in refused.value.findings] == ["CO324"]
+
+
+def test_a_project_says_what_its_programs_are_called(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name, at in (("left", 0.0), ("right", 50.0)):
+        drawn(tmp_path, name, at, there=THERE)
+    (tmp_path / "assistant.toml").write_text(
+        '[controllers.cell]\naddress = "virtual:irc5"\nrobot = "irb1200-7-0.7"\n'
+        '[programs.Glue]\nsource = "left.dxf"\nalso = ["right.dxf"]\nmain = false\n'
+        '[programs.One]\nsource = "right.dxf"\nas = "Glue_Right"\n'
+        '[targets.cell]\nprograms = ["Glue", "One"]\n',
+        encoding="utf-8",
+    )
+    monkeypatch.chdir(tmp_path)
+    assert [str(one.state) for one in build(project_of()).programs] == ["built", "built"]
+    folder = tmp_path / "build" / "cell"
+    glue, one = ((folder / name).read_text("ascii") for name in ("Glue.mod", "right.mod"))
+    assert "PROC left()" in glue and "PROC right()" in glue and "PROC main()" not in glue
+    assert "PROC Glue_Right()" in one and "PROC main()" not in one
+    assert [str(one.state) for one in build(project_of()).programs] == ["unchanged", "unchanged"]
+    drawn(tmp_path, "right", 60.0, there=THERE)
+    assert [str(one.state) for one in build(project_of()).programs] == ["built", "built"]

@@ -29,6 +29,15 @@ def _tool(more: str, name: str = "gun") -> dict[str, str]:
     return _process(TOOL.format(name=name, more=more))
 
 
+def _second(process: str, name: str = "b") -> dict[str, str]:
+    """Another drawing, which goes with the first."""
+    return {f"{name}.dxf": dxf(line), f"{name}.process.toml": process}
+
+
+GUN: Final = "[tools.gun]\ntip = [0, 0, 60]\n"
+LONG: Final = GUN.replace("60", "61")
+BOTH: Final = "compile a.dxf b.dxf -l rapid --together both -o out"
+NESTED: Final = "compile a.dxf c/a.dxf -l rapid --together both -o out"
 THERE: Final = "on_controller = true\n"
 CASES: Final = (
     Case("CO321", f"{RAPID} --as cut", DRAWN, change=_program('prefix = "left_"\n')),
@@ -62,4 +71,17 @@ CASES: Final = (
     Case("CO328", RAPID, DRAWN | _tool("number = 2\n"), change=_tool("")),
     Case("CO329", MELFA, DRAWN | _tool(THERE), change=_tool(f"number = 2\n{THERE}")),
     Case("CO329", RAPID, DRAWN | _tool(THERE, "Default"), change=_tool("", "Default")),
+    Case("CL071", BOTH, DRAWN | _process(GUN) | _second(LONG), change={"b.process.toml": GUN}),
+    Case(
+        "CL072",
+        NESTED,
+        DRAWN | _second("tolerance = 0.05\n", "c/a"),
+        change={"c/a.process.toml": '[program]\nprefix = "c_"\nas = "c"\n'},
+    ),
+    Case(
+        "CL073",
+        "compile a.dxf b.dxf -l rapid --as Go -o out",
+        DRAWN | _second("tolerance = 0.05\n"),
+        (BOTH,),
+    ),
 )

@@ -1,0 +1,156 @@
+"""Several drawings and tables as one program: a routine for each, which others may call."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import chain
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Any, Final
+
+from assistant.compiler.loading import Loaded
+from assistant.compiler.naming import TABLES, entry_called, kept_text, prefixed
+from assistant.compiler.opening import load
+from assistant.program.diagnostics import Diagnostic, Refused, error
+from assistant.program.interface import ALONE, Interface
+from assistant.program.program import Procedure, Program, identifier
+from assistant.program.statements import Call
+
+if TYPE_CHECKING:
+    from assistant.sources.placements import Placing
+    from assistant.sources.surroundings import ByRobot
+
+ONLY_DRAWN = error(
+    "CL070",
+    "`{source}` is a robot program, or keeps text of one, and cannot be part of another one",
+    "name drawings, tables and pseudo-programs only",
+)
+SAID_TWICE = error(
+    "CL071",
+    "`{first}` and `{second}` say different things of the {kind} `{name}`",
+    "say the same of it in both, or give it two names",
+)
+SAME_NAMES = error(
+    "CL072",
+    "`{first}` and `{second}` both have a {kind} `{name}`",
+    "give one of them another `prefix` under [program] of its process file, and with `as` another"
+    " name",
+)
+
+SHARED: Final = ("tools", "frames", "signals")
+"""What all drawings of a cell have in common."""
+OWN: Final = tuple(table for table in TABLES if table not in SHARED)
+
+
+def together(
+    sources: Sequence[str | FilePath],
+    name: str,
+    *,
+    process: str | FilePath | None = None,
+    unit: str | None = None,
+    placement: Placing | None = None,
+    around: ByRobot | None = None,
+) -> Loaded:
+    """One program of several sources, whose main calls a routine of each in their order.
+
+    The routine of a source is called as its process file says, else like its file; a prefix stands
+    before its other names, that of its process file or else the name of the routine. Tools, frames
+    and signals are common to all. name: of the program. Others: as for `load`. Raises Unreadable
+    and Refused, also where two sources do not go together.
+    """
+    parts: list[tuple[str, Program]] = []
+    findings: list[Diagnostic] = []
+    for source in sources:
+        loaded = load(source, process=process, unit=unit, placement=placement, around=around)
+        if loaded.language is not None or kept_text(loaded.program, None) is not None:
+            raise Refused(ONLY_DRAWN(source=source, path=str(source)))
+        findings += (one.within(str(source)) for one in loaded.findings)
+        parts.append((str(source), _part(FilePath(source), loaded.program)))
+    return Loaded(_joined(parts, identifier(name)), None, tuple(findings))
+
+
+def _part(source: FilePath, program: Program) -> Program:
+    """A program under names of its own, so that it can stand beside the others."""
+    stands = program.interface or ALONE
+    called = stands.called or identifier(source.stem)
+    common = (*program.tools, *program.frames)
+    made = prefixed(program, stands.prefix or f"{called}_", {one.lower() for one in common})
+    if made.procedure(made.entry or "") is None:
+        return made
+    if not stands.main:
+        return made
+    return entry_called(made, called)
+
+
+def _joined(parts: Sequence[tuple[str, Program]], name: str) -> Program:
+    programs = [program for _, program in parts]
+    tables: dict[str, Any] = {table: _common(parts, table) for table in SHARED}
+    tables |= {table: _apart(parts, table) for table in OWN}
+    procedures = list(_apart(parts, "procedures").values())
+    calls: list[Call] = []
+    for program in programs:
+        stands, begins = program.interface or ALONE, program.procedure(program.entry or "")
+        if begins is None:
+            continue
+        if stands.main:
+            calls.append(Call(begins.name))
+        else:  # its routines are called one by one
+            procedures.remove(begins)
+            calls += (one for one in begins.body if isinstance(one, Call))
+    taken = {one.name.lower() for one in procedures}
+    main = identifier("main", taken)
+    return Program(
+        name,
+        (Procedure(main, tuple(calls)), *procedures),
+        entry=main,
+        robot=_robot(parts),
+        comments=tuple(chain.from_iterable(program.comments for program in programs)),
+        interface=_interface(programs),
+        **tables,
+    )
+
+
+def _robot(parts: Sequence[tuple[str, Program]]) -> str | None:
+    stated = [(source, program.robot) for source, program in parts if program.robot is not None]
+    for source, robot in stated[1:]:
+        if robot != stated[0][1]:
+            raise Refused(SAID_TWICE(first=stated[0][0], second=source, kind="robot", name=robot))
+    return stated[0][1] if stated else None
+
+
+def _interface(programs: Iterable[Program]) -> Interface | None:
+    stated = [one.interface for one in programs if one.interface is not None]
+    if not stated:
+        return None
+    there = {name: number for one in stated for name, number in one.there.items()}
+    return Interface(local=any(one.local for one in stated), there=there)
+
+
+def _common(parts: Sequence[tuple[str, Program]], table: str) -> dict[str, Any]:
+    """What all say of the same names, each of which is said only once."""
+    found: dict[str, tuple[str, str, Any]] = {}
+    for source, program in parts:
+        stands = program.interface or ALONE
+        for name, value in getattr(program, table).items():
+            key, said = name.lower(), (value, _there(stands.there, name))
+            first, _, known = found.setdefault(key, (source, name, said))
+            if known != said:
+                raise Refused(SAID_TWICE(first=first, second=source, kind=table[:-1], name=name))
+    return {name: said[0] for _, name, said in found.values()}
+
+
+def _there(there: Mapping[str, int | None], name: str) -> tuple[bool, int | None]:
+    return name.lower() in there, there.get(name.lower())
+
+
+def _apart(parts: Sequence[tuple[str, Program]], table: str) -> dict[str, Any]:
+    """What each has for itself; two of them must not have the same name."""
+    found: dict[str, tuple[str, str, Any]] = {}
+    for source, program in parts:
+        given = getattr(program, table)
+        named = given.items() if isinstance(given, dict) else ((one.name, one) for one in given)
+        for name, value in named:
+            first, _, _ = found.setdefault(name.lower(), (source, name, value))
+            if first != source:
+                kind = table[:-1].replace("_", " ")
+                raise Refused(SAME_NAMES(first=first, second=source, kind=kind, name=name))
+    return {name: value for _, name, value in found.values()}
