@@ -13,6 +13,7 @@ from tests.findings.cures import (
     cells,
     controllers,
     drawings,
+    following,
     keeping,
     placing,
     programs,
@@ -28,7 +29,10 @@ PACKAGE = Path(assistant.__file__).parent
 OTHER_PROGRAMS = ("deploy/repository.py", "virtual/cr/mxt_process.py")
 """What calls programs that are none of ours, or itself, with options of their own."""
 SENTENCES = {"robot-assistant itself failed"}
-MODULES = (drawings, cells, programs, tables, controllers, placing, shaping, standing, keeping)
+MODULES = (
+    *(drawings, following, cells, programs, tables, controllers),
+    *(placing, shaping, standing, keeping),
+)
 CASES: tuple[Case, ...] = tuple(one for module in MODULES for one in module.CASES)
 
 

@@ -6,7 +6,7 @@ given relative to those, so that whoever teaches one of them anew moves all of i
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from assistant.program import rotations
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Diagnostic, error
-from assistant.program.expressions import Name, Number
+from assistant.program.expressions import Name
 from assistant.program.geometry import BASE, Frame, Pose, Target, Vector
 from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.path import Kind, Path
@@ -26,14 +26,16 @@ from assistant.program.statements import (
     Motion,
     Move,
     MoveCircular,
-    SetSignal,
     Statement,
-    Wait,
+    Trigger,
 )
-from assistant.sources.contours.curves import Points
+from assistant.sources.contours.chaining import Contour
+from assistant.sources.contours.curves import Points, sample
 from assistant.sources.contours.moves import FLATTENED, Moves
 from assistant.sources.contours.ordering import Measure
 from assistant.sources.contours.orientation import along, facing, level, turned
+from assistant.sources.contours.pacing import Paced, lengths, paced
+from assistant.sources.contours.switching import Unfit, divided_at, outputs
 from assistant.sources.process import Layer, Process
 from assistant.sources.process.values import shown
 from assistant.sources.rounding import radii
@@ -54,6 +56,9 @@ UNKNOWN_FRAME = error(
 
 HALF_TURN: Final = 180.0 + 1e-6
 """Degrees that a tool is wound up by over which the way back is another one."""
+
+LOOKED_AT: Final = np.linspace(0.0, 1.0, 65)
+"""Parameters of a curve at which its highest point is looked for."""
 
 SAME: Final = 1e-6
 """mm, degrees and parts of a quaternion that tell no two places apart."""
@@ -100,12 +105,16 @@ class Placed:
 
 @dataclass(frozen=True, slots=True)
 class Followed:
-    """The statements of a contour, the targets that they name, degrees the tool has turned."""
+    """The statements of a contour, the targets that they name, degrees the tool has turned.
+
+    corners: that are gone round at the speed of corners.
+    """
 
     statements: tuple[Statement, ...]
     targets: Mapping[str, Target]
-    wound: float
+    wound: float | None
     findings: tuple[Diagnostic, ...] = ()
+    corners: int = 0
 
 
 def follow(
@@ -116,6 +125,10 @@ def follow(
     before: float | None,
     process: Process,
     taken: TakenNames,
+    top: float = 0.0,
+    *,
+    drawn_on: str = "",
+    stays: bool = False,
 ) -> Followed:
     """Approach, switch on, follow, switch off, retract.
 
@@ -123,12 +136,16 @@ def follow(
     comes back to its start with the tool as it was. before: the degrees of the contour before,
     None for the first one. process: its tolerance is what corners without a stated size may be cut
     by, and what stands around the work tells where the tool comes from. taken: names that must not
-    be used.
+    be used. top: of the layer, see `highest`. drawn_on: the layer's name. stays: the arm stops
+    above the end. Without statements there is no room for what the layer says.
     """
     moved = placed.rows(drawn)
-    pose, path = _path(name, moved, layer, placed.direction, (1 - FLATTENED) * process.tolerance)
+    flat = FLATTENED * process.tolerance
+    total = float(lengths(moved.start, moved.positions, moved.kinds).sum())
+    made = paced(moved, layer.pace, divided_at(layer, total), flat)
+    pose, path = _path(name, made, layer, placed.direction, process.tolerance - flat)
     wound = turned(np.concatenate([[pose.quaternion], path.quaternions]), placed.direction)
-    start, end, via = (identifier(f"{name}_{k}", taken) for k in ("start", "end", "via"))
+    start, end = (identifier(f"{name}_{k}", taken) for k in ("start", "end"))
     targets = {start: Target(pose)}
     last = path.target(len(path) - 1)
     if abs(wound) < SAME and _same(pose, last.pose):
@@ -136,37 +153,105 @@ def follow(
     else:
         targets[end] = last
     kind = "travel" if process.defaults.travels else _kind(before, layer)
-    motion = layer.motion
-    travel = replace(motion, speed=layer.travel, blend=FINE)
+    motion, above = layer.motion, layer.above
+    travel = replace(motion, speed=layer.travel, blend=above.blend)
     plunge = replace(motion, speed=_slower(motion, layer.travel), blend=FINE)
     standing = Standing.of(process, motion)
-    into = way_in(standing, pose, layer.approach, start)
+    high = Heights.of(layer, placed, top, pose, last.pose)
+    into = way_in(standing, pose, high.before, start)
     out = into
-    if (end, layer.retract) != (start, layer.approach):
-        out = way_in(standing, targets[end].pose, layer.retract, end)
+    if (end, high.after) != (start, high.before):
+        out = way_in(standing, targets[end].pose, high.after, end)
+    way = lengths(np.array(pose.position), path.positions, path.kinds)
+    speed = path.speeds[path.speed[-1]]
+    slow = speed.tcp if isinstance(speed, Speed) else 0.0
+    try:
+        switched = outputs(layer, way, high.after, slow)
+    except Unfit as unfit:
+        return Followed((), {}, None, (unfit.rule(layer=shown(drawn_on), **unfit.fields),))
     statements: list[Statement] = []
-    if layer.approach > 0.0:
-        statements.append(to(kind, backed_off(start, layer.approach, into), travel))
-        statements.append(Move("linear", Name(start), plunge))
+    if high.before > 0.0:
+        statements.append(to(kind, backed_off(start, high.before, into), travel))
+        if 0.0 < layer.approach < high.before:
+            statements.append(Move("linear", backed_off(start, layer.approach, into), travel))
+        statements.append(Move("linear", Name(start), plunge, switched.first))
     else:
         statements.append(to(kind, Name(start), travel))
-    statements += [SetSignal(signal, _number(value)) for signal, value in layer.on]
-    if layer.delay > 0.0:
-        statements.append(Wait(_number(layer.delay)))
-    arc = path.kinds[-1] == Kind.END
-    if rest := len(path) - (2 if arc else 1):
-        statements.append(Follow(path.rows(0, rest)))
-    stop = replace(motion, blend=FINE)
-    if arc:
-        targets[via] = path.target(rest)
-        statements.append(MoveCircular(Name(via), Name(end), stop))
-    else:
-        statements.append(Move("linear", Name(end), stop))
-    statements += [SetSignal(signal, _number(value)) for signal, value in layer.off]
-    if layer.retract > 0.0:
-        statements.append(Move("linear", backed_off(end, layer.retract, out), travel))
+    statements += switched.before
+    along_it, named = _followed(path, switched.on_way, end, taken)
+    statements += along_it
+    targets |= named
+    statements += switched.after
+    if high.after > 0.0:
+        leaving = replace(travel, blend=FINE) if stays else travel
+        up = backed_off(end, high.after, out)
+        statements.append(Move("linear", up, leaving, switched.last))
     findings = dict.fromkeys((*into.findings, *out.findings))
-    return Followed(tuple(statements), targets, wound, tuple(findings))
+    return Followed(tuple(statements), targets, wound, tuple(findings), made.corners)
+
+
+def _followed(
+    path: Path, on_way: Mapping[int, tuple[Trigger, ...]], end: str, taken: TakenNames
+) -> tuple[list[Statement], dict[str, Target]]:
+    """The statements along a path, and the targets that they name but for its end.
+
+    on_way: what moves set, by the row that ends them; those and the last one are statements of
+    their own. end: the name of the end.
+    """
+    statements: list[Statement] = []
+    targets: dict[str, Target] = {}
+    done, parts = 0, 0
+    for row in sorted({*on_way, len(path) - 1}):
+        arc = path.kinds[row] == Kind.END
+        if (first := row - 1 if arc else row) > done:
+            parts += 1
+            part = path.name if parts == 1 else identifier(f"{path.name}_part", taken)
+            taken.add(part)
+            statements.append(Follow(path.rows(done, first, part)))
+        done = row + 1
+        here, said = path.target(row), end
+        if done < len(path):
+            said = identifier(f"{path.name}_on_way", taken)
+            taken.add(said)
+            targets[said] = here
+        speed = path.speeds[path.speed[row]]
+        blend = FINE if done == len(path) else path.blends[path.blend[row]]
+        motion = Motion(speed, blend, path.tools[0], path.frames[0])
+        if arc:
+            via = identifier(f"{path.name}_via", taken)
+            taken.add(via)
+            targets[via] = path.target(first)
+            statements.append(MoveCircular(Name(via), Name(said), motion, on_way.get(row, ())))
+        else:
+            statements.append(Move("linear", Name(said), motion, on_way.get(row, ())))
+    return statements, targets
+
+
+@dataclass(frozen=True, slots=True)
+class Heights:
+    """Mm above the start and the end of a contour at which travel goes, 0 for on the work."""
+
+    before: float
+    after: float
+
+    @staticmethod
+    def of(layer: Layer, placed: Placed, top: float, start: Pose, end: Pose) -> Heights:
+        """top: of the layer, see `highest`."""
+        if layer.above.height is None:
+            return Heights(layer.approach, layer.retract)
+        above = top + layer.above.height
+        up, down = (above + float(np.dot(p.position, placed.direction)) for p in (start, end))
+        return Heights(round(up, 3), round(down, 3))
+
+
+def highest(contours: Sequence[Contour], placed: Placed) -> float:
+    """Mm, against the direction of the tool, that the highest point of contours is from the origin
+    of their layer's frame.
+    """
+    curves = [curve for contour in contours for curve in contour.curves]
+    drawn = sample(curves, LOOKED_AT).reshape(-1, 3)
+    points = rotations.rotate(placed.pose.quaternion, drawn) + placed.pose.position
+    return float((-points @ np.asarray(placed.direction)).max())
 
 
 def measured(layer: Layer, placed: Placed, standing: Standing | None) -> Measure | None:
@@ -200,6 +285,8 @@ def _kind(wound: float | None, layer: Layer) -> Literal["joint", "linear"]:
     """
     if wound is None:
         return "joint"
+    if layer.above.kind is not None:
+        return layer.above.kind
     if not layer.tangential or not (layer.approach > 0.0 and layer.retract > 0.0):
         return "linear"
     return "joint" if abs(wound) > HALF_TURN else "linear"
@@ -211,17 +298,15 @@ def _slower(motion: Motion, travel: Speed) -> Speed:
     return speed if isinstance(speed, Speed) and speed.tcp < travel.tcp else travel
 
 
-def _number(value: float) -> Number:
-    return Number(int(value) if value == int(value) else value)
-
-
 def _path(
-    name: str, rows: Moves, layer: Layer, direction: Vector, tolerance: float
+    name: str, made: Paced, layer: Layer, direction: Vector, tolerance: float
 ) -> tuple[Pose, Path]:
     """The start's pose, and the path of the rows; it stops at its end and where it turns.
 
     tolerance: mm that cutting a corner may leave the drawing by, with what fitting has used.
+    Where a move was divided nothing stops.
     """
+    rows = made.rows
     if layer.tangential:
         first, axes, chosen = along(rows, direction)
         begin, quaternions = facing(direction, first[None]), facing(direction, axes)
@@ -237,17 +322,21 @@ def _path(
     motion, positions = layer.motion, rows.positions[chosen]
     (speed, blend), blends = motion.fixed, tuple[Blend | Name, ...]()
     blends = (blend, FINE)
-    if layer.rounded:
+    divided = made.divided[chosen] & (stops == 0)
+    if layer.rounded or divided.any():
         sizes = _corners(rows.start, positions, kinds, tolerance - rows.deviation)
         table, index = np.unique(sizes, return_inverse=True)
-        blends = (*(Blend(size) if size > 0.0 else FINE for size in table.tolist()), FINE)
-        stops = np.where(stops == 1, len(table), index)
+        rounded = index if layer.rounded else np.where(divided, index, len(table) + 1)
+        sized = (Blend(size) if size > 0.0 else FINE for size in table.tolist())
+        blends = (*sized, FINE) if layer.rounded else (*sized, FINE, blend)
+        stops = np.where(stops == 1, len(table), rounded)
     path = Path.of(
         name,
         positions,
         quaternions,
         kinds=kinds,
-        speeds=(speed,),
+        speeds=tuple(speed if one is None else one for one in made.table),
+        speed=made.speeds[chosen],
         blends=blends,
         blend=stops,
         tools=(motion.tool,),

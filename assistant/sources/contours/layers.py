@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -18,9 +18,10 @@ from assistant.program.statements import (
 )
 from assistant.sources.contours.chaining import Contour, chain
 from assistant.sources.contours.curves import Arc, Curve, Line
-from assistant.sources.contours.following import Placed, follow, measured
+from assistant.sources.contours.following import Placed, follow, highest, measured
 from assistant.sources.contours.moves import WIDEST, moves
 from assistant.sources.contours.nesting import NONE, holders
+from assistant.sources.contours.numbering import Written, stated
 from assistant.sources.contours.ordering import ordered
 from assistant.sources.contours.shaping import Shaped, Shaper
 from assistant.sources.process import Layer, Process
@@ -64,6 +65,18 @@ TRAVEL_TIME = info(
     " full speed{inside}; it was {before:.2f} s in the order of drawing",
     "",
 )
+CORNERS = info(
+    "CT222",
+    "{count} corners of layer {layer!r} are gone round at {speed:g} mm/s: turns of {angle:g}"
+    " degrees and more, arcs of up to {radius:g} mm",
+    "",
+)
+NO_CORNER = warning(
+    "CT223",
+    "layer {layer!r} has no corner for `corner_speed`: no turn of {angle:g} degrees, no arc of up"
+    " to {radius:g} mm",
+    "give a smaller `corner_angle`, or a `corner_radius` as large as the rounded corners",
+)
 WIDEST_TURN: Final = 120.0
 """Degrees of an arc over which the tool turns with the contour: a controller turns it the
 shorter way from start to end, which has to stay the way of the arc."""
@@ -79,6 +92,7 @@ def contour_program(
     taken: set[str],
     path: str | None = None,
     marks: Sequence[tuple[str, Vector]] = (),
+    texts: Sequence[Written] = (),
 ) -> tuple[tuple[Procedure, ...], dict[str, Target], tuple[Diagnostic, ...]]:
     """A procedure for each layer that has a process, the targets they name, what was found.
 
@@ -87,7 +101,8 @@ def contour_program(
     place, its targets and its tool direction given in that frame. Without any layer in the
     process, every layer moves as the defaults say. Curves of other layers are counted in a
     finding. taken: names that must not be used; those that the program got are added.
-    path: the drawing, for findings. marks: points on layers, where contours start.
+    path: the drawing, for findings. marks: points on layers, where contours start. texts: of the
+    drawing, where they number contours.
     """
     layers: dict[str, list[Curve]] = {}
     for curve in curves:
@@ -120,10 +135,11 @@ def contour_program(
         name, layer, drawn = followed[row]
         key = drawn[0].layer.casefold()
         points = [point for marked, point in marks if marked.casefold() == key]
+        beside = [one for one in texts if one.layer.casefold() == key]
         shaped = shaper.shaped(row, np.reshape(points, (-1, 3)))
         findings += shaper.findings
         shaper.findings.clear()
-        made, named, found = _procedure(name, drawn, shaped, layer, process, names)
+        made, named, found = _procedure(name, drawn, shaped, layer, process, names, beside)
         procedures += made
         targets |= named
         findings += found
@@ -165,6 +181,7 @@ def _procedure(
     layer: Layer,
     process: Process,
     taken: TakenNames,
+    texts: Sequence[Written],
 ) -> tuple[list[Procedure], dict[str, Target], list[Diagnostic]]:
     """The procedure of that name along the contours of one layer, none if nothing is left.
 
@@ -180,10 +197,15 @@ def _procedure(
         return [], {}, findings
     around = holders(drawn, layer.direction, process.tolerance) if layer.inside_first else []
     around = _of_those_left(around, shaped)
-    standing = Standing.of(process, layer.motion)
-    measure = measured(layer, placed, standing) if process.defaults.travels else None
-    order = ordered(contours, around, measure)
-    if len(contours) > 1:
+    if layer.order == "travel":
+        standing = Standing.of(process, layer.motion)
+        measure = measured(layer, placed, standing) if process.defaults.travels else None
+        order = ordered(contours, around, measure)
+    else:
+        left = [one for one, became in zip(drawn, shaped, strict=True) if became is not None]
+        order, said = stated(contours, left, around, layer.order, texts)
+        findings += said
+    if len(contours) > 1 and layer.order == "travel":
         inside = ", with those inside others first" if any(i >= 0 for i in around) else ""
         findings.append(
             (TRAVEL_TIME if order.measured else TRAVEL)(
@@ -202,6 +224,8 @@ def _procedure(
     widest = WIDEST_TURN if layer.tangential else WIDEST
     deviation, fitted, count = 0.0, 0, 0
     wound: float | None = None
+    top = highest(drawn, placed) if layer.above.height is not None else 0.0
+    corners = 0
     of_number = {one.main.number: one for one in kept}
     followed = [
         (of_number[main.number], way)
@@ -224,14 +248,28 @@ def _procedure(
             deviation, fitted = max(deviation, rows.deviation), fitted + rows.fitted
             taken.add(f"{stem}_{count}")
             lower = way.lower(layer)
-            made = follow(f"{stem}_{count}", rows, lower, placed, wound, process, taken)
+            stays = process.home is None and way is followed[-1][1]
+            made = follow(
+                f"{stem}_{count}", rows, lower, placed, wound, process, taken, top,
+                drawn_on=name, stays=stays,
+            )  # fmt: skip
             body += made.statements
+            corners += made.corners
             findings += made.findings
             targets |= made.targets
             taken.update(made.targets)
             wound = made.wound
     if fitted:
         findings.append(FITTED(layer=shown(name), count=fitted, deviation=deviation))
+    if count and (slow := layer.pace.corner) is not None:
+        about: dict[str, Any] = {
+            "layer": shown(name),
+            "angle": layer.pace.angle,
+            "radius": layer.pace.radius,
+        }
+        findings.append(
+            CORNERS(count=corners, speed=slow.tcp, **about) if corners else NO_CORNER(**about)
+        )
     return ([Procedure(named, tuple(body))] if count else []), targets, findings
 
 

@@ -61,10 +61,10 @@ def moves(contour: Contour, tolerance: float, *, widest: float = WIDEST) -> Move
     given = as_pieces(contour, tolerance)
     made: list[Line | Arc] = []
     for piece in given.pieces:
-        made += _possible(piece, tolerance * FLATTENED, widest)
+        made += possible(piece, tolerance * FLATTENED, widest)
     start = made[0].start if made else contour.start
     found = (given.deviation, given.fitted, given.within)
-    return Moves(np.array(start), *_columns(made), *found)
+    return Moves(np.array(start), *columns(made), *found)
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,7 +120,7 @@ def _between(piece: Line | Arc, start: Vector, end: Vector) -> Line | Arc:
     return Line(start, end, piece.layer, piece.handle)
 
 
-def _possible(piece: Line | Arc, flat: float, widest: float) -> list[Line | Arc]:
+def possible(piece: Line | Arc, flat: float, widest: float) -> list[Line | Arc]:
     """The piece itself, an arc in parts of at most `widest` degrees, or lines for it.
 
     Flat arcs, and arcs whose points are too near each other or to a line for a controller to
@@ -167,7 +167,7 @@ def _parts(arc: Arc, count: int) -> list[Line | Arc]:
     ]
 
 
-def _columns(
+def columns(
     pieces: Sequence[Line | Arc],
 ) -> tuple[NDArray[np.uint8], Points, Points, Points]:
     """Kinds, positions, and the directions in which each row's move begins and ends."""

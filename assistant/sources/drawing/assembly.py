@@ -12,10 +12,10 @@ import numpy as np
 
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
 from assistant.program.expressions import Name
-from assistant.program.geometry import Pose, Target
+from assistant.program.geometry import JointTarget, Pose, Target
 from assistant.program.motion import FINE
 from assistant.program.program import MANGLED, Procedure, Program, TakenNames, identifier
-from assistant.program.statements import Call, Statement
+from assistant.program.statements import Call, MoveJoints, Statement, Travel
 from assistant.program.system.budgets import AROUND, CONTOURS, within
 from assistant.sources.contours.layers import contour_program
 from assistant.sources.contours.ordering import Measure, visited
@@ -35,6 +35,7 @@ from assistant.sources.standing import Standing, backed_off, to, way_in
 from assistant.sources.surroundings import seconds
 
 MAIN: Final = "main"
+HOME: Final = "home"
 LOCATIONS: Final = "locations"
 """Name of the procedure that visits the locations."""
 
@@ -50,11 +51,13 @@ def assemble(contents: Contents, path: FilePath, process: Process) -> Reading:
     taken.update(process.tools, process.frames, process.signals)
     named = name_locations(contents.locations, taken, name)
     taken.update(named.names)
+    home = identifier(HOME, taken) if process.home is not None else None
+    taken.update([home] if home else [])
     places = len(contents.curves) + len(contents.locations)
     with within(CONTOURS if process.around is None else AROUND, name, places):
         curves = contents.curves
         contours, ends, followed = contour_program(
-            curves, process, taken=taken, path=name, marks=contents.marks
+            curves, process, taken=taken, path=name, marks=contents.marks, texts=contents.texts
         )
         order = visiting_order(contents.locations, name, process)
         visits, visited = _visiting(contents.locations, named.names, order.rows, process)
@@ -69,7 +72,7 @@ def assemble(contents: Contents, path: FilePath, process: Process) -> Reading:
     procedures = [*visits, *contours]
     program = Program(
         title,
-        (Procedure(MAIN, tuple(Call(p.name) for p in procedures)), *procedures),
+        (Procedure(MAIN, _from_home(home, procedures, process)), *procedures),
         entry=MAIN,
         robot=process.robot,
         comments=(f"drawing {shown(path.name)}, in {contents.unit}",),
@@ -81,8 +84,21 @@ def assemble(contents: Contents, path: FilePath, process: Process) -> Reading:
             for n, location in zip(named.names, contents.locations, strict=True)
         }
         | ends,
+        joint_targets={home: JointTarget(process.home)} if home and process.home else {},
     )
     return Reading(program, tuple(findings))
+
+
+def _from_home(
+    home: str | None, procedures: Sequence[Procedure], process: Process
+) -> tuple[Statement, ...]:
+    """Calls of the procedures, between two ways home if there is a home."""
+    calls = tuple(Call(p.name) for p in procedures)
+    if home is None:
+        return calls
+    motion = replace(process.defaults.motion, blend=FINE)
+    way = Travel if process.defaults.travels else MoveJoints
+    return (way(Name(home), motion), *calls, way(Name(home), motion))
 
 
 def _visiting(

@@ -16,6 +16,7 @@ from assistant.program.geometry import BASE, FLANGE, Vector
 from assistant.program.statements import Motion
 from assistant.program.system.budgets import INSERTING, within
 from assistant.sources.contours.curves import Curve, vector
+from assistant.sources.contours.numbering import Written
 from assistant.sources.drawing.attributes import Tags
 from assistant.sources.drawing.document import library_errors, open_drawing
 from assistant.sources.drawing.entities import ignored, primitives
@@ -30,6 +31,7 @@ from assistant.sources.drawing.findings import (
 )
 from assistant.sources.drawing.locations import Location, Locations
 from assistant.sources.drawing.primitives import Degenerate
+from assistant.sources.drawing.texts import TEXTS, numbers, written
 from assistant.sources.drawing.transforms import affine, point, scaling
 from assistant.sources.drawing.traversal import Placed, Traversal
 from assistant.sources.drawing.units import unit_of
@@ -44,6 +46,7 @@ class Contents:
     """Curves and locations in order of drawing, in mm, where the process places the drawing.
 
     marks: points that are no locations but say where the contours of their layer start.
+    texts: of the layers whose contours are numbered by them.
     """
 
     unit: str
@@ -51,6 +54,7 @@ class Contents:
     locations: tuple[Location, ...]
     findings: tuple[Diagnostic, ...]
     marks: tuple[tuple[str, Vector], ...] = ()
+    texts: tuple[Written, ...] = ()
 
 
 def read_contents(path: FilePath, process: Process) -> Contents:
@@ -66,12 +70,21 @@ def read_contents(path: FilePath, process: Process) -> Contents:
     unit, factor, units = unit_of(document, name, process.unit)
     tally = Tally()
     unwanted = cache(process.leaves_out)
-    traversal = Traversal(document, name, tags, tally, unwanted=unwanted)
+    ordered = {layer.casefold() for layer, one in process.layers.items() if one.order == "text"}
+    traversal = Traversal(
+        document,
+        name,
+        tags,
+        tally,
+        numbering=lambda entity, layer: layer.casefold() in ordered and numbers(entity),
+        unwanted=unwanted,
+    )
     locations = Locations(document, name, tags, process, tally)
     curves: list[Curve] = []
     found: list[Location] = []
     marks: list[tuple[str, Vector]] = []
     marked = {n.lower() for n, layer in process.layers.items() if layer.shaping.start == "point"}
+    texts: list[Written] = []
     with within(INSERTING, name, traversal.count()):
         for placed in traversal.model(root_of(process, factor)):
             kind = placed.entity.dxftype()
@@ -83,6 +96,8 @@ def read_contents(path: FilePath, process: Process) -> Contents:
                     continue
                 location = locations.read(placed)
                 found += [location] if location else []
+            elif placed.entity.dxftype() in TEXTS:
+                texts.append(written(placed.entity, placed.matrix, placed.layer))
             else:
                 counted_in = Tally() if unwanted(placed.layer) else tally
                 curves += curves_of(placed, counted_in, traversal)
@@ -90,7 +105,7 @@ def read_contents(path: FilePath, process: Process) -> Contents:
     counted = (f.within(name) for f in tally.findings())
     findings = (*opened, *units, *ucs_of(document, name), *traversal.findings, *locations.findings)
     said = (*findings, *counted)
-    return Contents(unit, tuple(curves), tuple(found), said, tuple(marks))
+    return Contents(unit, tuple(curves), tuple(found), said, tuple(marks), tuple(texts))
 
 
 def root_of(process: Process, factor: float) -> Floats:

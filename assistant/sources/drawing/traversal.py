@@ -117,6 +117,7 @@ class Traversal:
     """Walks through a document; `tally` and `findings` fill while it goes.
 
     wanted: which entities are yielded, beside points and locations; what is not is counted.
+    numbering: which texts of a layer are yielded.
     unwanted: tells layers of which what is not yielded is not counted either.
     """
 
@@ -125,6 +126,7 @@ class Traversal:
     tags: Tags
     tally: Tally
     wanted: Callable[[DXFGraphic], bool] = follows
+    numbering: Callable[[DXFGraphic, str], bool] = lambda entity, layer: False  # noqa: ARG005
     unwanted: Callable[[str], bool] = _none
     findings: list[Diagnostic] = field(default_factory=list)
     states: dict[str, str] = field(default_factory=dict)
@@ -184,9 +186,9 @@ class Traversal:
                 self._leave(LEFT_OUT, entity, layer, SYMBOL)
             elif layer.lower() == DIMENSION_LAYER:
                 self._leave(LEFT_OUT, entity, layer, "construction points of dimensions")
-            elif kind in ANNOTATION:
+            elif kind in ANNOTATION and not self.numbering(entity, layer):
                 self._leave(LEFT_OUT, entity, layer, "it is for people to read")
-            elif kind == "POINT" or self.wanted(entity):
+            elif kind == "POINT" or kind in ANNOTATION or self.wanted(entity):
                 place = owner.place(entity)
                 yield Placed(entity, owner.matrix, layer, place, inserted=owner.inserted)
             else:

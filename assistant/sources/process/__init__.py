@@ -18,6 +18,7 @@ from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.program import Signal
 from assistant.program.statements import Motion
 from assistant.sources.process.shaping import AS_DRAWN, Shaping
+from assistant.sources.process.ways import AT_ENDS, EVEN, LOW, Above, Order, Pace, Switching
 from assistant.sources.surroundings import Surroundings
 
 SLOW: Final = Speed(100.0)
@@ -67,6 +68,8 @@ class Layer:
     delay: seconds after switching on. inside_first: contours that lie inside closed ones come
     before them. rounded: the file states no blend, and corners are rounded within the tolerance.
     shaping: where beside a contour the tool runs, and how it comes onto it.
+    order: of the contours. pace, switching, above: where speed and outputs change, and the way
+    between contours.
     """
 
     process: str
@@ -82,6 +85,10 @@ class Layer:
     inside_first: bool = True
     rounded: bool = False
     shaping: Shaping = AS_DRAWN
+    order: Order = "travel"
+    pace: Pace = EVEN
+    switching: Switching = AT_ENDS
+    above: Above = LOW
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,6 +118,8 @@ class Process:
     joint_percent: of joint moves whose mm/s cannot be said, None to take the share of the fastest.
     lines: by their numbers on the source's controller.
     interface: how the program stands among others, None if nothing is said of it.
+    home: degrees of the axes (mm of sliding ones) at which the program of a drawing begins and
+    ends, None for wherever the arm is.
     around: what stands around the work, which no process file says; None if nobody knows.
     findings: warnings about the process file itself.
     """
@@ -130,6 +139,7 @@ class Process:
     joint_percent: float | None = None
     lines: Mapping[int, Line] = field(default_factory=dict)
     interface: Interface | None = None
+    home: tuple[float, ...] | None = None
     around: Surroundings | None = None
     findings: tuple[Diagnostic, ...] = ()
 

@@ -7,6 +7,7 @@ masses kg; names are letters, digits and `_`, a letter first.
     tolerance = 0.05              # mm for joining ends, fitting curves, rounding corners of paths
     unit = "mm"                   # of a drawing, whatever it says itself
     leave_out = ["BORDER"]        # layers that are not wanted; "*" for any letters: ["DIM_*"]
+    home = [0, 0, 0, 0, 30, 0]    # of the axes: there a drawing's program begins and ends
     joint_speed = 100             # mm/s of joint moves of a robot program that state a percentage
     joint_percent = 20            # of joint moves, where a controller takes no mm/s
 
@@ -78,6 +79,22 @@ masses kg; names are letters, digits and `_`, a letter first.
     depth = 12                    # of the last pass below the drawing, along the tool
     passes = 3                    # equal steps down to it
     allowances = [0.5, 0]         # more than the offset, once around for each: rough, then finish
+    order = "travel"              # or "drawing"; "text": by the numbers beside contours
+    corner_speed = 20             # where the contour turns, and mm before and behind there
+    corner_angle = 30             # turns by fewer degrees are no corners
+    corner_radius = 0             # arcs of up to that radius are corners too
+    corner_length = 5
+    start_speed = 30              # over the first mm
+    start_length = 5
+    end_speed = 30                # over the last mm
+    end_length = 5
+    on_before = {seconds = 0.03}  # `on` on the way to the start; mm, seconds, or both
+    # on_after = {mm = 5}         # `on` that far behind the start
+    off_before = {mm = 5}         # `off` before the end; mm, seconds, or both
+    # off_after = {mm = 5}        # `off` on the way up, or seconds after the end
+    # travel_height = 80          # for retract: so far above the highest point of the layer
+    travel_blend = 10             # mm, of the places above the work; "fine" if left out
+    travel_kind = "linear"        # or "joint"; left out: joint where the tool would wind up
 
     [placement]                   # of a drawing in the frame of [motion]; moves all that is drawn
     position = [300, 0, 0]        # mm, where its origin comes to
@@ -125,6 +142,11 @@ NO_LINE = error(
     "`{name}` is no communication line",
     "name it line_1 to line_8, and give its role, port and, but for a serial one, its address",
 )
+NO_MAIN = error(
+    "CT346",
+    "a program without a main procedure does not go home",
+    "leave out `home`, or `main = false` under [program]",
+)
 ONE_BIT = error("CT312", "the {kind} signal `{name}` has no bits", 'write kind = "group"')
 
 ENCODINGS: Final = ("utf-8-sig", "utf-8")
@@ -143,7 +165,11 @@ PLAIN: Final[Mapping[str, Read]] = {
 }
 """Keys of the top that hold one value."""
 
-OF_DRAWINGS: Final[Mapping[str, Read]] = {"unit": values.unit, "leave_out": values.texts}
+OF_DRAWINGS: Final[Mapping[str, Read]] = {
+    "unit": values.unit,
+    "leave_out": values.texts,
+    "home": values.axes,
+}
 """Keys of the top that only a drawing needs."""
 PLACE: Final = "placement"
 """A table that only a drawing needs."""
@@ -207,6 +233,8 @@ def process_in(top: Table, beside: Sequence[str] = ()) -> Process:
     signals = {n: _signal(n, t) for n, t in top.table("signals").named()}
     lines = dict(one for n, t in top.table("lines").named() for one in _line(n, t))
     interface = interface_of(top)
+    if "home" in found and interface is not None and not interface.main:
+        top.say(NO_MAIN, "home")
     names = Known(tools, frames, signals)
     defaults = Defaults(**names.motion(top.table("motion"), DEFAULTS))
     layers = {

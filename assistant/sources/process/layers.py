@@ -7,7 +7,7 @@ from typing import Any, Final
 
 from assistant.program.diagnostics import error
 from assistant.program.statements import Motion
-from assistant.sources.process import Defaults, Layer, values
+from assistant.sources.process import Defaults, Layer, values, way_keys
 from assistant.sources.process.known import MOTION, Known
 from assistant.sources.process.shaping import SHAPING, shaping_of
 from assistant.sources.process.table import Table
@@ -32,6 +32,7 @@ LAYER: Final[Mapping[str, Read]] = {
     "tangential": values.truth,
     "inside_first": values.truth,
     **SHAPING,
+    **way_keys.KEYS,
 }
 
 
@@ -50,5 +51,8 @@ def layer_of(name: str, table: Table, defaults: Defaults, names: Known) -> Layer
     shaping = shaping_of(table, found)
     process = found.pop("process", shown(name))
     rounded = defaults.blend is None and "blend" not in parts
+    ways = way_keys.ways_of(table, found)
     motion = Motion(**(usual | parts))
-    return Layer(process, motion, rounded=rounded, shaping=shaping, **switched, **found)
+    layer = Layer(process, motion, rounded=rounded, shaping=shaping, **switched, **ways, **found)
+    way_keys.check_ways(table, layer, planned=defaults.travels)
+    return layer

@@ -24,6 +24,8 @@ EXACT_LENGTH: Final = 1e-6
 MOST_TOLERANCE: Final = 10.0
 """mm; over this, contours of a work piece would lose their shape."""
 MOST_BITS: Final = 32
+FEWEST_AXES: Final = 2
+MOST_AXES: Final = 7
 LARGEST: Final = 1e6
 """mm, mm/s, degrees …: no robot is a kilometre long."""
 MOST_VALUE: Final = 2.0**MOST_BITS - 1
@@ -111,6 +113,14 @@ def texts(value: Any) -> tuple[str, ...]:
     if not isinstance(value, list):
         raise Wrong(f"is {kind_of(value)}", 'write texts in brackets: ["A", "B"]')
     return tuple(map(text, value))
+
+
+def axes(value: Any) -> tuple[float, ...]:
+    """A number for each axis of an arm, degrees or mm."""
+    if not isinstance(value, list) or not FEWEST_AXES <= len(value) <= MOST_AXES:
+        what = f"has {len(value)} entries" if isinstance(value, list) else f"is {kind_of(value)}"
+        raise Wrong(what, "write a number for each axis of the arm, in degrees, in brackets")
+    return _vector(" of degrees", len(value))(value)
 
 
 def name(value: Any) -> str:

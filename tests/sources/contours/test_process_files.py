@@ -21,6 +21,7 @@ from assistant.sources.process import layers as process_layers
 from assistant.sources.process.file import parse_process, read_process
 from assistant.sources.process.lines import key_spans
 from assistant.sources.process.shaping import Lead, Shaping
+from assistant.sources.process.ways import Above, Instant, Pace, Switching
 
 
 def parse(text):
@@ -61,8 +62,12 @@ def test_the_example_of_the_documentation():
                 passes=3,
                 allowances=(0.5, 0.0),
             ),
+            pace=Pace(Speed(20.0), start=Speed(30.0), end=Speed(30.0)),
+            switching=Switching(on_before=Instant(seconds=0.03), off_before=Instant(mm=5.0)),
+            above=Above(None, Blend(10.0), "linear"),
         )
     }
+    assert process.home == (0.0, 0.0, 0.0, 0.0, 30.0, 0.0)
     assert process.tags == {"name": "NAME"}
     assert process.findings == ()
 
@@ -375,3 +380,63 @@ def test_no_value_anywhere_gives_another_error(entries):
     except Refused as error:
         assert error.findings
         assert all(f.message.isprintable() and f.cure.isprintable() for f in error.findings)
+
+
+GLUE = "[signals.glue]\n[motion]\nspeed = 50\n[layers.GLUE]\non = {glue = 1}\noff = {glue = 0}\n"
+
+
+@pytest.mark.parametrize(
+    ("keys", "code", "named"),
+    [
+        ("on_before = {mm = 60}", "CT342", "`on_before` is 60 mm"),
+        ("on_before = {seconds = 1.1}", "CT342", "55 mm of the way at 50 mm/s"),
+        ("on_before = {mm = 45}\ntravel_blend = 10", "CT342", "leaves 40 mm"),
+        ("off_after = {mm = 51}", "CT342", "`retract` leaves 50 mm"),
+        ("off_after = {mm = 31}\ntravel_height = 30", "CT342", "`travel_height` leaves 30 mm"),
+        ("on_before = {mm = 5}\non_after = {mm = 5}", "CT340", "`on_before` and `on_after`"),
+        ("off_before = {mm = 5}\noff_after = {mm = 5}", "CT340", "`off_before` and `off_after`"),
+        ("on_after = {mm = 5}\ndelay = 0.1", "CT340", "`on_after` and `delay`"),
+        ("off_after = {mm = 5, seconds = 1}", "CT340", "`mm` and `seconds`"),
+        ("retract = 20\ntravel_height = 30", "CT340", "`retract` and `travel_height`"),
+        ("corner_angle = 20", "CT341", "without `corner_speed`"),
+        ("corner_radius = 5", "CT341", "without `corner_speed`"),
+        ("end_length = 5", "CT341", "without `end_speed`"),
+        ('travel_kind = "joint"\nretract = 0', "CT343", "joint moves"),
+        ("travel_blend = 60", "CT344", "50 mm above the work"),
+        ("travel_blend = 60\ntravel_height = 55", "CT344", "55 mm above the work"),
+        ("on_before = 5", "CT303", "is a number"),
+        ("on_before = {inch = 5}", "CT303", "has `inch`"),
+        ("on_before = {mm = -5}", "CT303", "has `mm`, which is -5"),
+        ("on_before = {}", "CT303", "says no place"),
+        ("on_after = {seconds = 1}", "CT303", "has `seconds`"),
+        ('order = "random"', "CT303", 'is "random"'),
+        ("corner_speed = 0", "CT303", "out of range"),
+        ("travel_height = 0", "CT303", "out of range"),
+    ],
+)
+def test_what_does_not_fit_the_way_along_a_contour_is_told(keys, code, named):
+    (finding,) = refused(GLUE + keys)
+    assert finding.code == code
+    assert named in finding.message
+    assert finding.line in (7, 8)
+    assert finding.cure
+
+
+def test_keys_of_outputs_need_the_outputs():
+    for key, other in (("on_before", "on"), ("on_after", "on"), ("off_before", "off")):
+        (finding,) = refused(f"[layers.GLUE]\n{key} = {{mm = 5}}")
+        assert (finding.code, finding.line) == ("CT341", 2)
+        assert f"without `{other}`" in finding.message
+
+
+def test_the_kind_of_travel_is_not_stated_where_ways_are_planned():
+    (finding,) = refused('[motion]\nkind = "travel"\n[layers.GLUE]\ntravel_kind = "linear"')
+    assert (finding.code, finding.line) == ("CT345", 4)
+
+
+def test_home_is_a_number_for_each_axis():
+    assert parse("home = [0, 0, 90, 0, 90, 0]").home == (0.0, 0.0, 90.0, 0.0, 90.0, 0.0)
+    for wrong in ("0", "[]", "[1]", "[0, 0, 0, 0, 0, 0, 0, 0]", '["a", 1]'):
+        (finding,) = refused(f"home = {wrong}")
+        assert (finding.code, finding.line) == ("CT303", 1)
+        assert "number" in finding.cure

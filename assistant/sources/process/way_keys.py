@@ -1,0 +1,157 @@
+"""Keys of a layer that say how its contours are come to, followed and switched."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Final
+
+from assistant.program.diagnostics import error
+from assistant.program.motion import Speed
+from assistant.sources.process import Layer, values
+from assistant.sources.process.table import Table
+from assistant.sources.process.values import Read, Wrong
+from assistant.sources.process.ways import Above, Instant, Pace, Switching
+
+EXCLUDED = error("CT340", "`{key}` and `{other}` cannot both be", "leave one of them out: {why}")
+WITHOUT = error("CT341", "`{key}` says nothing without `{other}`", "add `{other}`, or delete it")
+TOO_EARLY = error(
+    "CT342",
+    "`{key}` is {wanted:g} mm of the way{how}, of which `{of}` leaves {length:g} mm",
+    "give less, or a larger `{of}`",
+)
+NOT_ABOVE = error(
+    "CT343",
+    'travel_kind = "joint" would lead from the work and to it by joint moves',
+    "give `approach` and `retract` over 0, or a `travel_height`",
+)
+TOO_WIDE = error(
+    "CT344",
+    "`travel_blend` of {blend:g} mm cuts corners that are {length:g} mm above the work",
+    "give less, or a larger `travel_height`, or `approach` and `retract` without one",
+)
+PLANNED = error(
+    "CT345",
+    'with kind = "travel" under [motion] the ways between contours are planned through the cell',
+    "leave out `travel_kind`, or `kind` under [motion]",
+)
+
+PACE: Final[Mapping[str, tuple[str, Read]]] = {
+    "corner_speed": ("corner", values.speed),
+    "corner_angle": ("angle", values.number("degrees", above=0.0, most=180.0)),
+    "corner_radius": ("radius", values.number("mm", least=0.0)),
+    "corner_length": ("length", values.number("mm", least=0.0)),
+    "start_speed": ("start", values.speed),
+    "start_length": ("start_length", values.number("mm", above=0.0)),
+    "end_speed": ("end", values.speed),
+    "end_length": ("end_length", values.number("mm", above=0.0)),
+}
+"""Keys of the process file, each with the field of `Pace` and its reading."""
+
+ABOVE: Final[Mapping[str, tuple[str, Read]]] = {
+    "travel_height": ("height", values.number("mm", above=0.0)),
+    "travel_blend": ("blend", values.blend),
+    "travel_kind": ("kind", values.choice("joint", "linear")),
+}
+
+NEEDS: Final[Mapping[str, str]] = {
+    "corner_angle": "corner_speed",
+    "corner_radius": "corner_speed",
+    "corner_length": "corner_speed",
+    "start_length": "start_speed",
+    "end_length": "end_speed",
+    "on_before": "on",
+    "on_after": "on",
+    "off_before": "off",
+    "off_after": "off",
+}
+"""Keys that mean nothing without another one."""
+
+EXCLUDING: Final = (
+    ("on_before", "on_after", "outputs are set once"),
+    ("off_before", "off_after", "outputs are set once"),
+    ("on_after", "delay", "the arm cannot wait at the start for what is set behind it"),
+    ("retract", "travel_height", "the tool leaves the work up to that height"),
+)
+
+
+def instant(*units: str) -> Read:
+    """A table of one or both units, `mm` and `seconds`, none below 0 and one over it."""
+    wanted = " or ".join(f"{{{unit} = {n}}}" for unit, n in zip(units, ("5", "0.03"), strict=False))
+
+    def read(value: Any) -> Instant:
+        if not isinstance(value, dict):
+            raise Wrong(f"is {values.kind_of(value)}", f"write {wanted}")
+        for unit, given in value.items():
+            if unit not in units:
+                raise Wrong(f"has `{values.shown(unit)}`", f"write {wanted}")
+            try:
+                values.number(unit, least=0.0)(given)
+            except Wrong as wrong:
+                raise Wrong(f"has `{unit}`, which {wrong.what}", wrong.cure) from None
+        if not any(value.values()):
+            raise Wrong("says no place", f"write {wanted}")
+        return Instant(**{unit: float(given) for unit, given in value.items()})
+
+    return read
+
+
+SWITCHING: Final[Mapping[str, Read]] = {
+    "on_before": instant("mm", "seconds"),
+    "on_after": instant("mm"),
+    "off_before": instant("mm", "seconds"),
+    "off_after": instant("mm", "seconds"),
+}
+
+KEYS: Final[Mapping[str, Read]] = {
+    "order": values.choice("travel", "drawing", "text"),
+    **{key: read for key, (_, read) in PACE.items()},
+    **{key: read for key, (_, read) in ABOVE.items()},
+    **SWITCHING,
+}
+
+
+def ways_of(table: Table, found: dict[str, Any]) -> dict[str, Any]:
+    """`pace`, `above` and `switching` of a layer from its keys, which are taken out of `found`."""
+    for key, other in NEEDS.items():
+        if key in found and other not in table.content:
+            table.say(WITHOUT, key, key=key, other=other)
+    for key, other, why in EXCLUDING:
+        if key in found and other in found:
+            table.say(EXCLUDED, key, key=key, other=other, why=why)
+    if found.get("off_after", Instant()).mm and found["off_after"].seconds:
+        table.say(EXCLUDED, "off_after", key="mm", other="seconds", why="one says where it is")
+    pace = {field: found.pop(key) for key, (field, _) in PACE.items() if key in found}
+    above = {field: found.pop(key) for key, (field, _) in ABOVE.items() if key in found}
+    switching = {key: found.pop(key) for key in SWITCHING if key in found}
+    made = {"pace": Pace(**pace), "above": Above(**above), "switching": Switching(**switching)}
+    return {key: value for key, value in made.items() if value != type(value)()}
+
+
+def check_ways(table: Table, layer: Layer, *, planned: bool) -> None:
+    """What does not fit the ways to the contours and from them.
+
+    planned: whether travel is, through the cell.
+    """
+    above, switching, speed = layer.above, layer.switching, layer.motion.speed
+    approach, retract, travel = layer.approach, layer.retract, layer.travel.tcp
+    if above.kind is not None and planned:
+        table.say(PLANNED, "travel_kind")
+    if above.kind == "joint" and above.height is None and not (approach > 0.0 and retract > 0.0):
+        table.say(NOT_ABOVE, "travel_kind")
+    blend = above.blend.radius or 0.0
+    lowest = min(approach, retract) if above.height is None else above.height
+    if above.height is not None:
+        approach, retract = min(approach, above.height), above.height
+    if blend > lowest:
+        table.say(TOO_WIDE, "travel_blend", blend=blend, length=lowest)
+    slow = min(speed.tcp, travel) if isinstance(speed, Speed) else travel
+    if (before := switching.on_before) is not None:
+        wanted, how = before.mm + before.seconds * slow, f" at {slow:g} mm/s"
+        if wanted > max(approach - blend, 0.0):
+            said = {"how": how if before.seconds else "", "of": "approach"}
+            left = max(approach - blend, 0.0)
+            table.say(TOO_EARLY, "on_before", key="on_before", wanted=wanted, length=left, **said)
+    left = max(retract - blend, 0.0)
+    if (after := switching.off_after) is not None and after.mm > left:
+        said = {"how": "", "of": "retract" if above.height is None else "travel_height"}
+        table.say(TOO_EARLY, "off_after", key="off_after", wanted=after.mm, length=left, **said)

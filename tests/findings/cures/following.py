@@ -1,0 +1,70 @@
+"""Cures of the keys that say how contours are followed."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+from tests.findings.cures.case import Case, dxf
+
+
+def rounded(space: Any) -> None:
+    """Two lines with an arc of 8 mm between them."""
+    points = [(0, 0, 0), (92, 0, 0.4142135623730951), (100, 8, 0), (100, 60, 0)]
+    space.add_lwpolyline(points, format="xyb", dxfattribs={"layer": "CUT"})
+
+
+def slight(space: Any) -> None:
+    space.add_lwpolyline([(0, 0), (50, 0), (99, 10)], dxfattribs={"layer": "CUT"})
+
+
+def outline_first(space: Any) -> None:
+    for x, size in ((0, 100), (20, 10)):
+        corners = [(x, x), (x + size, x), (x + size, x + size), (x, x + size)]
+        space.add_lwpolyline(corners, close=True, dxfattribs={"layer": "CUT"})
+
+
+def _of(
+    code: str, draw: Any, wrong: str, right: str, top: str = "", others: tuple[str, ...] = ()
+) -> Case:
+    layer = f"{top}[layers.CUT]\n"
+    files = {"a.dxf": dxf(draw), "a.process.toml": f"{layer}{wrong}"}
+    return Case(
+        code, "check a.dxf", files, change={"a.process.toml": f"{layer}{right}"}, others=others
+    )
+
+
+PLANNED: Final = '[motion]\nkind = "travel"\n'
+AT_HOME: Final = "home = [0, 0, 0, 0, 30, 0]\n"
+SLOW: Final = "corner_speed = 20\n"
+JOINT: Final = 'travel_kind = "joint"\n'
+WIDE: Final = "travel_blend = 60\n"
+
+CASES: Final = (
+    _of("CT223", rounded, SLOW, f"{SLOW}corner_radius = 8\n"),
+    _of("CT223", slight, SLOW, f"{SLOW}corner_angle = 10\n"),
+    _of("CT224", outline_first, 'order = "drawing"\n', 'order = "drawing"\ninside_first = false\n'),
+    _of("CT343", slight, f"{JOINT}approach = 0\nretract = 0\n", JOINT),
+    _of("CT343", slight, f"{JOINT}retract = 0\n", f"{JOINT}travel_height = 50\n"),
+    _of("CT344", slight, WIDE, "travel_blend = 20\n"),
+    _of("CT344", slight, WIDE, f"{WIDE}travel_height = 80\n"),
+    _of("CT344", slight, WIDE, f"{WIDE}approach = 70\nretract = 70\n"),
+    _of("CT345", slight, JOINT, "", PLANNED, ("CK470",)),
+    Case(
+        "CT346",
+        "check a.dxf",
+        {"a.dxf": dxf(slight), "a.process.toml": f"{AT_HOME}[program]\nmain = false\n"},
+        change={"a.process.toml": "[program]\nmain = false\n"},
+    ),
+    Case(
+        "CT346",
+        "check a.dxf",
+        {"a.dxf": dxf(slight), "a.process.toml": f"{AT_HOME}[program]\nmain = false\n"},
+        change={"a.process.toml": AT_HOME},
+    ),
+    Case(
+        "CT345",
+        "check a.dxf",
+        {"a.dxf": dxf(slight), "a.process.toml": f"{PLANNED}[layers.CUT]\n{JOINT}"},
+        change={"a.process.toml": f"[layers.CUT]\n{JOINT}"},
+    ),
+)
