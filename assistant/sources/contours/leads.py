@@ -98,12 +98,6 @@ def _some(places: Sequence[tuple[int, float]]) -> tuple[tuple[int, float], ...]:
     return tuple(ordered[i * count // tried] for i in range(tried))
 
 
-def apart(pieces: Sequence[Piece], point: Points) -> float:
-    """Mm from a point to closed pieces, seen along the tool."""
-    i, part = nearest(pieces, point)
-    return float(np.linalg.norm(pieces[i].at([part])[0, :2] - point[:2]))
-
-
 def nearest(pieces: Sequence[Piece], point: Points) -> tuple[int, float]:
     """The place (piece, part) of closed pieces that is nearest to a point, seen along the tool."""
     best, found = np.inf, (0, 0.0)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 
+from assistant.sources.contours.curves import Points
 from assistant.sources.contours.flat import SAMPLED, Piece, polyline
 from assistant.sources.contours.offsets import Ring, polygon
 
@@ -37,6 +38,17 @@ class Room:
                 shapely.LineString(np.concatenate([points, points[:1]] if closed else [points]))
             )
         return Room(tuple(key for key, *_ in contours), shapely.STRtree(lines), tolerance)
+
+    def nearest(self, points: Points) -> Iterator[tuple[Points, tuple[int, int], float]]:
+        """For each point (m, 3) the contour that is nearest to it, and the mm between them."""
+        import shapely
+
+        if self.keys and len(points):
+            made = shapely.points(points[:, :2])
+            rows = self.tree.nearest(made)
+            far = shapely.distance(made, self.tree.geometries[rows])
+            for point, row, apart in zip(points, rows.tolist(), far.tolist(), strict=True):
+                yield point, self.keys[row], apart
 
     def too_near(self, ring: Ring, offset: float) -> float | None:
         """The mm that a way beside a contour comes near to any; None if that is enough."""

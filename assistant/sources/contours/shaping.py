@@ -5,7 +5,6 @@ Contours are seen along the tool. A contour that nothing shapes stays as it is.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -17,7 +16,7 @@ from assistant.sources.contours.beside import Beside
 from assistant.sources.contours.chaining import Contour
 from assistant.sources.contours.curves import Points
 from assistant.sources.contours.flat import Piece, lowered, started
-from assistant.sources.contours.leads import apart, whole
+from assistant.sources.contours.leads import whole
 from assistant.sources.contours.moves import as_pieces
 from assistant.sources.contours.nesting import NONE, holders
 from assistant.sources.contours.offsets import Ring
@@ -155,7 +154,7 @@ class Shaper:
         if shaping == Shaping(depth=shaping.depth, passes=shaping.passes) and not shaping.depth:
             return [Shaped(replace(c, number=k)) for k, c in enumerate(contours)]
         view = View.along(layer.direction)
-        marked = self._marked(layer, contours, marks @ view.axes.T, view)
+        marked = self._marked(row, marks @ view.axes.T, view)
         room = self.rooms.get(layer.direction)
         made: list[Shaped | None] = []
         sides: list[bool] = []
@@ -197,26 +196,24 @@ class Shaper:
             )
         return made
 
-    def _marked(
-        self, layer: Layer, contours: Sequence[Contour], marks: Points, view: View
-    ) -> Mapping[int, Points]:
-        """The mark of each closed contour, where starts are marked."""
+    def _marked(self, row: int, marks: Points, view: View) -> Mapping[int, Points]:
+        """The mark of each closed contour of a layer, where starts are marked."""
+        layer, contours = self.layers[row]
         closed = [k for k, contour in enumerate(contours) if contour.closed]
         if layer.shaping.start != "point" or not closed:
             return {}
-        flat = {k: view.of(as_pieces(contours[k], self.tolerance).pieces) for k in closed}
+        given = ((k, as_pieces(contours[k], self.tolerance).pieces) for k in closed)
+        flat = [((row, k), view.of(pieces), True) for k, pieces in given if pieces]
         found: dict[int, tuple[float, Points]] = {}
-        for mark in marks:
-            far = {k: apart(pieces, mark) if pieces else math.inf for k, pieces in flat.items()}
-            k = min(far, key=lambda one: far[one])
-            if k not in found or far[k] < found[k][0]:
-                found[k] = (far[k], mark)
+        for mark, (_, k), far in Room.of(flat, self.tolerance).nearest(marks):
+            if k not in found or far < found[k][0]:
+                found[k] = (far, mark)
         missing, unused = len(closed) - len(found), len(marks) - len(found)
         said = []
         if missing:
-            said.append(f"{missing} closed contours have no POINT and start where travel is short")
+            said.append(f"{missing} of {len(closed)} closed contours have no POINT as their start")
         if unused:
-            said.append(f"{unused} POINTs mark no start, as another one is nearer")
+            said.append(f"{unused} of {len(marks)} POINTs mark no start: another one is nearer")
         if said:
             name = shown(contours[0].layer)
             self.findings.append(rules.MARKS(what="; ".join(said), layer=name))
