@@ -15,7 +15,7 @@ import pytest
 
 from assistant import languages, robots
 from assistant.compiler import compile
-from assistant.program.diagnostics import Severity
+from assistant.program.diagnostics import Refused, Severity
 from assistant.robots.timing import Drive
 from assistant.virtual.events import Switched
 from assistant.virtual.kernel import Kernel
@@ -191,3 +191,50 @@ def test_without_home_the_arm_stops_above_the_last_contour(tmp_path: Path) -> No
     assert "fine" in moves[-1]
     assert all("z5" in line for line in moves[:-1])
     assert "MoveAbsJ home" in ran.text and "MoveAbsJ" not in text
+
+
+@pytest.mark.parametrize(
+    ("keys", "code"),
+    [
+        ("on_after = {mm = 7}\noff_before = {mm = 93}", "CT220"),
+        ("off_before = {mm = 100}", "CT220"),
+        ("on_after = {mm = 100}", "CT220"),
+        ("off_before = {mm = 90, seconds = 0.21}", "CT221"),
+        ("off_before = {mm = 4, seconds = 0.11}\nend_speed = 10", "CT221"),
+        ("off_before = {mm = 90, seconds = 0.19}", None),
+        ("off_before = {mm = 6, seconds = 1.7}\nend_speed = 10", None),
+        ("on_after = {mm = 7}\noff_before = {mm = 92}", None),
+    ],
+)
+def test_outputs_for_which_a_contour_is_too_short(
+    tmp_path: Path, keys: str, code: str | None
+) -> None:
+    """A line of 100 mm at 50 mm/s, the last 5 mm of which may be slower."""
+
+    def line(space: object) -> None:
+        space.add_line((0, 0), (100, 0), dxfattribs={"layer": "GLUE"})  # type: ignore[attr-defined]
+
+    if code is None:
+        assert [value for _, value in Ran(tmp_path, "rapid", keys, line).switched] == [1, 0]
+        return
+    with pytest.raises(Refused) as caught:
+        Ran(tmp_path, "rapid", keys, line)
+    (finding,) = [f for f in caught.value.findings if f.severity is Severity.ERROR]
+    assert finding.code == code
+
+
+def test_one_move_sets_at_one_place_only(tmp_path: Path) -> None:
+    """MELFA-BASIC has one `Wth` a move: a line that switches on and off is divided."""
+
+    def line(space: object) -> None:
+        space.add_line((0, 0), (100, 0), dxfattribs={"layer": "GLUE"})  # type: ignore[attr-defined]
+
+    keys = "on_after = {mm = 10}\noff_before = {mm = 20}"
+    ran = Ran(tmp_path, "melfa-basic-5", keys, line)
+    (on, _), (off, _) = ran.switched
+    assert sorted([ran.at(on)[0], ran.at(off)[0]]) in (
+        pytest.approx([10, 80], abs=0.15),
+        pytest.approx([20, 90], abs=0.15),  # as the line may be run backwards
+    )
+    going = (ran.t > on) & (ran.t < off)
+    assert ran.speed[going].min() == pytest.approx(50, abs=0.1)

@@ -163,10 +163,9 @@ def follow(
     if (end, high.after) != (start, high.before):
         out = way_in(standing, targets[end].pose, high.after, end)
     way = lengths(np.array(pose.position), path.positions, path.kinds)
-    speed = path.speeds[path.speed[-1]]
-    slow = speed.tcp if isinstance(speed, Speed) else 0.0
+    speeds = np.array([one.tcp if isinstance(one, Speed) else 0.0 for one in path.speeds])
     try:
-        switched = outputs(layer, way, high.after, slow)
+        switched = outputs(layer, way, high.after, speeds[path.speed])
     except Unfit as unfit:
         return Followed((), {}, None, (unfit.rule(layer=shown(drawn_on), **unfit.fields),))
     statements: list[Statement] = []

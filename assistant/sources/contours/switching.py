@@ -73,11 +73,11 @@ def divided_at(layer: Layer, total: float) -> tuple[float, ...]:
     return ((on.mm + total - off.mm) / 2.0,)
 
 
-def outputs(layer: Layer, lengths: Floats, up: float, speed: float) -> Outputs:
+def outputs(layer: Layer, lengths: Floats, up: float, speeds: Floats) -> Outputs:
     """What is set where along a contour.
 
-    lengths: mm of the rows of its path, (n,). up: mm of the way up from its end. speed: mm/s at
-    its end. Raises Unfit for what has no room on it.
+    lengths, speeds: mm and mm/s of the rows of its path, (n,). up: mm of the way up from its end.
+    Raises Unfit for what has no room on it.
     """
     made, said = Outputs(), layer.switching
     total = float(lengths.sum())
@@ -98,9 +98,10 @@ def outputs(layer: Layer, lengths: Floats, up: float, speed: float) -> Outputs:
         made.before.append(Wait(number(layer.delay)))
     if said.off_before is not None:
         row = _on_way(made, lengths, total - off, _set(layer.off, said.off_before))
-        wanted, room = said.off_before.seconds * speed, total - off - float(lengths[:row].sum())
-        if wanted > room:
-            raise Unfit(TOO_LATE, wanted=wanted, length=room)
+        ahead = said.off_before.seconds * float(speeds[row])
+        room = total - off - float(lengths[:row].sum())
+        if ahead > room:
+            raise Unfit(TOO_LATE, wanted=ahead, length=room)
     elif said.off_after is not None and said.off_after.mm:
         up_to = Instant(up - said.off_after.mm)
         made.last = tuple(_set(layer.off, up_to))
