@@ -14,6 +14,7 @@ from assistant.compiler.arms import Arms, in_arms, known_robot, robot_of, standi
 from assistant.compiler.crossing import for_arm, unsaid, without_unused
 from assistant.compiler.entering import entered
 from assistant.compiler.joint_speeds import at_a_percent, at_a_speed, at_the_pace
+from assistant.compiler.keeping.remembered import write_unedited
 from assistant.compiler.loading import Loaded, language_of
 from assistant.compiler.locations import with_locations
 from assistant.compiler.motion import MotionProof, Proving, prove_motion
@@ -42,7 +43,6 @@ from assistant.program.passes.watching import passed
 from assistant.program.program import Origin, Program
 from assistant.program.statements import Opaque
 from assistant.program.system.budgets import COMPILING, PRINTING, staged, within
-from assistant.program.system.writing import write_files
 
 if TYPE_CHECKING:
     from assistant.cell.scene import Scene
@@ -118,15 +118,16 @@ class Compiled:
     def ok(self) -> bool:
         return bool(self.files) and self.proof.holds and not has_errors(self.found)
 
-    def write(self, folder: str | FilePath) -> tuple[FilePath, ...]:
+    def write(self, folder: str | FilePath, *, overwrite: bool = False) -> tuple[FilePath, ...]:
         """Writes the files into a folder, which is made; all of them or none.
 
         Gives where they are. Raises Refused with all findings where the program is not to be
-        written, and (exit status 2) where the folder cannot be.
+        written, and where a file there was edited since it was written, unless `overwrite`; with
+        exit status 2 where the folder cannot be written.
         """
         if not self.ok:
             raise Refused(*self.findings)
-        return write_files(self.files, folder)
+        return write_unedited(self.files, folder, overwrite=overwrite)
 
     def __repr__(self) -> str:
         count = len(self.findings)

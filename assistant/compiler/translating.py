@@ -14,6 +14,7 @@ from assistant.compiler.controller_files import STATED
 from assistant.compiler.drafting import draft as drafted
 from assistant.compiler.entering import entered
 from assistant.compiler.filling import UNFILLED, UNPROVEN, as_draft, with_cell
+from assistant.compiler.keeping.remembered import write_unedited
 from assistant.compiler.loading import Loaded, language_of
 from assistant.compiler.motion import MotionProof, Proving
 from assistant.compiler.opening import load
@@ -36,7 +37,6 @@ from assistant.program.lines import lines_of
 from assistant.program.program import Program, bodies, walk
 from assistant.program.subjects import Declared, PathRow, Subject, Table
 from assistant.program.system.budgets import DRAFTING, REPORTING, within
-from assistant.program.system.writing import write_files
 from assistant.program.without_gc import uncollected
 from assistant.sources.cell import said
 
@@ -115,15 +115,11 @@ class Translation:
         """The proof by motion, None where it was not asked for."""
         return self.written.motion
 
-    def write(self, folder: str | FilePath) -> tuple[FilePath, ...]:
-        """Writes the files into a folder, which is made; all of them or none.
-
-        Gives where they are. Raises Refused with all findings where something is not said, unless
-        a draft was asked for, and (exit status 2) where the folder cannot be written.
-        """
+    def write(self, folder: str | FilePath, *, overwrite: bool = False) -> tuple[FilePath, ...]:
+        """Writes the files as `Compiled.write` does; a draft where one was asked for."""
         if not self.files:
             raise Refused(*self.findings)
-        return write_files(self.files, folder)
+        return write_unedited(self.files, folder, overwrite=overwrite)
 
     def __repr__(self) -> str:
         count = len(self.findings)

@@ -95,6 +95,28 @@ def test_what_was_compiled_is_written_whole_or_not_at_all(tmp_path):
     assert caught.value.exit_status == 2
 
 
+def test_an_edited_file_is_not_written_over_without_a_word(tmp_path):
+    first = assistant.from_poses([[300, 0, 300, 0, 1, 0, 0]], unit="mm", name="p", speed=20)
+    other = assistant.from_poses([[300, 9, 300, 0, 1, 0, 0]], unit="mm", name="p", speed=20)
+    (file,) = assistant.compile(first, language="rapid", robot=IRB).write(tmp_path)
+    again = assistant.compile(other, language="rapid", robot=IRB)
+    again.write(tmp_path)
+    assert file.read_bytes() == again.files["p.mod"], "nobody had edited it"
+    edited = file.read_text("utf-8").replace("v20", "v10")
+    file.write_text(edited, encoding="utf-8")
+    before = {one: one.read_bytes() for one in tmp_path.rglob("*") if one.is_file()}
+    for compiled in (again, assistant.compile(first, language="rapid", robot=IRB)):
+        with pytest.raises(Refused, match="CO331"):
+            compiled.write(tmp_path)
+    assert before == {one: one.read_bytes() for one in tmp_path.rglob("*") if one.is_file()}
+    again.write(tmp_path, overwrite=True)
+    assert file.read_bytes() == again.files["p.mod"]
+    foreign = tmp_path / "foreign"
+    write(foreign / "p.mod", "MODULE p\nENDMODULE\n")
+    with pytest.raises(Refused, match="CO331"):
+        again.write(foreign)
+
+
 def test_a_translation_is_written(tmp_path):
     done = assistant.translate(
         SAMPLES / "rapid" / "gluing.mod", to="melfa-basic-5", robot="rv-4frl"

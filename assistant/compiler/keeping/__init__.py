@@ -2,10 +2,11 @@
 
 `made.py` tells what of a program is which place of its source; `merging.py` finds what was edited
 and brings it into the new program, `statements.py` what of that is statements; `texts.py` writes
-the text; `files.py` does all that with files, and remembers what was written.
+the text; `files.py` does all that with files; `remembered.py` remembers what was written.
 """
 
-from assistant.compiler.keeping.files import WRITTEN, Keeper, Kept, written_in
+from assistant.compiler.keeping.files import Keeper, Kept
+from assistant.compiler.keeping.remembered import WRITTEN, write_unedited, written_in
 from assistant.compiler.keeping.sides import Wishes
 
-__all__ = ["WRITTEN", "Keeper", "Kept", "Wishes", "written_in"]
+__all__ = ["WRITTEN", "Keeper", "Kept", "Wishes", "write_unedited", "written_in"]

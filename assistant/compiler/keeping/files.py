@@ -14,29 +14,20 @@ from typing import TYPE_CHECKING, Any, Final
 from assistant.compiler.keeping import rules, texts
 from assistant.compiler.keeping.made import Made
 from assistant.compiler.keeping.merging import Merge
+from assistant.compiler.keeping.remembered import SUFFIX, bytes_of
 from assistant.compiler.keeping.sides import Wishes
 from assistant.compiler.loading import language_of, lift, load_text
 from assistant.compiler.proof import prove
 from assistant.deploy.differences import difference
 from assistant.program.diagnostics import Diagnostic, Refused, Severity, has_errors
 from assistant.program.program import Program
-from assistant.program.system.bounded import read_file
 
 if TYPE_CHECKING:
     from assistant.compiler.scenes import InCell
     from assistant.languages import Language
     from assistant.robots import Robot
 
-WRITTEN: Final = FilePath(".robot-assistant") / "written"
-SUFFIX: Final = ".written"
-"""Behind the name of what is remembered, which is no program for anybody who looks for such."""
-
 NOT_SAID: Final = "the new program changes what programs of its kind do not say"
-
-
-def written_in(folder: str | FilePath) -> FilePath:
-    """Where it is kept what was compiled into a folder."""
-    return FilePath(folder) / WRITTEN
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,8 +77,8 @@ class Keeper:
         """What is to be written of one program, by its files. memory: see `written_in`."""
         memories = {path: memory / f"{path.name}{SUFFIX}" for path in files}
         remembered = {memories[path]: data for path, data in files.items()}
-        there = {path: _bytes(path) for path in files}
-        before = {path: _bytes(memories[path]) for path in files}
+        there = {path: bytes_of(path) for path in files}
+        before = {path: bytes_of(memories[path]) for path in files}
         edited = [
             path for path, data in files.items() if there[path] not in (None, data, before[path])
         ]
@@ -214,16 +205,3 @@ class Keeper:
 
 def _listed(words: list[str]) -> str:
     return ", ".join(dict.fromkeys(words))
-
-
-def _bytes(path: FilePath) -> bytes | None:
-    """What is in a file, None if it is not there; empty, which no program is, if nobody may look.
-
-    What is no file is told of when it is written.
-    """
-    try:
-        return read_file(path)
-    except (FileNotFoundError, NotADirectoryError, IsADirectoryError):
-        return None
-    except (OSError, Refused):
-        return b""
