@@ -38,14 +38,20 @@ def scene(*view: str, does: Sequence[str] = ()) -> bytes:
     view: its arguments, files as they stand in the project.
     does: JavaScript, such as `view.setTime(2)`.
     """
+    with chdir(PROJECT), tempfile.TemporaryDirectory() as folder:
+        page = Path(folder) / "scene.html"
+        app(["view", *view, "--html", str(page)], standalone_mode=False)
+        return photographed(page, does)
+
+
+def photographed(page: Path, does: Sequence[str] = ()) -> bytes:
+    """A page as PNG, after scripts were run on it."""
     from playwright.sync_api import sync_playwright
 
     browser = next(filter(None, map(shutil.which, BROWSERS)), None)
     if browser is None:
         raise SystemExit("there is no Chromium here: install it by the system's packages")
-    with chdir(PROJECT), tempfile.TemporaryDirectory() as folder, sync_playwright() as one:
-        page = Path(folder) / "scene.html"
-        app(["view", *view, "--html", str(page)], standalone_mode=False)
+    with sync_playwright() as one:
         opened = one.chromium.launch(executable_path=browser, args=list(SOFTWARE))
         tab = opened.new_page(viewport=SIZE)
         tab.goto(page.as_uri())
@@ -83,6 +89,21 @@ def viewing() -> bytes:
         *("samples/rapid/gluing.mod", "--robot", "irb1200-7-0.7"),
         does=["view.setTime(4)", "view.aim([420, 0, 330], 1300)"],
     )
+
+
+def demo() -> bytes:
+    """The page that the demo makes, while the arm glues."""
+    with tempfile.TemporaryDirectory() as folder:
+        app(["demo", "-o", folder], standalone_mode=False)
+        return photographed(
+            Path(folder) / "report.html",
+            [
+                "view.setTime(24)",
+                "view.aim([310, 0, 330], 900)",
+                "document.querySelector('#with-names').click()",
+                "document.querySelector('#source').scrollIntoView()",
+            ],
+        )
 
 
 def around() -> bytes:
@@ -177,6 +198,7 @@ def drawn(*words: str) -> bytes:
 
 
 PICTURES: Final[dict[str, Callable[[], bytes]]] = {
+    "demo": demo,
     "contact": contact,
     "contours": contours,
     "around": around,

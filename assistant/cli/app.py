@@ -32,7 +32,9 @@ from assistant.cli.options import (
     MarkOption,
     NamesOption,
     NoMainOption,
+    OpenOption,
     OverwriteOption,
+    PageOption,
     PlaceOption,
     ProcessOption,
     ProveOption,
@@ -145,11 +147,15 @@ def compile(
     overwrite: OverwriteOption = False,
     keep_edit: KeepEditOption = None,
     drop_edit: DropEditOption = None,
+    report: PageOption = None,
+    opened: OpenOption = False,
     format: FindingFormatOption = FindingFormat.TEXT,
 ) -> None:
     """Write sources in a robot language, read back and compared before anything is written."""
     from assistant.cli.compiling import run_compile
+    from assistant.cli.pages import Asked
     from assistant.cli.proving import proving
+    from assistant.cli.sheets import compiled_page
     from assistant.compiler.keeping import Wishes
 
     raise typer.Exit(
@@ -172,6 +178,7 @@ def compile(
             together=together,
             proving=proving(prove, signals, seed),
             wishes=Wishes.of(overwrite, keep_edit or (), drop_edit or ()),
+            page=compiled_page(Asked(report, opened), process, unit, placing(place, marks)),
             format=format,
         )
     )
@@ -201,6 +208,7 @@ def translate(
     ] = False,
     output: Annotated[str, typer.Option("--output", "-o", help="Folder for the files.")] = ".",
     report: ReportOption = None,
+    opened: OpenOption = False,
     names: NamesOption = None,
     every: EveryOption = False,
     draft: DraftOption = False,
@@ -237,6 +245,7 @@ def translate(
         names=names,
         ask=ask,
         every=every,
+        opened=opened,
     )
     raise typer.Exit(run)
 
@@ -283,11 +292,14 @@ def check(
     marks: MarkOption = None,
     cell: CellOption = None,
     from_language: FromLanguage = None,
+    report: PageOption = None,
+    opened: OpenOption = False,
     format: FindingFormatOption = FindingFormat.TEXT,
     fail_on: FailOnOption = FailOn.WARNING,
 ) -> None:
     """Check sources and robot programs; with a robot also reach, limits and configurations."""
     from assistant.cli.checking import Options, run_check
+    from assistant.cli.pages import Asked
 
     if not sources:
         from assistant.cli.building import run_project_check
@@ -300,10 +312,12 @@ def check(
             "--mark": marks or None,
             "--cell": cell,
             "--from": from_language,
+            "--report": report,
+            "--open": opened or None,
         }
         raise typer.Exit(run_project_check(given, format, fail_on))
     options = Options(robot, process, unit, cell, from_language, placing(place, marks))
-    raise typer.Exit(run_check(sources, options, format, fail_on))
+    raise typer.Exit(run_check(sources, options, format, fail_on, Asked(report, opened)))
 
 
 @app.command()
@@ -379,9 +393,13 @@ def simulate(
     from_language: FromLanguage = None,
     from_robot: FromRobot = None,
     entry: EntryOption = None,
+    report: PageOption = None,
+    opened: OpenOption = False,
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Tell how long a program takes on a robot, and write its motion over time. Nothing moves."""
+    from assistant.cli.pages import Asked
+    from assistant.cli.sheets import simulated_page
     from assistant.cli.simulating import Options, run_simulate
 
     options = Options(
@@ -396,7 +414,8 @@ def simulate(
         cell,
         placing(place, marks),
     )
-    raise typer.Exit(run_simulate(program, options, output or (), format))
+    page = simulated_page(Asked(report, opened))
+    raise typer.Exit(run_simulate(program, options, output or (), format, page))
 
 
 @app.command()

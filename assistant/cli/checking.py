@@ -9,9 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from assistant.cli.compiling import STANDARD, TWICE, standard_input, working
+from assistant.cli.pages import NOBODY, Asked, stem_of, write_page
 from assistant.cli.presentation import FindingFormat, print_findings, print_for_programs, say
 from assistant.findings.fail_on import FailOn
-from assistant.program.diagnostics import Refused, fold_files
+from assistant.program.diagnostics import Diagnostic, Refused, fold, fold_files
 
 if TYPE_CHECKING:
     from assistant.compiler.checking import Checked
@@ -31,21 +32,30 @@ class Options:
 
 
 def run_check(
-    sources: Sequence[str], options: Options, format: FindingFormat, fail_on: FailOn
+    sources: Sequence[str],
+    options: Options,
+    format: FindingFormat,
+    fail_on: FailOn,
+    asked: Asked = NOBODY,
 ) -> int:
     from assistant.findings.project_severities import settle
 
+    asked.only_page()
     with working(f"checking {', '.join(sources)}"):
-        checked = _checked(sources, options)
+        checked = _checked(sources, options, keep=bool(asked))
         settled = settle(checked.findings, checked.texts)
+        left = list(settled.left)
+        written = _page(sources, options, checked, left, asked) if asked else []
     if format is not FindingFormat.TEXT:
-        print_for_programs(settled.left, settled.ignored, format, fail_on, checked.paths)
+        print_for_programs(left, settled.ignored, format, fail_on, checked.paths)
     else:
-        print_findings(fold_files(settled.left), explained=True)
-        count = len(settled.left)
+        print_findings(fold_files(left), explained=True)
+        count = len(left)
         ignored = f", {len(settled.ignored)} ignored" if settled.ignored else ""
         say(f"{checked.files} checked, {count} finding{'s' * (count != 1)}{ignored}")
-    return fail_on.status(settled.left, unreadable=checked.unreadable)
+        for path in written:
+            say(f"wrote {path}")
+    return fail_on.status(left, unreadable=checked.unreadable)
 
 
 def run_explain(codes: Sequence[str]) -> int:
@@ -55,7 +65,7 @@ def run_explain(codes: Sequence[str]) -> int:
     return 0
 
 
-def _checked(sources: Sequence[str], options: Options) -> Checked:
+def _checked(sources: Sequence[str], options: Options, keep: bool) -> Checked:
     from assistant.compiler.checking import Checked, check_files, check_text
     from assistant.compiler.scenes import in_cell
 
@@ -65,6 +75,7 @@ def _checked(sources: Sequence[str], options: Options) -> Checked:
         "process": options.process,
         "unit": options.unit,
         "cell": cell,
+        "keep": keep,
     }
     if STANDARD in sources:
         if list(sources).count(STANDARD) > 1:
@@ -80,4 +91,34 @@ def _checked(sources: Sequence[str], options: Options) -> Checked:
         {**checked.texts, **more.texts},
         checked.unreadable or more.unreadable,
         [*checked.paths, *more.paths],
+        [*(checked.looked or ()), *(more.looked or ())],
     )
+
+
+def _page(
+    sources: Sequence[str],
+    options: Options,
+    checked: Checked,
+    findings: list[Diagnostic],
+    asked: Asked,
+) -> Sequence[Path]:
+    """Writes the page; what is to be said of it is added to the findings."""
+    from assistant.cli.sheets import lines_of_drawing, looked_sheet, refused_sheets
+
+    left = list(fold(findings))
+    sheets = []
+    for one in checked.looked or ():
+        own = [finding for finding in left if finding.path in (*one.files, None)]
+        left = [finding for finding in left if finding not in own]
+        drawn = [
+            line for file in one.files
+            for line in lines_of_drawing(
+                file, options.process, options.unit, options.placement
+            )
+        ]  # fmt: skip
+        sheets.append(looked_sheet(one, own, drawn))
+    sheets += refused_sheets(left)
+    stem = stem_of(sources[0])
+    written, told = write_page(asked, sheets, checked.paths, stem)
+    findings += told
+    return written

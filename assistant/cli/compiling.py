@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -27,6 +27,13 @@ if TYPE_CHECKING:
     from assistant.compiler import Compiled, Loaded
     from assistant.compiler.keeping import Wishes
     from assistant.compiler.motion import Proving
+    from assistant.compiler.scenes import InCell
+
+    DrawPage = Callable[
+        [InCell, Sequence[tuple[str, Compiled]], list[Diagnostic], Sequence[str]], Sequence[Path]
+    ]
+    """Writes the page of what was compiled, adds what is to be said of it to the findings, and
+    tells its file; of some sources other files are on disk."""
     from assistant.program.text import SourceText
     from assistant.robots import Robot
     from assistant.sources.placements import Placing
@@ -69,7 +76,12 @@ def run_compile(
     together: str | None = None,
     proving: Proving | None = None,
     wishes: Wishes | None = None,
+    page: DrawPage | None = None,
 ) -> int:
+    """0 if all sources are written, else 1; 2 if one could not be read.
+
+    page: writes a page of what was compiled.
+    """
     from assistant.compiler import compile
     from assistant.compiler.arms import robot_of
     from assistant.compiler.keeping import Keeper, Wishes
@@ -141,6 +153,10 @@ def run_compile(
         kept = write_kept(files, folders, output, keeper)
         findings += settle(kept.findings).left
         ok, written, diffs = ok and not has_errors(kept.findings), kept.written, kept.diffs
+    if page is not None:
+        with working("drawing the page"):
+            unlike = [] if output == STANDARD else _unlike(files, folders, output)
+            written = [*written, *map(str, page(stands, done, findings, unlike))]
     if format is FindingFormat.JSON:
         print_json({**_answer(done, findings, written, ok), "edits": diffs})
     elif format is not FindingFormat.TEXT:
@@ -156,6 +172,21 @@ def run_compile(
             for diff in diffs.values():
                 say(diff.rstrip("\n"))
     return max(answers.status, 0 if ok else 1)
+
+
+def _unlike(
+    files: Mapping[str, Mapping[str, bytes]], folders: Mapping[str, str], output: str
+) -> list[str]:
+    """The sources whose files are other ones on disk than those that were compiled."""
+    from assistant.program.text import read_bytes
+
+    found = []
+    for source, made in files.items():
+        places = {path.name: path for path in paths_of({source: made}, folders, output)}
+        there = all(place.is_file() for place in places.values())
+        if not there or any(read_bytes(places[name]) != data for name, data in made.items()):
+            found.append(source)
+    return found
 
 
 def load_given(

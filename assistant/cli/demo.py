@@ -1,9 +1,9 @@
-"""`demo`: a trajectory and a drawing on two virtual controllers, with a report and a scene."""
+"""`demo`: a trajectory and a drawing on two virtual controllers, and a page of both."""
 
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -15,37 +15,31 @@ from assistant.program.diagnostics import Refused, Severity
 from assistant.resources import resource
 
 if TYPE_CHECKING:
+    from assistant.cell.scene import Scene
+    from assistant.cli.pages import Sheet
     from assistant.compiler import Compiled
     from assistant.controllers import Programs
-    from assistant.report.page import Program, Section
 
-SOURCES: Final = {
-    "positioning.csv": "A trajectory of 35 poses",
-    "plate.dxf": "A drawing with locations and contours",
-}
+SOURCES: Final = ("plate.dxf", "positioning.csv")
 ROBOTS: Final = ("irb1200-7-0.7", "rv-2aj")
 """Each has its virtual controller."""
-IN_CELL: Final = "plate.dxf"
+IN_CELL: Final = ("plate.dxf", "irb1200-7-0.7")
 """What is shown in the cell of `CELL`."""
 CELL: Final = "stand.toml"
 REPORT: Final = "report.html"
 
 
 def run_demo(output: Path) -> int:
-    from assistant.report import page
+    from assistant.cli.pages import Asked, write_page
 
+    sheets: list[Sheet] = []
     with ExitStack() as stack:
         controllers = _controllers(stack)
-        sections = [
-            _section(output, Path(str(resource("samples", name))), title, controllers)
-            for name, title in SOURCES.items()
-        ]
-    _seen(output, Path(str(resource("samples", IN_CELL))))
-    from assistant.program.system.writing import write_files
-
-    html = page.page("robot-assistant demo", sections)
-    (report,) = write_files({REPORT: html.encode()}, output)
-    say(f"the report is {report}")
+        for name in SOURCES:
+            sheets += _sheets(output, Path(str(resource("samples", name))), controllers)
+    with working("drawing the page"):
+        (report,), _ = write_page(Asked(output / REPORT), sheets, (), "demo")
+    say(f"to be looked at in a browser: {report}")
     return 0
 
 
@@ -64,47 +58,44 @@ def _controllers(stack: ExitStack) -> Mapping[str, Programs]:
     }
 
 
-def _section(
-    output: Path, source: Path, title: str, controllers: Mapping[str, Programs]
-) -> Section:
-    from assistant.report import page, plots
-    from assistant.report.drawn import drawn_lines
+def _sheets(output: Path, source: Path, controllers: Mapping[str, Programs]) -> Iterator[Sheet]:
+    """A source for each robot, as it is installed there, with a plot of it."""
+    from assistant import robots
+    from assistant.cli.sheets import compiled_sheet, lines_of_drawing
+    from assistant.program.system.writing import write_files
+    from assistant.report import plots
     from assistant.report.track import track
 
-    programs = []
+    drawn = lines_of_drawing(str(source), None, None)
     for robot in ROBOTS:
         compiled = _compiled(source, robot)
-        programs.append(_installed(output, source, robot, compiled, controllers[robot]))
-    way = track(compiled.program)
-    plot = plots.pose_plot(way, f"{source.name}: the TCP over its way")
-    from assistant.program.system.writing import write_files
+        installed = _installed(output, compiled, controllers[robot])
+        if robot == ROBOTS[0]:
+            way = track(compiled.program)
+            plot = plots.pose_plot(way, f"{source.name}: the TCP over its way")
+            (png,) = write_files({f"{source.stem}.png": plot}, output)
+            say(f"  plot: {png}")
+        scene = _scene(robot) if (source.name, robot) == IN_CELL else None
+        found = (
+            replace(one, path=source.name if one.path == str(source) else one.path)
+            for one in compiled.found
+        )  # of a file that somebody else installed
+        compiled = replace(compiled, found=tuple(found))
+        sheet = compiled_sheet(source.name, compiled, scene, robots.get(robot), drawn)
+        yield replace(sheet, notes=(*sheet.notes, installed))
 
-    (png,) = write_files({f"{source.stem}.png": plot}, output)
-    say(f"  plot: {png}")
-    drawn = [line.points for line in drawn_lines(source)]
-    return page.Section(title, tuple(programs), page.plan_view(drawn, way), plot)
 
-
-def _seen(output: Path, source: Path) -> None:
-    """The page of a program in its cell; where the library for cells is not installed, alone."""
+def _scene(robot: str) -> Scene | None:
+    """The cell; nothing where the library for cells is not installed."""
     from assistant.cell.rules import NO_LIBRARY
-    from assistant.cli.simulating import Options, solved
-    from assistant.cli.viewing import shown_of
-    from assistant.program.system.writing import write_files
-    from assistant.view.page import page
+    from assistant.compiler.scenes import in_cell
 
-    alone = Options(ROBOTS[0], None, None, None, None, None, None)
-    with working(f"looking at {source.name}"):
-        try:
-            options = replace(alone, cell=Path(str(resource("samples", f"cell/{CELL}"))))
-            ready = solved(str(source), options)
-        except Refused as refused:
-            if {finding.code for finding in refused.findings} != {NO_LIBRARY.code}:
-                raise
-            options, ready = alone, solved(str(source), alone)
-        text = page(shown_of(str(source), options, ready))
-    (path,) = write_files({f"{source.stem}.html": text.encode()}, output)
-    say(f"  to be looked at in a browser: {path}")
+    try:
+        return in_cell(str(resource("samples", f"cell/{CELL}")), robot).scene
+    except Refused as refused:
+        if {finding.code for finding in refused.findings} != {NO_LIBRARY.code}:
+            raise
+        return None
 
 
 def _compiled(source: Path, robot: str) -> Compiled:
@@ -122,12 +113,10 @@ def _compiled(source: Path, robot: str) -> Compiled:
     return compiled
 
 
-def _installed(
-    output: Path, source: Path, robot: str, compiled: Compiled, controller: Programs
-) -> Program:
-    from assistant import deploy, languages
+def _installed(output: Path, compiled: Compiled, controller: Programs) -> str:
+    """Installs a program on a controller; what was done, in a line."""
+    from assistant import deploy
     from assistant.program.system.writing import write_files
-    from assistant.report import page
 
     paths = write_files(compiled.files, output)
     say(f"  written: {', '.join(str(path) for path in paths)}")
@@ -136,13 +125,4 @@ def _installed(
     if not done.ok:
         raise Refused(*done.findings)
     say(f"  {done.summary}")
-    language = languages.get(compiled.language)
-    texts = {name: language.decode(data).text for name, data in compiled.files.items()}
-    return page.Program(
-        source.name,
-        language.title,
-        robot,
-        compiled.proof.line(),
-        done.summary,
-        tuple(texts.items()),
-    )
+    return done.summary

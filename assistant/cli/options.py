@@ -113,6 +113,15 @@ FramesOption = Annotated[
 ReportOption = Annotated[
     Path | None, typer.Option(help="Write the report as well: .html, .md, .json, or text.")
 ]
+PageOption = Annotated[
+    Path | None,
+    typer.Option("--report", help="Write a page for the browser as well, FILE.html.",
+                 metavar="FILE.html"),
+]  # fmt: skip
+OpenOption = Annotated[
+    bool, typer.Option("--open", help="Show the page in the browser; without --report from a "
+                       "folder for temporary files.")
+]  # fmt: skip
 NamesOption = Annotated[
     Path | None, typer.Option(help="Write a table of the old and the new names, as CSV.")
 ]

@@ -49,8 +49,17 @@ class Options:
     placement: Placing | None = None
 
 
-def run_simulate(source: str, options: Options, outputs: Sequence[str], format: Format) -> int:
-    """0 if the program could be simulated, 1 if the robot cannot run it, or not without contact."""
+def run_simulate(
+    source: str,
+    options: Options,
+    outputs: Sequence[str],
+    format: Format,
+    page: Callable[[str, Options, Solved, list[Diagnostic]], Sequence[Path]] | None = None,
+) -> int:
+    """0 if the program could be simulated, 1 if the robot cannot run it, or not without contact.
+
+    page: writes a page of what is simulated, and adds what is to be said of it.
+    """
     from assistant.checks.clearances import clearances
     from assistant.report import timing as report
     from assistant.robots.timing import simulate
@@ -59,13 +68,14 @@ def run_simulate(source: str, options: Options, outputs: Sequence[str], format: 
         wanted = _wanted(source, outputs)
         ready = solved(source, options)
         solution, findings = ready.solution, ready.findings
+        pages = () if page is None else page(source, options, ready, findings)
         if has_errors(findings):
-            return refused(source, solution.robot, findings, format)
+            return refused(source, solution.robot, findings, format, pages=pages)
         done = simulate(solution, period=options.period, acceleration=options.acceleration)
         near = () if ready.scene is None else fold(clearances(solution, ready.scene, done))
         findings += [ready.places.finding(finding).within(source) for finding in near]
         files = {path: _written(path.name, done, source) for path in wanted}
-        written = _put(source, files)
+        written = [*_put(source, files), *pages]
     if format is Format.JSON:
         from assistant.findings.formats import finding_record
 
@@ -104,16 +114,28 @@ def refused(
     findings: Sequence[Diagnostic],
     format: Format,
     done: str = "simulated",
+    pages: Sequence[Path] = (),
 ) -> int:
-    """Tells why a program is not gone through; 1. done: what is not done with it."""
+    """Tells why a program is not gone through; 1. done: what is not done with it. pages: that were
+    written all the same.
+    """
     if format is Format.JSON:
         from assistant.findings.formats import finding_record
 
         found = [finding_record(finding) for finding in findings]
-        print_json({"source": source, "robot": robot.name, "findings": found, "written": []})
+        print_json(
+            {
+                "source": source,
+                "robot": robot.name,
+                "findings": found,
+                "written": list(map(str, pages)),
+            }
+        )
     else:
         print_findings(findings, explained=True)
         say(f"{source} is not {done}: {robot.title} cannot run it")
+        for path in pages:
+            say(f"wrote {path}")
     return 1
 
 

@@ -18,6 +18,7 @@ from assistant.cli.compiling import (
     standard_input,
     working,
 )
+from assistant.cli.pages import Asked, stem_of, write_page
 from assistant.cli.presentation import (
     FindingFormat,
     FramesAs,
@@ -84,11 +85,13 @@ def run_translate(
     names: Path | None = None,
     ask: bool = False,
     every: bool = False,
+    opened: bool = False,
 ) -> int:
     """0 if everything is said, 1 if something is not, 2 if a program cannot be read.
 
     names: file for the table of old and new names. every: the text answer tells of each
-    statement, not only of what most have in common.
+    statement, not only of what most have in common. opened: the report as a page is shown in the
+    browser.
     """
     from assistant.findings.formats import finding_record
     from assistant.report.markdown import findings_markdown
@@ -104,6 +107,7 @@ def run_translate(
     for path in beside:
         if not path.name:
             raise Refused(NO_FILE_NAME(name=path), exit_status=2)
+    asked = Asked(report, opened)
     options.check()
     answers = Answers()
     tasks = _tasks(programs, options, output, answers)
@@ -122,8 +126,13 @@ def run_translate(
         [*paths_of(files, folders, output), *beside],
     )
     written = write_each(files, folders, output)
-    if report is not None:
+    if report is not None and not asked.html:
         written += _written(report, reported(done, report))
+    if asked.html or opened:
+        with working("drawing the page"):
+            pages, told = _page(asked, done, refusals, options, [f for t in tasks for f in t.files])
+        written += map(str, pages)
+        refusals += told
     if names is not None:
         written += _written(names, names_csv(done).encode("utf-8"))
     if options.cell is not None:
@@ -152,6 +161,23 @@ def run_translate(
         found = [f for one in done for f in one.translation.findings]
         print_for_programs([*refusals, *found], (), FindingFormat(format))
     return status
+
+
+def _page(
+    asked: Asked,
+    done: Sequence[Translated],
+    refusals: Sequence[Diagnostic],
+    options: Options,
+    sources: Sequence[str],
+) -> tuple[list[Path], list[Diagnostic]]:
+    """The page of all programs; its file, and what is to be said of it."""
+    from assistant.cli.sheets import refused_sheets, translated_sheet
+    from assistant.compiler.scenes import in_cell
+
+    stands = in_cell(options.cell, options.robot, values=True)
+    sheets = [translated_sheet(one, stands.scene, stands.robot) for one in done]
+    sheets += refused_sheets(refusals)
+    return write_page(asked.page(), sheets, sources, stem_of(*sources[:1] or ["program"]))
 
 
 def _tasks(

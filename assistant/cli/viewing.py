@@ -8,23 +8,19 @@ import webbrowser
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
-from assistant.cli.compiling import STANDARD, keep_sources, working
+from assistant.cli.compiling import keep_sources, working
+from assistant.cli.pages import NO_PAGE, SUFFIXES, shown_sheet, stem_of
 from assistant.cli.presentation import Format, print_findings, print_json, say
+from assistant.cli.sheets import solved_sheet
 from assistant.cli.simulating import Options, refused, solved
-from assistant.program.diagnostics import Diagnostic, Refused, Severity, error, fold, has_errors
+from assistant.program.diagnostics import Refused, error, fold, has_errors
 
 if TYPE_CHECKING:
-    from assistant.cell.clearances import Closeness
-    from assistant.cell.scene import Placed, Scene
     from assistant.compiler.solving import Solved
-    from assistant.robots import SolvedProgram
-    from assistant.view.record import Shown
+    from assistant.view.shown import Shown
 
-NO_PAGE = error(
-    "CL034", "a page for the browser is not written as `{name}`", "end the name in .html"
-)
 NO_BROWSER = error(
     "CL035",
     "no browser could be opened here",
@@ -35,7 +31,6 @@ NOT_WRITTEN = error(
     "a page that follows a controller is served, and cannot be written to a file",
     "leave out --html or --live",
 )
-SUFFIXES: Final = (".html", ".htm")
 
 
 def run_view(
@@ -83,49 +78,24 @@ def shown_of(source: str, options: Options, ready: Solved) -> Shown:
     Raises Refused for a cell without its robot.
     """
     from assistant import checks
-    from assistant.cell.holding import Holding, takeable
-    from assistant.checks.clearances import placed_clearances
-    from assistant.report.drawn import drawn_lines
-    from assistant.robots.timing import simulate
-    from assistant.view.record import Shown
+    from assistant.checks.clearances import no_robot
 
-    solution, places = ready.solution, ready.places
-    scene, placed = _standing(ready.scene, solution)
-    holding = Holding.at_first(scene, placed) if takeable(scene) else None
-    done = simulate(solution, acceleration=options.acceleration, carried=holding)
-    marked: list[tuple[Diagnostic, Closeness | None]]
-    marked = [(one, None) for one in (*ready.findings, *checks.with_robot(solution))]
+    solution = ready.solution
     if ready.scene is not None:
-        marked += placed_clearances(solution, scene, done)
-    worst = list(Severity)
-    marked.sort(key=lambda one: worst.index(one[0].severity))  # the page cannot hold all
-    drawn = drawn_lines(source, options.process, options.unit, options.placement)
-    return Shown(Path(source).name, solution, done, scene, placed, places, marked, drawn)
+        from assistant.cell.clearances import robot_of
+
+        try:
+            robot_of(ready.scene, solution.robot)
+        except LookupError:
+            raise Refused(no_robot(solution.robot, ready.scene), exit_status=2) from None
+    sheet = solved_sheet(source, ready, options, checks.with_robot(solution))
+    return shown_sheet(replace(sheet, plan=False))
 
 
 def _following(shown: Shown, name: str) -> str:
     from assistant.view.page import page
 
     return page(replace(shown, live=name))
-
-
-def _standing(scene: Scene | None, solution: SolvedProgram) -> tuple[Scene, Placed]:
-    """The scene with the robot that runs the program, and that robot.
-
-    It stands alone in the world if no cell is told. Raises Refused for a cell without it.
-    """
-    from assistant.cell.arms import placed
-    from assistant.cell.clearances import robot_of
-    from assistant.cell.scene import Scene
-    from assistant.checks.clearances import no_robot
-
-    if scene is None:
-        alone = placed("robot", solution.robot)
-        return Scene(robots=(alone,)), alone
-    try:
-        return scene, robot_of(scene, solution.robot)
-    except LookupError:
-        raise Refused(no_robot(solution.robot, scene), exit_status=2) from None
 
 
 def _written(source: str, cell: Path | None, html: Path | None, text: str) -> Path:
@@ -135,9 +105,8 @@ def _written(source: str, cell: Path | None, html: Path | None, text: str) -> Pa
         keep_sources([source, *([] if cell is None else [str(cell)])], [html])
         (path,) = write_all({html: text.encode()})
         return path
-    stem = "program" if source == STANDARD else Path(source).stem
     folder = tempfile.mkdtemp(prefix="robot-assistant-view-")
-    (path,) = write_files({f"{stem}.html": text.encode()}, folder)
+    (path,) = write_files({f"{stem_of(source)}.html": text.encode()}, folder)
     if not webbrowser.open(path.as_uri()):
         shutil.rmtree(folder, ignore_errors=True)
         raise Refused(NO_BROWSER(), exit_status=2)

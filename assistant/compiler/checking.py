@@ -38,7 +38,9 @@ from assistant.sources.lengths import unit_stated
 from assistant.sources.placements import check_drawn
 
 if TYPE_CHECKING:
+    from assistant.cell.scene import Scene
     from assistant.languages import Language
+    from assistant.robots import Robot, SolvedProgram
     from assistant.sources.placements import Placing
 
 NOTHING_THERE: Final = error(
@@ -69,13 +71,29 @@ class Text:
     complete: bool
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Looked:
+    """A program that was checked.
+
+    files: that it stands in. arm: that runs it, with scene and solution, as far as they are known.
+    """
+
+    files: Sequence[str]
+    program: Program
+    places: Places
+    arm: Robot | None = None
+    scene: Scene | None = None
+    solution: SolvedProgram | None = None
+
+
 @dataclass(slots=True)
 class Checked:
     """What was found.
 
     findings: in the order of the sources, those of rows and targets one by one. files: how many
     were looked at. texts: of programs, by path. unreadable: something could not be read at all.
-    paths: of the files, in their order.
+    paths: of the files, in their order. looked: the programs as they were looked at, None where
+    nobody wants them.
     """
 
     findings: list[Diagnostic] = field(default_factory=list)
@@ -83,6 +101,7 @@ class Checked:
     texts: dict[str, Text] = field(default_factory=dict)
     unreadable: bool = False
     paths: list[str] = field(default_factory=list)
+    looked: list[Looked] | None = None
 
 
 def check_files(
@@ -94,6 +113,7 @@ def check_files(
     unit: str | None = None,
     placement: Placing | None = None,
     cell: str | FilePath | InCell | None = None,
+    keep: bool = False,
 ) -> Checked:
     """Checks files, and what is in folders: robot programs, pseudo-programs and drawings.
 
@@ -102,12 +122,13 @@ def check_files(
     language: of robot programs, where neither suffix nor text tell.
     unit: of length, that drawings are in. placement: where they stand. cell: file of the cell that
     they run in, so that contacts with its bodies are looked for; or what was read of it, whose
-    findings the caller tells.
+    findings the caller tells. keep: the programs are in `looked` then.
     Raises Refused if there is no such robot or language, or for a cell file that is wrong.
     """
     named = None if language is None else language_of(language)
     stands = _stood(cell, robot)
     checked = Checked([] if isinstance(cell, InCell) else list(stands.findings))
+    checked.looked = [] if keep else None
     programs: dict[tuple[Language[Any] | None, FilePath], list[str]] = {}
     seen: set[FilePath] = set()
     for path in dict.fromkeys(map(str, paths)):
@@ -147,10 +168,12 @@ def check_text(
     language: str | None = None,
     unit: str | None = None,
     cell: str | FilePath | InCell | None = None,
+    keep: bool = False,
 ) -> Checked:
     """The same for a text that is no file: a robot language's if named, else pseudo text."""
     stands = _stood(cell, robot)
     checked = Checked([] if isinstance(cell, InCell) else list(stands.findings), files=1)
+    checked.looked = [] if keep else None
     checked.paths.append(text.path or "standard input")
     with _collecting(checked, text.path):
         if language is None:
@@ -253,7 +276,8 @@ def _check_source(
         around=stands.around,
         placement=placement,
     )
-    return [*loaded.findings, *_check_meaning(loaded.program, stands)]
+    meant = _check_meaning(loaded.program, stands, None, [file], checked)
+    return [*loaded.findings, *meant]
 
 
 def _check_pseudo(
@@ -268,7 +292,7 @@ def _check_pseudo(
     program = parse_pseudo(text, tables)
     checked.texts[name] = Text(text, PSEUDO_MARK, complete=True)
     loaded = _in_cell(program, process)
-    meant = _check_meaning(loaded.program, stands, Places(program, text))
+    meant = _check_meaning(loaded.program, stands, Places(program, text), [name], checked)
     return [*loaded.findings, *(_at_its_line(finding, text) for finding in meant)]
 
 
@@ -335,12 +359,19 @@ def _check_texts(
     loaded = _in_cell(program, process)
     found += loaded.findings
     places = Places(loaded.program)
-    meant = map(places.finding, _check_meaning(loaded.program, stands, places))
+    meant = map(
+        places.finding,
+        _check_meaning(loaded.program, stands, places, [one.path or "" for one in texts], checked),
+    )
     return [*found, *(f for f in meant if language.restated.get(f.code) not in told)]
 
 
 def _check_meaning(
-    program: Program, stands: InCell, places: Places | None = None
+    program: Program,
+    stands: InCell,
+    places: Places | None = None,
+    files: Sequence[str] = (),
+    checked: Checked | None = None,
 ) -> tuple[Diagnostic, ...]:
     from assistant import robots
 
@@ -349,6 +380,7 @@ def _check_meaning(
     found = (*located, *checks.check(program))
     arm = arms.robot or known_robot(program.robot)
     if arm is None:
+        _keep(checked, Looked(files, program, places or Places(program), None, arms.scene))
         return (*found, *travelled(program, None, arms.scene, Places(program)).findings)
     if program.origin is None:  # a controller takes the numbers of its own text as they stand
         program, changed = for_arm(program, taught_on(program, replace(arms, robot=arm)), arm)
@@ -358,7 +390,14 @@ def _check_meaning(
     places = Places(program) if places is None else places
     ways = travelled(program, arm, arms.scene, places)
     if has_errors(ways.findings):
+        _keep(checked, Looked(files, ways.program, places, arm, arms.scene))
         return (*found, *ways.findings)
     solution = robots.solve_program(ways.program, arm)
+    _keep(checked, Looked(files, solution.program, places, arm, arms.scene, solution))
     solved = (*solution.findings, *checks.with_robot(solution, scene=arms.scene))
     return (*found, *ways.findings, *at_moves(solved, solution.program, places))
+
+
+def _keep(checked: Checked | None, looked: Looked) -> None:
+    if checked is not None and checked.looked is not None:
+        checked.looked.append(looked)

@@ -64,7 +64,7 @@ def _statement(simulation: Simulation, moves: MoveTimes, rows: slice) -> Stateme
 
 def lines(simulation: Simulation) -> Iterator[str]:
     """Times of the procedures, the slowest moves, and what is not known, for people."""
-    times = [(name, _seconds(one)) for name, one in simulation.procedures.items()]
+    times = [(name, seconds_of(one)) for name, one in simulation.procedures.items()]
     yield from _table([("procedure", "seconds"), *times], "<>")
     slowest = sorted(statements(simulation), key=lambda one: -one.seconds)[:SLOWEST]
     if slowest:
@@ -103,7 +103,8 @@ def _short(text: str, most: int = 40) -> str:
     return text if len(text) <= most else f"{text[: most - 1]}…"
 
 
-def _seconds(duration: Duration) -> str:
+def seconds_of(duration: Duration) -> str:
+    """Seconds in words: the least and the most, where these differ."""
     if duration.most - duration.least < 0.005:
         return f"{duration.most:.2f}"
     return f"{duration.least:.2f} to {duration.most:.2f}"

@@ -14,7 +14,16 @@ from assistant.program.expressions import Expression, Name
 from assistant.program.geometry import BASE, IDENTITY, Pose
 from assistant.program.path import Kind, Path
 from assistant.program.program import Program, walk
-from assistant.program.statements import Call, Follow, Motion, Move, MoveCircular, Statement
+from assistant.program.statements import (
+    Call,
+    Follow,
+    Motion,
+    Move,
+    MoveCircular,
+    MoveJoints,
+    Moving,
+    Statement,
+)
 from assistant.robots.motion.arcs import circles
 from assistant.robots.motion.densities import Drawn
 from assistant.robots.target_lookup import Names
@@ -48,6 +57,41 @@ class _Piece:
     quaternions: Floats
     kinds: NDArray[np.uint8]
     name: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """A motion statement with where it leads to.
+
+    place: among the motion statements of its procedure, from 1. positions: (n, 3) mm in the robot's
+    base of its targets, of an arc the one on the way first. numbers: these targets counted through
+    the procedure from 1, those of paths left aside.
+    """
+
+    procedure: str
+    place: int
+    statement: Move | MoveCircular | Follow
+    positions: Floats
+    numbers: tuple[int, ...]
+
+
+def stops(program: Program) -> Iterator[Stop]:
+    """What each procedure moves to, in order of text, without what only running it tells."""
+    names = Names(program)
+    for procedure in program.procedures:
+        names.enter(procedure)
+        place = number = 0
+        for statement in walk(procedure.body):
+            if not isinstance(statement, Moving):
+                continue
+            place += 1
+            own = {MoveCircular: 2, Follow: 0}.get(type(statement), 1)
+            number += own
+            if isinstance(statement, MoveJoints):
+                continue
+            numbers = tuple(range(number - own + 1, number + 1))
+            for piece in _moved(program, names, statement):
+                yield Stop(procedure.name, place, statement, piece.positions, numbers)
 
 
 def track(program: Program) -> Track:

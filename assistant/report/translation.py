@@ -1,4 +1,4 @@
-"""The report on translated programs: lines of text, records, Markdown, a page of HTML."""
+"""The report on translated programs: lines of text, records, Markdown."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ from assistant.findings.formats import finding_record
 from assistant.program.diagnostics import Diagnostic
 from assistant.report.costs import MOST, costs
 from assistant.report.markdown import cell, code, findings_markdown
-from assistant.resources import resource
 
 STANDARD: Final = "standard input"
 
@@ -151,28 +150,6 @@ def record(one: Translated) -> dict[str, Any]:
     }
 
 
-def page(done: Sequence[Translated]) -> str:
-    """The report as one HTML file without anything from outside."""
-    from jinja2 import Environment
-
-    environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
-    template = resource("templates", "translation.html").read_text(encoding="utf-8")
-    translations = [
-        {
-            **record(one),
-            "rows": [
-                {**_row(row), "went": list(map(_at, row.went))} for row in one.translation.rows
-            ],
-            "whole": one.translation.whole,
-            "proof": "; ".join(one.translation.written.proof_lines()),
-            "files": [(n, _shown(data)) for n, data in one.translation.files.items()],
-        }
-        for one in done
-    ]
-    language = done[0].translation.language if done else ""
-    return environment.from_string(template).render(language=language, translations=translations)
-
-
 def _row(row: Row) -> dict[str, Any]:
     return {
         "path": row.place.path,
@@ -200,16 +177,11 @@ def _went(row: Row) -> str:
     return f" -> {_at(row.went[0])}" if row.went else ""
 
 
-def _shown(data: bytes) -> str:
-    return data.decode("utf-8", errors="replace")
-
-
 def _json(done: Sequence[Translated]) -> str:
     return json.dumps([record(one) for one in done], indent=2, ensure_ascii=False) + "\n"
 
 
 WRITTEN: Final[dict[str, Callable[[Sequence[Translated]], str]]] = {
-    ".html": page,
     ".md": markdown,
     ".json": _json,
     ".txt": text,

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.cell.scene import Placed
-from assistant.program.arrays import Floats
+from assistant.program.arrays import Floats, norms
 from assistant.program.geometry import Pose
 from assistant.robots.robot import Robot
 from assistant.robots.timing import Simulation
@@ -24,6 +24,8 @@ COARSEST: Final = 0.1
 """Seconds between them at most; a page plays no more of a program than that allows."""
 NEAR: Final = 0.5
 """Degrees (mm) that a place on the time line is away from joints that it stands for, at most."""
+NEAR_PATH: Final = 1.0
+"""mm of a place from the path of the tool, by which the tool comes to it."""
 
 Record = dict[str, Any]
 
@@ -74,6 +76,21 @@ class Motion:
     def until(self) -> float:
         """Seconds up to which it is played."""
         return float(self.times[-1])
+
+    def passing(self, place: Floats) -> float | None:
+        """Seconds at which the path comes to a place (3,) in the world, None if it never does."""
+        start = self.places[:-1]
+        if not len(start):
+            return None
+        step = np.diff(self.places, axis=0)
+        square = np.einsum("ij,ij->i", step, step)
+        along = np.einsum("ij,ij->i", place - start, step)
+        part = np.clip(along / np.where(square > 0.0, square, 1.0), 0.0, 1.0)
+        off = norms(start + part[:, None] * step - place)
+        if off.min() > NEAR_PATH:
+            return None
+        at = int(np.flatnonzero(off <= off.min() + NEAR_PATH / 10.0)[0])
+        return float(self.times[at] + part[at] * (self.times[at + 1] - self.times[at]))
 
     def when(self, joints: Floats) -> float | None:
         """Seconds at which joints (a,) are first passed, None if they are not on this way."""

@@ -13,6 +13,7 @@ from assistant.compiler.source_map import Places
 from assistant.program.diagnostics import Diagnostic
 from assistant.program.lines import lines_of
 from assistant.program.path import Kind
+from assistant.program.text import SourceText
 from assistant.program.visible import visible
 from assistant.robots.solved_program import Leg, SolvedProgram
 from assistant.robots.timing import Simulation
@@ -32,6 +33,19 @@ MOST_LINES: Final = 100_000
 
 Key = tuple[str, int]
 """Procedure, and number of a motion statement in it."""
+
+
+def text_records(texts: Sequence[SourceText]) -> tuple[list[Record], int]:
+    """The texts, each with its lines and the number of the first; and lines left out."""
+    found: list[Record] = []
+    first = 1
+    for source in texts:
+        count = max(0, min(source.line_count, MOST_LINES + 1 - first))
+        lines = [visible(source.line_text(i + 1))[:MOST_TEXT] for i in range(count)]
+        path = None if source.path is None else visible(source.path)
+        found.append({"path": path, "first": first, "lines": lines})
+        first += source.line_count
+    return found, max(0, first - 1 - MOST_LINES)
 
 
 class Moves:
@@ -91,16 +105,8 @@ class Moves:
         }
 
     def lines(self) -> tuple[list[Record], int]:
-        """The texts, each with its lines and the number of the first; and lines left out."""
-        found: list[Record] = []
-        first = 1
-        for source in self.texts.texts:
-            count = max(0, min(source.line_count, MOST_LINES + 1 - first))
-            lines = [visible(source.line_text(i + 1))[:MOST_TEXT] for i in range(count)]
-            path = None if source.path is None else visible(source.path)
-            found.append({"path": path, "first": first, "lines": lines})
-            first += source.line_count
-        return found, max(0, first - 1 - MOST_LINES)
+        """The texts, see `text_records`."""
+        return text_records(self.texts.texts)
 
     def of_finding(self, finding: Diagnostic) -> int | None:
         """The place in the list of the statement that a finding is at."""

@@ -8,31 +8,43 @@ from importlib.resources import files
 from typing import Final
 
 from assistant.view.motion import Record
-from assistant.view.record import Shown, record
+from assistant.view.record import record
+from assistant.view.shown import Shown
 
 LIBRARY: Final = "three/three.js"
 """three.js, see `three/README.md` for its version, its licence and how it is made."""
-SCRIPTS: Final = ("data", "scene", "lines", "camera", "time", "lists", "source", "live", "start")
+SCRIPTS: Final = (
+    *("data", "scene", "lines", "plan", "camera", "time", "lists", "table", "source", "live"),
+    "start",
+)
 """What draws, in its order; together they are one function of the page."""
 
 
-def page(shown: Shown) -> str:
-    """One HTML file without anything from outside. Raises Refused as `record` does."""
-    return filled(record(shown))
+def page(*shown: Shown) -> str:
+    """One HTML file without anything from outside, for one program or for several of which one is
+    chosen on it. Raises Refused as `record` does.
+    """
+    return filled(*map(record, shown))
 
 
-def filled(data: Record) -> str:
-    """The page of the data that `record` gives."""
-    text = json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+def filled(*programs: Record) -> str:
+    """The page of the data that `record` gives for each of them."""
+    first, *others = programs
+    chosen = [str(one["title"]) for one in programs] if others else []
+    title = str(first["title"]) if not others else f"{first['title']} and {len(others)} more"
+    more = (
+        f'<script id="data-{number}" type="application/json">{_text(one)}</script>\n'
+        for number, one in enumerate(others, start=1)
+    )
     parts = {
-        "title": html.escape(str(data["title"])),
+        "title": html.escape(title),
         "style": _own("viewer.css"),
-        # `<` ends a script wherever it stands in front of `/script`, also in a string.
-        "data": text.replace("<", "\\u003c").replace("\u2028", "\\u2028"),
+        "data": _text(first | {"chosen": chosen} if others else first),
+        "more": "".join(more),
         "library": _own(LIBRARY).replace("</script", "<\\/script"),
         "viewer": "".join(_own(f"scripts/{name}.js") for name in SCRIPTS),
         # A page that follows a controller asks where it comes from for that; any other asks nobody.
-        "asked": "'none'" if data.get("live") is None else "'self'",
+        "asked": "'none'" if first.get("live") is None else "'self'",
     }
     out = _own("viewer.html")
     head, *rest = out.split("{{")
@@ -41,6 +53,14 @@ def filled(data: Record) -> str:
         name, tail = piece.split("}}", 1)
         found += [parts[name.strip()], tail]
     return "".join(found)
+
+
+def _text(data: Record) -> str:
+    """Data as JSON that ends no script: `<` does wherever it stands in front of `/script`, also in
+    a string.
+    """
+    text = json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    return text.replace("<", "\\u003c").replace("\u2028", "\\u2028")
 
 
 def _own(name: str) -> str:

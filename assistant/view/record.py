@@ -2,34 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 import numpy as np
 
-from assistant.cell.clearances import Closeness
 from assistant.cell.collision.carriers import Carriers, carried
-from assistant.cell.scene import CORE, Body, Placed, Scene
+from assistant.cell.scene import Body, Placed
 from assistant.cell.surfaces import surface_of
-from assistant.compiler.source_map import Places
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic
 from assistant.program.geometry import Pose
+from assistant.program.program import Program
 from assistant.program.visible import visible
-from assistant.report.drawn import Line
+from assistant.report.timing import statements
 from assistant.report.track import track
-from assistant.robots.solved_program import SolvedProgram
-from assistant.robots.timing import Simulation
+from assistant.view.found import MOST_FINDINGS, findings
 from assistant.view.motion import Motion, Record, column, tips, tool_held
 from assistant.view.moves import MOST_MOVES, Moves
 from assistant.view.riding import Ride, rides
+from assistant.view.shown import Shown
+from assistant.view.still import StillMotion, StillMoves, path_record
+from assistant.view.times import times
 from assistant.view.zones import zones
 
 MOST_NAMES: Final = 300
 """Targets that are shown, and that have their names beside them."""
 MOST_ZONES: Final = 5_000
-MOST_FINDINGS: Final = 500
 MOST_DRAWN: Final = 200_000
 """Points of the lines of a drawing."""
 LINK: Final = (232, 140, 60)
@@ -38,29 +35,6 @@ OTHER_LINK: Final = (222, 200, 170)
 TOOL: Final = (90, 100, 112)
 BODY: Final = (138, 150, 164)
 
-Marked = tuple[Diagnostic, Closeness | None]
-"""A finding, and where in the scene it is."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Shown:
-    """What is to be seen.
-
-    solution: of the program, simulated on `placed`, one of the robots of the scene; the others
-    stand at home. places: of the program's texts. findings: in the order of the list. drawn: lines
-    of its drawing. live: the name of the controller that the page follows, None for none.
-    """
-
-    title: str
-    solution: SolvedProgram
-    simulation: Simulation
-    scene: Scene
-    placed: Placed
-    places: Places
-    findings: Sequence[Marked] = ()
-    drawn: Sequence[Line] = ()
-    live: str | None = None
-
 
 def record(shown: Shown) -> Record:
     """The data of a page; columns of numbers as text, see `column`.
@@ -68,42 +42,88 @@ def record(shown: Shown) -> Record:
     Lengths are mm and angles radians there, poses seven numbers: position, then quaternion w, x, y,
     z. Raises Refused for a body whose parent the scene has not.
     """
+    data = _moving(shown) if shown.simulation is not None else _still(shown)
     carriers = Carriers(shown.scene.robots)
-    motion = Motion(shown.simulation, shown.placed)
-    names = list(_targets(shown))
-    moves = Moves(shown.solution, shown.simulation, shown.places, motion.until)
-    found = [_finding(shown, motion, moves, marked) for marked in shown.findings[:MOST_FINDINGS]]
-    around = (
-        zones(shown.simulation, shown.placed, motion.until) if tool_held(shown.simulation) else None
-    )
-    texts, lines_left = moves.lines()
     drawn, drawn_left = _drawn(shown)
-    riding = rides(shown.simulation, shown.scene, motion.until)
-    return {
+    targets = data.pop("targets")
+    riding = data.pop("riding")
+    return data | {
         "title": visible(shown.title),
-        "robot": visible(shown.placed.robot.title),
+        "notes": list(map(visible, shown.notes)),
+        "robot": "" if shown.placed is None else visible(shown.placed.robot.title),
         "live": None if shown.live is None else visible(shown.live),
+        "plan": shown.plan,
         "robots": [_arm(one, one is shown.placed) for one in shown.scene.robots],
         "bodies": [
             _body(shown, body, carriers, riding) for body in shown.scene.all_bodies() if body.shown
         ],
-        "motion": motion.record(),
-        "tips": [_pose(tip) for tip in tips(shown.simulation)],
-        "targets": names[:MOST_NAMES],
-        "zones": column(np.zeros((0, 4)) if around is None else around[:MOST_ZONES]),
+        "targets": targets[:MOST_NAMES],
         "drawn": drawn,
-        "moves": moves.records(),
+        "beside": None if shown.beside is None else shown.beside.record(),
+        "left": data["left"]
+        | {
+            "targets": max(0, len(targets) - MOST_NAMES),
+            "findings": max(0, len(shown.findings) - MOST_FINDINGS),
+            "drawn": drawn_left,
+        },
+    }
+
+
+def _moving(shown: Shown) -> Record:
+    """Of a program that an arm goes through."""
+    solution, simulation, placed = shown.solution, shown.simulation, shown.placed
+    assert solution is not None and simulation is not None and placed is not None
+    motion = Motion(simulation, placed)
+    moves = Moves(solution, simulation, shown.places, motion.until)
+    around = zones(simulation, placed, motion.until) if tool_held(simulation) else None
+    every = statements(simulation)
+    timed = {(one.procedure, one.number): one for one in every}
+    listed = moves.records()
+    for key, one in zip(moves.keys, listed, strict=False):
+        found = timed.get(key)
+        one["length"], one["seconds"], one["bound"] = (
+            (None, None, "") if found is None else (found.length, found.seconds, found.bound)
+        )
+    texts, lines_left = moves.lines()
+    return {
+        "motion": motion.record(),
+        "still": None,
+        "times": times(simulation, every),
+        "tips": [_pose(tip) for tip in tips(simulation)],
+        "targets": _targets(solution.program, placed.base),
+        "riding": rides(simulation, shown.scene, motion.until),
+        "zones": column(np.zeros((0, 4)) if around is None else around[:MOST_ZONES]),
+        "moves": listed,
         "played": moves.played(),
         "texts": texts,
-        "findings": found,
+        "findings": findings(shown, motion, moves, solution.program),
         "left": {
-            "targets": max(0, len(names) - MOST_NAMES),
-            "findings": max(0, len(shown.findings) - MOST_FINDINGS),
             "moves": max(0, len(moves) - MOST_MOVES),
             "zones": 0 if around is None else max(0, len(around) - MOST_ZONES),
             "lines": lines_left,
-            "drawn": drawn_left,
         },
+    }
+
+
+def _still(shown: Shown) -> Record:
+    """Of a program that is only drawn."""
+    program = shown.program or Program("nothing")
+    motion, moves = StillMotion(), StillMoves(program, shown.places)
+    texts, lines_left = moves.lines()
+    still = path_record(program, shown.base)
+    return {
+        "motion": motion.record(),
+        "still": still,
+        "times": None,
+        "tips": [],
+        "targets": _targets(program, shown.base),
+        "riding": {},
+        "zones": column(np.zeros((0, 4))),
+        "moves": moves.records(),
+        "played": moves.played(),
+        "texts": texts,
+        "findings": findings(shown, motion, moves, program),
+        "left": {"moves": max(0, len(moves) - MOST_MOVES), "zones": 0, "lines": lines_left},
     }
 
 
@@ -132,7 +152,7 @@ def _body(
 ) -> Record:
     """A body in its own frame, and what it rides on; `rides` where that changes."""
     carrier, pose = carried(shown.scene, body, carriers)
-    own = any(body is one for one in shown.placed.links)
+    own = shown.placed is not None and any(body is one for one in shown.placed.links)
     link = own or any(body is one for placed in shown.scene.robots for one in placed.links)
     usual = LINK if own else OTHER_LINK if link else TOOL if carrier else BODY
     colour = body.colour or usual
@@ -166,64 +186,27 @@ def _ride(time: float, ride: Ride) -> Record:
     return {"time": time, "carrier": carrier, "pose": pose}
 
 
-def _targets(shown: Shown) -> Iterator[Record]:
+def _targets(program: Program, base: Pose) -> list[Record]:
     """Named targets of the program, each place once."""
-    way = track(shown.solution.program)
-    seen = set[tuple[object, ...]]()
+    way = track(program)
+    found: dict[tuple[object, ...], Record] = {}
     for row, name in way.names.items():
-        pose = shown.placed.base @ Pose.of(way.positions[row], way.quaternions[row])
+        pose = base @ Pose.of(way.positions[row], way.quaternions[row])
         key = (name, *(round(value, 3) for value in pose.position))
-        if key not in seen:
-            seen.add(key)
-            yield {"name": visible(name), "pose": _pose(pose)}
+        found.setdefault(key, {"name": visible(name), "pose": _pose(pose)})
+    return list(found.values())
 
 
 def _drawn(shown: Shown) -> tuple[list[Record], int]:
     """The lines of the drawing in the world, and how many are left out."""
     found: list[Record] = []
-    base, room = shown.placed.base, MOST_DRAWN
+    base, room = shown.base, MOST_DRAWN
     for number, line in enumerate(shown.drawn):
         room -= len(line.points)
         if room < 0:
             return found, len(shown.drawn) - number
         found.append({"layer": visible(line.layer), "points": column(base.moved(line.points))})
     return found, 0
-
-
-def _finding(shown: Shown, motion: Motion, moves: Moves, marked: Marked) -> Record:
-    finding, close = marked
-    finding = shown.places.finding(finding)
-    mark: Record | None = None
-    move = moves.of_finding(finding if close is None else marked[0])
-    if close is not None:
-        contact = close.contact
-        at = _own(shown, close.joints)
-        mark = {
-            "one": visible(contact.one.removesuffix(CORE)),
-            "other": visible(contact.other.removesuffix(CORE)),
-            "points": [list(point) for point in contact.points],
-            "normal": list(contact.normal),
-            "deep": max(0.0, -min(close.least, contact.distance)),
-            "joints": motion.robot.chained(at[None])[0].tolist(),
-            "time": motion.when(at),
-        }
-        move = moves.places.get((close.procedure, close.number))
-    return {
-        "code": finding.code,
-        "severity": finding.severity.value,
-        "message": visible(finding.message),
-        "cure": None if finding.cure is None else visible(finding.cure),
-        "where": visible(finding.where()),
-        "move": move if move is not None and move < MOST_MOVES else None,
-        "mark": mark,
-    }
-
-
-def _own(shown: Shown, joints: Floats) -> Floats:
-    """Of a row of the joints of all robots those of the one that moves."""
-    carriers = Carriers(shown.scene.robots)
-    at = next(i for i, one in enumerate(shown.scene.robots) if one is shown.placed)
-    return joints[carriers.columns[at]]
 
 
 def _pose(pose: Pose) -> list[float]:

@@ -12,8 +12,8 @@ from assistant.program.motion import FINE, Speed
 from assistant.program.path import Kind, Path
 from assistant.program.program import Procedure, Program, Variable
 from assistant.program.statements import Call, Follow, Motion, Move, MoveCircular
-from assistant.report import page, plots
-from assistant.report.track import arc_points, track
+from assistant.report import plots
+from assistant.report.track import arc_points, stops, track
 
 MOTION = Motion(Speed(100.0), FINE)
 ON_TABLE = Motion(Speed(100.0), FINE, frame="table")
@@ -115,12 +115,20 @@ def test_points_of_an_arc_lie_on_its_circle_and_pass_the_via(centre, sweep, part
     assert length <= np.radians(sweep) * radius
 
 
-def test_the_page_escapes_what_comes_from_outside():
-    way = track(program(Move("linear", at(1, 2), MOTION), Move("joint", at(3, 4), MOTION)))
-    bad = "<script>alert(1)</script>"
-    made = page.Program(bad, bad, bad, bad, bad, ((bad, bad),))
-    html = page.page(bad, [page.Section(bad, (made,), page.plan_view([], way), b"png")])
-    assert "<script" not in html
+def test_stops_are_numbered_as_findings_number_them():
+    ways = program(
+        Move("linear", at(1, 0), MOTION),
+        MoveCircular(at(2, 0), at(3, 0), MOTION),
+        Move("joint", Name("nobody"), MOTION),
+        Move("linear", at(4, 0), ON_TABLE),
+        frames={"table": Frame(Pose((0.0, 100.0, 0.0)))},
+    )
+    found = [(one.place, one.numbers, one.positions.tolist()) for one in stops(ways)]
+    assert found == [
+        (1, (1,), [[1, 0, 0]]),
+        (2, (2, 3), [[2, 0, 0], [3, 0, 0]]),
+        (4, (5,), [[4, 100, 0]]),
+    ]
 
 
 def test_the_same_track_gives_the_same_picture():

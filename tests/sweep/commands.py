@@ -104,6 +104,10 @@ COMMANDS: Final[Mapping[str, Command]] = {
         (*("simulate", "one.mod", "--robot", "irb1200-7-0.7"), *(f"-o{one}" for one in SIMULATED)),
         {name: text.replace("Save", "! Save") for name, text in MODULES.items()},
     ),
+    "report": Command(
+        ("simulate", "one.mod", "--robot", "irb1200-7-0.7", "--report", "out/one.html"),
+        {name: text.replace("Save", "! Save") for name, text in MODULES.items()},
+    ),
     "scene": Command(
         ("scene", "one.toml", "-o", "out/cell.toml"),
         {"one.toml": "[bodies.a]\nmesh = 'a.obj'\nunit = 'mm'\n", "a.obj": CORNER},

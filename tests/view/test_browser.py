@@ -20,7 +20,7 @@ from assistant.program.geometry import Pose
 from assistant.view.live import LivePage
 from assistant.view.page import filled
 from tests.cell.test_holding import CELL, PICK
-from tests.cli.test_commands import run
+from tests.cli.test_commands import SAMPLES, run
 from tests.view.cases import data_of, numbers, written
 
 BROWSERS: Final = ("chromium", "chromium-browser", "google-chrome")
@@ -165,6 +165,62 @@ def test_the_path_is_coloured_by_what_is_chosen(opened: tuple[Any, str]) -> None
     assert 20 < changed.sum() < 0.05 * changed.size
     assert page.locator("#most").inner_text() == "at a limit"
     assert numbers(data_of(text)["motion"]["room"]).min() > 0.0
+
+
+def test_a_program_is_seen_from_above_and_from_the_side(
+    browser: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    program, _ = written(tmp_path)
+    run(capsys, "simulate", program, "--report", tmp_path / "seam.html")
+    with looking(browser, (tmp_path / "seam.html").as_uri()) as page:
+        assert page.evaluate("view.flat()")
+        seen = picture(page)
+        red, green, blue = np.moveaxis(seen, 2, 0)
+        arm = (red > 1.3 * green) & (green > 1.3 * blue)
+        half = seen.shape[0] // 2
+        above, side = arm[:half], arm[half:]
+        assert above.sum() > 500 < side.sum()
+        tall = [np.ptp(np.flatnonzero(one.any(axis=1))) for one in (above, side)]
+        assert tall[1] > 1.5 * tall[0]  # it stands upright
+        page.locator("#space").click()
+        until(page, "!view.flat()")
+        assert (np.abs(picture(page) - seen).max(axis=2) > 0.05).mean() > 0.05
+
+
+@pytest.mark.slow
+def test_another_program_of_a_page_is_chosen_and_stays_hostile_to_nobody(
+    browser: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    program, _ = written(tmp_path)
+    hostile = tmp_path / "evil.mod"
+    text = "</script><script>document.title=1</script>"
+    hostile.write_text(f'MODULE m\nPROC main()\nTPWrite "{text}";\nENDPROC\nENDMODULE\n')
+    both = tmp_path / "both.html"
+    run(capsys, "check", program, hostile, "--report", both)
+    with looking(browser, both.as_uri(), (both.as_uri(),)) as page:
+        assert page.locator("h1").inner_text() == "seam.pseudo"
+        assert page.title() == "seam.pseudo and 1 more"
+        page.locator("#program").select_option("1")
+        page.locator("h1", has_text="evil.mod").wait_for()
+        assert text in page.locator("#listing").inner_text()
+        assert page.title() == "seam.pseudo and 1 more"
+
+
+@pytest.mark.slow
+def test_lines_of_a_translation_stand_beside_each_other(
+    browser: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    samples = SAMPLES / "rapid"
+    given = ("--to", "melfa-basic-5", "--from-robot", "irb1200-7-0.7", "--robot", "rv-4frl")
+    to = ("-p", samples / "cell.process.toml", "-o", tmp_path, "--report", tmp_path / "t.html")
+    run(capsys, "translate", samples / "gluing.mod", *given, *to)
+    with looking(browser, (tmp_path / "t.html").as_uri()) as page:
+        line = page.locator("#listing button", has_text="AccSet 60,100")
+        assert "Accel 60,60" in line.inner_text()
+        page.locator("#findings button:not(:disabled)").first.click()
+        assert "MoveJ pHome" in page.locator("#listing button.now").first.inner_text()
+        page.evaluate("view.setTime(view.seconds - 0.01)")
+        assert "Mov PHOME" in page.locator("#listing button.now").last.inner_text()
 
 
 @pytest.mark.slow

@@ -12,6 +12,7 @@ if (renderer) stage.prepend(renderer.domElement);
 
 /** Turns the view to a place, from a distance. */
 function aim(place, far) {
+  if (plan.on) flat(false);
   camera.position.copy(place).add(new THREE.Vector3(0.75, -1, 0.6).normalize().multiplyScalar(far));
   camera.lookAt(place);
   if (controls) controls.target.copy(place);
@@ -20,6 +21,12 @@ function aim(place, far) {
 /** Turns the view about a place, as it looked before, and near enough to see it. */
 function approach(place) {
   if (!controls) return;
+  if (plan.on) {
+    plan.centre.copy(place);
+    plan.scale = Math.min(plan.scale, plan.fit / 3);
+    dirty = true;
+    return;
+  }
   const back = camera.position.clone().sub(controls.target);
   back.setLength(Math.min(back.length(), look.far / 3));
   camera.position.copy(place).add(back);
@@ -33,9 +40,10 @@ function look() {
     const box = new THREE.Box3().setFromObject(object);
     if (!box.isEmpty()) around.expandByPoint(box.min).expandByPoint(box.max);
   };
-  [...carriers.slice(1), path, targets].forEach(grow);
+  [...carriers.slice(1), path, targets, drawn].forEach(grow);
   if (around.isEmpty()) grow(scene);
   if (around.isEmpty()) around.set(new THREE.Vector3(-500, -500, 0), new THREE.Vector3(500, 500, 1000));
+  plan.box.copy(around);
   const ball = around.getBoundingSphere(new THREE.Sphere());
   const far = ball.radius / Math.sin((camera.fov * Math.PI) / 360);
   look.far = far;
@@ -56,13 +64,21 @@ function draw() {
   if (controls.update()) dirty = true;
   if (!dirty) return;
   dirty = false;
-  renderer.render(scene, camera);
-  const width = stage.clientWidth, height = stage.clientHeight, place = new THREE.Vector3();
+  const whole = [0, 0, stage.clientWidth, stage.clientHeight];
+  if (!plan.on) renderer.render(scene, camera);
+  const [eye, [left, top, width, height]] = plan.on ? drawPlan() : [camera, whole];
+  const place = new THREE.Vector3(), inside = (value) => value > -1 && value < 1;
+  const taken = []; // left and top of names that are shown: others would stand over them
   for (const { element, object, on } of named) {
-    place.setFromMatrixPosition(object.matrixWorld).project(camera);
-    const seen = on.visible && place.z > -1 && place.z < 1 && find("with-names").checked;
-    element.style.display = seen ? "" : "none";
-    if (seen) element.style.transform = `translate(${((place.x + 1) / 2) * width + 6}px, ${((1 - place.y) / 2) * height - 18}px)`;
+    place.setFromMatrixPosition(object.matrixWorld).project(eye);
+    const seen = on.visible && inside(place.z) && (!plan.on || (inside(place.x) && inside(place.y))) && find("with-names").checked;
+    const x = left + ((place.x + 1) / 2) * width + 6, y = top + ((1 - place.y) / 2) * height - 18;
+    const long = 7 * element.textContent.length;
+    const free = seen && !taken.some((one) => Math.abs(one.y - y) < 14 && one.x < x + long && x < one.x + one.long);
+    element.style.display = free ? "" : "none";
+    if (!free) continue;
+    element.style.transform = `translate(${x}px, ${y}px)`;
+    taken.push({ x, y, long });
   }
 }
 function resized() {
@@ -71,6 +87,7 @@ function resized() {
   camera.updateProjectionMatrix();
   renderer.setPixelRatio(window.devicePixelRatio);
   renderer.setSize(stage.clientWidth, stage.clientHeight);
+  if (plan.on) flat(true);
   dirty = true;
 }
 if (controls) controls.addEventListener("change", () => { dirty = true; });

@@ -1,5 +1,8 @@
 // The data of the page, see assistant/view/record.py: columns of numbers and plain records.
-const data = JSON.parse(document.getElementById("data").textContent);
+const whole = JSON.parse(document.getElementById("data").textContent);
+const chosen = Number(location.hash.slice(1)) || 0; // of several programs
+const other = document.getElementById(`data-${chosen}`);
+const data = other ? JSON.parse(other.textContent) : whole;
 const find = (id) => document.getElementById(id);
 const made = (tag, text, name) => {
   const element = document.createElement(tag);
@@ -49,7 +52,7 @@ function sampleAt(time) {
 
 /** Joints at a time, straight between two samples. */
 function jointsAt(time) {
-  if (!count) return arms.find((arm) => arm.moves).home;
+  if (!count) return arms.find((arm) => arm.moves)?.home ?? [];
   const [low, high, part] = sampleAt(time), out = [];
   for (let i = 0; i < axes; i++) {
     const from = motion.joints[low * axes + i];

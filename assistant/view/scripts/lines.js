@@ -11,11 +11,27 @@ const COLOURED = {
   speed: { part: (i) => motion.speeds[i] / fastest, ends: ["0", `${fastest < 1e-6 ? 0 : Math.round(fastest)} mm/s`] },
   room: { part: (i) => 1 - motion.room[i], ends: ["far from limits", "at a limit"] },
 };
-const path = line(motion.places, "#ffffff");
-path.material.vertexColors = true;
-attribute(path.geometry, "color", new Float32Array(3 * count));
+const STRAIGHT = new THREE.Color("#d7301f"), JOINT = new THREE.Color("#2667c9");
+/** The path of a program that no arm goes through: a piece to each target. */
+function pieces(still) {
+  const places = numbers(still.places), joint = rows(still.joint), points = [], colours = [];
+  for (let i = 1; i < joint.length; i++) {
+    points.push(...places.subarray(3 * i - 3, 3 * i + 3));
+    for (let end = 0; end < 2; end++) colours.push(...(joint[i] ? JOINT : STRAIGHT).toArray());
+  }
+  const shape = new THREE.BufferGeometry();
+  attribute(shape, "position", new Float32Array(points));
+  attribute(shape, "color", new Float32Array(colours));
+  return new THREE.LineSegments(shape, new THREE.LineBasicMaterial({ vertexColors: true }));
+}
+const path = data.still ? pieces(data.still) : line(motion.places, "#ffffff");
+if (!data.still) {
+  path.material.vertexColors = true;
+  attribute(path.geometry, "color", new Float32Array(3 * count));
+}
 scene.add(path);
 function colourBy(what) {
+  if (!count) return;
   const colours = path.geometry.getAttribute("color"), { part, ends } = COLOURED[what];
   for (let i = 0; i < count; i++) ramp(part(i)).toArray(colours.array, 3 * i);
   colours.needsUpdate = true;
@@ -27,7 +43,7 @@ const tips = new THREE.Group();
 for (const tip of data.tips) {
   tips.add(line(new Float32Array([0, 0, 0, ...tip.slice(0, 3)]), "#1d2733"), framed(tip, 40));
 }
-if (!data.tips.length) tips.add(cross(40));
+if (!data.tips.length && mover >= 0) tips.add(cross(40));
 carriers[flange].add(tips);
 
 const targets = new THREE.Group();
@@ -75,6 +91,11 @@ const ball = (place, colour, size) => {
 };
 /** Of a contact both points, and the vector that leads out of it, five times as long as it is deep. */
 for (const finding of data.findings) {
+  if (finding.at) {
+    const dot = ball(finding.at, SEVERITIES[finding.severity], 9);
+    dot.renderOrder = 1;
+    marks.add(dot);
+  }
   if (!finding.mark) continue;
   const colour = SEVERITIES[finding.severity], [one, other] = finding.mark.points;
   const long = Math.min(ARROW.most, Math.max(ARROW.least, 5 * finding.mark.deep));

@@ -16,7 +16,14 @@ function choose(finding, button) {
   const mark = finding.mark;
   notice("");
   highlight(mark ? [mark.one, mark.other] : []);
-  if (!mark) { goMove(finding.move); return; }
+  if (!mark) {
+    if (finding.time !== null) go(finding.time);
+    else goMove(finding.move);
+    if (finding.line) showLine(finding.line);
+    else if (finding.beside) showBeside(finding.beside);
+    if (finding.at) approach(new THREE.Vector3(...finding.at));
+    return;
+  }
   if (mark.time !== null) go(mark.time);
   else {
     play(false);
@@ -48,14 +55,15 @@ for (const finding of data.findings) {
   button.append(made("strong", `${finding.code} `), finding.message);
   if (finding.cure) button.append(made("div", finding.cure, "where"));
   if (finding.where) button.append(made("div", finding.where, "where"));
-  button.disabled = !finding.mark && finding.move === null;
+  button.disabled = !finding.mark && !finding.at && finding.move === null && !finding.line && !finding.beside;
   button.addEventListener("click", () => choose(finding, button));
   findingButtons.push(button);
   item.append(button);
   find("finding-list").append(item);
-  if (finding.mark && finding.mark.time !== null && seconds > 0) {
+  const time = finding.mark ? finding.mark.time : finding.time;
+  if (time !== null && seconds > 0) {
     const tick = made("i");
-    tick.style.left = `${(100 * finding.mark.time) / seconds}%`;
+    tick.style.left = `${(100 * time) / seconds}%`;
     tick.style.background = SEVERITIES[finding.severity];
     find("marks").append(tick);
   }
@@ -68,7 +76,9 @@ data.moves.forEach((move, i) => {
   button.append(made("div", move.text || move.label, "text"));
   const when = move.time === null ? "not on the way that is played" : `${move.time.toFixed(2)} s`;
   const place = [move.path, move.line].filter((part) => part !== null).join(":");
-  button.append(made("div", [`${move.procedure} move ${move.number}`, place, when].filter(Boolean).join(" · "), "where"));
+  const speed = move.length && move.seconds ? `, ${Math.round(move.length / move.seconds)} mm/s on average` : "";
+  const far = typeof move.length === "number" ? `${move.length.toFixed(1)} mm in ${move.seconds.toFixed(2)} s${speed}` : "";
+  button.append(made("div", [`${move.procedure} move ${move.number}`, place, data.still ? "" : when, far].filter(Boolean).join(" · "), "where"));
   button.disabled = move.time === null && !move.global;
   button.addEventListener("click", () => goMove(i));
   moveButtons.push(button);
@@ -91,10 +101,10 @@ function toggle(text, colour, set, id) {
   find("shown").append(item);
 }
 const rest = (what, left) => (left ? `${what} (${left} more are not shown)` : what);
-toggle(data.motion.held ? "path of the tool" : "path of the flange", null, (on) => { path.visible = on; });
+toggle(data.still ? "path: straight and arcs red, joint moves blue" : data.motion.held ? "path of the tool" : "path of the flange", null, (on) => { path.visible = on; });
 toggle(rest("targets", data.left.targets), null, (on) => { targets.visible = on; });
 toggle("names", null, () => {}, "with-names");
-if (data.zones) toggle(rest("zones", data.left.zones), "#7a4fb5", (on) => { zones.visible = on; });
+if (data.zones && !data.still) toggle(rest("zones", data.left.zones), "#7a4fb5", (on) => { zones.visible = on; });
 if (data.drawn.length) toggle(rest("lines of the drawing", data.left.drawn), "#14202e", (on) => { drawn.visible = on; });
-if (marks.children.length) toggle("contacts", null, (on) => { marks.visible = on; });
+if (marks.children.length) toggle("places of findings", null, (on) => { marks.visible = on; });
 for (const body of bodies) toggle(body.name, body.colour, (on) => want(body, on));

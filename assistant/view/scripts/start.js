@@ -1,6 +1,19 @@
 // Beginning: what the page is given, and keys.
 document.querySelector("h1").textContent = data.title;
 find("robot").textContent = data.robot;
+for (const note of data.notes) find("notes").append(made("li", note, "where"));
+(whole.chosen ?? []).forEach((title, i) => {
+  const choice = made("option", title);
+  choice.value = String(i);
+  choice.selected = i === (other ? chosen : 0);
+  find("program").append(choice);
+  find("program").hidden = false;
+});
+find("program").addEventListener("change", (event) => {
+  location.hash = event.target.value;
+  location.reload();
+});
+document.body.classList.toggle("still", data.still !== null);
 if (data.motion.whole > seconds + 1) {
   find("robot").textContent += ` · the first ${Math.round(seconds)} of ${Math.round(data.motion.whole)} s are played`;
 }
@@ -24,6 +37,8 @@ colourBy("speed");
 setTime(0);
 scene.updateMatrixWorld(true);
 look();
+if (renderer) beginPlan();
+if (renderer && data.plan) { fitted(); flat(true); } else flat(false);
 if (live.line) scene.add(live.line); // it is nowhere at first
 follow(true);
 resized();
@@ -41,6 +56,7 @@ window.view = {
     return known ? Array.from(group.matrixWorld.toArray()) : null;
   },
   line: () => lineNow,
+  flat: () => plan.on,
   following: () => live.on,
   told: () => live.count,
   pathPoints: count,

@@ -1,0 +1,210 @@
+"""What commands did with each program, as sheets of a page."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from assistant.cli.compiling import STANDARD
+from assistant.cli.pages import Asked, Sheet, stem_of, write_page
+from assistant.program.diagnostics import Diagnostic, Refused, fold, warning
+
+if TYPE_CHECKING:
+    from assistant.cell.scene import Scene
+    from assistant.cli.compiling import DrawPage
+    from assistant.cli.simulating import Options
+    from assistant.compiler import Compiled
+    from assistant.compiler.checking import Looked
+    from assistant.compiler.scenes import InCell
+    from assistant.compiler.solving import Solved
+    from assistant.report.drawn import Line
+    from assistant.report.translation import Translated
+    from assistant.robots import Robot
+    from assistant.sources.placements import Placing
+
+UNLIKE: Final = warning(
+    "CL062",
+    "the page shows what was compiled, and the files on disk are others: edits are kept in them",
+    "look at the files themselves as well",
+)
+
+
+def compiled_sheet(
+    source: str,
+    compiled: Compiled,
+    scene: Scene | None,
+    robot: Robot | None,
+    drawn: Sequence[Line] = (),
+) -> Sheet:
+    """A compiled program as it is written; one that is not written as it was to be said."""
+    from assistant.compiler.source_map import Places
+    from assistant.findings.project_severities import settle
+
+    lifted = compiled.proof.lifted
+    found = fold(settle([finding.within(source) for finding in compiled.found]).left)
+    arm = robot or _arm(compiled.program.robot, scene)
+    sheet = Sheet(
+        f"{named(source)} in {compiled.language}" + ("" if arm is None else f" for {arm.name}"),
+        found,
+        compiled.program,
+        compiled.places,
+        arm,
+        scene,
+        drawn,
+        tuple(compiled.proof_lines()) if compiled.ok else ("nothing was written",),
+        told=compiled.source,
+    )
+    if not compiled.ok or lifted is None:
+        return sheet
+    return replace(sheet, program=lifted, places=Places(lifted), spans=compiled.places)
+
+
+def translated_sheet(one: Translated, scene: Scene | None, robot: Robot | None) -> Sheet:
+    """A translated program beside what it was made of."""
+    from assistant.report.translation import share, totals
+    from assistant.view.beside import beside
+
+    translation = one.translation
+    sheet = compiled_sheet(one.source, translation.written, scene, robot)
+    said = f"{share(translation):.1f} % said: {totals(translation)}"
+    draft = ("the files are a draft: not all of it is said",) if translation.draft else ()
+    found = [*translation.whole, *(f for row in translation.rows for f in row.reasons)]
+    placed = map(translation.compiled.places.finding, found)
+    return replace(
+        sheet,
+        found=tuple(dict.fromkeys(placed)),
+        notes=(said, *draft, *sheet.notes),
+        beside=beside(translation),
+    )
+
+
+def looked_sheet(one: Looked, found: Sequence[Diagnostic], drawn: Sequence[Line] = ()) -> Sheet:
+    """A program that was checked."""
+    first, *others = map(named, one.files)
+    return Sheet(
+        first if not others else f"{first} and {len(others)} more",
+        found,
+        one.program,
+        one.places,
+        one.arm,
+        one.scene,
+        drawn,
+        solution=one.solution,
+    )
+
+
+def solved_sheet(
+    source: str, ready: Solved, options: Options, found: Sequence[Diagnostic] = ()
+) -> Sheet:
+    """A program that an arm goes through. found: besides what was found while it was read."""
+    return Sheet(
+        named(source),
+        (*ready.findings, *found),
+        ready.solution.program,
+        ready.places,
+        ready.solution.robot,
+        ready.scene,
+        lines_of_drawing(source, options.process, options.unit, options.placement),
+        solution=ready.solution,
+        acceleration=options.acceleration,
+    )
+
+
+def compiled_page(
+    asked: Asked, process: Path | None, unit: str | None, placement: Placing | None = None
+) -> DrawPage | None:
+    """Writes the page of a compilation, if one is asked for; see `run_compile`.
+
+    Raises Refused (exit status 2) for a report that is no page.
+    """
+    asked.only_page()
+
+    def write(
+        stands: InCell,
+        done: Sequence[tuple[str, Compiled]],
+        findings: list[Diagnostic],
+        unlike: Sequence[str],
+    ) -> Sequence[Path]:
+        sheets = []
+        for source, compiled in done:
+            drawn = lines_of_drawing(source, process, unit, placement)
+            sheet = compiled_sheet(source, compiled, stands.scene, stands.robot, drawn)
+            if source in unlike:
+                findings.append(UNLIKE(path=source))
+                sheet = replace(sheet, found=(UNLIKE(path=source), *sheet.found))
+            sheets.append(sheet)
+        sources = [source for source, _ in done]
+        known = {*sources, *(f.path for _, compiled in done for f in compiled.found)}
+        sheets += refused_sheets(f for f in findings if f.path not in known)
+        written, told = write_page(asked, sheets, sources, stem_of(*sources[:1] or ["program"]))
+        findings += told
+        return written
+
+    return write if asked else None
+
+
+def simulated_page(
+    asked: Asked,
+) -> Callable[[str, Options, Solved, list[Diagnostic]], Sequence[Path]] | None:
+    """Writes the page of a simulation, if one is asked for; see `run_simulate`.
+
+    Raises Refused (exit status 2) for a report that is no page.
+    """
+    asked.only_page()
+
+    def write(
+        source: str, options: Options, ready: Solved, findings: list[Diagnostic]
+    ) -> Sequence[Path]:
+        from assistant import checks
+
+        found = checks.with_robot(ready.solution)
+        sheet = solved_sheet(source, ready, options, found)
+        read = [source, *map(str, filter(None, (options.cell, options.process)))]
+        written, told = write_page(asked, [sheet], read, stem_of(source))
+        findings += told
+        return written
+
+    return write if asked else None
+
+
+def _arm(name: str | None, scene: Scene | None) -> Robot | None:
+    """The robot that a program names, as the cell has it if it does; None for an unknown one."""
+    from assistant.compiler.arms import known_robot
+
+    for placed in () if scene is None else scene.robots:
+        if placed.robot.name == name:
+            return placed.robot
+    try:
+        return known_robot(name)
+    except Refused:
+        return None
+
+
+def refused_sheets(findings: Iterable[Diagnostic]) -> list[Sheet]:
+    """What could not be read at all, a file each, with why."""
+    by_file: dict[str, list[Diagnostic]] = {}
+    for finding in findings:
+        by_file.setdefault(finding.path or "findings", []).append(finding)
+    return [
+        Sheet(named(path), found, notes=("nothing could be done with it",))
+        for path, found in by_file.items()
+    ]
+
+
+def lines_of_drawing(
+    source: str, process: Path | None, unit: str | None, placement: Placing | None = None
+) -> Sequence[Line]:
+    """The lines of a drawing; none of another source, nor of one that cannot be read."""
+    from assistant.report.drawn import drawn_lines
+
+    try:
+        return () if source == STANDARD else drawn_lines(source, process, unit, placement)
+    except Refused:
+        return ()
+
+
+def named(source: str) -> str:
+    """What a source is called on a page."""
+    return "standard input" if source == STANDARD else Path(source).name

@@ -1,0 +1,217 @@
+"""A translated program beside what it was made of, line by line."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import accumulate, pairwise
+from typing import Final
+
+import numpy as np
+
+from assistant.compiler.source_map import Place, Places
+from assistant.compiler.translating import LEVELS, Translation
+from assistant.program.lines import lines_of
+from assistant.program.text import SourceText
+from assistant.program.visible import visible
+from assistant.report.names import renamed
+from assistant.view.motion import Record, column
+from assistant.view.moves import text_records
+
+NO_LEVEL: Final = len(LEVELS)
+"""Of a line that is no statement."""
+MOST_REASONS: Final = 2_000
+
+Row = tuple[int, int, int]
+"""A line of the source, one that it became, and a level; 0 where there is no line."""
+
+
+@dataclass(frozen=True, slots=True)
+class Beside:
+    """texts: of the source. rows: each line of them once or more often, and each line that was
+    written at least once, in order of the source. Lines are counted through all texts from 1; a
+    line stands beside one that it became. reasons: why a line is not said as it stands.
+    """
+
+    texts: Sequence[SourceText]
+    rows: Sequence[Row]
+    reasons: Mapping[int, str] = field(default_factory=dict)
+
+    def record(self) -> Record:
+        texts, left = text_records(self.texts)
+        rows = np.array(self.rows, dtype=np.int64).reshape(-1, 3)
+        reasons = dict(list(self.reasons.items())[:MOST_REASONS])
+        return {"texts": texts, "left": left, "rows": column(rows), "reasons": reasons}
+
+
+def beside(translation: Translation) -> Beside:
+    """The lines of a translation, with what was written, if anything was."""
+    compiled, lifted = translation.compiled, translation.proof.lifted
+    source = _Counted(compiled.places.texts)
+    written = _Counted(Places(lifted).texts if translation.files and lifted is not None else ())
+    levels: dict[int, int] = {}
+    reasons: dict[int, str] = {}
+    links = list[tuple[list[int], list[int]]]()
+    spans: dict[tuple[int, ...], list[int]] = {}
+    for row in translation.rows:
+        first = source.line(row.place)
+        if first == 0:
+            continue
+        count = len(lines_of(row.place.text.rstrip())) if row.count > 1 else 1
+        for line in range(first, first + max(1, count)):
+            levels[line] = max(levels.get(line, 0), LEVELS.index(row.level))
+        why = [
+            visible(f"{f.code} {f.message}" + (f"; {f.cure}" if f.cure else ""))
+            for f in row.reasons
+        ]
+        if why:
+            reasons[first] = "\n".join(why)
+        went = tuple(written.lines(row.went))
+        if went:
+            spans.setdefault(went, []).extend(range(first, first + max(1, count)))
+    links += [(sources, list(went)) for went, sources in spans.items()]
+    links += _declared(translation, source, written)
+    rows = _rows(source.count, written.count, links, levels)
+    said = [one for one in rows if one[0] not in source.ends or one[1] not in written.ends]
+    return Beside(source.texts, said, reasons)
+
+
+class _Counted:
+    """Texts whose lines are counted through all of them, from 1."""
+
+    def __init__(self, texts: Sequence[SourceText]) -> None:
+        self.texts = texts
+        counts = [text.line_count for text in texts]
+        self._firsts = [0, *accumulate(counts)]
+        self.count = self._firsts[-1]
+        # What stands behind the end of the last line is none that people see; 0 is no line either.
+        self.ends = {0} | {
+            before + text.line_count
+            for text, before in zip(texts, self._firsts, strict=False)
+            if not text.line_text(text.line_count)
+        }
+        self._of = {
+            text.path: first
+            for text, first in reversed(list(zip(texts, self._firsts, strict=False)))
+        }
+
+    def line(self, place: Place) -> int:
+        """Where a place begins; 0 in another text."""
+        before = self._of.get(place.path)
+        return 0 if before is None else before + place.line
+
+    def lines(self, places: Iterable[Place]) -> Iterator[int]:
+        """All lines of places, each once."""
+        seen = set[int]()
+        for place in places:
+            first = self.line(place)
+            for line in range(first, first + max(1, len(lines_of(place.text.rstrip())))):
+                if first and line not in seen:
+                    seen.add(line)
+                    yield line
+
+
+def _declared(
+    translation: Translation, source: _Counted, written: _Counted
+) -> Iterator[tuple[list[int], list[int]]]:
+    """The lines that declare something in both, by its old and its new name."""
+    lifted = translation.proof.lifted
+    if lifted is None or not written.count:
+        return
+    made = _declaring(Places(lifted))
+    own = _declaring(translation.compiled.places)
+    for old, new, place in renamed(translation):
+        if old.owner or not new:
+            continue
+        lines = own(old.name) or ([] if place is None else [source.line(place)])
+        found = made(new)
+        if len(lines) == len(found) == 1 and lines[0] and found[0]:
+            yield lines, found
+
+
+def _declaring(places: Places) -> Callable[[str], list[int]]:
+    """Tells the lines that declare what has a name, in no procedure.
+
+    Many like declarations may be one part without a name: of these a line is told that gives a
+    value to the name before any other.
+    """
+    known: dict[str, list[int]] = {}
+    for part in places.parts():
+        if part.owner:
+            continue
+        first, last = places.lines(part.span)
+        if part.name:
+            known.setdefault(part.name.lower(), []).append(first)
+        elif last > first > 0 and (place := places.of(part.span)) is not None:
+            for number, line in enumerate(lines_of(place.text)):
+                for word in _VALUE.findall(line)[:1]:
+                    known.setdefault(word.lower(), []).append(first + number)
+    return lambda name: known.get(name.lower(), [])
+
+
+_VALUE: Final = re.compile(r"(\w+)\s*:?=")
+
+
+def _rows(
+    sources: int,
+    written: int,
+    links: Iterable[tuple[Sequence[int], Sequence[int]]],
+    levels: Mapping[int, int],
+) -> list[Row]:
+    """In order of the source; what was written for no line of it stands before the next line that
+    was, or at the end.
+
+    Where as many lines came of several as these are, each stands beside its own; else what came of
+    them stands beside and below the first.
+    """
+    became: dict[int, list[int]] = {}
+    for mine, its in links:
+        pairs = (
+            zip(mine, its, strict=True) if len(mine) == len(its) else ((mine[0], t) for t in its)
+        )
+        for line, there in pairs:
+            if there not in became.setdefault(line, []):
+                became[line].append(there)
+    sources_of: dict[int, int] = {}
+    for line, lines in sorted(became.items()):
+        for one in lines:
+            sources_of.setdefault(one, line)
+    before, after, first, last = _alone(sources_of, written)
+    rows = [(0, one, NO_LEVEL) for one in first]
+    for line in range(1, sources + 1):
+        level = levels.get(line, NO_LEVEL)
+        goals = became.get(line, [])
+        if not goals:
+            rows.append((line, 0, level))
+        for number, goal in enumerate(goals):
+            once = sources_of[goal] == line
+            rows += [(0, extra, NO_LEVEL) for extra in before.get(goal, ()) if once]
+            rows.append((0 if number else line, goal, level))
+            rows += [(0, extra, NO_LEVEL) for extra in after.get(goal, ()) if once]
+    return rows + [(0, goal, NO_LEVEL) for goal in last]
+
+
+def _alone(
+    sources_of: Mapping[int, int], written: int
+) -> tuple[dict[int, list[int]], dict[int, list[int]], list[int], list[int]]:
+    """Lines that were written for no line of the source: by the line that they stand before, by
+    that which they stand behind, those at the begin, and all of them where no line has a source.
+
+    They stand before the next line that has one, or behind the last one where that goes back in the
+    source.
+    """
+    before: dict[int, list[int]] = {}
+    after: dict[int, list[int]] = {}
+    known = sorted(sources_of)
+    if not known:
+        return before, after, [], list(range(1, written + 1))
+    for last, one in pairwise(known):
+        between = list(range(last + 1, one))
+        if between and sources_of[one] >= sources_of[last]:
+            before[one] = between
+        elif between:
+            after[last] = between
+    if known[-1] < written:
+        after[known[-1]] = list(range(known[-1] + 1, written + 1))
+    return before, after, list(range(1, known[0])), []
