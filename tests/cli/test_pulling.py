@@ -198,3 +198,45 @@ def test_what_cannot_come_home_is_said_and_nothing_is_written(capsys, repository
     two = ("gone.mod", "plate.mod", "--source", source)
     status, _, err = run(capsys, "deploy", *two, *to, "--pull")
     assert status == 2 and "CL271" in err
+
+
+def test_a_touched_up_start_of_a_drawing_outlives_the_next_drawing(capsys, repository, rws):
+    """From the pendant into what was built, and on as the source changes."""
+    for name in ("plate.dxf", "plate.process.toml"):
+        shutil.copy(SAMPLES / name, repository / name)
+    (repository / "assistant.toml").write_text(
+        f'[controllers.cell1]\naddress = "{rws.rws_address}"\nrobot = "irb1200-7-0.7"\n'
+        '[programs.plate]\nsource = "plate.dxf"\n'
+        '[targets.cell1]\nprograms = ["plate"]\nload = true\n'
+    )
+    (repository / ".gitignore").write_text("build/\n.robot-assistant/\n")
+    assert run(capsys, "build")[0] == 0
+    commit(repository)
+    assert run(capsys, "deploy")[0] == 0
+    external = "[9E9,9E9,9E9,9E9,9E9,9E9]"
+    rws.teach("plate", "glue_1_start", f"[[250.4,-45.2,259.5],[0,1,0,0],[-1,0,1,0],{external}]")
+    assert run(capsys, "deploy")[0] == 1
+    status, out, err = run(capsys, "deploy", "--pull")
+    assert status == 0 and "DP330" in err, out + err
+    built = repository / "build" / "cell1" / "plate.mod"
+    assert "glue_1_start:=[[250.4,-45.2,259.5]" in built.read_text()
+    assert run(capsys, "deploy")[0] == 1  # it is not what was built
+    process = repository / "plate.process.toml"
+    process.write_text(process.read_text().replace("speed = 20", "speed = 30"))
+    status, out, err = run(capsys, "build", "--format", "json")
+    (program,) = json.loads(out)["programs"]
+    assert status == 0 and program["state"] == "built"
+    assert "250.4" in program["edits"]["build/cell1/plate.mod"]
+    text = built.read_text()
+    assert "glue_1_start:=[[250.4,-45.2,259.5]" in text and ",v30," in text
+    assert run(capsys, "build")[1] == "cell1: plate unchanged\n"
+    status, out, err = run(capsys, "deploy")
+    assert status == 0, out + err
+    assert run(capsys, "verify")[0] == 0
+    process.write_text(process.read_text().replace("tip = [0, 0, 60]", "tip = [0, 0, 61]"))
+    built.write_text(text.replace("[TRUE,[[0,0,60]", "[TRUE,[[0,0,62]"))
+    status, out, err = run(capsys, "build")
+    assert status == 1 and "CO332" in err and "[[0,0,62]" in built.read_text()
+    assert run(capsys, "build", "--drop-edit", "none")[0] == 2
+    assert run(capsys, "build", "--drop-edit", "gripper")[0] == 0
+    assert "[TRUE,[[0,0,61]" in built.read_text() and "250.4" in built.read_text()

@@ -12,6 +12,7 @@ a WaitTime goes on.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -202,6 +203,10 @@ class Programs:
                     new = f"{said[: stated.start]}{value}{said[stated.end :]}"
                     self.load(read_module(one.file, new.encode()), replace=True)
                     return
+        if row := re.search(rf"(?im)^[ \t]*CONST[ \t]+\w+[ \t]+{re.escape(name)}:=([^;]*);", said):
+            new = f"{said[: row.start(1)]}{value}{said[row.end(1) :]}"  # of a table of like rows
+            self.load(read_module(one.file, new.encode()), replace=True)
+            return
         raise NotPossible(f"there is no data {name} in {module}")
 
     # -------------------------------------------------------------------------- the task
