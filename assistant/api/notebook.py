@@ -18,6 +18,7 @@ from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Diagnostic, Refused, Severity
 from assistant.program.expressions import JointValue, Name
 from assistant.program.geometry import Tool
+from assistant.program.lines import lines_of
 from assistant.program.path import Kind
 from assistant.program.program import Program
 from assistant.program.statements import MoveJoints
@@ -100,7 +101,7 @@ def _page(told: Iterable[str], parts: Iterable[str], files: Iterable[tuple[str, 
 
 
 def _file(name: str, data: bytes) -> str:
-    lines = data.decode("utf-8", "replace").splitlines()
+    lines = lines_of(data.decode("utf-8", "replace"))
     shown = "\n".join(_text(line.expandtabs(4)) for line in lines[:MOST_LINES])
     more = len(lines) - MOST_LINES
     rest = f"\n… {more} more lines" if more > 0 else ""

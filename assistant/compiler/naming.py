@@ -33,7 +33,9 @@ OTHER_NAME = error(
     "choose a name that it can have, such as `{short}`",
 )
 NEAR_NAME = warning(
-    "CO323", "in {language} the program is called `{short}`: others call it by that", ""
+    "CO323",
+    "in {language} the program is called `{short}`: others call it by that",
+    "have it called so, or choose a name that it can have",
 )
 NOT_MERE_CALLS = error(
     "CO324",

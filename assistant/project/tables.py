@@ -80,7 +80,7 @@ PROGRAM: Final[Mapping[str, Key]] = {
     "source": _text("Drawing, table, pseudo-program or robot program, from the project's folder."),
     "also": Key(
         values.texts,
-        {"type": "array", "items": TEXT, "minItems": 1},
+        {"type": "array", "items": TEXT},
         "Drawings and tables that are in the same program, each with a routine of its own.",
     ),
     "language": _choice(SPOKEN, "To write; default what the target's controller takes."),
