@@ -222,7 +222,7 @@ def _procedure(
     targets: dict[str, Target] = {}
     body: list[Statement] = [Comment(_plain(f"{layer.process}: layer {name}"))]
     widest = WIDEST_TURN if layer.tangential else WIDEST
-    deviation, fitted, count = 0.0, 0, 0
+    deviation, fitted, count = 0.0, sum(one.fitted for one in kept), 0
     wound: float | None = None
     top = highest(drawn, placed) if layer.above.height is not None else 0.0
     corners = 0
@@ -236,7 +236,7 @@ def _procedure(
         contour = way.contour
         rows = moves(contour, process.tolerance, widest=widest)
         if one.fitted:
-            rows = replace(rows, deviation=one.deviation, fitted=one.fitted)
+            rows = replace(rows, deviation=one.deviation)
         handle = next((c.handle for c in contour.curves if c.handle), "")
         place = f"entity {handle}" if handle else None
         if not rows.within:

@@ -358,6 +358,9 @@ def test_ellipses_are_offset_as_arcs_and_lines():
     for point in way:
         assert np.linalg.norm(drawn - point, axis=1).min() == pytest.approx(3.0, abs=0.05)
     assert len(way) < 80
+    twice = program([curve], "offset = 3\nallowances = [0.5, 0]")[2]
+    (fitted,) = (f.message for f in twice if f.code == "CT205")
+    assert fitted.startswith("1 ellipses")
 
 
 @pytest.mark.parametrize(
