@@ -144,3 +144,11 @@ def test_a_refusal_is_told_in_these_forms_too(programs, capsys):
     assert status == 2 and [one["check_name"] for one in json.loads(out)] == ["FN104"]
     status, out, _ = run(capsys, "check", "odd", "--format", "junit")
     assert status == 2 and read(out.encode()).get("failures") == "1"
+
+
+def test_a_command_that_finds_nothing_has_a_test_that_passed(programs, capsys):
+    table = write(programs / "taught.toml", (SAMPLES / "taught.toml").read_text("utf-8"))
+    status, out, _ = run(capsys, "compile", table, "-l", "rapid", "-o", "out", "--format", "junit")
+    root = read(out.encode())
+    assert (status, root.get("failures")) == (0, "0") and int(root.get("tests")) >= 1
+    assert list(programs.joinpath("out").glob("*.mod"))
