@@ -21,18 +21,10 @@ from assistant.compiler.opening import load
 from assistant.compiler.proof import Proof
 from assistant.compiler.scenes import in_cell
 from assistant.compiler.source_map import Place, Places, Trace
-from assistant.compiler.unsaid import unsaid
+from assistant.compiler.unsaid import lose
 from assistant.lazy import pictured
 from assistant.program import statements as p
-from assistant.program.diagnostics import (
-    Diagnostic,
-    Refused,
-    Severity,
-    Span,
-    error,
-    fold,
-    has_errors,
-)
+from assistant.program.diagnostics import Diagnostic, Refused, Severity, Span, error, fold
 from assistant.program.lines import lines_of
 from assistant.program.program import Program, bodies, walk
 from assistant.program.subjects import Declared, PathRow, Subject, Table
@@ -263,10 +255,7 @@ def _report(
         if about is not None and finding.message not in [f.message for f in about.found]:
             about.found.append(finding)
     _hand_on(parts)
-    wrong: set[Span | None] = {key for key, part in parts.items() if has_errors(part.found)}
-    for span, finding in unsaid(compiled.source, wrong):
-        if span in parts and not has_errors(parts[span].found):
-            parts[span].found.append(finding)
+    lose(compiled.source, {span: part.found for span, part in parts.items()})
     shown = [part for part in parts.values() if part.found or not part.silent]
     shown.sort(key=lambda part: (part.span.start, -part.span.end))
     trace = Trace(written.program, written.proof.lifted)

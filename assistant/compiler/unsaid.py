@@ -6,35 +6,73 @@ not said, or not in full.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Set
+from collections.abc import Iterator, Mapping, Set
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import along_calls
-from assistant.program.diagnostics import Diagnostic, Span, error, warning
+from assistant.program.diagnostics import (
+    Diagnostic,
+    Severity,
+    Span,
+    error,
+    has_errors,
+    warning,
+)
 from assistant.program.program import Program, bodies, walk
 from assistant.program.rewriting import head, records
 
-STANDS_IN = error("CO013", "it stands in something that is not said", "see to that first")
 NOT_IN_FULL = warning(
-    "CO014",
+    "CO013",
     "`{name}` is called, and not all that it does is said",
     "see to its statements; the call itself is said",
 )
 CALLS_NOTHING = error(
-    "CO015", "`{name}` is called, which is not said", "see to that procedure first"
+    "CO014", "`{name}` is called, which is not said", "see to that procedure first"
 )
 
 
-def unsaid(program: Program, wrong: Set[Span | None]) -> Iterator[tuple[Span, Diagnostic]]:
-    """Statements of a program that cross less than they seem to, and why.
+def lose(program: Program, found: Mapping[Span, list[Diagnostic]]) -> None:
+    """Adds to what is found about the parts of a program, by their spans, what they lose by others.
+
+    What stands in what is not said is not said for the same reasons; calls of it are told of.
+    """
+    wrong: set[Span | None] = {span for span, told in found.items() if has_errors(told)}
+    if not wrong:
+        return
+    for span, holder in _inside(program, wrong).items():
+        if span in found and span not in wrong:
+            found[span].extend(f for f in found[holder] if f.severity is Severity.ERROR)
+            wrong.add(span)
+    for span, finding in _calls(program, wrong):
+        if span in found:
+            found[span].append(finding)
+
+
+def _inside(program: Program, wrong: Set[Span | None]) -> dict[Span, Span]:
+    """What stands in procedures and statements that are not said, each with the one it stands in.
 
     wrong: the spans of what is not said.
     """
-    if not wrong:
-        return
-    inside = _inside(program, wrong)
-    yield from ((span, STANDS_IN(span=span)) for span in inside if span not in wrong)
+    found: dict[Span, Span] = {}
+    for procedure in program.procedures:
+        whole = procedure.span if procedure.span in wrong else None
+        for statement in walk(procedure.body):
+            span = statement.span
+            if span is not None and whole is not None:
+                found.setdefault(span, whole)
+            elif span is not None and span in wrong:
+                for inner in (one for body in bodies(statement) for one in walk(body)):
+                    if inner.span is not None:
+                        found.setdefault(inner.span, span)
+    return found
+
+
+def _calls(program: Program, wrong: Set[Span | None]) -> Iterator[tuple[Span, Diagnostic]]:
+    """Calls of what is not said, or not in full: spans of their statements, and what is found.
+
+    wrong: the spans of what is not said, and of what stands in it.
+    """
     named = {q.name.lower(): q for q in program.procedures}
     gone = {key for key, q in named.items() if q.span in wrong}
     lacking = {
@@ -45,26 +83,12 @@ def unsaid(program: Program, wrong: Set[Span | None]) -> Iterator[tuple[Span, Di
     for procedure in program.procedures:
         for statement in walk(procedure.body):
             span = statement.span
-            if span is None or span in wrong or span in inside:
+            if span is None or span in wrong:
                 continue
             for name in dict.fromkeys(_called(statement)):
                 if lacks.get(name):
                     rule = CALLS_NOTHING if name in gone else NOT_IN_FULL
                     yield span, rule(span=span, name=named[name].name)
-
-
-def _inside(program: Program, wrong: Set[Span | None]) -> dict[Span, None]:
-    """What stands in statements and procedures that are not said."""
-    found: dict[Span, None] = {}
-    for procedure in program.procedures:
-        whole = procedure.span in wrong
-        for statement in walk(procedure.body):
-            if whole and statement.span is not None:
-                found[statement.span] = None
-            elif statement.span in wrong:
-                inner = (one for body in bodies(statement) for one in walk(body))
-                found |= {one.span: None for one in inner if one.span is not None}
-    return found
 
 
 def _called(statement: p.Statement) -> Iterator[str]:

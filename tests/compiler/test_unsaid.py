@@ -49,10 +49,10 @@ def levels(folder: Path, main: str, inner: str) -> dict[str, tuple[str, set[str]
 def test_a_call_of_what_is_not_said_in_full_says_so(tmp_path: Path, call: str) -> None:
     rows = levels(tmp_path, f"{call};", UNKNOWN)
     assert rows["IPathPos"][0] == "not"
-    assert rows[call] == ("partial", {"CO014"})
+    assert rows[call] == ("partial", {"CO013"})
     assert rows["WaitTime 1"] == ("supported", set())
     rows = levels(tmp_path, f"{call};", "WaitTime 9;")
-    assert "CO014" not in rows[call][1] and rows[call][0] != "not"
+    assert "CO013" not in rows[call][1] and rows[call][0] != "not"
 
 
 def test_a_call_of_what_is_whole_is_said(tmp_path: Path) -> None:
@@ -62,12 +62,12 @@ def test_a_call_of_what_is_whole_is_said(tmp_path: Path) -> None:
 def test_what_is_not_said_at_all_is_not_called_either(tmp_path: Path) -> None:
     rows = levels(tmp_path, "Again 3;", "WaitTime 9;")
     assert rows["PROC Again(num k)"][0] == "not"
-    assert rows["Again 3"] == ("not", {"CO015"})
-    assert rows["WaitTime 3"] == ("not", {"CO013"})
+    assert rows["Again 3"] == ("not", {"CO014"})
+    assert rows["WaitTime 3"] == ("not", {"MB224"})
     assert rows["WaitTime 2"][0] == "supported"
 
 
 def test_what_stands_in_a_block_that_is_not_said_is_not_said(tmp_path: Path) -> None:
     rows = levels(tmp_path, "IF OddFunction() THEN\n WaitTime 5;\n Whole;\n ENDIF", "WaitTime 9;")
     assert rows["IF OddFunction() THEN"][0] == "not"
-    assert rows["WaitTime 5"] == rows["Whole"] == ("not", {"CO013"})
+    assert rows["WaitTime 5"] == rows["Whole"] == ("not", {"MB209"})
