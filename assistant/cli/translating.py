@@ -93,6 +93,7 @@ def run_translate(
     statement, not only of what most have in common. opened: the report as a page is shown in the
     browser.
     """
+    from assistant.compiler.loading import language_of
     from assistant.findings.formats import finding_record
     from assistant.report.markdown import findings_markdown
     from assistant.report.names import names_csv
@@ -109,6 +110,7 @@ def run_translate(
             raise Refused(NO_FILE_NAME(name=path), exit_status=2)
     asked = Asked(report, opened)
     options.check()
+    options = replace(options, to=language_of(options.to).name)
     answers = Answers()
     tasks = _tasks(programs, options, output, answers)
     done = _all_translated(tasks, options, answers)

@@ -7,6 +7,7 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
 from assistant.program.diagnostics import Refused, error
+from assistant.program.near import meant
 from assistant.program.program import Program
 from assistant.program.wanted import SAME_ARM
 
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 UNKNOWN_ROBOT = error(
     "CO002",
     "there is no robot `{name}`",
-    "choose one of {names}, or name a robot file (TOML or URDF)",
+    "{cure}",
 )
 WHICH_ARM = error(
     "CO075",
@@ -60,10 +61,14 @@ def known_robot(name: str | None) -> Robot | None:
     """The robot that a program names, by which no file is opened; raises Refused if unknown."""
     from assistant import robots
 
+    if name is None:
+        return None
     try:
-        return None if name is None else robots.get(name)
+        return robots.get(name)
     except KeyError:
-        finding = UNKNOWN_ROBOT(name=name, names=", ".join(robots.names()))
+        known = robots.names()
+        other = f"choose one of {', '.join(known)}, or name a robot file (TOML or URDF)"
+        finding = UNKNOWN_ROBOT(name=name, cure=meant(name, known, other))
         raise Refused(finding, exit_status=2) from None
 
 

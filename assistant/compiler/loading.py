@@ -14,6 +14,7 @@ from assistant import languages, sources
 from assistant.program import pseudo
 from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors, warning
 from assistant.program.kept import with_effects
+from assistant.program.near import meant
 from assistant.program.program import Program, Signal
 from assistant.program.text import SourceText, decode, folders_of, read_bytes
 from assistant.sources.lengths import unit_stated
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from assistant.sources.surroundings import ByRobot
 
 PSEUDO_ENCODINGS: Final = ("utf-8-sig", "utf-8")
-UNKNOWN_LANGUAGE = error("CO001", "there is no language `{name}`", "choose one of {names}")
+UNKNOWN_LANGUAGE = error("CO001", "there is no language `{name}`", "{cure}")
 
 NOT_THERE: Final = warning(
     "CO041",
@@ -182,7 +183,9 @@ def language_of(name: str) -> Language[Any]:
     try:
         return languages.get(name)
     except KeyError:
-        finding = UNKNOWN_LANGUAGE(name=name, names=", ".join(languages.names()))
+        known = languages.names()
+        cure = meant(name, known, f"choose one of {', '.join(known)}")
+        finding = UNKNOWN_LANGUAGE(name=name, cure=cure)
         raise Refused(finding, exit_status=2) from None
 
 

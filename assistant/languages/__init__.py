@@ -31,11 +31,16 @@ def names() -> tuple[str, ...]:
     return tuple(ROOMS)
 
 
-@cache
 def get(name: str) -> Language[Any]:
-    """The language of that name; raises KeyError if there is none."""
-    if name not in ROOMS:
+    """The language of that name, in any case; raises KeyError if there is none."""
+    known = name if name in ROOMS else name.lower()
+    if known not in ROOMS:
         raise KeyError(f"no language {name!r}; there are {', '.join(ROOMS)}")
+    return _of_room(known)
+
+
+@cache
+def _of_room(name: str) -> Language[Any]:
     language: Language[Any] = importlib.import_module(ROOMS[name]).language(name)
     return language
 

@@ -20,6 +20,7 @@ from assistant.languages.answers import (
     Frames,
 )
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
+from assistant.program.near import near_names
 from assistant.program.text import is_file, is_folder
 from assistant.project import rules
 from assistant.project.links import check_no_links
@@ -250,10 +251,11 @@ class _Reader:
         if text.lower().endswith(ROBOT_FILES):
             file = self._file(table, key, text)
             return None if file is None else str(file)
-        if text not in robots.names():
+        known = {name.lower(): name for name in robots.names()}
+        if text.lower() not in known:
             self._unknown(table, key, "robot", text, robots.names())
             return None
-        return text
+        return known[text.lower()]
 
     # ------------------------------------------------------------------------------- targets
 
@@ -296,7 +298,7 @@ class _Reader:
             elif file and not is_file(file):
                 cure = self._near_file(FilePath(file))
                 self.top.page.say(rules.NO_FILE, (*at, key), file=shown(file), cure=cure)
-        if of_robot and not files["robot"] and of_robot not in robots.names():
+        if of_robot and not files["robot"] and not _is_arm(of_robot):
             table = Table(self.top.page, at, {})
             self._unknown(table, "robot", "robot", of_robot, robots.names())
 
@@ -327,10 +329,16 @@ class _Reader:
     def _unknown(
         self, table: Table, key: str | None, kind: str, name: str, known: Sequence[str]
     ) -> None:
-        near = nearest(name, list(known))
-        cure = f"write `{near}`" if near else f"there are: {listed(list(known))}"
+        near = near_names(name, known)
+        cure = f"there are: {listed(list(known))}"
+        if near:
+            cure = f"write {' or '.join(f'`{one}`' for one in near)}"
         said = without_password(name) if set(name) & set(":?=@#") else name
         table.say(rules.UNKNOWN, key, kind=kind, name=shown(said), cure=cure)
+
+
+def _is_arm(name: str) -> bool:
+    return name.lower() in {one.lower() for one in robots.names()}
 
 
 def inside(folder: FilePath, text: str) -> FilePath | None:

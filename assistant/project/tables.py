@@ -65,6 +65,11 @@ def _choice(words: tuple[str, ...], about: str) -> Key:
     return Key(values.choice(*words), {"enum": list(words)}, about)
 
 
+def _language(about: str) -> Key:
+    """In any case, although editors offer the names as they are."""
+    return Key(values.caseless(*SPOKEN), {"enum": list(SPOKEN)}, about)
+
+
 def _whole(least: int, most: int, about: str) -> Key:
     form = {"type": "integer", "minimum": least, "maximum": most}
     return Key(values.whole(least, most), form, about)
@@ -83,12 +88,12 @@ PROGRAM: Final[Mapping[str, Key]] = {
         {"type": "array", "items": TEXT},
         "Drawings and tables that are in the same program, each with a routine of its own.",
     ),
-    "language": _choice(SPOKEN, "To write; default what the target's controller takes."),
+    "language": _language("To write; default what the target's controller takes."),
     "robot": _text("Arm that runs it, by name or file; default that of the controller."),
     "process": _text("Process file; default NAME.process.toml beside the source."),
     "cell": _text("File of the cell that it runs in: nothing is made that touches anything there."),
     "unit": _choice(tuple(UNITS), "That a drawing is in, whatever it says itself."),
-    "from": _choice(SPOKEN, "Language of the source, if its name does not tell."),
+    "from": _language("Language of the source, if its name does not tell."),
     "from_robot": _text("Arm that a robot program was written for, by name or file."),
     "entry": _text("Procedure that the program begins with; default its main."),
     "as": Key(

@@ -108,8 +108,9 @@ STARTING: Final[dict[str, Starting]] = {"irc5": _irc5, "cr": _cr}
 
 def _arm(controller: Named) -> str | None:
     """The robot that the controller moves, None for the one that it has by itself."""
-    if controller.robot is None or controller.robot in robots.names():
-        return controller.robot
+    known = {name.lower(): name for name in robots.names()}
+    if controller.robot is None or controller.robot.lower() in known:
+        return None if controller.robot is None else known[controller.robot.lower()]
     raise _not_started(controller, f"`{controller.robot}` is no robot of the catalogue")
 
 

@@ -72,6 +72,7 @@ from assistant.cell.scene import MARGIN, Body, Named, Placed, Scene
 from assistant.cell.scene import WORLD as WORLD_FRAME
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
 from assistant.program.geometry import Frame
+from assistant.program.near import near_names
 from assistant.program.system.budgets import SETTINGS_FILE
 from assistant.program.text import SourceText, decode, read_bytes
 from assistant.sources.process import values
@@ -246,7 +247,8 @@ class _Reader:
         try:
             return robots.get(name)
         except KeyError:
-            names = ", ".join(robots.names())
+            near = near_names(name, robots.names())
+            names = ", ".join(near or robots.names())
             entry.say(NO_ROBOT, "robot", name=values.shown(name), names=names)
             raise Refused from None
 

@@ -97,6 +97,16 @@ def choice(*words: str) -> Read:
     return read
 
 
+def caseless(*words: str) -> Read:
+    """As `choice`, of words in any case; the word as it is in the list."""
+    known, exact = {word.casefold(): word for word in words}, choice(*words)
+
+    def read(value: Any) -> str:
+        return str(exact(known.get(value.casefold(), value) if isinstance(value, str) else value))
+
+    return read
+
+
 def truth(value: Any) -> bool:
     if not isinstance(value, bool):
         raise Wrong(f"is {kind_of(value)}", "write true or false, without quotes")
