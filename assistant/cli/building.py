@@ -16,22 +16,44 @@ from assistant.cli.presentation import (
     say,
 )
 from assistant.findings.fail_on import FailOn
-from assistant.program.diagnostics import Refused, fold_files
+from assistant.program.diagnostics import Refused, error, fold_files
 
 if TYPE_CHECKING:
     from assistant.compiler.keeping import Wishes
     from assistant.project import Build
 
 
-def run_init(folder: Path) -> int:
+ONE_FOLDER = error(
+    "CL051",
+    "a project has one folder, and `{name}` is another one",
+    "name one folder, and drawings that end in .dxf",
+)
+NO_DRAWING = error("CL052", "--unit is of drawings, and none is named", "name one, or leave it out")
+DRAWINGS = (".dxf",)
+
+
+def run_init(paths: Sequence[Path], unit: str | None = None) -> int:
+    from assistant.project.drafting import BLANKS
     from assistant.project.starting import start
 
-    started = start(folder)
+    drawings = [path for path in paths if path.suffix.lower() in DRAWINGS and not path.is_dir()]
+    folders = [path for path in paths if path not in drawings]
+    if len(folders) > 1:
+        raise Refused(ONE_FOLDER(name=folders[1]), exit_status=2)
+    if unit is not None and not drawings:
+        raise Refused(NO_DRAWING(), exit_status=2)
+    folder = folders[0] if folders else Path()
+    started = start(folder, drawings, unit)
     print_findings(started.findings)
     for file in started.written:
         say(f"wrote {file}")
+    for file in started.blank:
+        say(f"fill in {' and '.join(BLANKS)} in {file}")
     inside = "" if folder.resolve() == Path.cwd() else f"in {folder}: "
-    say(f"next, {inside}robot-assistant build, then robot-assistant deploy")
+    first = (
+        "check, then build and deploy" if started.blank else "build, then robot-assistant deploy"
+    )
+    say(f"next, {inside}robot-assistant {first}")
     return 0
 
 

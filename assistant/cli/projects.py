@@ -13,6 +13,7 @@ from assistant.cli.options import (
     FindingFormatOption,
     KeepEditOption,
     OverwriteOption,
+    UnitOption,
 )
 from assistant.cli.presentation import FindingFormat
 
@@ -45,12 +46,19 @@ def build(
 
 
 def init(
-    folder: Annotated[Path, typer.Argument(help="Of the project; made if it is missing.")] = Path(),
+    paths: Annotated[
+        list[Path] | None,
+        typer.Argument(
+            metavar="[FOLDER] [DRAWING]...",
+            help="Folder of the project, made if it is missing; drawings that it is to work.",
+        ),
+    ] = None,
+    unit: UnitOption = None,
 ) -> None:
-    """Start a project: a working example, and files for git, pre-commit and CI."""
+    """Start a project: an example or your drawings, and files for git, pre-commit and CI."""
     from assistant.cli.building import run_init
 
-    raise typer.Exit(run_init(folder))
+    raise typer.Exit(run_init(paths or (), unit))
 
 
 COMMANDS: Final[tuple[Callable[..., None], ...]] = (init, build)

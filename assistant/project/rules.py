@@ -79,6 +79,16 @@ ONLY_WITH_FILES: Final = error(
     "name the files, or write it into assistant.toml",
 )
 KEPT: Final = info("PR301", "`{file}` is there already and was left as it is", "{cure}")
+NOT_ADDED: Final = info(
+    "PR302",
+    "assistant.toml does not say yet that `{source}` is a program",
+    'add {table}, and "{name}" to the programs of a target',
+)
+OTHER_DRAWING: Final = error(
+    "PR303",
+    "`{file}` is in the project already, and is another drawing",
+    "rename one of them, or copy the new one over it and name that",
+)
 NOT_STARTED: Final = error(
     "PR401",
     "the virtual controller `{name}` cannot start: {reason}",

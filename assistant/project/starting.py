@@ -2,30 +2,47 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from typing import Final
 
 from assistant import __version__
-from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.diagnostics import Diagnostic, Refused, Severity
+from assistant.program.program import TakenNames, identifier
 from assistant.program.system.bounded import read_file
 from assistant.program.system.writing import write_all
+from assistant.program.text import read_bytes
 from assistant.project import rules
+from assistant.project.drafting import process_text, program_text, quoted
+from assistant.project.layout import project_of
 from assistant.project.schema import FILE, schema_text
 from assistant.resources import resource
+from assistant.sources import PROCESS_SUFFIX
+from assistant.sources.drawing.survey import survey
+from assistant.sources.lengths import known_unit
+from assistant.sources.process import NO_PROCESS
 from assistant.sources.project import read_project
 
 PROJECT: Final = "assistant.toml"
-EXAMPLE: Final[Mapping[str, str]] = {
+PLATE: Final[Mapping[str, str]] = {
     "drawings/plate.dxf": "drawings/plate.dxf",
     "drawings/plate.process.toml": "drawings/plate.process.toml",
-    PROJECT: "assistant.toml",
 }
-"""Files of the example → their templates; written where there is no project yet.
+"""Files of the example's drawing → their templates."""
+EXAMPLE: Final = (*PLATE, PROJECT)
+"""Files of the example; written where there is no project yet and no drawing is given.
 
 The project is the last: who is killed before it begins anew.
 """
+PLATE_PROGRAM: Final = """\
+[programs.plate]
+source = "drawings/plate.dxf"     # with drawings/plate.process.toml beside it
+"""
+PLATE_NAMES: Final = '["plate"]'
+"""What the example's project says of its program."""
+DRAWINGS: Final = "drawings"
+"""Folder of drawings that are copied into a project."""
 AROUND: Final[Mapping[str, str]] = {
     ".gitignore": "gitignore",
     ".pre-commit-config.yaml": "pre-commit-config.yaml",
@@ -35,28 +52,46 @@ AROUND: Final[Mapping[str, str]] = {
 """What a repository needs; each written unless it is there."""
 IGNORED: Final = "/build/ and .robot-assistant/"
 VERSION: Final = "{{ version }}"
+WIDTH: Final = 22
+"""Columns before the comment behind the names."""
+LONGEST_NAME: Final = 60
 
 
 @dataclass(frozen=True, slots=True)
 class Started:
-    """written, in their order. findings: what was there already."""
+    """written, in their order. findings: what was there already, and what drawings have. blank:
+    process files in which something has to be filled in.
+    """
 
     folder: FilePath
     written: tuple[FilePath, ...]
     findings: tuple[Diagnostic, ...] = ()
+    blank: tuple[FilePath, ...] = ()
 
 
-def start(folder: FilePath) -> Started:
+def start(folder: FilePath, drawings: Sequence[FilePath] = (), unit: str | None = None) -> Started:
     """Writes what is missing of a project into a folder; overwrites nothing.
 
-    Raises Refused (exit status 2) if a file cannot be written.
+    drawings: programs of the project, each with a process file to be filled in; without any a new
+    project has an example. One that is not in the folder is copied. unit: that they are in,
+    whatever they say. Raises Unreadable or Refused for drawings that cannot be used, Refused
+    (exit status 2) if a file cannot be written.
     """
+    drawn = [_drawn(folder, drawing, unit) for drawing in dict.fromkeys(drawings)]
     contents = {name: _text(template) for name, template in AROUND.items()}
     contents[FILE] = schema_text().encode()
-    if not _has_project(folder):
-        contents = {**{name: _text(EXAMPLE[name]) for name in EXAMPLE}, **contents}
+    found = [finding for one in drawn for finding in one.findings]
+    of_drawings = {name: data for one in drawn for name, data in one.files.items()}
+    programs = _named([one.source for one in drawn])
+    if _has_project(folder):
+        found += _to_be_added(folder, programs)
+        contents = {**of_drawings, **contents}
+    elif drawn:
+        contents = {**of_drawings, PROJECT: _project(program_text(programs), programs), **contents}
+    else:
+        example = {name: _text(template) for name, template in PLATE.items()}
+        contents = {**example, PROJECT: _text(PROJECT), **contents}
     wanted: dict[FilePath, bytes] = {}
-    found: list[Diagnostic] = []
     for name, data in contents.items():
         file = folder / name
         if file.exists() or file.is_symlink():
@@ -65,7 +100,64 @@ def start(folder: FilePath) -> Started:
             continue
         _check_folders(folder, file)
         wanted[file] = data
-    return Started(folder, write_all(wanted), tuple(found))
+    blank = tuple(file for file in wanted if file.name.endswith(PROCESS_SUFFIX) and drawn)
+    return Started(folder, write_all(wanted), tuple(found), blank)
+
+
+@dataclass(frozen=True, slots=True)
+class _Drawn:
+    """source: from the folder. files: of the project that it needs, by name."""
+
+    source: str
+    files: Mapping[str, bytes]
+    findings: tuple[Diagnostic, ...]
+
+
+def _drawn(folder: FilePath, drawing: FilePath, unit: str | None) -> _Drawn:
+    """A drawing of the project, with its process file. Raises Unreadable or Refused."""
+    chosen = NO_PROCESS if unit is None else replace(NO_PROCESS, unit=known_unit(unit))
+    found = survey(drawing, chosen, "as was stated")
+    files: dict[str, bytes] = {}
+    here = drawing.resolve()
+    if here.is_relative_to(folder.resolve()):
+        source = here.relative_to(folder.resolve()).as_posix()
+    else:
+        source = f"{DRAWINGS}/{drawing.name}"
+        data = read_bytes(drawing)
+        if (folder / source).exists() and _differs(folder / source, data):
+            raise Refused(rules.OTHER_DRAWING(path=str(drawing), file=source), exit_status=2)
+        files[source] = data
+    process = FilePath(source).with_suffix(PROCESS_SUFFIX).as_posix()
+    files[process] = process_text(drawing.name, found).encode("utf-8", "replace")
+    told = tuple(finding.within(str(drawing)) for finding in found.findings)
+    return _Drawn(source, files, tuple(f for f in told if f.severity is not Severity.INFO))
+
+
+def _named(sources: Sequence[str]) -> dict[str, str]:
+    """Names of programs → their sources."""
+    taken = TakenNames(())
+    names: dict[str, str] = {}
+    for source in sources:
+        name = identifier(FilePath(source).stem, taken)[:LONGEST_NAME]
+        taken.add(name)
+        names[name] = source
+    return names
+
+
+def _project(programs: str, names: Iterable[str]) -> bytes:
+    """The example's, with these programs instead of its own."""
+    listed = "[" + ", ".join(f'"{name}"' for name in names) + "]"
+    text = _text(PROJECT).decode().replace(PLATE_PROGRAM, programs)
+    return text.replace(f"{PLATE_NAMES:{WIDTH}}", f"{listed:{WIDTH}}").encode()
+
+
+def _to_be_added(folder: FilePath, programs: Mapping[str, str]) -> Iterator[Diagnostic]:
+    """What a project that is there has to say of the drawings. Raises Unreadable or Refused."""
+    known = {recipe.source.resolve() for recipe in project_of(folder).programs.values()}
+    for name, source in programs.items():
+        if (folder / source).resolve() not in known:
+            table = f"[programs.{name}] with source = {quoted(source)}"
+            yield rules.NOT_ADDED(name=name, source=source, table=table)
 
 
 def _has_project(folder: FilePath) -> bool:

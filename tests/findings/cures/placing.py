@@ -55,4 +55,6 @@ CASES: Final = (
         {"a.csv": ROWS},
         ("check a.csv",),
     ),
+    Case("CL052", "init --unit in", then=("init a.dxf --unit in",), files=DRAWN),
+    Case("CL052", "init --unit in", then=("init",)),
 )

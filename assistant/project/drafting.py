@@ -1,0 +1,162 @@
+"""The process file that `init` writes for a drawing: its layers, and what only people know blank.
+
+What would move a robot wrongly if it were guessed, the tip of the tool and the place of the work,
+is left empty: until somebody fills it in, every command says so and writes nothing.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Final
+
+from assistant.sources.drawing.survey import Extents, Survey, SurveyedLayer
+from assistant.sources.lengths import UNITS
+from assistant.sources.process.values import shown
+
+WIDTH: Final = 30
+"""Columns before a comment."""
+BLANKS: Final = ("`tip` of [tools.tool]", "`position` of [frames.work]")
+"""What has to be filled in before anything moves."""
+
+MOTION: Final = (
+    ("speed = 100", "mm/s, where a layer or a location says no other"),
+    ('tool = "tool"', "defined below; tool0 is the bare flange"),
+    ('frame = "work"', "defined below; base is the robot's own"),
+    ("# blend = 1", 'mm of rounding at corners, or "fine"; without it within the tolerance'),
+    ("# approach = 50", "mm in a line to locations, along the tool"),
+    ("# retract = 50", "and away from them"),
+    ('# kind = "joint"', "moves to locations; linear without it"),
+)
+TOOL: Final = (
+    ("tip = []", "mm: x, y, z of the tool centre point in the flange frame"),
+    ("euler_zyx = [0, 0, 0]", "degrees about z, y, x that the tool is turned in the flange"),
+    ("# mass = 1.2", "kg; with it also the next"),
+    ("# centre = [0, 0, 60]", "mm, of gravity"),
+    ("# free_turn = true", "a round tool, which may be turned about its axis"),
+)
+PLACEMENT: Final = (
+    ("# [placement]", "where the drawing stands in that frame, if not at its origin"),
+    ("# position = [0, 0, 0]", "mm; or three marks, as drawn and as taught, instead:"),
+    ("# euler_zyx = [0, 0, 0]", "degrees about z, y, x"),
+    ("# drawing = [[0, 0], [100, 0], [0, 50]]", ""),
+    ("# cell = [[0, 0, 0], [100, 0, 0], [0, 50, 0]]", ""),
+)
+SIGNAL: Final = (
+    ("# [signals.work_on]", "that layers switch by `on` and `off`"),
+    ('# direction = "output"', ""),
+    ("# number = 8", "for controllers that count signals"),
+)
+LAYER: Final = (
+    ("speed = 50", "mm/s along the contours"),
+    ("approach = 50", "mm above the first point, along the tool"),
+    ("retract = 50", "mm above the last one"),
+    ("travel = 200", "mm/s between contours"),
+)
+CHOICES: Final = (
+    ('# process = "gluing"', "for people"),
+    ("# blend = 1", 'mm, or "fine"'),
+    ("# on = {work_on = 1}", "outputs at the start of each contour"),
+    ("# off = {work_on = 0}", "and at its end"),
+    ("# delay = 0.2", "seconds after switching on"),
+    ("# direction = [0, 0, -1]", "where the tool points, in the drawing"),
+    ("# tangential = true", "the tool's x axis follows the contour"),
+    ("# inside_first = false", "contours inside others need not come first"),
+)
+"""Keys of a layer that are told once."""
+
+Row = tuple[str, str]
+
+
+def process_text(name: str, survey: Survey) -> str:
+    """The process file of a drawing by its name."""
+    return "\n".join(_lines(name, survey)) + "\n"
+
+
+def _lines(name: str, survey: Survey) -> Iterator[str]:
+    works = [layer for layer in survey.layers if layer.works]
+    idle = [layer for layer in survey.layers if layer.kinds and not _used(layer)]
+    yield f"# How {shown(name, 80)} is worked: lengths in mm, speeds in mm/s, times in seconds,"
+    yield "# angles in degrees, masses in kg. A line with a # before its key is a choice: take the"
+    yield "# mark away to have it. Empty brackets have to be filled in before anything moves."
+    yield ""
+    yield from _said([*_unit(survey), ("tolerance = 0.05", "for joining ends, fitting curves")])
+    yield from _said([_left_out(idle)])
+    yield ""
+    yield "[motion]"
+    yield from _said(MOTION)
+    yield ""
+    yield "[tools.tool]"
+    yield from _said(TOOL)
+    yield ""
+    yield from _said([("[frames.work]", "where the drawing's origin stands, in the robot's base")])
+    yield from _said([("position = []", f"mm; {_reaches(survey.extents)}")])
+    yield from _said([("euler_zyx = [0, 0, 0]", "degrees about z, y, x")])
+    for rows in (PLACEMENT, SIGNAL):
+        yield ""
+        yield from _said(rows)
+    for number, layer in enumerate(works):
+        yield ""
+        yield f"[layers.{quoted(layer.name)}]"
+        yield f"# {_content(layer)}"
+        yield from _said(LAYER)
+        yield from _said(CHOICES if not number else ())
+
+
+def _used(layer: SurveyedLayer) -> bool:
+    return layer.works or layer.locations > 0
+
+
+def _unit(survey: Survey) -> Iterator[Row]:
+    short = next((key for key, (name, _) in UNITS.items() if name == survey.unit), None)
+    if short is None:
+        yield f"# the drawing is in {survey.unit}", "which it says itself"
+    else:
+        size = "" if survey.extents is None else f": it is {_size(survey.extents)} mm then"
+        yield f"unit = {quoted(short)}", f"{survey.stated}{size}"
+
+
+def _left_out(idle: Sequence[SurveyedLayer]) -> Row:
+    names = ", ".join(quoted(layer.name) for layer in idle)
+    about = "nothing there can be followed" if idle else '["*"]: all that have no table here'
+    return f"leave_out = [{names}]", about
+
+
+def _content(layer: SurveyedLayer) -> str:
+    """What is on a layer, for a comment."""
+    contours = [f"{n} {what}" for n, what in ((layer.closed, "closed"), (layer.open, "open")) if n]
+    said = [f"contours: {', '.join(contours)}, {layer.length:.1f} mm in all"]
+    if layer.extents is not None:
+        said.append(f"size {_size(layer.extents)} mm")
+    if layer.colour is not None:
+        said.append(f"colour {layer.colour}")
+    if layer.state != "on":
+        said.append(f"the layer is {layer.state}")
+    return "; ".join(said)
+
+
+def _reaches(extents: Extents | None) -> str:
+    if extents is None:
+        return "nothing is drawn"
+    low, high = (", ".join(f"{x:.1f}" for x in corner) for corner in (extents.low, extents.high))
+    return f"from there it reaches from [{low}] to [{high}]"
+
+
+def _size(extents: Extents) -> str:
+    return " x ".join(f"{length:.1f}" for length in extents.size)
+
+
+def _said(rows: Sequence[Row]) -> Iterator[str]:
+    for key, about in rows:
+        yield f"{key:{WIDTH - 1}} # {about}" if about else key
+
+
+def quoted(text: str) -> str:
+    """A text as TOML has it, all of it in one line."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def program_text(sources: Mapping[str, str]) -> str:
+    """Tables of programs, by their names, of sources as paths from the project's folder."""
+    tables = [f"[programs.{name}]\nsource = {quoted(path)}\n" for name, path in sources.items()]
+    return "\n".join(tables)
