@@ -62,6 +62,16 @@ CHOICES: Final = (
     ("# direction = [0, 0, -1]", "where the tool points, in the drawing"),
     ("# tangential = true", "the tool's x axis follows the contour"),
     ("# inside_first = false", "contours inside others need not come first"),
+    ("# offset = 3", "mm to the tool's centre: its radius, or half a kerf"),
+    ('# side = "nesting"', "outlines outside, holes inside; or inside, outside, left, right"),
+    ('# way_round = "climb"', "or conventional, clockwise, anticlockwise, drawn"),
+    ('# start = "nearest"', "of closed contours; or corner, longest, point"),
+    ("# lead_in = {arc = 5, angle = 90}", "or {line = 5, angle = 60}, {tangent = 5}"),
+    ("# lead_out = {line = 5}", "on the side where the tool is"),
+    ("# overlap = 8", "mm that a closed contour goes on over its own start"),
+    ("# depth = 12", "mm of the last pass below the drawing, along the tool"),
+    ("# passes = 3", "equal steps down to it"),
+    ("# allowances = [0.5, 0]", "mm more than the offset, once around for each"),
 )
 """Keys of a layer that are told once."""
 

@@ -91,11 +91,11 @@ def test_every_key_of_a_layer_is_there_and_can_be_had_by_taking_the_mark_away(
     start(home.folder, [drawing])
     fill_in(home.folder / PROCESS)
     text = (home.folder / PROCESS).read_text("utf-8")
-    head, layer = text.split("[layers.", 1)
-    whole = re.sub(r"^# (?=\[signals|direction = \"|number)", "", head, flags=re.M)
-    whole += "[layers." + re.sub(r"^# (?=\w+ = )", "", layer, flags=re.M)
-    process = parse_process(SourceText(whole, "x.toml"))
-    assert process.layers["Default"].on == (("work_on", 1.0),)
+    text = re.sub(r"^# (?=\[signals|direction = \"|number|offset|depth)", "", text, flags=re.M)
+    for choice, _ in CHOICES:
+        assert choice in text or choice.removeprefix("# ") in text
+        taken = text.replace(choice, choice.removeprefix("# "))
+        assert parse_process(SourceText(taken, "x.toml")).findings == (), choice
     told = {row[0].removeprefix("# ").split(" = ")[0] for row in (*LAYER, *CHOICES)}
     assert told | {"tool", "frame"} == set(process_layers.LAYER)
 
