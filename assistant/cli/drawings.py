@@ -7,7 +7,7 @@ from pathlib import Path
 
 from assistant.cli.compiling import working
 from assistant.cli.presentation import Format, print_findings, print_json, say
-from assistant.program.diagnostics import Refused, Severity, error, fold, worst
+from assistant.program.diagnostics import Diagnostic, Refused, Severity, error, fold, worst
 
 NOT_DRAWN = error(
     "CL050",
@@ -24,15 +24,22 @@ def run_info(drawing: Path, process: Path | None, unit: str | None, format: Form
     from assistant.sources import process_of
     from assistant.sources.drawing.survey import survey
     from assistant.sources.lengths import known_unit
+    from assistant.sources.process import NO_PROCESS
 
     if drawing.suffix.lower() not in DRAWINGS:
         raise Refused(NOT_DRAWN(path=str(drawing), name=drawing.name), exit_status=2)
-    chosen, stated = process_of(drawing, process), "as the process file says"
+    left = list[Diagnostic]()
+    try:
+        chosen, stated = process_of(drawing, process), "as the process file says"
+    except Refused as refused:  # one that is not finished yet; the drawing is there all the same
+        if process is not None:
+            raise
+        chosen, stated, left = NO_PROCESS, "", [*refused.findings]
     if unit is not None:
         chosen, stated = replace(chosen, unit=known_unit(unit)), "as --unit says"
     with working(f"reading {drawing}"):
         found = survey(drawing, chosen, stated)
-    told = [finding.within(str(drawing)) for finding in (*chosen.findings, *found.findings)]
+    told = [finding.within(str(drawing)) for finding in (*left, *chosen.findings, *found.findings)]
     findings = settle(told).left
     if format is Format.JSON:
         from assistant.findings.formats import finding_record

@@ -21,7 +21,7 @@ BLANKS: Final = ("`tip` of [tools.tool]", "`position` of [frames.work]")
 
 MOTION: Final = (
     ("speed = 100", "mm/s, where a layer or a location says no other"),
-    ('tool = "tool"', "defined below; tool0 is the bare flange"),
+    ('tool = "tool"', "defined below"),
     ('frame = "work"', "defined below; base is the robot's own"),
     ("# blend = 1", 'mm of rounding at corners, or "fine"; without it within the tolerance'),
     ("# approach = 50", "mm in a line to locations, along the tool"),

@@ -150,3 +150,11 @@ def test_an_empty_drawing_has_no_size(run: Run, tmp_path: Path) -> None:
     status, printed, _ = run("info", str(tmp_path / "a.dxf"))
     assert status == 0
     assert "size: nothing in it can be followed or visited" in printed
+
+
+def test_a_process_file_that_is_not_finished_hides_nothing(run: Run, part: Path) -> None:
+    part.with_suffix(".process.toml").write_text("[tools.tool]\ntip = []\n")
+    status, printed, errors = run("info", str(part))
+    assert status == 1
+    assert "CT303" in errors
+    assert printed.startswith("unit: inches, as the drawing says")
