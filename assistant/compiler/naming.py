@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.compiler.cell_file import NOT_OF_PROGRAMS
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.contents import everywhere
@@ -19,6 +20,7 @@ from assistant.program.program import IDENTIFIER, Declaration, Procedure, Progra
 from assistant.program.rewriting import records, renamed, rewrite
 
 if TYPE_CHECKING:
+    from assistant.compiler.loading import Loaded
     from assistant.languages import Language
 
 NO_NAME = error("CO320", "`{name}` is no name: letters, digits and `_`, a letter first", "{cure}")
@@ -63,6 +65,12 @@ NOT_THERE = error(
     " leave out `on_controller`",
 )
 
+SEVERAL_UNITS = error(
+    "CL074",
+    "the program is written in {count} units, which could not see what is local to one of them",
+    "allow more targets of one unit with `--most-targets`, or give a `prefix` instead of `local`",
+)
+
 TABLES: Final = ("targets", "joint_targets", "variables", "tools", "frames", "speeds", "blends")
 """What a program declares by name, but for signals, which the controller has."""
 
@@ -73,6 +81,19 @@ def wished(given: Interface | None, called: str | None, main: bool | None) -> In
     if called is not None:
         stated = replace(stated, called=called)
     return stated if main is None else replace(stated, main=main)
+
+
+def without_names(loaded: Loaded, process: object) -> Loaded:
+    """A robot program that keeps its own names, whatever a process file says of them.
+
+    What the controller has is named and not written all the same.
+    """
+    stands = loaded.program.interface
+    if stands is None or replace(stands, there={}) == ALONE:
+        return loaded
+    finding = NOT_OF_PROGRAMS(keys="`program`", path=None if process is None else str(process))
+    program = replace(loaded.program, interface=Interface(there=stands.there))
+    return replace(loaded, program=program, findings=(*loaded.findings, finding))
 
 
 def named(program: Program, wishes: Interface, language: Language[Any]) -> Program:
@@ -170,6 +191,9 @@ def not_called_so(
 
     program: as the language adapted it.
     """
+    count = len({one.unit for one in program.procedures})
+    if wishes.local and not language.called_by_file and count > 1:
+        yield SEVERAL_UNITS(count=count)
     for name in language.not_there(program):
         yield NOT_THERE(name=name, language=language.title)
     name = wishes.called

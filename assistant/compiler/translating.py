@@ -17,6 +17,7 @@ from assistant.compiler.filling import UNFILLED, UNPROVEN, as_draft, with_cell
 from assistant.compiler.keeping.remembered import write_unedited
 from assistant.compiler.loading import Loaded, language_of
 from assistant.compiler.motion import MotionProof, Proving
+from assistant.compiler.naming import without_names
 from assistant.compiler.opening import load
 from assistant.compiler.proof import Proof
 from assistant.compiler.scenes import in_cell
@@ -166,6 +167,7 @@ def translate(
         raise Refused(NO_PROGRAM(name=source), exit_status=2)
     if cell is not None:
         loaded = with_cell(loaded, cell, taught=arms.written_for is not None)
+    loaded = without_names(loaded, process)
     program = entered(loaded.program, entry)
     program = as_draft(program, loaded.wanting)
     places = Places(program)

@@ -13,7 +13,7 @@ import ezdxf
 import pytest
 
 from assistant import languages
-from assistant.compiler import Compiled, compile
+from assistant.compiler import Compiled, compile, translate
 from assistant.compiler.checking import check_files
 from assistant.compiler.loading import Loaded
 from assistant.compiler.together import together
@@ -165,6 +165,22 @@ def test_a_module_by_itself_is_checked_with_what_the_controller_has(tmp_path: Pa
     assert checked(tmp_path, text) == []
     far = text.replace("[[300,0,200]", "[[3000,0,200]")
     assert "RB102" in checked(tmp_path, far)
+
+
+def test_units_of_a_long_program_see_what_it_declares(tmp_path: Path) -> None:
+    file = drawn(tmp_path, "left", 0.0, '[program]\nprefix = "left_"\n')
+    document = ezdxf.readfile(file)
+    zigzag = [(10 * n, 60 + 5 * (n % 2)) for n in range(12)]
+    document.modelspace().add_lwpolyline(zigzag, dxfattribs={"layer": "GLUE"})
+    document.save()
+    found = compile(file, language="rapid", most_targets=10)
+    assert found.ok and len(found.files) > 1
+    assert not any("LOCAL" in text for text in texts(found))
+    process = file.with_suffix(".process.toml")
+    process.write_text(process.read_text("utf-8") + "local = true\n", "utf-8")
+    refused = compile(file, language="rapid", most_targets=10)
+    assert not refused.files
+    assert [one.code for one in refused.findings if one.severity == "error"] == ["CL074"]
 
 
 def test_several_drawings_are_routines_of_one_module(tmp_path: Path) -> None:
@@ -346,3 +362,25 @@ def test_a_project_says_what_its_programs_are_called(
     assert [str(one.state) for one in build(project_of()).programs] == ["unchanged", "unchanged"]
     drawn(tmp_path, "right", 60.0, there=THERE)
     assert [str(one.state) for one in build(project_of()).programs] == ["built", "built"]
+
+
+def test_a_translated_program_keeps_its_names_and_leaves_what_the_controller_has(
+    tmp_path: Path,
+) -> None:
+    module = tmp_path / "cell.mod"
+    move = "MoveJ p1,v100,fine,gun;"
+    target = "CONST robtarget p1:=[[350,20,300],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];"
+    tool = "PERS tooldata gun:=[TRUE,[[0,0,120],[1,0,0,0]],[1,[0,0,50],[1,0,0,0],0,0,0]];"
+    module.write_text(
+        f"MODULE cell\n{tool}\n{target}\nPROC main()\n{move}\nENDPROC\nENDMODULE\n",
+        encoding="ascii",
+    )
+    process = tmp_path / "cell.process.toml"
+    process.write_text(
+        f'[program]\nas = "Go"\n[tools.gun]\ntip = [0, 0, 120]\n{COUNTED}\n', encoding="utf-8"
+    )
+    found = translate(module, to="melfa-basic-5", robot="rv-4frl", process=process)
+    assert list(found.files) == ["CELL.prg"]
+    (data,) = found.files.values()
+    assert b" Tool 1" in data
+    assert "CO009" in [one.code for one in found.whole]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Any, Final
 
 from tests.findings.cures.case import Case, dxf
 from tests.findings.cures.drawings import line
@@ -15,6 +15,10 @@ KEPT: Final = {
     "c.mod": "MODULE c\nPROC main()\nrun;\nENDPROC\nPROC run()\nActUnit m7;\nENDPROC\nENDMODULE\n"
 }
 TOOL: Final = '[tools.{name}]\ntip = [0, 0, 60]\n{more}[motion]\ntool = "{name}"\n'
+
+
+def _long(space: Any) -> None:
+    space.add_lwpolyline([(10 * n, 5 * (n % 2)) for n in range(30)])
 
 
 def _process(text: str) -> dict[str, str]:
@@ -83,5 +87,17 @@ CASES: Final = (
         "compile a.dxf b.dxf -l rapid --as Go -o out",
         DRAWN | _second("tolerance = 0.05\n"),
         (BOTH,),
+    ),
+    Case(
+        "CL074",
+        f"{RAPID} --most-targets 10 -o out",
+        {"a.dxf": dxf(_long)} | _program("local = true\n"),
+        (f"{RAPID} --most-targets 50 -o out",),
+    ),
+    Case(
+        "CL074",
+        f"{RAPID} --most-targets 10 -o out",
+        {"a.dxf": dxf(_long)} | _program("local = true\n"),
+        change=_program('prefix = "left_"\n'),
     ),
 )

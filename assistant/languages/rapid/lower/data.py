@@ -61,10 +61,10 @@ def _own_to_module(program: Program) -> Callable[[s.Data], bool]:
     """Whether data are seen in their module alone: others do not call them, or have the like.
 
     The latter are speeds and zones that are called by what they are, and what is set on the way of
-    moves.
+    moves. What units that are loaded use as well is seen by all.
     """
     stands = program.interface
-    if stands is None:
+    if stands is None or any(one.unit is not None for one in program.procedures):
         return lambda node: False  # noqa: ARG005
     if stands.local:
         return lambda node: True  # noqa: ARG005
