@@ -120,7 +120,7 @@ def options(
 @app.command()
 def compile(
     sources: Sources,
-    language: LanguageOption,
+    language: LanguageOption = None,
     robot: RobotOption = None,
     process: ProcessOption = None,
     unit: UnitOption = None,

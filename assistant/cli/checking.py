@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     from assistant.sources.placements import Placing
 
 
+STATED = (".dxf", ".csv", ".toml", ".npy", ".npz", ".json", ".pseudo")
+"""Sources of which a project says how they are made; programs are checked for what is given."""
+
+
 @dataclass(frozen=True, slots=True)
 class Options:
     """What all sources of one command are checked with."""
@@ -66,6 +70,27 @@ def run_explain(codes: Sequence[str]) -> int:
 
 
 def _checked(sources: Sequence[str], options: Options, keep: bool) -> Checked:
+    from assistant.cli.stating import as_stated
+    from assistant.compiler.checking import Checked
+
+    if list(sources).count(STANDARD) > 1:
+        raise Refused(TWICE(), exit_status=2)
+    alike: dict[Options, list[str]] = {}
+    for source in sources:
+        own = Path(source).suffix.lower() in STATED
+        alike.setdefault(as_stated(source, options) if own else options, []).append(source)
+    every = [_checked_alike(files, one, keep) for one, files in alike.items()]
+    return Checked(
+        list(dict.fromkeys(finding for one in every for finding in one.findings)),
+        sum(one.files for one in every),
+        {path: text for one in every for path, text in one.texts.items()},
+        any(one.unreadable for one in every),
+        [path for one in every for path in one.paths],
+    )
+
+
+def _checked_alike(sources: Sequence[str], options: Options, keep: bool) -> Checked:
+    """Sources that are checked with the same options."""
     from assistant.compiler.checking import Checked, check_files, check_text
     from assistant.compiler.scenes import in_cell
 
@@ -78,8 +103,6 @@ def _checked(sources: Sequence[str], options: Options, keep: bool) -> Checked:
         "keep": keep,
     }
     if STANDARD in sources:
-        if list(sources).count(STANDARD) > 1:
-            raise Refused(TWICE(), exit_status=2)
         text, spoken = standard_input(options.from_language)
         checked = check_text(text, language=spoken, **given)
     files = [source for source in sources if source != STANDARD]

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     """Writes the page of what was compiled, adds what is to be said of it to the findings, and
     tells its file; of some sources other files are on disk."""
     from assistant.program.text import SourceText
+    from assistant.project.stated import Stated
     from assistant.robots import Robot
     from assistant.sources.placements import Placing
     from assistant.sources.surroundings import ByRobot
@@ -50,6 +51,16 @@ ONE_NAME = error(
     "several programs cannot all be called `{name}`",
     "make one of them with `--together`, or compile them one by one",
 )
+NO_LANGUAGE = error(
+    "CL053",
+    "nothing says in which language the program is to be written",
+    "name it with --language, or make the source a program of a target in assistant.toml",
+)
+NOT_ALIKE = error(
+    "CL054",
+    "the project has these sources in several languages, on several robots or in several cells",
+    "compile them one by one, or all of the project with `robot-assistant build`",
+)
 STANDARD: Final = "-"
 SIDE_TABLES_ABOVE: Final = 1000
 """Rows of a path that a `.pseudo` file on disk still holds in its text."""
@@ -57,7 +68,7 @@ SIDE_TABLES_ABOVE: Final = 1000
 
 def run_compile(
     sources: Sequence[str],
-    language: str,
+    language: str | None,
     *,
     robot: str | None,
     process: Path | None,
@@ -89,11 +100,23 @@ def run_compile(
     from assistant.compiler.scenes import in_cell
     from assistant.compiler.together import together as joined
     from assistant.findings.project_severities import settle
+    from assistant.project.stated import Stated
 
     if list(sources).count(STANDARD) > 1:
         raise Refused(TWICE(), exit_status=2)
+    options = Stated(
+        *(language, robot, process, unit, cell),
+        *(from_language, from_robot, entry, most_targets),
+    )
+    first = sources if together is None else sources[:1]
+    wanted = {source: _to_write(source, options) for source in dict.fromkeys(first)}
+    settings = {(str(one.language), one.robot, one.cell) for one in wanted.values()}
+    if len(settings) > 1:
+        raise Refused(NOT_ALIKE(), exit_status=2)
+    ((language, robot, cell),) = settings
     language_of(language)
-    robot_of(from_robot)
+    for one in wanted.values():
+        robot_of(one.from_robot)
     stands = in_cell(cell, robot)
     answers = Answers()
     done: list[tuple[str, Compiled]] = []
@@ -101,9 +124,11 @@ def run_compile(
     if called is not None and together is None and len(apart) > 1:
         raise Refused(ONE_NAME(name=called), exit_status=2)
     for source in apart if together is None else (together,):
+        one = wanted.get(source, options)
         with answers.of(source), working(f"compiling {source}"):
             if together is None:
-                given = _input(source, from_language, from_robot, process, unit, placement)
+                reader = (one.from_language, one.from_robot, one.process, one.unit)
+                given = _input(source, *reader, placement)
             else:
                 given = joined(
                     tuple(apart),
@@ -117,14 +142,14 @@ def run_compile(
                 given or source,
                 language=language,
                 robot=robot,
-                process=process,
-                unit=unit,
+                process=one.process,
+                unit=one.unit,
                 placement=placement,
                 cell=stands,
-                from_robot=from_robot,
-                most_targets=most_targets,
+                from_robot=one.from_robot,
+                most_targets=one.most_targets,
                 frames=frames.value,
-                entry=entry,
+                entry=one.entry,
                 called=called,
                 main=main,
                 proving=proving,
@@ -187,6 +212,16 @@ def _unlike(
         if not there or any(read_bytes(places[name]) != data for name, data in made.items()):
             found.append(source)
     return found
+
+
+def _to_write(source: str, options: Stated) -> Stated:
+    """The options of one source, with what its project states; raises Refused without language."""
+    from assistant.cli.stating import as_stated
+
+    one = as_stated(source, options)
+    if one.language is None:
+        raise Refused(NO_LANGUAGE(path=source), exit_status=2)
+    return one
 
 
 def load_given(

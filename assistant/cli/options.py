@@ -44,9 +44,10 @@ Source = Annotated[
 ]
 Sources = Annotated[list[str], typer.Argument(help="Drawings, tables or programs; - for input.")]
 LanguageOption = Annotated[
-    str,
-    typer.Option("--language", "-l", help="Language to write.", autocompletion=complete_language),
-]
+    str | None,
+    typer.Option("--language", "-l", help="Language to write; default the project's.",
+                 autocompletion=complete_language),
+]  # fmt: skip
 RobotOption = Annotated[
     str | None,
     typer.Option(

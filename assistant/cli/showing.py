@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 from assistant.cli.compiling import NO_FILE_NAME, SIDE_TABLES_ABOVE, load_given
 from assistant.cli.presentation import print_findings, say
+from assistant.cli.stating import as_stated
 from assistant.program.diagnostics import Refused, error, fold
 
 if TYPE_CHECKING:
@@ -40,6 +41,7 @@ class Wanted:
 def run_show(source: str, wanted: Wanted, output: Path | None) -> int:
     from assistant.program import pseudo
 
+    wanted = as_stated(source, wanted)
     loaded = load_given(
         source,
         wanted.robot,

@@ -15,6 +15,7 @@ from assistant.cli.compiling import (
     working,
 )
 from assistant.cli.presentation import Format, print_findings, print_json, say
+from assistant.cli.stating import as_stated
 from assistant.program.diagnostics import Diagnostic, Refused, error, fold, has_errors
 
 if TYPE_CHECKING:
@@ -64,6 +65,7 @@ def run_simulate(
     from assistant.report import timing as report
     from assistant.robots.timing import simulate
 
+    options = as_stated(source, options)
     with working(f"simulating {source}"):
         wanted = _wanted(source, outputs)
         ready = solved(source, options)

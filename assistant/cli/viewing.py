@@ -15,6 +15,7 @@ from assistant.cli.pages import NO_PAGE, SUFFIXES, shown_sheet, stem_of
 from assistant.cli.presentation import Format, print_findings, print_json, say
 from assistant.cli.sheets import solved_sheet
 from assistant.cli.simulating import Options, refused, solved
+from assistant.cli.stating import as_stated
 from assistant.program.diagnostics import Refused, error, fold, has_errors
 
 if TYPE_CHECKING:
@@ -48,6 +49,7 @@ def run_view(
         raise Refused(NO_PAGE(name=html), exit_status=2)
     if html is not None and live is not None:
         raise Refused(NOT_WRITTEN(), exit_status=2)
+    options = as_stated(source, options)
     with working(f"looking at {source}"):
         ready = solved(source, options)
         robot = ready.solution.robot

@@ -134,6 +134,11 @@ def _spoken(recipe: Recipe) -> str | None:
     return None if spoken is None else spoken.name
 
 
+def chosen_language(order: Order) -> str:
+    """What a program is made in; raises Refused if nobody says it."""
+    return _language(order, _spoken(order.recipe))
+
+
 def _language(order: Order, spoken: str | None) -> str:
     """What the program is to be in; raises Refused if nobody says it."""
     if order.recipe.language is not None:

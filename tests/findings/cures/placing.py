@@ -26,6 +26,21 @@ TURNED: Final = "position = [0, 0, 0]\nquaternion = [1, 0, 0, 0]\n"
 ROWS: Final = "x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z\n400,0,300,0,1,0,0\n420,0,300,0,1,0,0\n"
 TABLE: Final = {"a.csv": ROWS, **_process("position = [0, 9, 0]\n")}
 
+PROJECT: Final = """\
+[controllers]
+left = "virtual:irc5"
+right = "virtual:cr"
+[programs.a]
+source = "a.dxf"
+[programs.b]
+source = "a.dxf"
+language = "melfa-basic-5"
+[targets.left]
+programs = ["a"]
+[targets.right]
+programs = ["b"]
+"""
+
 CASES: Final = (
     Case("CL050", "info a.csv", {"a.csv": ROWS}, ("show a.csv",)),
     Case("CT360", "check a.dxf", DRAWN | _process(WIDE), change=_process(WIDE + "misfit = 2\n")),
@@ -57,4 +72,12 @@ CASES: Final = (
     ),
     Case("CL052", "init --unit in", then=("init a.dxf --unit in",), files=DRAWN),
     Case("CL052", "init --unit in", then=("init",)),
+    Case("CL053", "compile a.dxf", DRAWN, ("compile a.dxf --language rapid",)),
+    Case(
+        "PR304",
+        "compile a.dxf",
+        DRAWN | {"assistant.toml": PROJECT},
+        ("compile a.dxf --language rapid",),
+    ),
+    Case("PR304", "compile a.dxf", DRAWN | {"assistant.toml": PROJECT}, ("build",)),
 )

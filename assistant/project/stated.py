@@ -1,0 +1,143 @@
+"""What a project states of a source, so that it need not stand on the command line."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, fields, replace
+from pathlib import Path as FilePath
+from typing import Final
+
+from assistant.program.diagnostics import Diagnostic, Refused, error
+from assistant.project.layout import Place, Project, Recipe, inside, project_of
+from assistant.project.making import chosen_language, order_of, shown_path
+from assistant.sources import project as files
+
+SEVERAL: Final = error(
+    "PR304",
+    "the project makes `{source}` in several ways, which differ in {what}: {ways}",
+    "name {options}, or build one of them",
+)
+BY_PLACE: Final = ("language", "robot")
+"""What the controller of a target may say as well."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stated:
+    """Options of commands, see `compile`; None for what is not said."""
+
+    language: str | None = None
+    robot: str | None = None
+    process: FilePath | None = None
+    unit: str | None = None
+    cell: FilePath | None = None
+    from_language: str | None = None
+    from_robot: str | None = None
+    entry: str | None = None
+    most_targets: int | None = None
+
+
+OPTIONS: Final[Mapping[str, str]] = {
+    field.name: "--from" if field.name == "from_language" else f"--{field.name.replace('_', '-')}"
+    for field in fields(Stated)
+}
+"""Field → option of the command line."""
+
+
+def completed(source: str, given: Stated, wanted: Collection[str] = tuple(OPTIONS)) -> Stated:
+    """What is given, and for what is not the word of the project that the source is a program of.
+
+    wanted: fields that count. Raises Refused (exit status 2) where programs or targets of the
+    project differ in one that is not given, and for a project that is wrong.
+    """
+    file = FilePath(source).absolute()
+    project = _project_with(file)
+    if project is None:
+        return given
+    ways = dict(_ways(project, file))
+    fitting = {
+        name: one
+        for name, one in ways.items()
+        if all(_same(getattr(given, key), getattr(one, key)) for key in BY_PLACE)
+    }
+    if not fitting:  # another arm or language than the project's: what belongs to those is not its
+        left = dict.fromkeys(BY_PLACE)
+        fitting = {name: replace(one, **left) for name, one in ways.items()}
+    open_ = [key for key in wanted if getattr(given, key) is None]
+    differing = [key for key in open_ if len({getattr(one, key) for one in fitting.values()}) > 1]
+    if differing:
+        raise Refused(_several(source, differing, fitting), exit_status=2)
+    one = next(iter(fitting.values()), given)
+    return replace(given, **{key: getattr(one, key) for key in open_})
+
+
+def _several(source: str, differing: list[str], ways: Mapping[str, Stated]) -> Diagnostic:
+    shown = (
+        f"{name} ({', '.join(str(getattr(one, key) or 'none') for key in differing)})"
+        for name, one in ways.items()
+    )
+    return SEVERAL(
+        path=source,
+        source=source,
+        what=" and ".join(key.replace("_", " ") for key in differing),
+        ways=", ".join(shown),
+        options=" and ".join(OPTIONS[key] for key in differing),
+    )
+
+
+def _project_with(file: FilePath) -> Project | None:
+    """The project of a file, if one of its programs is made of it."""
+    found = files.project_of(file.parent)
+    content = None if found is None else found.content
+    programs = content.get(files.PROGRAMS) if isinstance(content, Mapping) else None
+    if found is None or not isinstance(programs, Mapping):
+        return None
+    folder = FilePath(found.source.path or "").absolute().parent
+    for table in programs.values():
+        source = table.get("source") if isinstance(table, Mapping) else None
+        named = inside(folder, source) if isinstance(source, str) else None
+        if named is not None and named.resolve() == file.resolve():
+            return project_of(file.parent)
+    return None
+
+
+def _ways(project: Project, file: FilePath) -> Iterator[tuple[str, Stated]]:
+    """How a file is made: by each program for each target, with names for people."""
+    for recipe in project.programs.values():
+        if recipe.source.resolve() != file.resolve():
+            continue
+        places = [place for place in project.places if recipe in place.recipes]
+        for place in places:
+            yield f"`{recipe.name}` for `{place.name}`", _stated(project, recipe, place)
+        if not places:
+            yield f"`{recipe.name}`", _of(recipe, recipe.language, recipe.robot)
+
+
+def _stated(project: Project, recipe: Recipe, place: Place) -> Stated:
+    order = order_of(project.folder, place, recipe)
+    try:
+        language: str | None = chosen_language(order)
+    except Refused:  # nobody says it
+        language = None
+    return _of(recipe, language, order.arm)
+
+
+def _of(recipe: Recipe, language: str | None, robot: str | None) -> Stated:
+    return Stated(
+        language,
+        robot,
+        _near(recipe.process),
+        recipe.unit,
+        _near(recipe.cell),
+        recipe.from_language,
+        recipe.from_robot,
+        recipe.entry,
+        recipe.most_targets,
+    )
+
+
+def _near(file: FilePath | None) -> FilePath | None:
+    return None if file is None else FilePath(shown_path(file))
+
+
+def _same(given: str | None, stated: str | None) -> bool:
+    return given is None or (stated is not None and given.lower() == stated.lower())
