@@ -101,8 +101,8 @@ def test_the_command_line_counts_where_it_says_something(run: Run) -> None:
     words = ("-p", "fast.toml", "-l", "melfa-basic-6", "-r", "rv-4frl", "-o", "out")
     status, _, errors = run("compile", "drawings/part.dxf", *words)
     assert status == 0, errors
-    (made,) = Path("out").iterdir()
-    assert made.suffix == ".prg" and "91" in made.read_text()
+    (made,) = Path("out").glob("*.prg")
+    assert "91" in made.read_text()
 
 
 @pytest.mark.parametrize("command", ["check", "simulate", "show"])
@@ -134,3 +134,13 @@ def test_a_project_that_is_wrong_is_told_of(run: Run) -> None:
     put(ONE.replace('"irb1200-7-0.7"', '"nobody"'))
     status, _, errors = run("compile", "drawings/part.dxf")
     assert (status, "PR107" in errors) == (2, True)
+
+
+def test_sources_of_one_command_are_for_one_robot(run: Run) -> None:
+    Path("drawings/other.dxf").write_bytes(Path("drawings/part.dxf").read_bytes())
+    more = '\n[programs.other]\nsource = "drawings/other.dxf"\n'
+    one = ONE.replace("\n[targets.left]", f"{more}[targets.left]")
+    put(f'{one}\n[controllers.right]\n{OTHER}[targets.right]\nprograms = ["other"]\n')
+    status, _, errors = run("compile", "drawings/part.dxf", "drawings/other.dxf", "-o", "out")
+    assert (status, "CL054" in errors) == (2, True)
+    assert not Path("out").exists()

@@ -41,6 +41,8 @@ programs = ["a"]
 programs = ["b"]
 """
 
+APART: Final = PROJECT.replace('[programs.b]\nsource = "a.dxf"', '[programs.b]\nsource = "b.dxf"')
+
 CASES: Final = (
     Case("CL050", "info a.csv", {"a.csv": ROWS}, ("show a.csv",)),
     Case("CT360", "check a.dxf", DRAWN | _process(WIDE), change=_process(WIDE + "misfit = 2\n")),
@@ -80,4 +82,16 @@ CASES: Final = (
         ("compile a.dxf --language rapid",),
     ),
     Case("PR304", "compile a.dxf", DRAWN | {"assistant.toml": PROJECT}, ("build",)),
+    Case(
+        "CL054",
+        "compile a.dxf b.dxf",
+        DRAWN | {"b.dxf": DRAWN["a.dxf"], "assistant.toml": APART},
+        ("compile a.dxf",),
+    ),
+    Case(
+        "CL054",
+        "compile a.dxf b.dxf",
+        DRAWN | {"b.dxf": DRAWN["a.dxf"], "assistant.toml": APART},
+        ("build",),
+    ),
 )
