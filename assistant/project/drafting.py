@@ -72,6 +72,22 @@ CHOICES: Final = (
     ("# depth = 12", "mm of the last pass below the drawing, along the tool"),
     ("# passes = 3", "equal steps down to it"),
     ("# allowances = [0.5, 0]", "mm more than the offset, once around for each"),
+    ('# order = "travel"', 'or "drawing"; "text": by the numbers beside contours'),
+    ("# corner_speed = 20", "mm/s at corners, with the next three"),
+    ("# corner_angle = 30", "degrees; turns by fewer are no corners"),
+    ("# corner_radius = 0", "mm; arcs of up to that radius are corners too"),
+    ("# corner_length = 5", "mm before and behind them"),
+    ("# start_speed = 30", "mm/s over the first mm, with the next"),
+    ("# start_length = 5", "mm"),
+    ("# end_speed = 30", "mm/s over the last mm, with the next"),
+    ("# end_length = 5", "mm"),
+    ("# on_before = {seconds = 0.03}", "`on` before the start; mm, seconds or both"),
+    ("# on_after = {mm = 5}", "or `on` that far behind it"),
+    ("# off_before = {mm = 5}", "`off` before the end; mm, seconds or both"),
+    ("# off_after = {mm = 5}", "or `off` behind it, mm or seconds"),
+    ("# travel_height = 80", "mm above the highest point of the layer, for retract"),
+    ("# travel_blend = 10", 'mm at the places above the work; "fine" without it'),
+    ('# travel_kind = "linear"', "or joint; without it joint where the tool would wind up"),
 )
 """Keys of a layer that are told once."""
 

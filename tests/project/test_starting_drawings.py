@@ -43,6 +43,14 @@ def drawing(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return draw(tmp_path_factory.mktemp("mail") / "Teil (ä) 7.dxf")
 
 
+def codes(text: str) -> set[str]:
+    """What is found in a process file; a key may need another one beside it."""
+    try:
+        return {finding.code for finding in parse_process(SourceText(text, "x.toml")).findings}
+    except Refused as refused:
+        return {finding.code for finding in refused.findings}
+
+
 def fill_in(file: Path) -> None:
     text = file.read_text("utf-8")
     text = text.replace("tip = []", "tip = [0, 0, 100]").replace(
@@ -95,7 +103,7 @@ def test_every_key_of_a_layer_is_there_and_can_be_had_by_taking_the_mark_away(
     for choice, _ in CHOICES:
         assert choice in text or choice.removeprefix("# ") in text
         taken = text.replace(choice, choice.removeprefix("# "))
-        assert parse_process(SourceText(taken, "x.toml")).findings == (), choice
+        assert not codes(taken) & {"CT301", "CT302", "CT303", "CT304", "CT309"}, choice
     told = {row[0].removeprefix("# ").split(" = ")[0] for row in (*LAYER, *CHOICES)}
     assert told | {"tool", "frame"} == set(process_layers.LAYER)
 
