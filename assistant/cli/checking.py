@@ -86,6 +86,7 @@ def _checked(sources: Sequence[str], options: Options, keep: bool) -> Checked:
         {path: text for one in every for path, text in one.texts.items()},
         any(one.unreadable for one in every),
         [path for one in every for path in one.paths],
+        [looked for one in every for looked in one.looked or ()],
     )
 
 
