@@ -91,7 +91,6 @@ COMMANDS: Final[Mapping[str, Command]] = {
     "compile": Command(
         ("compile", *TABLES, "--language", "rapid", "-o", "out", "--overwrite"),
         TABLES,
-        books=frozenset(f"out/.robot-assistant/written/{name}.mod.written" for name in NAMES),
     ),
     "fmt": Command(("fmt", *MODULES), MODULES, over=False, together=False),
     "translate": Command(
@@ -152,12 +151,7 @@ COMMANDS: Final[Mapping[str, Command]] = {
         OTHERS,
         over=False,
         together=False,
-        books=frozenset(
-            {
-                ".robot-assistant/build.json",
-                *(f".robot-assistant/written/cell1/{name}.mod.written" for name in NAMES),
-            }
-        ),
+        books=frozenset({".robot-assistant/build.json"}),
     ),
     "teach": Command(
         (*TEACH, "two"), {"assistant.toml": CELL}, ((*TEACH, "one"),), over=False, again=False
