@@ -13,11 +13,8 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import chdir
-from itertools import pairwise
 from pathlib import Path
 from typing import Final
-
-import numpy as np
 
 from assistant.cli.app import app
 
@@ -160,33 +157,10 @@ def explored() -> bytes:
 
 def contours() -> bytes:
     """The ways of a cutter beside a plate, its holes, and a part in one of them."""
-    from matplotlib.patches import Circle
-
-    import assistant
-    from assistant.report.drawn import drawn_lines
-    from assistant.report.figures import figure, picture
-    from assistant.report.track import track
-
-    source = PROJECT / "samples" / "nested.dxf"
-    way = track(assistant.load(source).program).positions
-    low = way[:, 2] < way[:, 2].min() + 1e-6
-    sheet = figure(9.0, 5.6)
-    axes = sheet.subplots()
-    for line in drawn_lines(source):
-        axes.plot(*line.points.T[:2], color="0.2", linewidth=1.6)
-    edges = np.flatnonzero(np.diff(low.astype(int))) + 1
-    for first, last in pairwise([0, *edges.tolist(), len(way)]):
-        at_work = bool(low[first])
-        rows = way[first:last] if at_work else way[max(first - 1, 0) : last + 1]
-        style = {"color": "C0", "linewidth": 1.2} if at_work else {"color": "C1", "linestyle": ":"}
-        axes.plot(*rows.T[:2], **style)
-        if at_work:
-            axes.add_patch(Circle(rows[0, :2], 3.0, color="C0", alpha=0.25, linewidth=0))
-            half = len(rows) // 2
-            arrow = {"arrowstyle": "-|>", "color": "C0"}
-            axes.annotate("", rows[half + 1, :2], rows[half, :2], arrowprops=arrow)
-    axes.set(aspect="equal", xlabel="x in mm", ylabel="y in mm")
-    return picture(sheet)
+    with chdir(PROJECT), tempfile.TemporaryDirectory() as folder:
+        picture = Path(folder) / "contours.png"
+        app(["check", "samples/nested.dxf", "--plot", str(picture)], standalone_mode=False)
+        return picture.read_bytes()
 
 
 def drawn(*words: str) -> bytes:

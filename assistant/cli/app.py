@@ -36,6 +36,7 @@ from assistant.cli.options import (
     OverwriteOption,
     PageOption,
     PlaceOption,
+    PlotOption,
     ProcessOption,
     ProveOption,
     ReportOption,
@@ -149,6 +150,7 @@ def compile(
     drop_edit: DropEditOption = None,
     report: PageOption = None,
     opened: OpenOption = False,
+    plot: PlotOption = None,
     format: FindingFormatOption = FindingFormat.TEXT,
 ) -> None:
     """Write sources in a robot language, read back and compared before anything is written."""
@@ -178,7 +180,7 @@ def compile(
             together=together,
             proving=proving(prove, signals, seed),
             wishes=Wishes.of(overwrite, keep_edit or (), drop_edit or ()),
-            page=compiled_page(Asked(report, opened), process, unit, placing(place, marks)),
+            page=compiled_page(Asked(report, opened, plot), process, unit, placing(place, marks)),
             format=format,
         )
     )
@@ -294,6 +296,7 @@ def check(
     from_language: FromLanguage = None,
     report: PageOption = None,
     opened: OpenOption = False,
+    plot: PlotOption = None,
     format: FindingFormatOption = FindingFormat.TEXT,
     fail_on: FailOnOption = FailOn.WARNING,
 ) -> None:
@@ -314,10 +317,11 @@ def check(
             "--from": from_language,
             "--report": report,
             "--open": opened or None,
+            "--plot": plot,
         }
         raise typer.Exit(run_project_check(given, format, fail_on))
     options = Options(robot, process, unit, cell, from_language, placing(place, marks))
-    raise typer.Exit(run_check(sources, options, format, fail_on, Asked(report, opened)))
+    raise typer.Exit(run_check(sources, options, format, fail_on, Asked(report, opened, plot)))
 
 
 @app.command()

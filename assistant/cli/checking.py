@@ -16,6 +16,7 @@ from assistant.program.diagnostics import Diagnostic, Refused, fold, fold_files
 
 if TYPE_CHECKING:
     from assistant.compiler.checking import Checked
+    from assistant.report.drawn import Line
     from assistant.sources.placements import Placing
 
 
@@ -129,19 +130,17 @@ def _page(
     """Writes the page; what is to be said of it is added to the findings."""
     from assistant.cli.sheets import lines_of_drawing, looked_sheet, refused_sheets
 
+    def lines(source: str) -> Sequence[Line]:
+        return lines_of_drawing(source, options.process, options.unit, options.placement)
+
     left = list(fold(findings))
     sheets = []
     for one in checked.looked or ():
         own = [finding for finding in left if finding.path in (*one.files, None)]
         left = [finding for finding in left if finding not in own]
-        drawn = [
-            line for file in one.files
-            for line in lines_of_drawing(
-                file, options.process, options.unit, options.placement
-            )
-        ]  # fmt: skip
+        drawn = [line for file in one.files for line in lines(file)]
         sheets.append(looked_sheet(one, own, drawn))
-    sheets += refused_sheets(left)
+    sheets += refused_sheets(left, lines)
     stem = stem_of(sources[0])
     written, told = write_page(asked, sheets, checked.paths, stem)
     findings += told

@@ -119,6 +119,11 @@ PageOption = Annotated[
     typer.Option("--report", help="Write a page for the browser as well, FILE.html.",
                  metavar="FILE.html"),
 ]  # fmt: skip
+PlotOption = Annotated[
+    Path | None,
+    typer.Option("--plot", help="Draw contours, their order and ways, as .svg or .png.",
+                 metavar="FILE.svg"),
+]  # fmt: skip
 OpenOption = Annotated[
     bool, typer.Option("--open", help="Show the page in the browser; without --report from a "
                        "folder for temporary files.")

@@ -46,18 +46,23 @@ SUFFIXES: Final = (".html", ".htm")
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """The page that is asked for: a file for it, and whether it is opened."""
+    """The page that is asked for: a file for it, and whether it is opened; a file for a picture."""
 
     report: Path | None = None
     opened: bool = False
+    plot: Path | None = None
 
     def __post_init__(self) -> None:
-        """Raises Refused (exit status 2) for a name that is no page's."""
+        """Raises Refused (exit status 2) for a name that is no page's or no picture's."""
+        if self.plot is not None:
+            from assistant.report.figures import format_of
+
+            format_of(self.plot.name)
         if self.report is not None and self.html and not self.report.stem:
             raise Refused(NO_PAGE(name=self.report), exit_status=2)
 
     def __bool__(self) -> bool:
-        return self.report is not None or self.opened
+        return self.report is not None or self.opened or self.plot is not None
 
     @property
     def html(self) -> bool:
@@ -66,7 +71,7 @@ class Asked:
 
     def page(self) -> Asked:
         """The same without a report that is no page."""
-        return self if self.html else Asked(None, self.opened)
+        return self if self.html else Asked(None, self.opened, self.plot)
 
     def only_page(self) -> Asked:
         """The same; raises Refused (exit status 2) for a report that is no page."""
@@ -109,7 +114,7 @@ class Sheet:
 def write_page(
     asked: Asked, sheets: Sequence[Sheet], sources: Iterable[str], stem: str
 ) -> tuple[list[Path], list[Diagnostic]]:
-    """Writes the page, opens it if that is asked for, and tells its file and what is to be said.
+    """Writes page and picture, opens the page if that is asked for; tells files and findings.
 
     stem: of the name that it has in the folder for temporary files, if no file is named.
     Raises Refused (exit status 2) if it would be written over a source.
@@ -120,16 +125,29 @@ def write_page(
     told: list[Diagnostic] = []
     if len(sheets) > MOST_PROGRAMS:
         told.append(TOO_MANY(most=MOST_PROGRAMS, count=len(sheets)))
-    text = page(*map(shown_sheet, sheets[:MOST_PROGRAMS] or [Sheet(stem, ())]))
+    shown = sheets[:MOST_PROGRAMS] or [Sheet(stem, ())]
+    files = dict[Path, bytes]()
+    if asked.plot is not None:
+        files[asked.plot] = _plot(shown, asked.plot)
     if asked.report is not None:
-        keep_sources(list(sources), [asked.report])
-        (path,) = write_all({asked.report: text.encode()})
-    else:
+        files[asked.report] = page(*map(shown_sheet, shown)).encode()
+    keep_sources(list(sources), list(files))
+    written = list(write_all(files))
+    if asked.opened and asked.report is None:
         folder = tempfile.mkdtemp(prefix="robot-assistant-view-")
-        (path,) = write_files({f"{stem}.html": text.encode()}, folder)
-    if asked.opened and not webbrowser.open(path.absolute().as_uri()):
-        told.append(NOT_OPENED(name=path))
-    return [path], told
+        text = page(*map(shown_sheet, shown))
+        written += write_files({f"{stem}.html": text.encode()}, folder)
+    if asked.opened and not webbrowser.open(written[-1].absolute().as_uri()):
+        told.append(NOT_OPENED(name=written[-1]))
+    return written, told
+
+
+def _plot(sheets: Sequence[Sheet], file: Path) -> bytes:
+    from assistant.report.contour_plot import Drawing, contour_plot
+    from assistant.report.figures import format_of
+
+    drawings = [Drawing(one.title, one.told or one.program, one.drawn, one.found) for one in sheets]
+    return contour_plot(drawings, format_of(file.name))
 
 
 def stem_of(source: str) -> str:

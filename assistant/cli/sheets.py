@@ -127,9 +127,12 @@ def compiled_page(
         findings: list[Diagnostic],
         unlike: Sequence[str],
     ) -> Sequence[Path]:
+        def lines(source: str) -> Sequence[Line]:
+            return lines_of_drawing(source, process, unit, placement)
+
         sheets = []
         for source, compiled in done:
-            drawn = lines_of_drawing(source, process, unit, placement)
+            drawn = lines(source)
             sheet = compiled_sheet(source, compiled, stands.scene, stands.robot, drawn)
             if source in unlike:
                 findings.append(UNLIKE(path=source))
@@ -137,7 +140,7 @@ def compiled_page(
             sheets.append(sheet)
         sources = [source for source, _ in done]
         known = {*sources, *(f.path for _, compiled in done for f in compiled.found)}
-        sheets += refused_sheets(f for f in findings if f.path not in known)
+        sheets += refused_sheets((f for f in findings if f.path not in known), lines)
         written, told = write_page(asked, sheets, sources, stem_of(*sources[:1] or ["program"]))
         findings += told
         return written
@@ -182,13 +185,15 @@ def _arm(name: str | None, scene: Scene | None) -> Robot | None:
         return None
 
 
-def refused_sheets(findings: Iterable[Diagnostic]) -> list[Sheet]:
-    """What could not be read at all, a file each, with why."""
+def refused_sheets(
+    findings: Iterable[Diagnostic], lines: Callable[[str], Sequence[Line]] = lambda _: ()
+) -> list[Sheet]:
+    """What could not be read at all, a file each, with why. lines: of a drawing, by its path."""
     by_file: dict[str, list[Diagnostic]] = {}
     for finding in findings:
         by_file.setdefault(finding.path or "findings", []).append(finding)
     return [
-        Sheet(named(path), found, notes=("nothing could be done with it",))
+        Sheet(named(path), found, drawn=lines(path), notes=("nothing could be done with it",))
         for path, found in by_file.items()
     ]
 

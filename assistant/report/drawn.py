@@ -23,10 +23,14 @@ PIECES: Final = 64
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Line:
-    """A curve of a drawing as points (n, 3) mm in the robot's base. layer: that it is on."""
+    """A curve of a drawing as points (n, 3) mm in the robot's base. layer: that it is on.
+
+    handle: of its entity, empty if it has none.
+    """
 
     layer: str
     points: Floats
+    handle: str = ""
 
 
 def drawn_lines(
@@ -60,5 +64,5 @@ def drawn_lines(
     for curve in read_contents(path, chosen).curves:
         steps = 1 if isinstance(curve, Straight) else PIECES
         points = np.asarray(curve.at(np.linspace(0.0, 1.0, steps + 1)))
-        found.append(Line(curve.layer, frame.pose.moved(points)))
+        found.append(Line(curve.layer, frame.pose.moved(points), curve.handle or ""))
     return found

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +28,9 @@ from assistant.program.statements import (
 from assistant.robots.motion.arcs import circles
 from assistant.robots.motion.densities import Drawn
 from assistant.robots.target_lookup import Names
+
+STARTS: Final = "_start"
+"""How the name of the target ends at which the following of a contour begins."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +118,38 @@ def track(program: Program) -> Track:
         np.concatenate([p.kinds for p in drawn]),
         names,
     )
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """Positions (n, 3) mm in the robot's base, and the name of the contour that they follow.
+
+    name: None for the travel between contours.
+    """
+
+    name: str | None
+    positions: Floats
+
+
+def ways(program: Program) -> Iterator[Way]:
+    """The track of a program made from a drawing: contours, and the travel between them."""
+    name, rows = None, list[Floats]()
+    last: Floats | None = None
+    for piece in _pieces(program, Names(program), program.entry, ()):
+        positions = _with_arcs(piece, last).positions
+        last = positions[-1]
+        starts = piece.name is not None and piece.name.endswith(STARTS)
+        begun = piece.name.removesuffix(STARTS) if starts and piece.name else None
+        rows.append(positions)
+        if begun is not None and begun != name:
+            yield Way(name, np.concatenate(rows))
+            name, rows = begun, [last[None]]
+        elif name is not None and piece.name is None:
+            rows.pop()
+            yield Way(name, np.concatenate(rows))
+            name, rows = None, [rows[-1][-1:], positions]
+    if rows:
+        yield Way(name, np.concatenate(rows))
 
 
 def _pieces(

@@ -1,0 +1,129 @@
+"""A picture of contours: as they are drawn, how the tool follows them, and what was found where."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Diagnostic, Severity
+from assistant.program.geometry import BASE, IDENTITY, Pose
+from assistant.program.program import Program, walk
+from assistant.program.statements import Follow, Move
+from assistant.program.visible import visible
+from assistant.report.drawn import Line
+from assistant.report.figures import figure, picture
+from assistant.report.track import Way, ways
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+SIDE: Final = 8.0
+"""Inches of the picture of one program."""
+MOST_NUMBERED: Final = 400
+"""Contours over which a picture has no numbers: nobody could read them."""
+ENTITY: Final = re.compile(r"\bentity (\w+)")
+COLOURS: Final = {Severity.ERROR: "#c62828", Severity.WARNING: "#ef6c00"}
+
+
+@dataclass(frozen=True, slots=True)
+class Drawing:
+    """program: None where none could be made. drawn: the lines of its source. found: what of it."""
+
+    title: str
+    program: Program | None
+    drawn: Sequence[Line]
+    found: Sequence[Diagnostic]
+
+
+def contour_plot(drawings: Sequence[Drawing], format: str) -> bytes:
+    """A picture with a part for each program, as seen along z of the frame that it is drawn in.
+
+    format: `png` or `svg`. Raises Refused without matplotlib.
+    """
+    columns = math.ceil(math.sqrt(len(drawings)))
+    rows = math.ceil(len(drawings) / columns)
+    sheet = figure(SIDE * columns, SIDE * rows)
+    for place, drawing in enumerate(drawings, start=1):
+        _draw(sheet.add_subplot(rows, columns, place), drawing)
+    return picture(sheet, format)
+
+
+def _draw(axes: Axes, drawing: Drawing) -> None:
+    name, frame = _frame(drawing.program)
+    back = frame.inverse()
+    for line in drawing.drawn:
+        axes.plot(*back.moved(line.points).T[:2], color="0.25", linewidth=1.4)
+    found = [] if drawing.program is None else list(ways(drawing.program))
+    travel = [back.moved(way.positions) for way in found if way.name is None]
+    for points in travel:
+        axes.plot(*points.T[:2], color="C1", linestyle=":", linewidth=0.8)
+    followed = [Way(way.name, back.moved(way.positions)) for way in found if way.name is not None]
+    numbers: dict[tuple[float, float], list[int]] = defaultdict(list)
+    for number, way in enumerate(followed, start=1):
+        axes.plot(*way.positions.T[:2], color="C0", linewidth=1.0)
+        _arrow(axes, way.positions)
+        x, y = way.positions[0, :2].round(1).tolist()
+        numbers[x, y].append(number)
+    for (x, y), those in numbers.items():
+        axes.plot(x, y, marker="o", markersize=3, color="C0")
+        if len(followed) <= MOST_NUMBERED:
+            said = f"{those[0]}" if len(those) == 1 else f"{those[0]}–{those[-1]}"
+            axes.annotate(said, (x, y), (3, 3), textcoords="offset points", color="C0", fontsize=8)
+    _mark(axes, drawing, back)
+    where = "the robot's base" if name == BASE else name
+    axes.set(
+        aspect="equal",
+        title=visible(drawing.title).replace("$", r"\$"),
+        xlabel=f"x in {where}, mm",
+        ylabel="y, mm",
+    )
+
+
+def _arrow(axes: Axes, points: Floats) -> None:
+    """An arrow in the middle of a way, where it shows its direction."""
+    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    if way[-1] <= 0.0:
+        return
+    ends = np.array([0.5, 0.502]) * way[-1]
+    x, y = (np.interp(ends, way, column).tolist() for column in points.T[:2])
+    style = {"arrowstyle": "-|>", "color": "C0"}
+    axes.annotate("", (x[1], y[1]), (x[0], y[0]), arrowprops=style)
+
+
+def _mark(axes: Axes, drawing: Drawing, back: Pose) -> None:
+    """Codes of findings beside the entities that they tell of."""
+    lines = {line.handle: line for line in drawing.drawn if line.handle}
+    for one in drawing.found:
+        colour = COLOURS.get(one.severity)
+        for handle in ENTITY.findall(one.place or "") if colour else ():
+            if handle in lines:
+                points = back.moved(lines[handle].points)
+                x, y = points[len(points) // 2, :2].tolist()
+                axes.plot(x, y, marker="x", color=colour)
+                axes.annotate(
+                    one.code, (x, y), (4, -8), textcoords="offset points", color=colour, fontsize=7
+                )
+
+
+def _frame(program: Program | None) -> tuple[str, Pose]:
+    """The frame that the first contour or target is in, that stands still."""
+    for procedure in program.procedures if program else ():
+        for statement in walk(procedure.body):
+            name = None
+            if isinstance(statement, Follow) and statement.path.frames:
+                name = statement.path.frames[0]
+            elif isinstance(statement, Move):
+                name = statement.motion.frame
+            if name is not None and program is not None:
+                frame = program.frames.get(name)
+                return (
+                    (name, frame.pose) if frame is not None and name != BASE else (BASE, IDENTITY)
+                )
+    return BASE, IDENTITY
