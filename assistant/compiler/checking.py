@@ -26,9 +26,10 @@ from assistant.compiler.loading import (
 from assistant.compiler.locations import with_locations
 from assistant.compiler.project import configured
 from assistant.compiler.scenes import InCell, in_cell
-from assistant.compiler.source_map import Places, at_moves
+from assistant.compiler.source_map import Places, at_its_line, at_moves
 from assistant.compiler.travelling import travelled
 from assistant.compiler.turning import with_turns
+from assistant.compiler.unplaced import unplaced
 from assistant.program import pseudo
 from assistant.program.diagnostics import Diagnostic, Refused, error, fold, has_errors, info
 from assistant.program.failing import details_wanted, failure
@@ -293,29 +294,12 @@ def _check_pseudo(
     checked.texts[name] = Text(text, PSEUDO_MARK, complete=True)
     loaded = _in_cell(program, process)
     meant = _check_meaning(loaded.program, stands, Places(program, text), [name], checked)
-    return [*loaded.findings, *(_at_its_line(finding, text) for finding in meant)]
+    return [*loaded.findings, *(at_its_line(finding, text) for finding in meant)]
 
 
 def _in_cell(program: Program, process: str | FilePath | None) -> Loaded:
     loaded = Loaded(program)
     return loaded if process is None else with_process(loaded, process)
-
-
-def _at_its_line(finding: Diagnostic, text: SourceText) -> Diagnostic:
-    """A finding about a statement of a pseudo-program, at the lines that it stands in."""
-    if finding.span is None or finding.line is not None:
-        return finding
-    line, column = text.line_column(finding.span.start)
-    end_line, end_column = text.line_column(finding.span.end)
-    return replace(
-        finding,
-        path=text.path,
-        line=line,
-        column=column,
-        excerpt=text.line_text(line),
-        end_line=end_line,
-        end_column=end_column,
-    )
 
 
 def _check_program(
@@ -395,7 +379,8 @@ def _check_meaning(
     solution = robots.solve_program(ways.program, arm)
     _keep(checked, Looked(files, solution.program, places, arm, arms.scene, solution))
     solved = (*solution.findings, *checks.with_robot(solution, scene=arms.scene))
-    return (*found, *ways.findings, *at_moves(solved, solution.program, places))
+    told = unplaced(program, arm, at_moves(solved, solution.program, places))
+    return (*found, *ways.findings, *told)
 
 
 def _keep(checked: Checked | None, looked: Looked) -> None:

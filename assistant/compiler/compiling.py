@@ -26,6 +26,7 @@ from assistant.compiler.scenes import InCell, in_cell
 from assistant.compiler.source_map import Places, at_moves
 from assistant.compiler.travelling import travelled, travels
 from assistant.compiler.turning import has_free_turns, with_turns
+from assistant.compiler.unplaced import unplaced
 from assistant.lazy import pictured
 from assistant.program.contents import saying
 from assistant.program.diagnostics import (
@@ -281,7 +282,8 @@ def compile_program(
         program, changed = at_the_pace(solution, before, taught, target.joint_percent)
         passed("at-the-pace", program)
         solved = (*solution.findings, *with_robot(solution, scene=arms.scene))
-        findings += (*at_moves(solved, solution.program, places), *changed)
+        told = unplaced(program, arm, at_moves(solved, solution.program, places))
+        findings += (*told, *changed)
     if arms.joint_speed is not None and not target.joint_percent:
         program, changed = at_a_speed(program, arms.joint_speed)
         findings += changed

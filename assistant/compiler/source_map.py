@@ -228,3 +228,20 @@ def _pairs(one: Body, two: Body) -> Iterator[tuple[p.Statement, p.Statement]]:
         yield mine, its
         for inner, other in zip(bodies(mine), bodies(its), strict=False):
             yield from _pairs(inner, other)
+
+
+def at_its_line(finding: Diagnostic, text: SourceText) -> Diagnostic:
+    """A finding about a statement of a pseudo-program, at the lines that it stands in."""
+    if finding.span is None or finding.line is not None:
+        return finding
+    line, column = text.line_column(finding.span.start)
+    end_line, end_column = text.line_column(finding.span.end)
+    return replace(
+        finding,
+        path=text.path,
+        line=line,
+        column=column,
+        excerpt=text.line_text(line),
+        end_line=end_line,
+        end_column=end_column,
+    )

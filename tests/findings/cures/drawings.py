@@ -14,6 +14,10 @@ def line(space: Any) -> None:
     space.add_line((0, 0), (50, 0), dxfattribs={"layer": "CUT"})
 
 
+def square(space: Any) -> None:
+    space.add_lwpolyline([(0, 0), (80, 0), (80, 80), (0, 80)], close=True)
+
+
 def apart(space: Any) -> None:
     space.add_line((0, 0), (50, 0), dxfattribs={"layer": "CUT"})
     space.add_line((50.01, 0), (50, 40), dxfattribs={"layer": "CUT"})

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from tests.findings.cures.case import Case, dxf
-from tests.findings.cures.drawings import line
+from tests.findings.cures.drawings import HERE, line, square
 
 DRAWN: Final = {"a.dxf": dxf(line)}
 MARKS: Final = "--mark 0,0=0,0,0 --mark 90,0=90,0,0"
@@ -26,6 +26,10 @@ TURNED: Final = "position = [0, 0, 0]\nquaternion = [1, 0, 0, 0]\n"
 ROWS: Final = "x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z\n400,0,300,0,1,0,0\n420,0,300,0,1,0,0\n"
 TABLE: Final = {"a.csv": ROWS, **_process("position = [0, 9, 0]\n")}
 
+SMALL, LARGE = "-r irb1200-7-0.7", "-r irb4600-20-2.50"
+AT_BASE: Final = {"a.dxf": dxf(square)}
+PLACED: Final = '[motion]\nframe = "table"\n[frames.table]\nposition = [1200, -40, 500]\n'
+
 PROJECT: Final = """\
 [controllers]
 left = "virtual:irc5"
@@ -43,7 +47,26 @@ programs = ["b"]
 
 APART: Final = PROJECT.replace('[programs.b]\nsource = "a.dxf"', '[programs.b]\nsource = "b.dxf"')
 
+FAR: Final = {"a.process.toml": PLACED}
+"""In the robot's reach."""
+
 CASES: Final = (
+    Case("CO340", f"check a.dxf {LARGE}", AT_BASE, (f"check a.dxf {LARGE} --place 1200,0,500",)),
+    Case("CO340", f"check a.dxf {LARGE}", AT_BASE, change=FAR),
+    Case(
+        "CO340",
+        f"check a.dxf {LARGE}",
+        AT_BASE,
+        change=_process("position = [1200, 0, 500]\n"),
+    ),
+    Case("CO341", f"check a.dxf {SMALL}", AT_BASE, change={"a.process.toml": HERE}),
+    Case(
+        "CO341",
+        f"check a.dxf {SMALL}",
+        AT_BASE,
+        change=_process("position = [450, -40, 300]\n"),
+    ),
+    Case("CO341", f"check a.dxf {SMALL}", AT_BASE, (f"check a.dxf {SMALL} --place 450,-40,300",)),
     Case("CL050", "info a.csv", {"a.csv": ROWS}, ("show a.csv",)),
     Case("CT360", "check a.dxf", DRAWN | _process(WIDE), change=_process(WIDE + "misfit = 2\n")),
     Case("CT362", "check a.dxf", DRAWN | _process(OVER), change=_process(FITTING)),

@@ -1,0 +1,75 @@
+"""Work that stands at the robot's own base, because nobody has said yet where it stands."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Diagnostic, Severity, error, warning
+from assistant.program.geometry import BASE
+from assistant.program.program import Program, walk
+from assistant.program.statements import Follow, Move, MoveCircular
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+
+SAID: Final = "what {arm} cannot do there: {codes}"
+CURE: Final = (
+    "give the work its place: `position` of a frame that [motion] names, or of [placement], in the"
+    " process file, or --place X,Y,Z for one run"
+)
+UNPLACED: Final = error(
+    "CO340", f"the work stands at the robot's own base, without a frame: {SAID}", CURE
+)
+HARDLY: Final = warning(
+    "CO341", f"the work stands around the robot's own base, without a frame: {SAID}", CURE
+)
+FAMILIES: Final = ("RB", "CK3")
+"""Of the findings that tell what an arm cannot do somewhere."""
+NEAR: Final = 0.15
+"""Part of an arm's reach from its axis 1 in which nobody puts a work piece."""
+
+
+def unplaced(program: Program, arm: Robot, found: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
+    """What was found of a program for an arm; of work that was never placed, in one finding.
+
+    A drawing is drawn about its own origin, and without a frame that is the robot's: then all that
+    is told of reach, limits, singularities and speeds tells the same.
+    """
+    found = tuple(found)
+    told = [one for one in found if one.code.startswith(FAMILIES)]
+    worst = {one.severity for one in told} - {Severity.INFO}
+    if not worst or program.origin is not None or not _at_the_base(program, arm):
+        return found
+    counts = Counter(one.code for one in told)
+    codes = ", ".join(f"{code} ({n} times)" if n > 1 else code for code, n in counts.items())
+    one = (UNPLACED if Severity.ERROR in worst else HARDLY)(arm=arm.title, codes=codes)
+    return (one, *(other for other in found if other not in told))
+
+
+def _at_the_base(program: Program, arm: Robot) -> bool:
+    """Whether all of it is in the robot's base, and the axis that the arm turns about close by."""
+    points = [target.pose.position for target in program.targets.values()]
+    rows: list[Floats] = [np.reshape(points, (-1, 3))]
+    for procedure in program.procedures:
+        for statement in walk(procedure.body):
+            if set(_frames(statement)) - {BASE}:
+                return False
+            if isinstance(statement, Follow):
+                rows.append(statement.path.positions)
+    way = np.concatenate(rows)[:, :2]
+    if not len(way):
+        return False
+    off = np.maximum(np.maximum(way.min(axis=0), -way.max(axis=0)), 0.0)
+    return bool(np.hypot(*off) < NEAR * arm.reach)
+
+
+def _frames(statement: object) -> Iterator[str]:
+    if isinstance(statement, Follow):
+        yield from statement.path.frames
+    elif isinstance(statement, Move | MoveCircular):
+        yield statement.motion.frame
