@@ -133,7 +133,7 @@ def _page(
     def lines(source: str) -> Sequence[Line]:
         return lines_of_drawing(source, options.process, options.unit, options.placement)
 
-    left = list(fold(findings))
+    left = list(findings if asked.plot else fold(findings))  # a picture marks each place
     sheets = []
     for one in checked.looked or ():
         own = [finding for finding in left if finding.path in (*one.files, None)]

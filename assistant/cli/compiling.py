@@ -21,7 +21,7 @@ from assistant.cli.presentation import (
     print_json,
     say,
 )
-from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors
+from assistant.program.diagnostics import Diagnostic, Refused, error, fold, has_errors
 
 if TYPE_CHECKING:
     from assistant.compiler import Compiled, Loaded
@@ -187,7 +187,7 @@ def run_compile(
     elif format is not FindingFormat.TEXT:
         print_for_programs(findings, (), format)
     else:
-        print_findings(findings)
+        print_findings(fold(findings))
         if output != STANDARD:
             for source, compiled in done:
                 for line in compiled.proof_lines():

@@ -73,6 +73,22 @@ def test_findings_stand_beside_what_they_tell_of(
     assert "CT217" in texts(picture)
 
 
+def test_like_findings_are_one_but_each_is_in_the_picture(
+    capsys: pytest.CaptureFixture[str], drawing: Path, tmp_path: Path
+) -> None:
+    doc = ezdxf.readfile(drawing)
+    for x in (360, 440):
+        doc.modelspace().add_circle((x, 0), 1, dxfattribs={"layer": "CUT"})
+    doc.saveas(drawing)
+    picture = tmp_path / "ring.svg"
+    words = ("compile", drawing, "-l", "rapid", "-o", tmp_path / "out", "--plot", picture)
+    status, said = run(capsys, *words)
+    assert status == 0, said
+    assert said.count("CT213 warning") == 1
+    assert "2 times" in said
+    assert texts(picture).count("CT213") == 2
+
+
 def test_pictures_have_the_name_of_a_picture(
     capsys: pytest.CaptureFixture[str], drawing: Path, tmp_path: Path
 ) -> None:
