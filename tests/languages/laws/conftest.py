@@ -14,4 +14,3 @@ def toy() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(languages.ROOMS, "toy", "tests.languages.toy")
         yield
-    languages.get.cache_clear()
