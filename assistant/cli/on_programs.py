@@ -1,0 +1,305 @@
+"""The commands that read, write and check programs; other files carry them out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Final
+
+import typer
+
+from assistant.cli.options import (
+    CalledOption,
+    CellOption,
+    DraftOption,
+    DropEditOption,
+    EntryOption,
+    EveryOption,
+    FailOnOption,
+    FindingFormatOption,
+    FormatOption,
+    FramesOption,
+    FromLanguage,
+    FromRobot,
+    KeepEditOption,
+    LanguageOption,
+    MarkOption,
+    NamesOption,
+    NoMainOption,
+    OpenOption,
+    OverwriteOption,
+    PageOption,
+    PlaceOption,
+    PlotOption,
+    ProcessOption,
+    ProveOption,
+    ReportOption,
+    RobotOption,
+    SeedOption,
+    SignalsOption,
+    Source,
+    Sources,
+    TogetherOption,
+    TranslationFormatOption,
+    UnitOption,
+    complete_language,
+    placing,
+)
+from assistant.cli.presentation import (
+    FindingFormat,
+    Format,
+    FramesAs,
+    TranslationFormat,
+)
+from assistant.findings.fail_on import FailOn
+
+
+def compile(
+    sources: Sources,
+    language: LanguageOption = None,
+    robot: RobotOption = None,
+    process: ProcessOption = None,
+    unit: UnitOption = None,
+    place: PlaceOption = None,
+    marks: MarkOption = None,
+    cell: CellOption = None,
+    output: Annotated[
+        str, typer.Option("--output", "-o", help="Folder for the files; - prints a single one.")
+    ] = ".",
+    most_targets: Annotated[
+        int | None,
+        typer.Option(help="Targets of one program unit; default the language's own limit."),
+    ] = None,
+    frames: FramesOption = FramesAs.BASE,
+    from_language: FromLanguage = None,
+    from_robot: FromRobot = None,
+    entry: EntryOption = None,
+    called: CalledOption = None,
+    no_main: NoMainOption = False,
+    together: TogetherOption = None,
+    prove: ProveOption = False,
+    signals: SignalsOption = None,
+    seed: SeedOption = 0,
+    overwrite: OverwriteOption = False,
+    keep_edit: KeepEditOption = None,
+    drop_edit: DropEditOption = None,
+    report: PageOption = None,
+    opened: OpenOption = False,
+    plot: PlotOption = None,
+    format: FindingFormatOption = FindingFormat.TEXT,
+) -> None:
+    """Write sources in a robot language, read back and compared before anything is written."""
+    from assistant.cli.compiling import run_compile
+    from assistant.cli.pages import Asked
+    from assistant.cli.proving import proving
+    from assistant.cli.sheets import compiled_page
+    from assistant.compiler.keeping import Wishes
+
+    raise typer.Exit(
+        run_compile(
+            sources,
+            language,
+            robot=robot,
+            process=process,
+            unit=unit,
+            placement=placing(place, marks),
+            cell=cell,
+            output=output,
+            most_targets=most_targets,
+            frames=frames,
+            from_language=from_language,
+            from_robot=from_robot,
+            entry=entry,
+            called=called,
+            main=False if no_main else None,
+            together=together,
+            proving=proving(prove, signals, seed),
+            wishes=Wishes.of(overwrite, keep_edit or (), drop_edit or ()),
+            page=compiled_page(Asked(report, opened, plot), process, unit, placing(place, marks)),
+            format=format,
+        )
+    )
+
+
+def translate(
+    programs: Annotated[
+        list[str], typer.Argument(help="Robot programs, or folders with them; - for input.")
+    ],
+    to: Annotated[str, typer.Option(help="Language to write.", autocompletion=complete_language)],
+    robot: RobotOption = None,
+    from_robot: FromRobot = None,
+    process: Annotated[
+        Path | None,
+        typer.Option("--process", "-p", help="File with signals, tools, frames of the other cell."),
+    ] = None,
+    cell: Annotated[
+        Path | None,
+        typer.Option(
+            help="File with bodies, and what programs use and do not declare; written if it lacks "
+            "any."
+        ),
+    ] = None,
+    ask: Annotated[
+        bool, typer.Option("--ask", help="Ask for what the file of --cell lacks.")
+    ] = False,
+    output: Annotated[str, typer.Option("--output", "-o", help="Folder for the files.")] = ".",
+    report: ReportOption = None,
+    opened: OpenOption = False,
+    names: NamesOption = None,
+    every: EveryOption = False,
+    draft: DraftOption = False,
+    frames: FramesOption = FramesAs.BASE,
+    from_language: FromLanguage = None,
+    entry: EntryOption = None,
+    prove: ProveOption = False,
+    signals: SignalsOption = None,
+    seed: SeedOption = 0,
+    format: TranslationFormatOption = TranslationFormat.TEXT,
+) -> None:
+    """Write robot programs in another language; tell of every statement what becomes of it."""
+    from assistant.cli.proving import proving
+    from assistant.cli.translating import Options, run_translate
+
+    options = Options(
+        to=to,
+        robot=robot,
+        from_robot=from_robot,
+        process=process,
+        cell=cell,
+        frames=frames,
+        from_language=from_language,
+        draft=draft,
+        entry=entry,
+        proving=proving(prove, signals, seed),
+    )
+    run = run_translate(
+        programs,
+        options,
+        output=output,
+        report=report,
+        format=format,
+        names=names,
+        ask=ask,
+        every=every,
+        opened=opened,
+    )
+    raise typer.Exit(run)
+
+
+def show(
+    source: Source,
+    robot: RobotOption = None,
+    process: ProcessOption = None,
+    unit: UnitOption = None,
+    place: PlaceOption = None,
+    marks: MarkOption = None,
+    from_language: FromLanguage = None,
+    entry: EntryOption = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="Write a .pseudo file, long paths in tables beside."),
+    ] = None,
+    to: Annotated[
+        str | None,
+        typer.Option(help="As this language will say it.", autocompletion=complete_language),
+    ] = None,
+    after: Annotated[
+        str | None, typer.Option(help="On the way into that language, after this pass.")
+    ] = None,
+) -> None:
+    """Print the pseudo-program of any source or robot program."""
+    from assistant.cli.showing import Wanted, run_show
+
+    wanted = Wanted(robot, process, unit, from_language, entry, to, after, placing(place, marks))
+    raise typer.Exit(run_show(source, wanted, output))
+
+
+def check(
+    sources: Annotated[
+        list[str] | None,
+        typer.Argument(help="Files, or folders with programs; - for input; none for the project."),
+    ] = None,
+    robot: RobotOption = None,
+    process: ProcessOption = None,
+    unit: UnitOption = None,
+    place: PlaceOption = None,
+    marks: MarkOption = None,
+    cell: CellOption = None,
+    from_language: FromLanguage = None,
+    report: PageOption = None,
+    opened: OpenOption = False,
+    plot: PlotOption = None,
+    format: FindingFormatOption = FindingFormat.TEXT,
+    fail_on: FailOnOption = FailOn.WARNING,
+) -> None:
+    """Check sources and robot programs; with a robot also reach, limits and configurations."""
+    from assistant.cli.checking import Options, run_check
+    from assistant.cli.pages import Asked
+
+    if not sources:
+        from assistant.cli.building import run_project_check
+
+        given = {
+            "--robot": robot,
+            "--process": process,
+            "--unit": unit,
+            "--place": place,
+            "--mark": marks or None,
+            "--cell": cell,
+            "--from": from_language,
+            "--report": report,
+            "--open": opened or None,
+            "--plot": plot,
+        }
+        raise typer.Exit(run_project_check(given, format, fail_on))
+    options = Options(robot, process, unit, cell, from_language, placing(place, marks))
+    raise typer.Exit(run_check(sources, options, format, fail_on, Asked(report, opened, plot)))
+
+
+def explain(
+    codes: Annotated[list[str], typer.Argument(help="Codes of findings, such as RA204.")],
+) -> None:
+    """Print what a finding means, what to do, and an example."""
+    from assistant.cli.checking import run_explain
+
+    raise typer.Exit(run_explain(codes))
+
+
+def fmt(
+    files: Annotated[
+        list[str], typer.Argument(help="Robot programs, or folders with them; - for input.")
+    ],
+    check: Annotated[
+        bool, typer.Option("--check", help="Write nothing; exit 1 if a file would change.")
+    ] = False,
+    diff: Annotated[
+        bool, typer.Option("--diff", help="Write nothing; print what would change.")
+    ] = False,
+    renumber: Annotated[
+        str | None,
+        typer.Option(
+            "--renumber", metavar="FIRST,STEP", help="Number the steps anew, jumps to them too."
+        ),
+    ] = None,
+    from_language: FromLanguage = None,
+) -> None:
+    """Lay robot programs out: indentation, blanks, case of keywords. What they say stays."""
+    from assistant.cli.formatting import run_fmt
+
+    raise typer.Exit(run_fmt(files, check, diff, from_language, renumber))
+
+
+def coverage(
+    programs: Annotated[
+        list[str], typer.Argument(help="Robot programs, or folders with them; - for input.")
+    ],
+    from_language: FromLanguage = None,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Tell, construct by construct, what of a program can be translated and what cannot."""
+    from assistant.cli.coverage import run_coverage
+
+    raise typer.Exit(run_coverage(programs, from_language, format))
+
+
+COMMANDS: Final = (compile, translate, show, check, explain, fmt, coverage)
+"""In the order of the help."""
