@@ -35,7 +35,14 @@ SAME_NAMES = error(
     "give one of them another `prefix` under [program] of its process file, and with `as` another"
     " name",
 )
+OWN_MAIN = error(
+    "CL075",
+    "`{source}` has a routine `{name}`, and so is the one called that runs all of them",
+    "rename the file, or name the routine by `as` under [program] of its process file",
+)
 
+MAIN: Final = "main"
+"""What runs all of them, and where a controller begins."""
 SHARED: Final = ("tools", "frames", "signals")
 """What all drawings of a cell have in common."""
 OWN: Final = tuple(table for table in TABLES if table not in SHARED)
@@ -96,12 +103,14 @@ def _joined(parts: Sequence[tuple[str, Program]], name: str) -> Program:
         else:  # its routines are called one by one
             procedures.remove(begins)
             calls += (one for one in begins.body if isinstance(one, Call))
-    taken = {one.name.lower() for one in procedures}
-    main = identifier("main", taken)
+    for source, program in parts:
+        for one in program.procedures:
+            if one in procedures and one.name.lower() == MAIN:
+                raise Refused(OWN_MAIN(source=source, path=source, name=one.name))
     return Program(
         name,
-        (Procedure(main, tuple(calls)), *procedures),
-        entry=main,
+        (Procedure(MAIN, tuple(calls)), *procedures),
+        entry=MAIN,
         robot=_robot(parts),
         comments=tuple(chain.from_iterable(program.comments for program in programs)),
         interface=_interface(programs),

@@ -230,6 +230,16 @@ def test_drawings_that_do_not_go_together_are_refused_once(tmp_path: Path) -> No
         assert [one.code for one in refused.value.findings] == [code]
 
 
+def test_no_drawing_takes_the_place_of_what_runs_all_of_them(tmp_path: Path) -> None:
+    files = [drawn(tmp_path, "left"), drawn(tmp_path, "Main", 50)]
+    with pytest.raises(Refused) as refused:
+        together(files, "glue")
+    assert [one.code for one in refused.value.findings] == ["CL075"]
+    files[1] = drawn(tmp_path, "Main", 50, '[program]\nas = "right"\n')
+    (text,) = texts(made(together(files, "glue")))
+    assert text.index("PROC main()") < text.index("PROC right()")
+
+
 COUNTED = "on_controller = true\nnumber = 1"
 MELFA = ("melfa-basic-5", "melfa-basic-6")
 

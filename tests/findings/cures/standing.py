@@ -83,6 +83,12 @@ CASES: Final = (
         change={"c/a.process.toml": '[program]\nprefix = "c_"\nas = "c"\n'},
     ),
     Case(
+        "CL075",
+        "compile a.dxf main.dxf -l rapid --together both -o out",
+        DRAWN | _second("tolerance = 0.05\n", "main"),
+        change={"main.process.toml": '[program]\nas = "right"\n'},
+    ),
+    Case(
         "CL073",
         "compile a.dxf b.dxf -l rapid --as Go -o out",
         DRAWN | _second("tolerance = 0.05\n"),
