@@ -134,10 +134,11 @@ def follow(
 
     name: of the path; its ends are `<name>_start` and `<name>_end`, one target where the contour
     comes back to its start with the tool as it was. before: the degrees of the contour before,
-    None for the first one. process: its tolerance is what corners without a stated size may be cut
-    by, and what stands around the work tells where the tool comes from. taken: names that must not
-    be used. top: of the layer, see `highest`. drawn_on: the layer's name. stays: the arm stops
-    above the end. Without statements there is no room for what the layer says.
+    None where the tool comes from anywhere. process: its tolerance is what corners without a
+    stated size may be cut by, and what stands around the work tells where the tool comes from.
+    taken: names that must not be used. top: of the layer, see `highest`. drawn_on: the layer's
+    name. stays: the arm stops above the end. Without statements there is no room for what the
+    layer says.
     """
     moved = placed.rows(drawn)
     flat = FLATTENED * process.tolerance

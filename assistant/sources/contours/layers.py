@@ -139,7 +139,9 @@ def contour_program(
         shaped = shaper.shaped(row, np.reshape(points, (-1, 3)))
         findings += shaper.findings
         shaper.findings.clear()
-        made, named, found = _procedure(name, drawn, shaped, layer, process, names, beside)
+        made, named, found = _procedure(
+            name, drawn, shaped, layer, process, names, beside, later=bool(procedures)
+        )
         procedures += made
         targets |= named
         findings += found
@@ -182,10 +184,13 @@ def _procedure(
     process: Process,
     taken: TakenNames,
     texts: Sequence[Written],
+    *,
+    later: bool,
 ) -> tuple[list[Procedure], dict[str, Target], list[Diagnostic]]:
     """The procedure of that name along the contours of one layer, none if nothing is left.
 
-    shaped: what the contours have become. With it the targets that it names, and the findings.
+    shaped: what the contours have become. later: another layer comes before it. With the
+    procedure come the targets that it names, and the findings.
     """
     name, findings = drawn[0].layer, list[Diagnostic]()
     placed = Placed.of(name, layer, process)
@@ -223,7 +228,7 @@ def _procedure(
     body: list[Statement] = [Comment(_plain(f"{layer.process}: layer {name}"))]
     widest = WIDEST_TURN if layer.tangential else WIDEST
     deviation, fitted, count = 0.0, sum(one.fitted for one in kept), 0
-    wound: float | None = None
+    wound = 0.0 if later and layer.above.kind == "linear" else None
     top = highest(drawn, placed) if layer.above.height is not None else 0.0
     corners = 0
     of_number = {one.main.number: one for one in kept}

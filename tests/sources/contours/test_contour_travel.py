@@ -57,3 +57,37 @@ def test_the_tool_unwinds_above_the_work(tmp_path):
     assert travels(drawn(tmp_path, low)) == [*approach, *["linear"] * 4]  # no room above it
     level = PROCESS.replace("tangential = true", "tangential = false")
     assert travels(drawn(tmp_path, level)) == [*approach, *["linear"] * 4]
+
+
+TWO_LAYERS = """
+[motion]
+frame = "table"
+[frames.table]
+position = [900, 0, 600]
+[layers.A]
+{keys}
+[layers.B]
+{keys}
+"""
+
+
+@pytest.mark.parametrize(
+    ("keys", "kinds"),
+    [
+        ('travel_kind = "linear"', ["joint", "linear"]),
+        ('travel_kind = "linear"\napproach = 0\nretract = 0', ["joint", "linear"]),
+        ("", ["joint", "joint"]),
+    ],
+)
+def test_linear_travel_holds_from_layer_to_layer(tmp_path, keys, kinds):
+    document = ezdxf.new("R2010", units=4)
+    for y, layer in enumerate("AB"):
+        document.modelspace().add_line((0, 20 * y), (50, 20 * y), dxfattribs={"layer": layer})
+    document.saveas(tmp_path / "part.dxf")
+    (tmp_path / "part.process.toml").write_text(TWO_LAYERS.format(keys=keys))
+    compiled = assistant.compile(
+        tmp_path / "part.dxf", language="rapid", robot="irb4600-60-2.05"
+    ).files
+    (text,) = (raw.decode() for raw in compiled.values())
+    first = [part.split("Move")[1][0] for part in text.split("! ")[-2:]]
+    assert first == [{"joint": "J", "linear": "L"}[kind] for kind in kinds]
