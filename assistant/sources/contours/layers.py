@@ -131,6 +131,7 @@ def contour_program(
             followed.append((name, replace(layer, direction=direction), contours))
     shaper = Shaper([(layer, contours) for _, layer, contours in followed], process.tolerance)
     # All procedures have their names before any path gets one.
+    before: Layer | None = None
     for row in shaper.order():
         name, layer, drawn = followed[row]
         key = drawn[0].layer.casefold()
@@ -140,8 +141,9 @@ def contour_program(
         findings += shaper.findings
         shaper.findings.clear()
         made, named, found = _procedure(
-            name, drawn, shaped, layer, process, names, beside, later=bool(procedures)
+            name, drawn, shaped, layer, process, names, beside, before=before
         )
+        before = layer if made else before
         procedures += made
         targets |= named
         findings += found
@@ -185,11 +187,11 @@ def _procedure(
     taken: TakenNames,
     texts: Sequence[Written],
     *,
-    later: bool,
+    before: Layer | None,
 ) -> tuple[list[Procedure], dict[str, Target], list[Diagnostic]]:
     """The procedure of that name along the contours of one layer, none if nothing is left.
 
-    shaped: what the contours have become. later: another layer comes before it. With the
+    shaped: what the contours have become. before: the layer that comes before it. With the
     procedure come the targets that it names, and the findings.
     """
     name, findings = drawn[0].layer, list[Diagnostic]()
@@ -228,7 +230,7 @@ def _procedure(
     body: list[Statement] = [Comment(_plain(f"{layer.process}: layer {name}"))]
     widest = WIDEST_TURN if layer.tangential else WIDEST
     deviation, fitted, count = 0.0, sum(one.fitted for one in kept), 0
-    wound = 0.0 if later and layer.above.kind == "linear" else None
+    wound = 0.0 if before is not None and _by_lines(before, layer) else None
     top = highest(drawn, placed) if layer.above.height is not None else 0.0
     corners = 0
     of_number = {one.main.number: one for one in kept}
@@ -290,6 +292,15 @@ def _of_those_left(around: Sequence[int], shaped: Sequence[Shaped | None]) -> li
         return NONE
 
     return [holder(row) for row in rows] if around else []
+
+
+def _by_lines(before: Layer, layer: Layer) -> bool:
+    """Whether the tool comes from one layer to the next as it does within them.
+
+    A joint move needs room above the work.
+    """
+    raised = before.retract > 0.0 or before.above.height is not None
+    return layer.above.kind == "linear" or not (raised and layer.approach > 0.0)
 
 
 def _stem(layer: str, taken: TakenNames) -> str:

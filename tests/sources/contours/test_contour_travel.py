@@ -76,6 +76,8 @@ position = [900, 0, 600]
     [
         ('travel_kind = "linear"', ["joint", "linear"]),
         ('travel_kind = "linear"\napproach = 0\nretract = 0', ["joint", "linear"]),
+        ("approach = 0\nretract = 0", ["joint", "linear"]),
+        ("retract = 0", ["joint", "linear"]),
         ("", ["joint", "joint"]),
     ],
 )
