@@ -19,6 +19,11 @@ WIDTH: Final = 30
 BLANKS: Final = ("`tip` of [tools.tool]", "`position` of [frames.work]")
 """What has to be filled in before anything moves."""
 
+TOP: Final = (
+    ("# home = [0, 0, 0, 0, 30, 0]", "of the axes: there the program begins and ends, with"),
+    ('# robot = "irb1200-7-0.7"', "whose axes these are"),
+    ("# joint_percent = 20", "of joint moves, for controllers that take no mm/s"),
+)
 MOTION: Final = (
     ("speed = 100", "mm/s, where a layer or a location says no other"),
     ('tool = "tool"', "defined below"),
@@ -108,6 +113,7 @@ def _lines(name: str, survey: Survey) -> Iterator[str]:
     yield ""
     yield from _said([*_unit(survey), ("tolerance = 0.05", "for joining ends, fitting curves")])
     yield from _said([_left_out(idle)])
+    yield from _said(TOP)
     yield ""
     yield "[motion]"
     yield from _said(MOTION)

@@ -14,7 +14,7 @@ from assistant.program.diagnostics import Refused
 from assistant.program.text import SourceText
 from assistant.project import build, project_of
 from assistant.project.checking import check
-from assistant.project.drafting import CHOICES, LAYER
+from assistant.project.drafting import CHOICES, LAYER, TOP
 from assistant.project.starting import AROUND, start
 from assistant.sources.process import layers as process_layers
 from assistant.sources.process.file import parse_process, read_process
@@ -106,6 +106,18 @@ def test_every_key_of_a_layer_is_there_and_can_be_had_by_taking_the_mark_away(
         assert not codes(taken) & {"CT301", "CT302", "CT303", "CT304", "CT309"}, choice
     told = {row[0].removeprefix("# ").split(" = ")[0] for row in (*LAYER, *CHOICES)}
     assert told | {"tool", "frame"} == set(process_layers.LAYER)
+
+
+def test_what_stands_at_the_top_can_be_had_by_taking_the_mark_away(home, drawing: Path) -> None:
+    start(home.folder, [drawing])
+    fill_in(home.folder / PROCESS)
+    text = (home.folder / PROCESS).read_text("utf-8")
+    for choice, _ in TOP:
+        assert f"\n{choice} " in text.partition("[motion]")[0]
+        text = text.replace(choice, choice.removeprefix("# "))
+    process = tomllib.loads(text)
+    assert {"home", "robot", "joint_percent"} <= set(process)
+    assert not [code for code in codes(text) if code.startswith(("CT3", "CO5"))]
 
 
 def test_a_unit_that_nobody_names_can_be_stated(home, tmp_path_factory) -> None:
