@@ -8,7 +8,7 @@ from typing import Final
 _LIVE: Final = "a controller has to be there while commands come and go: tests/{}"
 _DIED: Final = "a deployment has to die half way: tests/deploy/test_unbreakable.py ends such ones"
 _TAUGHT: Final = "points are taught on a controller: tests/cli/test_pulling.py brings them home"
-_UNSEEN: Final = "no test comes there: {}; what it names is looked up"
+_RUN: Final = "no test comes there: {}; what it says to do is run by {}"
 
 NOT_FOLLOWED: Final[Mapping[str, str]] = {
     "CK442": "the planner is asked for a way by itself: tests/cell/planning/test_planner.py",
@@ -22,7 +22,7 @@ NOT_FOLLOWED: Final[Mapping[str, str]] = {
     "CL251": _LIVE.format("cli/test_follow.py"),
     "CL254": _LIVE.format("cli/test_follow.py"),
     "CL293": "a gateway runs until it is ended: tests/cli/test_gateways.py",
-    "CN113": _UNSEEN.format("the address of a virtual controller is asked for while none runs"),
+    "CN113": _RUN.format("it is asked of Python", "docs/controllers/virtual.md"),
     "CN115": "the line has to leave this computer: tests/cli/test_clear_text.py has one made up",
     "CN116": "the line has to leave this computer: tests/cli/test_clear_text.py has one made up",
     "CN208": _LIVE.format("controllers/abb/rws/test_session.py"),
@@ -35,17 +35,21 @@ NOT_FOLLOWED: Final[Mapping[str, str]] = {
     "DP205": _LIVE.format("cli/test_deployments.py"),
     "DP208": _DIED,
     "DP210": _DIED,
-    "DP211": _UNSEEN.format("a deployment dies, and somebody else changes what it left"),
-    "DP225": _UNSEEN.format("a deployment ends while its controller is gone"),
+    "DP211": _RUN.format(
+        "a deployment dies, and somebody changes what it left", "tests/cli/test_pulling.py"
+    ),
+    "DP225": _RUN.format(
+        "a deployment ends while its controller is gone", "tests/deploy/test_unbreakable.py"
+    ),
     "DP229": _LIVE.format("cli/test_deployments.py"),
     "DP234": "a controller needs two tasks with one module: tests/deploy/test_memory.py",
     "LM001": "how long it takes is up to the computer: tests/program/system/test_budgets.py",
     "LM002": "it would be the memory of the test: tests/program/system/test_budgets.py",
-    "PR203": _UNSEEN.format("the system kills a process that builds"),
+    "PR203": _RUN.format("the system kills a process that builds", "tests/cli/test_projects.py"),
     "PR501": _TAUGHT,
     "PR502": _TAUGHT,
     "PR503": _TAUGHT,
-    "PR506": _UNSEEN.format("a program vanishes between a look and the next"),
+    "PR506": _RUN.format("a program vanishes between two looks", "tests/cli/test_pulling.py"),
     "PR508": _TAUGHT,
     "RA333": "a gateway runs until it is ended: tests/virtual/test_translated_bytes.py",
     "RB009": "it is asked of Python: tests/robots/test_coupling.py",
