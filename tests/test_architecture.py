@@ -24,6 +24,8 @@ ROOMS: dict[str, frozenset[str]] = {
     "checks": frozenset({"program", "robots", "cell"}),
     "virtual": frozenset({"program", "robots", "languages"}),
     "controllers": frozenset({"program", "sources"}),
+    "vision": frozenset({"program", "sources", "robots", "cell", "controllers"}),
+    "learning": frozenset({"program", "robots", "vision"}),
     "deploy": frozenset({"program", "languages", "controllers"}),
     "compiler": frozenset(
         {
@@ -50,7 +52,7 @@ ROOMS: dict[str, frozenset[str]] = {
         {
             *("program", "sources", "robots", "cell", "languages", "checks"),
             *("virtual", "controllers", "deploy", "compiler", "findings", "report"),
-            *("project", "view"),
+            *("project", "view", "vision", "learning"),
         }
     ),
 }

@@ -28,6 +28,7 @@ _OWN_FAMILIES: Final = {
     "FN": "Severities and ignored findings",
     "IN": "Reading files",
     "LM": "Limits",
+    "LN": "Learned and calibrated arms",
     "NM": "Names",
     "PR": "Projects",
     "PS": "Pseudo-program text",
@@ -35,6 +36,7 @@ _OWN_FAMILIES: Final = {
     "SR": "Sources",
     "TB": "Tables and waypoints",
     "VC": "Virtual controllers",
+    "VS": "Cameras and what they see",
 }
 """Those that are of no language."""
 

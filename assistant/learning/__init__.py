@@ -1,0 +1,1 @@
+"""Kinematics that are learned from what cameras see, and arms that are calibrated by it."""

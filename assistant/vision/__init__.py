@@ -1,0 +1,1 @@
+"""What cameras see: cameras, pointing, servoing, known objects; the extra `vision`."""

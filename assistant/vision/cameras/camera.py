@@ -1,0 +1,180 @@
+"""A camera: a lens, and where it stands.
+
+The frame of a camera has z along its view, x to the right of the picture and y down. Pixels (u, v)
+count from the middle of the upper left one. Points are mm.
+
+Lens: pinhole with the distortion of Brown and Conrady in the form and order of OpenCV,
+(k1, k2, p1, p2, k3); source: its documentation of calib3d, "Detailed Description".
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from assistant.program import rotations
+from assistant.program.arrays import Floats, Truths
+from assistant.program.geometry import IDENTITY, Pose, Vector
+
+WORLD: Final = "world"
+"""The parent of a camera that stands still."""
+NEAR: Final = 1.0
+"""mm before the camera; what is nearer, or behind it, is not seen."""
+ROUNDS: Final = 20
+"""Steps of Newton's method at most, from a pixel to its ray."""
+RING: Final = np.linspace(0.0, 3.0, 601)
+"""Tangents of angles from the axis at which it is looked how far the lens is one to one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Lens:
+    """What a camera does to directions.
+
+    size: width and height in pixels. focal: pixels along u and v. centre: pixel of the axis.
+    distortion: k1, k2, p1, p2, k3.
+    """
+
+    size: tuple[int, int]
+    focal: tuple[float, float]
+    centre: tuple[float, float]
+    distortion: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0)
+
+    @staticmethod
+    def ideal(size: tuple[int, int], focal: float) -> Lens:
+        """Square pixels, the axis in the middle, no distortion."""
+        return Lens(size, (focal, focal), ((size[0] - 1) / 2.0, (size[1] - 1) / 2.0))
+
+    @property
+    def matrix(self) -> Floats:
+        """(3, 3), as OpenCV takes it."""
+        (fx, fy), (cx, cy) = self.focal, self.centre
+        return np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
+
+    @property
+    def widest(self) -> float:
+        """Tangent of the angle from the axis up to which what is farther out is seen so."""
+        k1, k2, _, _, k3 = self.distortion
+        r2 = RING**2
+        rising = 1.0 + r2 * (3.0 * k1 + r2 * (5.0 * k2 + r2 * 7.0 * k3)) > 0.0
+        return float(RING[-1] if rising.all() else RING[np.argmin(rising)])
+
+    def pixels(self, tangents: Floats) -> Floats:
+        """(n, 2) x / z and y / z → (n, 2) pixels; NaN beyond `widest`."""
+        found = self._distorted(tangents) * self.focal + np.array(self.centre)
+        found[(tangents**2).sum(axis=1) > self.widest**2] = np.nan
+        return np.asarray(found)
+
+    def tangents(self, pixels: Floats) -> Floats:
+        """(n, 2) pixels → (n, 2) x / z and y / z; NaN for pixels that the lens does not reach."""
+        wanted: Floats = np.asarray((pixels - np.array(self.centre)) / np.array(self.focal))
+        if not any(self.distortion):
+            return wanted
+        found = wanted.copy()
+        for _ in range(ROUNDS):
+            off = self._distorted(found) - wanted
+            step = np.linalg.solve(self._slope(found), off[..., None])[..., 0]
+            found -= np.clip(step, -0.3, 0.3)
+            if not (np.abs(step) > 1e-13).any():
+                break
+        off = np.abs(self._distorted(found) - wanted).max(axis=1)
+        found[~((off < 1e-9) & ((found**2).sum(axis=1) <= self.widest**2))] = np.nan
+        return found
+
+    def slopes(self, tangents: Floats) -> Floats:
+        """(n, 2) tangents → (n, 2, 2) change of the pixel by them."""
+        return np.asarray(self._slope(tangents) * np.array(self.focal)[:, None])
+
+    def _distorted(self, t: Floats) -> Floats:
+        k1, k2, p1, p2, k3 = self.distortion
+        x, y = t[:, 0], t[:, 1]
+        r2 = x * x + y * y
+        radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
+        return np.stack(
+            [
+                x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
+                y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y,
+            ],
+            axis=1,
+        )
+
+    def _slope(self, t: Floats) -> Floats:
+        k1, k2, p1, p2, k3 = self.distortion
+        x, y = t[:, 0], t[:, 1]
+        r2 = x * x + y * y
+        radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
+        grows = 2.0 * (k1 + r2 * (2.0 * k2 + r2 * 3.0 * k3))
+        across = x * y * grows + 2.0 * p1 * x + 2.0 * p2 * y
+        rows = [
+            [radial + x * x * grows + 2.0 * p1 * y + 6.0 * p2 * x, across],
+            [across, radial + y * y * grows + 6.0 * p1 * y + 2.0 * p2 * x],
+        ]
+        return np.moveaxis(np.array(rows), 2, 0)
+
+
+@dataclass(frozen=True, slots=True)
+class Camera:
+    """pose: of the camera in its parent: `WORLD`, or a link of a robot (`arm.flange`)."""
+
+    name: str
+    lens: Lens
+    pose: Pose = IDENTITY
+    parent: str = WORLD
+
+    def carried(self, parent: Pose) -> Camera:
+        """The same camera in the world, while its parent has a pose there."""
+        return replace(self, pose=parent @ self.pose, parent=WORLD)
+
+    def seen_by(self, points: Floats) -> Floats:
+        """Points (n, 3) of the parent's frame, in the frame of the camera."""
+        return self.pose.inverse().moved(np.asarray(points, dtype=np.float64).reshape(-1, 3))
+
+    def project(self, points: Floats) -> Floats:
+        """Points (n, 3) of the parent's frame → pixels (n, 2), perhaps outside of the picture.
+
+        NaN for points behind the camera, and for those beyond what its lens maps.
+        """
+        local = self.seen_by(points)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            tangents = local[:, :2] / local[:, 2:]
+        tangents[~(local[:, 2] > NEAR)] = np.nan
+        return self.lens.pixels(tangents)
+
+    def slopes(self, points: Floats) -> Floats:
+        """(n, 2, 3) change of the pixels by points (n, 3) of the parent's frame, a mm."""
+        local = self.seen_by(points)
+        x, y, z = local.T
+        none = np.zeros_like(z)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            by_point = np.array([[1.0 / z, none, -x / z**2], [none, 1.0 / z, -y / z**2]])
+            tangents = local[:, :2] / local[:, 2:]
+        turn = rotations.to_matrix(np.array(self.pose.quaternion)).T
+        return np.asarray(self.lens.slopes(tangents) @ np.moveaxis(by_point, 2, 0) @ turn)
+
+    def directions(self, pixels: Floats) -> Floats:
+        """Pixels (n, 2) → unit vectors (n, 3) in the parent's frame from `pose.position` on."""
+        tangents = self.lens.tangents(np.asarray(pixels, dtype=np.float64).reshape(-1, 2))
+        local = np.column_stack([tangents, np.ones(len(tangents))])
+        local /= np.linalg.norm(local, axis=1, keepdims=True)
+        return np.asarray(rotations.rotate(np.array(self.pose.quaternion), local))
+
+    def within(self, pixels: Floats, margin: float = 0.0) -> Truths:
+        """(n,) which pixels (n, 2) are in the picture, so many pixels from its edge."""
+        width, height = self.lens.size
+        u, v = np.asarray(pixels).reshape(-1, 2).T
+        low = margin - 0.5
+        return (u >= low) & (v >= low) & (u <= width - 1 - low) & (v <= height - 1 - low)
+
+
+def looking_at(eye: ArrayLike, target: ArrayLike, up: Vector = (0.0, 0.0, 1.0)) -> Pose:
+    """The pose of a camera at a place that looks at another one, the picture's top towards `up`."""
+    ahead = np.asarray(target, dtype=np.float64) - np.asarray(eye, dtype=np.float64)
+    ahead /= np.linalg.norm(ahead)
+    right = np.cross(ahead, up)
+    if np.linalg.norm(right) < 1e-9:
+        right = np.cross(ahead, (0.0, 1.0, 0.0))
+    right /= np.linalg.norm(right)
+    turn = np.column_stack([right, np.cross(ahead, right), ahead])
+    return Pose.of(np.asarray(eye, dtype=np.float64), rotations.from_matrix(turn))
