@@ -33,6 +33,12 @@ ROOMS: dict[str, frozenset[str]] = {
             *("virtual", "controllers", "deploy"),
         }
     ),
+    "blocks": frozenset(
+        {
+            *("program", "sources", "robots", "cell", "languages"),
+            *("virtual", "controllers", "compiler"),
+        }
+    ),
     "findings": frozenset({"program", "sources", "robots", "cell", "languages", "compiler"}),
     "project": frozenset(
         {
@@ -52,7 +58,7 @@ ROOMS: dict[str, frozenset[str]] = {
         {
             *("program", "sources", "robots", "cell", "languages", "checks"),
             *("virtual", "controllers", "deploy", "compiler", "findings", "report"),
-            *("project", "view", "vision", "learning"),
+            *("project", "view", "vision", "learning", "blocks"),
         }
     ),
 }

@@ -18,6 +18,7 @@ from assistant.languages import Language
 from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, error
 
 _OWN_FAMILIES: Final = {
+    "BL": "Blocks and generated code",
     "CK": "Checks of programs",
     "CL": "Command line",
     "CN": "Controllers",

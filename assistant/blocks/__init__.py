@@ -1,0 +1,1 @@
+"""Blocks: the robot inside models of other tools, as a library of theirs or as generated code."""

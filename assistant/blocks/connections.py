@@ -1,0 +1,145 @@
+"""Connections that the blocks of a model share: opened for the first one, closed after the last."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future
+from contextlib import AbstractContextManager, contextmanager, suppress
+from typing import Final, Generic, TypeVar
+
+from assistant.blocks.rules import NO_STATEMENTS
+from assistant.controllers import connect
+from assistant.controllers.controller import Controller
+from assistant.controllers.mitsubishi.cr import Cr
+from assistant.controllers.states import Position
+from assistant.program.diagnostics import Refused
+
+T = TypeVar("T")
+
+PATIENCE: Final = 10.0
+"""Seconds that a statement has to come to its end once the arm was stopped."""
+
+
+class Connection(Generic[T]):
+    """A connection by its name, for as many blocks as use it; those of other robots have others.
+
+    opening: gives a context manager, entered when the first block begins and left when the last
+    one ends. moves: whether blocks move an arm by it, which a run has to be told of by its name.
+    """
+
+    def __init__(
+        self, name: str, opening: Callable[[], AbstractContextManager[T]], *, moves: bool = False
+    ) -> None:
+        self.name, self.moves = name, moves
+        self._opening = opening
+        self._users = 0
+        self._context: AbstractContextManager[T] | None = None
+        self._value: T | None = None
+
+    @property
+    def users(self) -> int:
+        """Blocks that use it now."""
+        return self._users
+
+    def take(self) -> T:
+        """What is connected to, for one block more; raises what opening it raises."""
+        if self._context is None:
+            context = self._opening()
+            self._value = context.__enter__()
+            self._context = context
+        self._users += 1
+        assert self._value is not None
+        return self._value
+
+    def leave(self) -> None:
+        """One block less; it is closed after the last."""
+        self._users -= 1
+        if self._users == 0 and self._context is not None:
+            context, self._context, self._value = self._context, None, None
+            context.__exit__(None, None, None)
+
+
+class Operator:
+    """Has a CR controller carry out statements, one after the other, and does not wait for them.
+
+    What is under way is stopped when it is closed, over a connection of its own.
+    """
+
+    def __init__(self, session: Cr) -> None:
+        self.session = session
+        self._jobs: queue.SimpleQueue[tuple[Sequence[str], Future[Position]] | None] = (
+            queue.SimpleQueue()
+        )
+        self._open: Future[Position] | None = None
+        self._thread = threading.Thread(target=self._run, name="operator", daemon=True)
+        self._thread.start()
+
+    def position(self) -> Position:
+        """Where the arm stands; only while nothing is under way."""
+        return self.session.position()
+
+    @property
+    def busy(self) -> bool:
+        """Whether statements of some block are under way."""
+        return self._open is not None and not self._open.done()
+
+    def carry_out(self, statements: Sequence[str]) -> Future[Position]:
+        """Begins with statements; what comes of it is where the arm stands then."""
+        assert not self.busy, "one block at a time moves an arm"
+        self._open = Future()
+        self._jobs.put((statements, self._open))
+        return self._open
+
+    def close(self) -> None:
+        """Stops what is under way, and ends."""
+        if self.busy:
+            assert self._open is not None
+            other = connect(self.session.address)
+            assert isinstance(other, Controller)
+            with other:
+                other.stop()
+            with suppress(Refused, TimeoutError):  # what ended it was this stop
+                self._open.result(PATIENCE)
+        self._jobs.put(None)
+        self._thread.join(PATIENCE)
+
+    def _run(self) -> None:
+        while (job := self._jobs.get()) is not None:
+            statements, done = job
+            try:
+                for statement in statements:
+                    self.session.execute(statement, wait=True)
+                done.set_result(self.session.position())
+            except Exception as error:  # noqa: BLE001 - it is the block's, which raises it
+                done.set_exception(error)
+
+
+def operated(
+    name: str, address: str, *, override: int = 10, servo: bool = True, timeout: float = 60.0
+) -> Connection[Operator]:
+    """A CR controller whose arm blocks move statement by statement, over its controller link.
+
+    address: of the controller, or its name in the project. override: percent of the speed. servo:
+    whether the servos are switched on before and off after. timeout: seconds of the longest move.
+    """
+
+    @contextmanager
+    def opening() -> Iterator[Operator]:
+        session = connect(address, timeout=timeout)
+        if not isinstance(session, Cr):
+            raise Refused(NO_STATEMENTS(name=name, address=session.address), exit_status=2)
+        with session:
+            session.set_override(override)
+            if servo:
+                session.motors(True)
+            operator = Operator(session)
+            try:
+                yield operator
+            finally:
+                operator.close()
+                if servo:
+                    session.motors(False)
+
+    return Connection(name, opening, moves=True)

@@ -1,0 +1,46 @@
+"""Clocks of a run: as fast as it goes, or in real time with late steps counted."""
+
+from __future__ import annotations
+
+import time
+from typing import Final, Protocol
+
+SPIN: Final = 2e-4
+"""Seconds before a moment from which on it is waited for without sleeping."""
+
+
+class Clock(Protocol):
+    """What the steps of a run wait for."""
+
+    def begin(self) -> None:
+        """The first step is next, at 0 s."""
+
+    def reach(self, moment: float) -> float:
+        """Comes back at a moment of the run; how many seconds after it."""
+
+
+class Simulated:
+    """Time passes as fast as the blocks allow."""
+
+    def begin(self) -> None: ...
+
+    def reach(self, moment: float) -> float:
+        del moment
+        return 0.0
+
+
+class RealTime:
+    """Time passes as it does. A step that comes late is made at once, and none is left out."""
+
+    def __init__(self) -> None:
+        self._began = 0.0
+
+    def begin(self) -> None:
+        self._began = time.monotonic()
+
+    def reach(self, moment: float) -> float:
+        due = self._began + moment
+        while (rest := due - time.monotonic()) > 0.0:
+            if rest > SPIN:
+                time.sleep(rest - SPIN)
+        return -rest

@@ -1,0 +1,122 @@
+"""A block diagram: blocks, the wires between their ports, and the order of its steps."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from graphlib import CycleError, TopologicalSorter
+from typing import TypeVar
+
+from assistant.blocks.diagrams import rules
+from assistant.blocks.diagrams.block import Block
+from assistant.program.diagnostics import Diagnostic, Refused
+
+B = TypeVar("B", bound=Block)
+Place = tuple[Block, int]
+"""A port of a block, by its number."""
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """order: blocks as they give their outputs. sources: of each block where its inputs come from.
+    findings: what may be wrong and does not keep it from running.
+    """
+
+    order: tuple[Block, ...]
+    sources: Mapping[Block, tuple[Place, ...]]
+    findings: tuple[Diagnostic, ...]
+
+
+class Diagram:
+    """Blocks and wires.
+
+    diagram = Diagram()
+    way = diagram.add(Ramp("way", ...))
+    arm = diagram.add(SimulatedArm("arm", robot))
+    diagram.wire(way, arm, "joints")
+    """
+
+    def __init__(self, name: str = "main") -> None:
+        self.name = name
+        self.blocks: list[Block] = []
+        self._wires: dict[tuple[Block, int], Place] = {}
+
+    def add(self, block: B) -> B:
+        """Puts a block in and gives it back; raises Refused for a name that is taken."""
+        if any(one.name == block.name for one in self.blocks):
+            raise Refused(rules.SAME_NAME(name=block.name))
+        self.blocks.append(block)
+        return block
+
+    def wire(
+        self,
+        start: Block | tuple[Block, str],
+        end: Block | tuple[Block, str],
+        *more: Block | tuple[Block, str],
+    ) -> None:
+        """From an output to one or more inputs; a port is named where a block has several.
+
+        Raises Refused for ports that are not there, and for an input that has a wire.
+        """
+        source = self._port(start, "output")
+        for one in (end, *more):
+            block, number = self._port(one, "input")
+            if (block, number) in self._wires:
+                port = block.inputs[number].name
+                raise Refused(rules.TWO_WIRES(port=port, block=block.name))
+            self._wires[block, number] = source
+
+    @property
+    def wires(self) -> Sequence[tuple[Place, Place]]:
+        """From where to where, in the order in which they were laid."""
+        return [(start, end) for end, start in self._wires.items()]
+
+    def plan(self) -> Plan:
+        """The order of its steps; raises Refused for inputs without a wire and for loops."""
+        missing = [
+            rules.NO_WIRE(port=port.name, block=block.name)
+            for block in self.blocks
+            for number, port in enumerate(block.inputs)
+            if (block, number) not in self._wires
+        ]
+        unlike = [found for wire in self.wires if (found := _unlike(*wire)) is not None]
+        wrong = [*missing, *(one for one in unlike if one.severity == "error")]
+        if wrong:
+            raise Refused(*wrong)
+        sources = {
+            block: tuple(self._wires[block, number] for number in range(len(block.inputs)))
+            for block in self.blocks
+        }
+        waits = {
+            block: [start for start, _ in sources[block]] if block.direct else []
+            for block in self.blocks
+        }
+        try:
+            order = tuple(TopologicalSorter(waits).static_order())
+        except CycleError as error:
+            names = " → ".join(f"`{block.name}`" for block in error.args[1])
+            raise Refused(rules.LOOP(names=names)) from None
+        return Plan(order, sources, tuple(unlike))
+
+    def _port(self, given: Block | tuple[Block, str], kind: str) -> Place:
+        block, name = given if isinstance(given, tuple) else (given, None)
+        if block not in self.blocks:
+            raise Refused(rules.NOT_A_STRANGER(name=block.name))
+        ports = block.outputs if kind == "output" else block.inputs
+        found = [i for i, port in enumerate(ports) if name in (None, port.name)]
+        if len(found) != 1:
+            known = ", ".join(f"`{port.name}`" for port in ports) or "none"
+            said = name or "that is the only one"
+            raise Refused(rules.NO_PORT(block=block.name, kind=kind, name=said, known=known))
+        return block, found[0]
+
+
+def _unlike(start: Place, end: Place) -> Diagnostic | None:
+    """What does not fit between two ports."""
+    one, other = start[0].outputs[start[1]], end[0].inputs[end[1]]
+    given, wanted = f"{start[0].name}.{one.name}", f"{end[0].name}.{other.name}"
+    if one.size != other.size:
+        return rules.OTHER_SIZE(start=given, end=wanted, given=one.size, wanted=other.size)
+    if one.unit != other.unit and one.unit and other.unit:
+        return rules.OTHER_UNIT(start=given, end=wanted, given=one.unit, wanted=other.unit)
+    return None

@@ -1,0 +1,1 @@
+"""Blocks for diagrams: kinematics, sources, arms, and those that speak with controllers."""

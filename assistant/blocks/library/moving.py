@@ -1,0 +1,156 @@
+"""Moves by controller operation: the arm stops after each, and a block is busy until then.
+
+CircularMov, LinMovJoint, LinMovCart, JointMovJoint and JointMovCart are those of Kohrt et al., A
+Robot Manipulator Communications and Control Framework, table IV ("controller operation: stopped,
+blocking").
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import Future
+from typing import ClassVar, Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from assistant.blocks.connections import Connection, Operator
+from assistant.blocks.diagrams.block import Block, Port
+from assistant.blocks.rules import NO_NUMBERS, OUT_OF_LIMITS
+from assistant.controllers.states import Position
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Refused
+from assistant.robots.robot import Robot
+
+NUMBERED: Final = 6
+"""Joints by number, whichever the arm lacks, or X, Y, Z in mm and A, B, C in degrees."""
+
+
+class Move(Block):
+    """target (and what else leads there), start → busy, moves done, where it stood last.
+
+    While `start` is above 0.5 and no move is under way, it moves to a target that is another one
+    than the last that it moved to. Targets that come while it is busy are not waited for: the one
+    that is there when it is free again is next. `joints` are those of J1 to J6 when it last stood,
+    0 for one that the arm lacks, and NaN before the first move.
+    """
+
+    direct: ClassVar[bool] = False
+    ways: ClassVar[tuple[str, ...]] = ("target",)
+    of_joints: ClassVar[bool] = False
+
+    def __init__(
+        self,
+        name: str,
+        connection: Connection[Operator],
+        robot: Robot,
+        *,
+        period: float | None = None,
+    ) -> None:
+        unit = "deg" if self.of_joints else ""
+        ports = [Port(way, NUMBERED, unit) for way in self.ways]
+        outputs = [Port("busy"), Port("done"), Port("joints", NUMBERED, "deg")]
+        super().__init__(name, [*ports, Port("start")], outputs, period=period)
+        self.robot, self.connection, self.moves = robot, connection, connection.name
+        self._operator: Operator | None = None
+
+    def begin(self) -> None:
+        self._under_way: Future[Position] | None = None
+        self._last: Floats | None = None
+        self._done, self._stood = 0, np.full(NUMBERED, np.nan)
+        self._operator = self.connection.take()
+
+    def end(self) -> None:
+        if self._operator is not None:
+            self._operator = None
+            self.connection.leave()
+
+    def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:
+        """Raises Refused for a move that the controller refused or did not end."""
+        del now, given
+        if self._under_way is not None and self._under_way.done():
+            joints = self._under_way.result().joints[:NUMBERED]
+            stood = [0.0 if joint is None else joint for joint in joints]
+            self._stood = np.array([*stood, *[0.0] * (NUMBERED - len(stood))])
+            self._under_way = None
+            self._done += 1
+        return [[float(self._under_way is not None)], [float(self._done)], self._stood]
+
+    def take(self, now: float, given: Sequence[Floats]) -> None:
+        del now
+        assert self._operator is not None
+        wanted = np.concatenate(given[:-1])
+        if self._under_way is not None or self._operator.busy or not given[-1][0] > 0.5:
+            return
+        if self._last is not None and np.array_equal(wanted, self._last):
+            return
+        if not np.isfinite(wanted).all():
+            raise Refused(NO_NUMBERS(block=self.name))
+        if self.of_joints:
+            self._check(wanted)
+        self._last = wanted
+        self._under_way = self._operator.carry_out(self.statements(given[:-1]))
+
+    def statements(self, ways: Sequence[Floats]) -> Sequence[str]:
+        """What the controller carries out, one after the other. ways: as its inputs are."""
+        raise NotImplementedError
+
+    def _check(self, wanted: Floats) -> None:
+        for place, (low, high) in zip(self.robot.places, self.robot.limits, strict=True):
+            value = float(wanted[place])
+            if not low <= value <= high:
+                name = self.robot.name
+                told = {"low": low, "high": high, "robot": name, "value": value}
+                raise Refused(OUT_OF_LIMITS(block=self.name, axis=place + 1, **told))
+
+    def _pose(self, name: str, values: Floats) -> str:
+        """A position variable, with the posture that the arm has now."""
+        assert self._operator is not None
+        flags = self._operator.position().text.rpartition("(")[2]
+        return f"{name}={_bracket(values)}({flags}"
+
+
+class JointMovJoint(Move):
+    """To joints, by the joints."""
+
+    of_joints = True
+
+    def statements(self, ways: Sequence[Floats]) -> Sequence[str]:
+        return [f"J99={_bracket(ways[0])}", "MOV J99"]
+
+
+class JointMovCart(Move):
+    """To a pose, by the joints."""
+
+    def statements(self, ways: Sequence[Floats]) -> Sequence[str]:
+        return [self._pose("P99", ways[0]), "MOV P99"]
+
+
+class LinMovJoint(Move):
+    """To where joints bring the tool, on a line."""
+
+    of_joints = True
+
+    def statements(self, ways: Sequence[Floats]) -> Sequence[str]:
+        return [f"J99={_bracket(ways[0])}", "P99=JTOP(J99)", "MVS P99"]
+
+
+class LinMovCart(Move):
+    """To a pose, on a line."""
+
+    def statements(self, ways: Sequence[Floats]) -> Sequence[str]:
+        return [self._pose("P99", ways[0]), "MVS P99"]
+
+
+class CircularMov(Move):
+    """To a pose, on an arc by way of another one."""
+
+    ways = ("via", "target")
+
+    def statements(self, ways: Sequence[Floats]) -> Sequence[str]:
+        via, target = (self._pose(n, way) for n, way in zip(("P98", "P99"), ways, strict=True))
+        return ["P97=P_CURR", via, target, "MVR P97,P98,P99"]
+
+
+def _bracket(values: Floats) -> str:
+    return f"({','.join(f'{value:.2f}' for value in values)})"

@@ -1,0 +1,95 @@
+"""Sources: constants, motions of programs, paths over time, pose to pose."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from assistant.blocks.diagrams.block import Block, Port
+from assistant.blocks.library.arrays import joints_port, pose_port, pose_signal
+from assistant.program import rotations
+from assistant.program.arrays import Floats
+from assistant.program.geometry import Pose
+from assistant.robots.robot import Robot
+
+
+class Constant(Block):
+    """The same numbers at all times."""
+
+    def __init__(self, name: str, value: ArrayLike, unit: str = "") -> None:
+        self.value = np.atleast_1d(np.asarray(value, dtype=np.float64))
+        super().__init__(name, (), [Port("value", len(self.value), unit)])
+
+    def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:
+        del now, given
+        return [self.value]
+
+
+class Table(Block):
+    """Rows (n, k) at times (n,) that rise, in lines between them; before and behind they hold.
+
+    Takes the columns of a recording, a simulation or an own computation without a copy. Raises
+    ValueError for tables that are none.
+    """
+
+    def __init__(
+        self, name: str, seconds: ArrayLike, rows: ArrayLike, *, port: Port | None = None
+    ) -> None:
+        self.seconds = np.asarray(seconds, dtype=np.float64)
+        self.rows = np.asarray(rows, dtype=np.float64)
+        if self.rows.ndim == 1:
+            self.rows = self.rows[:, None]
+        good = self.rows.ndim == 2 and self.seconds.shape == (len(self.rows),) and len(self.rows)
+        if not good or not np.isfinite(self.rows).all() or not (np.diff(self.seconds) > 0.0).all():
+            raise ValueError("rows of finite numbers and times that rise are wanted, a time a row")
+        width = self.rows.shape[1]
+        super().__init__(name, (), [port or Port("value", width), Port("over")])
+
+    def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:
+        del given
+        row = int(np.clip(np.searchsorted(self.seconds, now), 1, max(len(self.seconds) - 1, 1)))
+        over = float(now >= self.seconds[-1])
+        if len(self.seconds) == 1:
+            return [self.rows[0], [over]]
+        start, end = self.seconds[row - 1], self.seconds[row]
+        part = np.clip((now - start) / (end - start), 0.0, 1.0)
+        return [self.rows[row - 1] + part * (self.rows[row] - self.rows[row - 1]), [over]]
+
+
+def joint_table(name: str, robot: Robot, seconds: ArrayLike, joints: ArrayLike) -> Table:
+    """Joints (n, a) of an arm over time: what `assistant.simulate(…).simulation.samples` holds."""
+    return Table(name, seconds, joints, port=joints_port(robot))
+
+
+class PoseToPose(Block):
+    """From one pose to another on a line in so many seconds, at rest at both ends.
+
+    The speed rises and falls as a trapezoid, with a third of the time for each part; the turn is
+    about one axis.
+    """
+
+    def __init__(self, name: str, start: Pose, end: Pose, seconds: float) -> None:
+        if not 0.0 < seconds < np.inf:
+            raise ValueError("the time is seconds above 0")
+        super().__init__(name, (), [pose_port(), Port("over")])
+        self._ends, self.seconds = (start, end), seconds
+
+    def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:
+        del given
+        part = trapezoid(now / self.seconds)
+        first, last = (np.array(one.position) for one in self._ends)
+        turns = [np.array([one.quaternion]) for one in self._ends]
+        turn = rotations.between(turns[0], turns[1], [part])[0]
+        return [pose_signal(first + part * (last - first), turn), [float(now >= self.seconds)]]
+
+
+def trapezoid(part: float) -> float:
+    """How far one is, 0 to 1, at a part of the time: thirds of rising, steady, falling speed."""
+    t = min(max(part, 0.0), 1.0)
+    if t < 1.0 / 3.0:
+        return 2.25 * t * t
+    if t > 2.0 / 3.0:
+        return 1.0 - 2.25 * (1.0 - t) ** 2
+    return 1.5 * t - 0.25

@@ -1,0 +1,19 @@
+"""What is wrong with connections of blocks."""
+
+from __future__ import annotations
+
+from assistant.program.diagnostics import error
+
+NO_STATEMENTS = error(
+    "BL201",
+    "`{name}` at {address} carries out no single statements",
+    "name a controller of Mitsubishi's CR family, by an address with melfa:// or melfa-serial://",
+)
+OUT_OF_LIMITS = error(
+    "BL202",
+    "block `{block}` is to go to J{axis} {value:.2f}, outside {low:g} to {high:g}",
+    "give it joints that {robot} reaches",
+)
+NO_NUMBERS = error(
+    "BL203", "block `{block}` is to go to a place of numbers that are none", "look at its source"
+)

@@ -1,0 +1,197 @@
+"""The five moves of the paper, on a virtual CR controller over real sockets and a serial line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import pytest
+from numpy.typing import ArrayLike
+
+from assistant import robots
+from assistant.blocks.connections import operated
+from assistant.blocks.diagrams.block import Port
+from assistant.blocks.diagrams.clocks import RealTime
+from assistant.blocks.diagrams.diagram import Diagram
+from assistant.blocks.diagrams.running import Ran, run
+from assistant.blocks.library.moving import (
+    CircularMov,
+    JointMovCart,
+    JointMovJoint,
+    LinMovCart,
+    LinMovJoint,
+    Move,
+)
+from assistant.blocks.library.sources import Constant, Table
+from assistant.controllers import connect
+from assistant.controllers.controller import Controller
+from assistant.program.diagnostics import Refused
+from assistant.virtual.cr import VirtualCr
+from assistant.virtual.events import Moved
+
+ARM = robots.get("rv-2aj")
+STEP = 0.02
+PACE = 10.0
+
+
+@pytest.fixture
+def cell() -> Iterator[VirtualCr]:
+    with VirtualCr("rv-2aj", pace=PACE) as controller:
+        yield controller
+
+
+def moved(
+    address: str, kind: type[Move], ways: Sequence[Sequence[ArrayLike]], seconds: float = 4.0
+) -> Ran:
+    """A block that is given targets one after the other; it ends when it has been at the last."""
+    diagram = Diagram()
+    connection = operated("cell", address, override=50)
+    block = diagram.add(kind("move", connection, ARM, period=STEP))
+    times = np.linspace(0.0, seconds, len(ways[0]), endpoint=False)
+    for way, rows in zip(kind.ways, ways, strict=True):
+        held = np.repeat(np.array(rows, dtype=float), 2, axis=0)
+        at = np.column_stack([times, np.append(times[1:], 1e3) - 1e-3]).ravel()
+        source = diagram.add(Table(way, at, held, port=Port("value", 6)))
+        diagram.wire((source, "value"), (block, way))
+    diagram.wire(diagram.add(Constant("on", 1.0)), (block, "start"))
+    ended: list[float] = []
+
+    def watch(now: float) -> bool:
+        del now
+        return len(ended) < len(ways[0])
+
+    def counted(now: float) -> bool:
+        if block._done > len(ended):
+            ended.append(now)
+        return watch(now)
+
+    ran = run(diagram, 20.0, STEP, clock=RealTime(), watch=counted, moving=["cell"])
+    assert connection.users == 0
+    return ran
+
+
+def commanded(cell: VirtualCr) -> list[Moved]:
+    """The motions that the controller itself carried out."""
+    machinery = cell.state.machinery
+    log = machinery.do(lambda: list(machinery.controller.kernel.log))
+    return [row.what for row in log if isinstance(row.what, Moved)]
+
+
+LOW, HIGH = [0, 10, 80, 0, 60, 0], [20, 0, 90, 0, 90, 0]
+OUT, BESIDE, BACK = [360, 0, 300, 0, 180, 0], [330, 60, 300, 0, 180, 0], [300, 100, 300, 0, 180, 0]
+
+
+@pytest.mark.parametrize(("kind", "way"), [(JointMovJoint, "joint"), (LinMovJoint, "linear")])
+def test_joints_are_gone_to_one_after_the_other(
+    cell: VirtualCr, kind: type[Move], way: str
+) -> None:
+    ran = moved(cell.address, kind, [[LOW, HIGH]])
+    assert [(one.kind, one.blend) for one in commanded(cell)] == [(way, 0.0)] * 2  # it stops
+    assert ran["move.joints"][-1] == pytest.approx(HIGH, abs=0.02)
+    done, busy = ran["move.done"], ran["move.busy"]
+    assert busy[np.searchsorted(done, 1) - 1] == 1.0  # until it ended
+
+
+@pytest.mark.parametrize(("kind", "way"), [(JointMovCart, "joint"), (LinMovCart, "linear")])
+def test_poses_are_gone_to_one_after_the_other(cell: VirtualCr, kind: type[Move], way: str) -> None:
+    ran = moved(cell.address, kind, [[OUT, BACK]])
+    moves = commanded(cell)
+    assert [(one.kind, one.blend) for one in moves] == [(way, 0.0)] * 2
+    for one, pose in zip(moves, (OUT, BACK), strict=True):
+        assert one.flange is not None
+        assert one.flange.position == pytest.approx(pose[:3], abs=0.02)
+    joints = ran["move.joints"][-1]
+    assert ARM.fk(joints[list(ARM.places)])[0][0] == pytest.approx(BACK[:3], abs=0.1)
+
+
+def test_an_arc_goes_by_way_of_a_pose(cell: VirtualCr) -> None:
+    with_start = [[OUT, BESIDE], [OUT, BACK]]
+    moved(cell.address, JointMovCart, [[OUT]])
+    moved(cell.address, CircularMov, [with_start[0][1:], with_start[1][1:]])
+    arc = commanded(cell)[-1]
+    assert (arc.kind, arc.blend) == ("circular", 0.0)
+    assert arc.via is not None and arc.flange is not None
+    assert arc.via.position == pytest.approx(BESIDE[:3], abs=0.02)
+    assert arc.flange.position == pytest.approx(BACK[:3], abs=0.02)
+
+
+def test_a_serial_line_carries_the_same() -> None:
+    with VirtualCr("rv-2aj", pace=PACE, serial=True) as cell:
+        ran = moved(cell.serial_address, JointMovJoint, [[LOW]])
+        assert ran["move.joints"][-1] == pytest.approx(LOW, abs=0.02)
+
+
+def test_two_blocks_share_a_connection_and_two_robots_have_two(cell: VirtualCr) -> None:
+    with VirtualCr("rv-2aj", pace=PACE) as other:
+        diagram = Diagram()
+        shared = operated("cell", cell.address, override=50)
+        lone = operated("other", other.address, override=50)
+        on = diagram.add(Constant("on", 1.0))
+        blocks = []
+        for name, connection, kind, goal in (
+            ("first", shared, JointMovJoint, LOW),
+            ("second", shared, LinMovJoint, HIGH),
+            ("third", lone, JointMovJoint, HIGH),
+        ):
+            block = diagram.add(kind(name, connection, ARM))
+            diagram.wire(diagram.add(Constant(f"to {name}", goal, "deg")), (block, "target"))
+            diagram.wire(on, (block, "start"))
+            blocks.append(block)
+        most = []
+
+        def watch(now: float) -> bool:
+            del now
+            most.append(shared.users)
+            return not all(block._done for block in blocks)
+
+        run(diagram, 20.0, STEP, clock=RealTime(), watch=watch, moving=["cell", "other"])
+        assert set(most) == {2}
+        assert (shared.users, lone.users) == (0, 0)
+        assert [one.kind for one in commanded(cell)] == ["joint", "linear"]
+        assert [one.kind for one in commanded(other)] == ["joint"]
+
+
+def test_nothing_moves_that_nobody_confirmed(cell: VirtualCr) -> None:
+    diagram = Diagram()
+    block = diagram.add(JointMovJoint("move", operated("cell", cell.address), ARM))
+    diagram.wire(diagram.add(Constant("to", LOW)), (block, "target"))
+    diagram.wire(diagram.add(Constant("on", 1.0)), (block, "start"))
+    with pytest.raises(Refused, match=r"BL111.*`cell`"):
+        run(diagram, 1.0, STEP)
+    assert commanded(cell) == []
+
+
+@pytest.mark.parametrize(
+    ("target", "code"), [([0, 200, 0, 0, 0, 0], "BL202"), ([0, np.nan, 0, 0, 0, 0], "BL203")]
+)
+def test_no_place_that_is_none_is_gone_to(
+    cell: VirtualCr, target: Sequence[float], code: str
+) -> None:
+    diagram = Diagram()
+    block = diagram.add(JointMovJoint("move", operated("cell", cell.address), ARM))
+    diagram.wire(diagram.add(Constant("to", target)), (block, "target"))
+    diagram.wire(diagram.add(Constant("on", 1.0)), (block, "start"))
+    with pytest.raises(Refused, match=code):
+        run(diagram, 1.0, STEP, moving=["cell"])
+    assert commanded(cell) == []
+
+
+def test_a_run_that_ends_stops_the_arm_on_its_way(cell: VirtualCr) -> None:
+    diagram = Diagram()
+    block = diagram.add(JointMovJoint("move", operated("cell", cell.address, override=1), ARM))
+    diagram.wire(diagram.add(Constant("to", HIGH)), (block, "target"))
+    diagram.wire(diagram.add(Constant("on", 1.0)), (block, "start"))
+    begun: list[float] = []
+
+    def watch(now: float) -> bool:
+        if commanded(cell):
+            begun.append(now)
+        return len(begun) < 3
+
+    run(diagram, 20.0, STEP, clock=RealTime(), watch=watch, moving=["cell"])
+    there = cell.state.machinery.joints()
+    assert np.abs(np.array(there) - np.array(HIGH)[list(ARM.places)]).max() > 1.0
+    assert tuple(cell.state.machinery.joints()) == tuple(there)  # it stands
+    with connect(cell.address) as session:
+        assert isinstance(session, Controller)
+        assert not session.state().motors
