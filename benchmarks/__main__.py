@@ -10,7 +10,7 @@ import subprocess
 import sys
 import time
 
-from benchmarks import exchanging, planning, real_time, tasks
+from benchmarks import exchanging, generated, planning, real_time, tasks
 from benchmarks.arms import ROBOTS
 from benchmarks.collision import COLLISION
 from benchmarks.collision import TITLE as CELL
@@ -43,7 +43,16 @@ def main() -> None:
     arguments.add_argument("--runs", type=int, default=3, help="of each case; the best counts")
     arguments.add_argument(
         "--only",
-        choices=["emission", *TABLES, "exchange", "planning", "real-time", "growth", "tasks"],
+        choices=[
+            "emission",
+            *TABLES,
+            "generated",
+            "exchange",
+            "planning",
+            "real-time",
+            "growth",
+            "tasks",
+        ],
         help="one part of it; growth takes hours; it and tasks run only if they are named",
     )
     arguments.add_argument("--construct", default="", help="of growth: part of a name")
@@ -68,6 +77,8 @@ def main() -> None:
     for part in TABLES:
         if chosen.only in (None, part):
             _tables(part, chosen.runs)
+    if chosen.only in (None, "generated"):
+        generated.report(chosen.runs)
     if chosen.only in (None, "exchange"):
         exchanging.report()
     if chosen.only in (None, "planning"):

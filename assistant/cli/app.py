@@ -9,7 +9,15 @@ from typing import Annotated, Final
 import typer
 
 from assistant import __version__
-from assistant.cli import deployments, on_arms, on_cells, on_controllers, on_programs, projects
+from assistant.cli import (
+    deployments,
+    on_arms,
+    on_blocks,
+    on_cells,
+    on_controllers,
+    on_programs,
+    projects,
+)
 from assistant.cli.exchanges import exchange
 from assistant.cli.explorations import explore
 from assistant.cli.gateways import gateway
@@ -73,7 +81,7 @@ def options(
     _budget(budget)
 
 
-for command in (*on_programs.COMMANDS, *on_cells.COMMANDS):
+for command in (*on_programs.COMMANDS, *on_cells.COMMANDS, *on_blocks.COMMANDS):
     app.command()(command)
 app.command()(run)
 app.command()(debug)

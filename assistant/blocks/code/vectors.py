@@ -1,0 +1,64 @@
+"""Tables of joints, poses, configurations, Jacobians and branches that source is tested with."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+
+from assistant.cell.reach.singularities import away, jacobian
+from assistant.program.arrays import Floats
+from assistant.robots import Robot
+
+ROWS: Final = 200
+SEED: Final = 22
+AWAY: Final = 0.02
+"""How far from a singularity the rows are, as `away` tells it: nearer to one, the rounding of a
+pose turns joints by more than the test allows."""
+
+
+def vectors_csv(robot: Robot, rows: int = ROWS) -> bytes:
+    """A CSV with a row of names, then joints at random inside the limits and what is of them."""
+    columns = np.hstack(list(_columns(robot, _joints(robot, rows))))
+    names = ",".join(_names(robot))
+    lines = [",".join(map(repr, row)) for row in columns.tolist()]
+    return "\n".join([names, *lines, ""]).encode()
+
+
+def _joints(robot: Robot, rows: int) -> Floats:
+    """(rows, a), the same ones of each robot, none of them near a singularity."""
+    random, (low, high) = np.random.default_rng(SEED), robot.limits.T
+    found = np.empty((0, len(low)))
+    while len(found) < rows:
+        more = random.uniform(low, high, (4 * rows, len(low)))
+        found = np.concatenate([found, more[away(robot, more) > AWAY]])
+    return found[:rows]
+
+
+def degrees_jacobian(robot: Robot, joints: Floats) -> Floats:
+    """(n, 6, a) mm and degrees of the flange for each degree (or mm) of a joint."""
+    out = jacobian(robot, joints)
+    turning = ~robot.sliding
+    out[:, :3, turning] *= np.radians(robot.reach)
+    return out
+
+
+def _columns(robot: Robot, joints: Floats) -> Iterator[Floats]:
+    n = len(joints)
+    p, q = robot.fk(joints)
+    yield from (joints, p, q, robot.configuration(joints).astype(np.float64))
+    yield degrees_jacobian(robot, joints).reshape(n, -1)
+    branches, valid = robot.ik(p, q)
+    yield np.concatenate([branches, valid[..., None]], axis=2).reshape(n, -1)
+
+
+def _names(robot: Robot) -> list[str]:
+    axes = list(robot.axes)
+    pose = ["x", "y", "z", "qw", "qx", "qy", "qz"]
+    sides = ["side_1", "side_2", "side_3", "quarter_J1", "quarter_J4", "quarter_J6"]
+    rates = [f"d{row}/d{axis}" for row in ("x", "y", "z", "rx", "ry", "rz") for axis in axes]
+    branches = [
+        f"branch_{branch}_{of}" for branch in range(robot.branches) for of in (*axes, "valid")
+    ]
+    return [*axes, *pose, *sides, *rates, *branches]
