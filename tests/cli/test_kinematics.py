@@ -38,7 +38,7 @@ def test_an_arm_without_a_closed_form_is_refused(capsys: Capture, tmp_path: Path
     file = tmp_path / "own.urdf"
     file.write_text(OFFSET, encoding="utf-8")
     status, _, err = run(capsys, "kinematics", str(file), "-o", str(tmp_path / "made"))
-    assert status == 1 and "BL201" in err
+    assert status == 1 and "BL301" in err
     assert not (tmp_path / "made").exists()
 
 

@@ -7,7 +7,7 @@ from typing import Final
 from assistant.program.diagnostics import error
 
 NO_CLOSED_FORM: Final = error(
-    "BL201",
+    "BL301",
     "{title} has no kinematics in closed form, so no source of it can be written",
     "choose an arm of six axes with a spherical wrist, of five, or a SCARA",
 )

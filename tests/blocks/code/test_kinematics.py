@@ -189,7 +189,7 @@ def test_an_arm_without_a_closed_form_is_refused() -> None:
     robot = catalogue.read(OFFSET.encode(), "own.urdf")
     with pytest.raises(Refused) as refused:
         kinematics(robot, "c")
-    assert [one.code for one in refused.value.findings] == ["BL201"]
+    assert [one.code for one in refused.value.findings] == ["BL301"]
 
 
 @pytest.mark.parametrize(
