@@ -2,10 +2,36 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Final, Literal
 
 from assistant.cli.presentation import Format, print_findings, print_json, say
+from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors
+
+if TYPE_CHECKING:
+    from assistant.blocks.fmu import Model
+    from assistant.cli.simulating import Options
+    from assistant.compiler.solving import Solved
+
+NO_FMU: Final = error(
+    "CL560", "`{name}` is no name of an FMU", "end it in .fmu, as tools that import one expect"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """Of `fmu`. kind: None for what the source tells. everywhere: for every platform there is a
+    compiler for. options: of the simulation of a program; its robot also counts for an arm.
+    """
+
+    source: str
+    output: Path | None
+    kind: str | None
+    lag: float
+    everywhere: bool
+    options: Options
 
 
 def run_kinematics(
@@ -26,3 +52,83 @@ def run_kinematics(
     for path in written:
         say(f"wrote {path}")
     return 0
+
+
+def run_fmu(wanted: Wanted, format: Format) -> int:
+    """0 when the FMU is written, 1 if the robot cannot run the program; raises Refused."""
+    from assistant.blocks.fmu import compiled
+    from assistant.cli.compiling import keep_sources, working
+    from assistant.cli.simulating import refused, solved
+    from assistant.cli.stating import as_stated
+    from assistant.program.system.writing import write_files
+
+    kind = wanted.kind or _kind(wanted)
+    output = wanted.output or Path("out") / f"{Path(wanted.source).stem}.fmu"
+    if output.suffix.lower() != ".fmu" or output.is_dir():
+        raise Refused(NO_FMU(name=str(output)), exit_status=2)
+    with working(f"writing {output}"):
+        if kind == "arm":
+            model, findings = _arm(wanted)
+        else:
+            options = as_stated(wanted.source, wanted.options)
+            ready = solved(wanted.source, options)
+            if has_errors(ready.findings):
+                robot = ready.solution.robot
+                return refused(wanted.source, robot, ready.findings, format, "written as an FMU")
+            model, findings = _program(wanted, options, ready), ready.findings
+        data, more = compiled(model, everywhere=wanted.everywhere)
+        findings = [*findings, *more]
+        keep_sources([wanted.source], [output])
+        (written,) = write_files({output.name: data}, output.parent)
+    if format is Format.JSON:
+        from assistant.findings.formats import finding_record
+
+        told = [finding_record(finding) for finding in findings]
+        answer = {"source": wanted.source, "kind": kind, "identifier": model.identifier}
+        print_json({**answer, "guid": model.guid, "findings": told, "written": [str(written)]})
+        return 0
+    print_findings(findings, explained=True)
+    say(f"{model.title}: {_told(model)}")
+    say(f"wrote {written}")
+    return 0
+
+
+def _kind(wanted: Wanted) -> str:
+    """What a source is of which nobody says it: the name or file of a robot is an arm."""
+    from assistant import robots
+    from assistant.compiler.arms import ROBOT_FILES
+
+    if wanted.source.lower() in robots.names():
+        return "arm"
+    is_file = Path(wanted.source).suffix.lower() in ROBOT_FILES
+    return "arm" if is_file and wanted.options.robot is None else "program"
+
+
+def _arm(wanted: Wanted) -> tuple[Model, Sequence[Diagnostic]]:
+    from assistant.blocks.fmu import arm_model
+    from assistant.compiler.arms import robot_of
+
+    robot = robot_of(wanted.source)
+    assert robot is not None
+    return arm_model(robot, lag=wanted.lag), robot.findings
+
+
+def _program(wanted: Wanted, options: Options, ready: Solved) -> Model:
+    from assistant.blocks.fmu import program_model, usual_period
+    from assistant.blocks.playback import Motion
+    from assistant.robots.timing import simulate
+
+    done = simulate(ready.solution, period=options.period, acceleration=options.acceleration)
+    if options.period is None:
+        done = replace(done, wanted_period=usual_period(done.seconds))
+    return program_model(Motion.of(done), done.robot, Path(wanted.source).stem)
+
+
+def _told(model: Model) -> str:
+    counted = {
+        what: sum(one.causality == what for one in model.variables)
+        for what in ("parameter", "input", "output")
+    }
+    return ", ".join(
+        f"{count} {what}{'s' if count != 1 else ''}" for what, count in counted.items()
+    )

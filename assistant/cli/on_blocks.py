@@ -9,13 +9,29 @@ from typing import Annotated, Final
 
 import typer
 
-from assistant.cli.options import FormatOption, complete_robot
+from assistant.cli.options import (
+    AccelerationOption,
+    CellOption,
+    EntryOption,
+    FormatOption,
+    FromLanguage,
+    FromRobot,
+    ProcessOption,
+    RobotOption,
+    UnitOption,
+    complete_robot,
+)
 from assistant.cli.presentation import Format
 
 
 class SourceLanguage(enum.StrEnum):
     C = "c"
     PYTHON = "python"
+
+
+class FmuKind(enum.StrEnum):
+    ARM = "arm"
+    PROGRAM = "program"
 
 
 def kinematics(
@@ -41,5 +57,51 @@ def kinematics(
     raise typer.Exit(run_kinematics(robot, language.value, output, format))
 
 
-COMMANDS: Final[tuple[Callable[..., None], ...]] = (kinematics,)
+def fmu(
+    source: Annotated[
+        str,
+        typer.Argument(
+            metavar="ROBOT|PROGRAM",
+            help="Arm to simulate, of the catalogue or by its file, or a program.",
+            autocompletion=complete_robot,
+        ),
+    ],
+    robot: RobotOption = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="FILE.fmu", help="Default out/NAME.fmu."),
+    ] = None,
+    kind: Annotated[
+        FmuKind | None, typer.Option(help="What it is of; default what the source tells.")
+    ] = None,
+    lag: Annotated[
+        float, typer.Option(min=0.0, help="Of an arm: seconds by which its joints follow.")
+    ] = 0.0,
+    period: Annotated[
+        float | None,
+        typer.Option(help="Of a program: seconds between rows; default 0.002, or what fits."),
+    ] = None,
+    all_platforms: Annotated[
+        bool, typer.Option("--all-platforms", help="Also for systems that a compiler is here for.")
+    ] = False,
+    acceleration: AccelerationOption = None,
+    process: ProcessOption = None,
+    unit: UnitOption = None,
+    cell: CellOption = None,
+    from_language: FromLanguage = None,
+    from_robot: FromRobot = None,
+    entry: EntryOption = None,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Write an arm or a program's motion as an FMU, which Simulink and others import."""
+    from assistant.cli.generating import Wanted, run_fmu
+    from assistant.cli.simulating import Options
+
+    given = (robot, process, unit, from_language, from_robot, acceleration, period, entry, cell)
+    named = None if kind is None else kind.value
+    wanted = Wanted(source, output, named, lag, all_platforms, Options(*given))
+    raise typer.Exit(run_fmu(wanted, format))
+
+
+COMMANDS: Final[tuple[Callable[..., None], ...]] = (kinematics, fmu)
 """In the order of the help."""
