@@ -1,0 +1,206 @@
+"""Files of cameras: what is known of each, when it was measured, where its pictures come from.
+
+[cameras.left]
+size = [640, 480]
+focal = [801.2, 800.7]        # pixels
+centre = [318.9, 241.3]       # pixels, from the middle of the upper left one
+distortion = [-0.2, 0.05, 0.0, 0.0, 0.0]   # k1, k2, p1, p2, k3
+position = [-300, -950, 300]  # mm, in its parent; z of the camera looks ahead, y down
+quaternion = [0.7, -0.7, 0, 0]
+parent = "world"              # or a link of a robot: arm.flange
+calibrated = 2026-11-25
+residual_px = 0.21
+source = "pictures/left"      # a folder, a file, an address, or the number of a device
+"""
+
+from __future__ import annotations
+
+import datetime
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path as FilePath
+from typing import Any, Final
+
+from assistant.cell.reading.bodies import pose_of
+from assistant.cell.reading.keys import PLACE
+from assistant.program.diagnostics import Refused, has_errors
+from assistant.program.geometry import Pose
+from assistant.program.near import near_names
+from assistant.program.system.budgets import SETTINGS_FILE
+from assistant.program.system.writing import write_files
+from assistant.program.text import SourceText, decode, read_bytes
+from assistant.sources.process import values
+from assistant.sources.process.file import ENCODINGS, read_toml
+from assistant.sources.process.table import Table
+from assistant.sources.process.values import Wrong, kind_of
+from assistant.vision.cameras import rules
+from assistant.vision.cameras.camera import WORLD, Camera, Lens
+
+MOST_PIXELS: Final = 32_768
+"""Along one side."""
+NARROWEST: Final = 100.0
+"""Focal length as so many times the width of the picture; no lens of a cell is longer."""
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """How a camera was calibrated: when, and the pixels (root mean square) that were left."""
+
+    date: datetime.date | None = None
+    residual: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Rig:
+    """Cameras by name, with how each was calibrated, and where its pictures come from ("" if the
+    file does not say). Files that `sources` names stand relative to `folder`.
+    """
+
+    cameras: Mapping[str, Camera]
+    records: Mapping[str, Record] = field(default_factory=dict)
+    sources: Mapping[str, str] = field(default_factory=dict)
+    folder: FilePath = FilePath()
+
+    def __getitem__(self, name: str) -> Camera:
+        """The camera of a name; raises Refused (exit status 2) if there is none."""
+        if name not in self.cameras:
+            known = ", ".join(near_names(name, self.cameras) or self.cameras)
+            raise Refused(rules.NO_CAMERA(name=name, known=known), exit_status=2)
+        return self.cameras[name]
+
+
+def read_cameras(path: str | FilePath) -> Rig:
+    """The cameras of a file; raises Unreadable, or Refused with a finding for each wrong key."""
+    data = read_bytes(path, most=SETTINGS_FILE)
+    return cameras_in(decode(data, str(path), ENCODINGS), FilePath(path).parent)
+
+
+def cameras_in(source: SourceText, folder: FilePath = FilePath()) -> Rig:
+    """The cameras of a text."""
+    top = read_toml(source)
+    top.read({"cameras": lambda value: value})
+    tables = list(top.table("cameras").named())
+    cameras, records, sources = dict[str, Camera](), dict[str, Record](), dict[str, str]()
+    for name, table in tables:
+        said = table.read(KEYS)
+        if (camera := _camera(name, table, said)) is not None:
+            cameras[name] = camera
+            records[name] = Record(said.get("calibrated"), said.get("residual_px"))
+            sources[name] = said.get("source", "")
+    if not tables:
+        top.say(rules.NO_CAMERAS)
+    if has_errors(top.page.findings):
+        raise Refused(*top.page.findings, exit_status=2)
+    return Rig(cameras, records, sources, folder)
+
+
+def write_cameras(path: str | FilePath, rig: Rig) -> None:
+    """Writes the file whole or not at all; numbers come back as they are."""
+    file = FilePath(path)
+    write_files({file.name: text_of(rig).encode("utf-8")}, file.parent)
+
+
+def text_of(rig: Rig) -> str:
+    """The file of a rig, as `read_cameras` reads it."""
+    return "\n".join("\n".join(_lines(rig, name)) + "\n" for name in rig.cameras)
+
+
+def _lines(rig: Rig, name: str) -> list[str]:
+    camera, record = rig.cameras[name], rig.records.get(name, Record())
+    lens, pose = camera.lens, camera.pose
+    rows: list[tuple[str, Any]] = [
+        *(("size", lens.size), ("focal", lens.focal), ("centre", lens.centre)),
+        *(("distortion", lens.distortion), ("position", pose.position)),
+        *(("quaternion", pose.quaternion), ("parent", camera.parent)),
+        *(("calibrated", record.date), ("residual_px", record.residual)),
+        ("source", rig.sources.get(name) or None),
+    ]
+    return [f"[cameras.{name}]", *(f"{k} = {_said(v)}" for k, v in rows if v is not None)]
+
+
+def _said(value: Any) -> str:
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(_said, value))}]"
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)
+    if isinstance(value, float):
+        return repr(float(value))
+    return str(value)
+
+
+# ----------------------------------------------------------------------------------- keys
+
+
+def _numbers(count: int, least: float, most: float) -> values.Read:
+    one = values.number("", least=least, most=most)
+
+    def read(value: Any) -> tuple[float, ...]:
+        if not isinstance(value, list) or len(value) != count:
+            what = (
+                f"has {len(value)} entries" if isinstance(value, list) else f"is {kind_of(value)}"
+            )
+            raise Wrong(what, f"write {count} numbers in brackets")
+        return tuple(map(one, value))
+
+    return read
+
+
+def _size(value: Any) -> tuple[int, int]:
+    one = values.whole(16, MOST_PIXELS)
+    if not isinstance(value, list) or len(value) != 2:
+        raise Wrong("is no size", "write width and height in pixels: [640, 480]")
+    return one(value[0]), one(value[1])
+
+
+def _date(value: Any) -> datetime.date:
+    if not isinstance(value, datetime.date):
+        raise Wrong(f"is {kind_of(value)}", "write a date without quotes: 2026-11-25")
+    return value.date() if isinstance(value, datetime.datetime) else value
+
+
+def _source(value: Any) -> str:
+    """A device is a number."""
+    if isinstance(value, int) and not isinstance(value, bool):
+        return str(values.whole(0, 99)(value))
+    return values.text(value)
+
+
+KEYS: Final[Mapping[str, values.Read]] = {
+    "size": _size,
+    "focal": _numbers(2, 1.0, 1e7),
+    "centre": _numbers(2, -1e6, 1e6),
+    "distortion": _numbers(5, -1e4, 1e4),
+    **PLACE,
+    "parent": values.text,
+    "calibrated": _date,
+    "residual_px": values.number("pixels", least=0.0, most=1e4),
+    "source": _source,
+}
+NEEDED: Final = ("size", "focal", "centre")
+
+
+def _camera(name: str, table: Table, said: Mapping[str, Any]) -> Camera | None:
+    missing = [key for key in NEEDED if key not in table.content]
+    if missing:
+        table.say(rules.INCOMPLETE, name=name, keys=" and no ".join(f"`{k}`" for k in missing))
+    if any(key not in said for key in NEEDED):
+        return None
+    lens = Lens(said["size"], said["focal"], said["centre"], said.get("distortion", (0.0,) * 5))
+    if (what := _wrong_lens(lens)) is not None:
+        table.say(rules.BAD_LENS, "focal", name=name, what=what)
+        return None
+    placed = any(key in said for key in PLACE)
+    return Camera(name, lens, pose_of(said) if placed else Pose(), said.get("parent", WORLD))
+
+
+def _wrong_lens(lens: Lens) -> str | None:
+    """What no camera of a cell has."""
+    width, height = lens.size
+    if not all(width / 20.0 <= focal <= NARROWEST * width for focal in lens.focal):
+        return f"has a focal length of {max(lens.focal):g} pixels for {width} pixels of width"
+    if not max(lens.focal) <= 2.0 * min(lens.focal):
+        return "has pixels that are twice as long as they are wide"
+    if not (-width <= lens.centre[0] <= 2 * width and -height <= lens.centre[1] <= 2 * height):
+        return "has its axis far outside of the picture"
+    return None

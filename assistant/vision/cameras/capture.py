@@ -1,0 +1,203 @@
+"""Pictures from cameras: devices, streams, films, folders of pictures, or a drawn cell.
+
+with opened(rig["left"], "pictures/left") as frames:
+    for frame in frames: ...
+"""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+from typing import Any, Final
+
+import numpy as np
+
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.text import read_bytes
+from assistant.vision.cameras import rules
+from assistant.vision.cameras.camera import WORLD, Camera
+from assistant.vision.cameras.drawing import Picture
+from assistant.vision.opencv import opencv
+
+DARK: Final = 12.0
+"""Grey level below which half of a picture shows nothing."""
+MOST_SATURATED: Final = 0.25
+"""Part of a picture that may be as bright as can be."""
+MOST_BYTES: Final = 100_000_000
+MOST_PIXELS: Final = 100_000_000
+SUFFIXES: Final = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff")
+STREAM: Final = re.compile(r"(?:rtsp|rtsps|http|https|udp|tcp)://", re.IGNORECASE)
+STARTS: Final = (b"\x89PNG", b"\xff\xd8", b"BM", b"II*\0", b"MM\0*")
+"""How files of pictures begin; others are not handed to what decodes them."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Frame:
+    """A picture (h, w, 3), blue first. number: from 0. seconds: when it came, of a clock that only
+    rises. name: of its file, "" for none.
+    """
+
+    picture: Picture
+    number: int
+    seconds: float
+    name: str = ""
+
+
+@contextmanager
+def opened(camera: Camera, source: str, folder: FilePath = FilePath()) -> Iterator[Iterator[Frame]]:
+    """The frames of a camera, one by one as they are asked for.
+
+    source: the number of a device, the address of a stream, a film, a picture, a folder of pictures
+    in the order of their numbers, or a cell file (.toml), which is drawn again and again with its
+    robots at home. Relative files stand in `folder`.
+    Raises Refused (exit status 2) if there is no such camera, no picture, or one of another size.
+    """
+    if source.isascii() and source.isdigit():
+        with _captured(camera, int(source), f"device {source}") as frames:
+            yield frames
+        return
+    if STREAM.match(source):
+        with _captured(camera, source, source) as frames:
+            yield frames
+        return
+    path = folder / source
+    if path.suffix.lower() == ".toml":
+        yield _drawn(camera, path)
+    elif path.is_dir():
+        yield _of_folder(camera, path)
+    elif path.suffix.lower() in SUFFIXES:
+        yield iter([Frame(_sized(camera, read_picture(path)), 0, time.monotonic(), path.name)])
+    elif path.is_file():
+        with _captured(camera, str(path), str(path)) as frames:
+            yield frames
+    else:
+        cure = "name a folder, a file, an address, or the number of a device"
+        raise Refused(_not_there(camera, source, "there is nothing", cure), exit_status=2)
+
+
+def read_picture(path: str | FilePath) -> Picture:
+    """A picture (h, w, 3) of a file; raises Refused (exit status 2) for what is none."""
+    cv = opencv()
+    data = read_bytes(path, most=MOST_BYTES)
+    reason = _unlike_a_picture(data)
+    if reason is None:
+        try:
+            picture = cv.imdecode(np.frombuffer(data, np.uint8), cv.IMREAD_COLOR)
+        except cv.error:
+            picture = None
+        if picture is not None:
+            return np.asarray(picture)
+        reason = "what it holds cannot be decoded"
+    raise Refused(rules.NO_PICTURE(path=str(path), reason=reason), exit_status=2)
+
+
+def look_at(camera: Camera, picture: Picture) -> tuple[Diagnostic, ...]:
+    """Whether a picture is dark or saturated."""
+    found = []
+    brightest = picture.max(axis=2)
+    if float(np.median(brightest)) < DARK:
+        found.append(rules.DARK(name=camera.name, level=DARK))
+    part = float((picture.min(axis=2) >= 255).mean())
+    if part > MOST_SATURATED:
+        found.append(rules.SATURATED(name=camera.name, percent=100.0 * part))
+    return tuple(found)
+
+
+def pictures_in(folder: str | FilePath) -> list[FilePath]:
+    """The pictures of a folder, by the numbers in their names: 2 stands before 10."""
+    files = (one for one in FilePath(folder).iterdir() if one.suffix.lower() in SUFFIXES)
+    return sorted(files, key=lambda one: _natural(one.name))
+
+
+def _natural(name: str) -> list[tuple[int, int, str]]:
+    parts = re.findall(r"\d+|\D+", name)
+    return [(0, int(p), "") if p.isdecimal() else (1, 0, p.casefold()) for p in parts]
+
+
+def _unlike_a_picture(data: bytes) -> str | None:
+    start = next((one for one in STARTS if data.startswith(one)), None)
+    if start is None:
+        return "it begins like no PNG, JPEG, BMP or TIFF"
+    if start == b"\x89PNG" and len(data) >= 24:
+        width, height = (int.from_bytes(data[i : i + 4], "big") for i in (16, 20))
+        if width * height > MOST_PIXELS:
+            return f"it says to have {width} × {height} pixels"
+    return None
+
+
+def _sized(camera: Camera, picture: Picture) -> Picture:
+    given = picture.shape[1], picture.shape[0]
+    if given != camera.lens.size:
+        told = [f"{w} × {h}" for w, h in (given, camera.lens.size)]
+        finding = rules.OTHER_SIZE(name=camera.name, given=told[0], wanted=told[1])
+        raise Refused(finding, exit_status=2)
+    return picture
+
+
+def _of_folder(camera: Camera, folder: FilePath) -> Iterator[Frame]:
+    files = pictures_in(folder)
+    if not files:
+        cure = f"put pictures there, as {', '.join(SUFFIXES)}"
+        raise Refused(_not_there(camera, str(folder), "it holds none", cure), exit_status=2)
+    for number, file in enumerate(files):
+        picture = _sized(camera, read_picture(file))
+        yield Frame(picture, number, time.monotonic(), file.name)
+
+
+def _drawn(camera: Camera, cell: FilePath) -> Iterator[Frame]:
+    """A cell as a camera that stands in it sees it; each picture has noise of its own."""
+    from assistant.cell.reading.cell_file import read_scene
+    from assistant.vision.cameras.drawing import draw, things_of
+
+    scene, _ = read_scene(cell)
+    joints: Mapping[str, Floats] = {one.name: one.robot.home for one in scene.robots}
+    if camera.parent != WORLD:
+        cure = "let it stand in the world"
+        reason = f"it is carried by `{camera.parent}`"
+        raise Refused(_not_there(camera, str(cell), reason, cure), exit_status=2)
+    things = things_of(scene, joints)
+    number = 0
+    while True:
+        yield Frame(draw(camera, things, seed=number), number, time.monotonic())
+        number += 1
+
+
+@contextmanager
+def _captured(camera: Camera, source: int | str, named: str) -> Iterator[Iterator[Frame]]:
+    cv = opencv()
+    before = cv.utils.logging.setLogLevel(cv.utils.logging.LOG_LEVEL_SILENT)
+    device = cv.VideoCapture(source)
+    cv.utils.logging.setLogLevel(before)
+    try:
+        if not device.isOpened():
+            cure = "look whether it is plugged in, and whether others use it"
+            raise Refused(_not_there(camera, named, "it does not open", cure), exit_status=2)
+        if isinstance(source, int):
+            width, height = camera.lens.size
+            device.set(cv.CAP_PROP_FRAME_WIDTH, width)
+            device.set(cv.CAP_PROP_FRAME_HEIGHT, height)
+        yield _grabbed(camera, device, named)
+    finally:
+        device.release()
+
+
+def _grabbed(camera: Camera, device: Any, named: str) -> Iterator[Frame]:
+    number = 0
+    while True:
+        there, picture = device.read()
+        if not there:
+            if number == 0:
+                cure = "look whether others use it"
+                raise Refused(_not_there(camera, named, "no picture came", cure), exit_status=2)
+            return
+        yield Frame(_sized(camera, np.asarray(picture)), number, time.monotonic())
+        number += 1
+
+
+def _not_there(camera: Camera, source: str, reason: str, cure: str) -> Diagnostic:
+    return rules.NOT_THERE(name=camera.name, source=source, reason=reason, cure=cure)

@@ -1,0 +1,276 @@
+"""Pictures that a camera would take of things in the world, drawn ray by ray.
+
+Every pixel is a ray through the lens, so that distortion and outlines are true; pixels in which
+two things meet are drawn of several rays, so that the centroid of an outline is true to hundredths
+of a pixel.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.cell.collision.carriers import Carriers, carried
+from assistant.cell.scene import Scene
+from assistant.cell.shapes import Shape, Sphere, extent
+from assistant.program import rotations
+from assistant.program.arrays import Floats, Rows
+from assistant.program.geometry import IDENTITY, Pose, Vector
+from assistant.vision.cameras.camera import Camera, Lens
+from assistant.vision.cameras.casting import met
+
+Picture = NDArray[np.uint8]
+"""(h, w, 3): blue, green, red."""
+Colour = tuple[int, int, int]
+GREY: Final[Colour] = (160, 160, 165)
+FINE: Final = 5
+"""Rays along each side of a pixel in which things meet."""
+UNLIKE: Final = 6.0
+"""Grey levels between two pixels beside each other from which on both are drawn of several rays."""
+
+
+@dataclass(frozen=True, eq=False)
+class Card:
+    """A rectangle with a picture on it, in the middle of the plane z = 0 of its frame.
+
+    size: its edges along x and y in mm. The picture's right is x, its top y; it is seen from above.
+    """
+
+    size: tuple[float, float]
+    picture: Picture
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Thing:
+    """Something that is seen, at a pose in the world. colour: red, green, blue; a card has none."""
+
+    shape: Shape | Card
+    pose: Pose = IDENTITY
+    colour: Colour = GREY
+
+
+@dataclass(frozen=True, slots=True)
+class Optics:
+    """How a picture is taken.
+
+    light: where it comes from. ambient: part of it that comes from everywhere. brightness: times
+    all of it. background: red, green, blue. blur: sigma in pixels. noise: sigma in grey levels.
+    """
+
+    light: Vector = (0.3, -0.5, 0.81)
+    ambient: float = 0.45
+    brightness: float = 1.0
+    background: Colour = (88, 90, 94)
+    blur: float = 0.6
+    noise: float = 2.0
+
+
+CLEAR: Final = Optics()
+
+
+def draw(
+    camera: Camera, things: Sequence[Thing], optics: Optics = CLEAR, *, seed: int = 0
+) -> Picture:
+    """What a camera that stands in the world sees (h, w, 3); the same seed gives the same noise."""
+    width, height = camera.lens.size
+    rays = _turned(camera, _rays(camera.lens))
+    picture = _cast(camera, things, rays, _regions(camera, things), optics)
+    picture = picture.reshape(height, width, 3)
+    edges = _edges(picture)
+    if len(edges):
+        picture.reshape(-1, 3)[edges] = _fine(camera, things, edges, optics)
+    return _taken(picture, optics, seed)
+
+
+def ball(centre: Vector, radius: float, colour: Colour) -> Thing:
+    """A ball in the world."""
+    return Thing(Sphere(radius), Pose(centre), colour)
+
+
+def things_of(scene: Scene, joints: Mapping[str, Floats] | None = None) -> list[Thing]:
+    """The bodies of a cell, of robots by name at joints (a,), the others in their home.
+
+    Raises Refused for a body whose parent the scene has not.
+    """
+    carriers = Carriers(scene.robots)
+    given = dict(joints or {})
+    row = [np.asarray(given.get(p.name, p.robot.home), dtype=np.float64) for p in scene.robots]
+    origins, turns = carriers.at(np.concatenate([np.zeros(0), *row])[None])
+    found = []
+    for body in scene.all_bodies():
+        if body.shown:
+            number, pose = carried(scene, body, carriers)
+            turn = rotations.from_matrix(turns[0, number])
+            carrier = Pose.of(origins[0, number], np.ravel(turn))
+            placed = carrier @ pose
+            colour = body.colour or GREY
+            found += [Thing(part.shape, placed @ part.pose, colour) for part in body.parts]
+    return found
+
+
+# ----------------------------------------------------------------------------------- rays
+
+
+@lru_cache(maxsize=8)
+def _rays(lens: Lens) -> Floats:
+    """(w h, 3) directions of all pixels in the frame of the camera; NaN beyond the lens."""
+    width, height = lens.size
+    u, v = np.meshgrid(np.arange(width, dtype=float), np.arange(height, dtype=float))
+    return _directions(lens, np.column_stack([u.ravel(), v.ravel()]))
+
+
+def _directions(lens: Lens, pixels: Floats) -> Floats:
+    tangents = lens.tangents(pixels)
+    rays = np.column_stack([tangents, np.ones(len(tangents))])
+    return np.asarray(rays / np.linalg.norm(rays, axis=1, keepdims=True))
+
+
+def _turned(camera: Camera, rays: Floats) -> Floats:
+    return np.asarray(rays @ rotations.to_matrix(np.array(camera.pose.quaternion)).T)
+
+
+Region = tuple[int, int, int, int]
+"""Columns and rows of the picture, begin and end of each."""
+
+
+def _regions(camera: Camera, things: Sequence[Thing]) -> list[Rows]:
+    """Of each thing the pixels that may show it."""
+    width, height = camera.lens.size
+    numbers = np.arange(width * height).reshape(height, width)
+    regions = (_region(camera, thing) for thing in things)
+    return [numbers[v0:v1, u0:u1].ravel() for u0, u1, v0, v1 in regions]
+
+
+def _region(camera: Camera, thing: Thing) -> Region:
+    width, height = camera.lens.size
+    low, high = _extent(thing.shape)
+    corners = (np.indices((2, 2, 2)).reshape(3, -1).T) * (high - low) + low
+    pixels = camera.project(thing.pose.moved(corners))
+    if not np.isfinite(pixels).all():
+        return 0, width, 0, height
+    first, last = pixels.min(axis=0), pixels.max(axis=0)
+    margin = 4.0 + 0.1 * (last - first)  # what is straight is bent by the lens
+    (u0, v0), (u1, v1) = np.floor(first - margin), np.ceil(last + margin) + 1.0
+    u0, u1 = (int(np.clip(u, 0, width)) for u in (u0, u1))
+    v0, v1 = (int(np.clip(v, 0, height)) for v in (v0, v1))
+    return u0, u1, v0, v1
+
+
+def _extent(shape: Shape | Card) -> tuple[Floats, Floats]:
+    if isinstance(shape, Card):
+        half = np.array([*shape.size, 0.0]) / 2.0
+        return -half, half
+    return extent(shape)
+
+
+def _cast(
+    camera: Camera,
+    things: Sequence[Thing],
+    rays: Floats,
+    regions: Sequence[Rows],
+    optics: Optics,
+) -> Floats:
+    """Colours (n, 3) of rays (n, 3), blue first."""
+    away = np.full(len(rays), np.inf)
+    colours = np.tile(np.array(optics.background[::-1], dtype=float), (len(rays), 1))
+    light = np.array(optics.light) / np.linalg.norm(optics.light)
+    for thing, rows in zip(things, regions, strict=True):
+        if not len(rows):
+            continue
+        back = thing.pose.inverse()
+        turn = rotations.to_matrix(np.array(back.quaternion))
+        eye = back.moved(np.array([camera.pose.position]))[0]
+        local = rays[rows] @ turn.T
+        t, normals, colour = _seen(thing, eye, local)
+        nearer = t < away[rows]
+        there = rows[nearer]
+        away[there] = t[nearer]
+        lit = np.clip(normals[nearer] @ (turn @ light), 0.0, 1.0)
+        shade = optics.ambient + (1.0 - optics.ambient) * lit
+        colours[there] = colour[nearer] * shade[:, None]
+    return colours
+
+
+def _seen(thing: Thing, eye: Floats, rays: Floats) -> tuple[Floats, Floats, Floats]:
+    shape = thing.shape
+    if isinstance(shape, Card):
+        return _card(shape, eye, rays)
+    t, normals = met(shape, eye, rays)
+    return t, normals, np.tile(np.array(thing.colour[::-1], dtype=float), (len(rays), 1))
+
+
+def _card(card: Card, eye: Floats, rays: Floats) -> tuple[Floats, Floats, Floats]:
+    with np.errstate(divide="ignore", invalid="ignore"):
+        t = -eye[2] / rays[:, 2]
+        at = eye[:2] + t[:, None] * rays[:, :2]
+    half = np.array(card.size) / 2.0
+    good = (t > 0.0) & (eye[2] > 0.0) & (np.abs(at) <= half).all(axis=1)
+    t[~good] = np.inf
+    colours = np.zeros((len(rays), 3))
+    height, width = card.picture.shape[:2]
+    places = (at[good] / half * [1.0, -1.0] + 1.0) / 2.0 * [width, height] - 0.5
+    colours[good] = _sampled(card.picture, places)
+    return t, np.tile([0.0, 0.0, 1.0], (len(rays), 1)), colours
+
+
+def _sampled(picture: Picture, places: Floats) -> Floats:
+    """Colours of a picture between its pixels."""
+    height, width = picture.shape[:2]
+    u = np.clip(places[:, 0], 0.0, width - 1.0)
+    v = np.clip(places[:, 1], 0.0, height - 1.0)
+    i, j = np.minimum(u.astype(int), width - 2), np.minimum(v.astype(int), height - 2)
+    a, b = (u - i)[:, None], (v - j)[:, None]
+    top = picture[j, i] * (1.0 - a) + picture[j, i + 1] * a
+    low = picture[j + 1, i] * (1.0 - a) + picture[j + 1, i + 1] * a
+    return np.asarray(top * (1.0 - b) + low * b)
+
+
+# ---------------------------------------------------------------------------------- edges
+
+
+def _edges(picture: Floats) -> Rows:
+    """Pixels that differ from one beside them, and those around these."""
+    edge = np.zeros(picture.shape[:2], dtype=bool)
+    for axis in (0, 1):
+        unlike = np.abs(np.diff(picture, axis=axis)).max(axis=2) > UNLIKE
+        first, last = [slice(None)] * 2, [slice(None)] * 2
+        first[axis], last[axis] = slice(None, -1), slice(1, None)
+        edge[tuple(first)] |= unlike
+        edge[tuple(last)] |= unlike
+    return np.flatnonzero(edge)
+
+
+def _fine(camera: Camera, things: Sequence[Thing], pixels: Rows, optics: Optics) -> Floats:
+    """Mean colours (n, 3) of several rays in each of some pixels."""
+    width, _ = camera.lens.size
+    steps = (np.arange(FINE) + 0.5) / FINE - 0.5
+    offsets = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
+    middles = np.column_stack([pixels % width, pixels // width]).astype(float)
+    places = (middles[:, None] + offsets).reshape(-1, 2)
+    rays = _turned(camera, _directions(camera.lens, places))
+    regions = [_within(camera, thing, places) for thing in things]
+    colours = _cast(camera, things, rays, regions, optics)
+    return np.asarray(colours.reshape(len(pixels), FINE * FINE, 3).mean(axis=1))
+
+
+def _within(camera: Camera, thing: Thing, places: Floats) -> Rows:
+    u0, u1, v0, v1 = _region(camera, thing)
+    u, v = places.T
+    inside = (u >= u0 - 0.5) & (u <= u1 - 0.5) & (v >= v0 - 0.5) & (v <= v1 - 0.5)
+    return np.flatnonzero(inside)
+
+
+def _taken(picture: Floats, optics: Optics, seed: int) -> Picture:
+    out = picture * optics.brightness
+    if optics.blur > 0.0:
+        from assistant.vision.opencv import opencv
+
+        out = opencv().GaussianBlur(out, (0, 0), optics.blur)
+    if optics.noise > 0.0:
+        out = out + np.random.default_rng(seed).normal(0.0, optics.noise, out.shape)
+    return np.asarray(np.clip(np.round(out), 0, 255), dtype=np.uint8)

@@ -1,0 +1,25 @@
+"""What is found in files of cameras and in what cameras give."""
+
+from __future__ import annotations
+
+from assistant.program.diagnostics import error, warning
+
+NO_CAMERAS = error("VS010", "the file describes no camera", "write [cameras.NAME] for each of them")
+INCOMPLETE = error("VS011", "camera `{name}` has no {keys}", "write them, or calibrate the camera")
+BAD_LENS = error("VS012", "the lens of camera `{name}` {what}", "calibrate the camera anew")
+NO_CAMERA = error("VS013", "there is no camera `{name}`", "write one of {known}")
+NOT_THERE = error("VS020", "camera `{name}` gives no picture from {source}: {reason}", "{cure}")
+OTHER_SIZE = error(
+    "VS021",
+    "camera `{name}` gives {given} pixels, and was calibrated with {wanted}",
+    "set it to that size, or calibrate it anew",
+)
+DARK = warning(
+    "VS022", "the picture of camera `{name}` is dark: half of it is below {level:.0f} of 255",
+    "switch on a light, take the cap off, or expose longer",
+)  # fmt: skip
+SATURATED = warning(
+    "VS023", "{percent:.0f} % of the picture of camera `{name}` are as bright as can be",
+    "expose shorter, or turn a light away",
+)  # fmt: skip
+NO_PICTURE = error("VS025", "this is no picture: {reason}", "name a PNG, JPEG, BMP or TIFF file")

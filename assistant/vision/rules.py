@@ -1,0 +1,11 @@
+"""What all of the room says."""
+
+from __future__ import annotations
+
+from assistant.program.diagnostics import error
+
+NO_LIBRARY = error(
+    "VS001",
+    "pictures are handled by the library OpenCV, which is not installed",
+    "install the extra: pip install 'robot-assistant[vision]'",
+)
