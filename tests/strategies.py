@@ -240,7 +240,8 @@ def tools() -> st.SearchStrategy[Tool]:
 
 @cache
 def frames() -> st.SearchStrategy[Frame]:
-    return st.builds(Frame, poses(), poses(), st.booleans(), st.just("") | names())
+    seldom = st.just("") | names()
+    return st.builds(Frame, poses(), poses(), st.booleans(), seldom, seldom)
 
 
 @cache

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from assistant.compiler.checking import Checked
     from assistant.report.drawn import Line
     from assistant.sources.placements import Placing
+    from assistant.sources.sights import Seeing
 
 
 STATED = (".dxf", ".csv", ".toml", ".npy", ".npz", ".json", ".pseudo")
@@ -34,6 +35,7 @@ class Options:
     cell: Path | None
     from_language: str | None
     placement: Placing | None = None
+    seeing: Seeing | None = None
 
 
 def run_check(
@@ -97,6 +99,7 @@ def _checked_alike(sources: Sequence[str], options: Options, keep: bool) -> Chec
     from assistant.compiler.scenes import in_cell
 
     checked, cell = Checked(), in_cell(options.cell, options.robot)
+    cell = cell if options.seeing is None else replace(cell, seeing=options.seeing)
     given: dict[str, Any] = {
         "robot": options.robot,
         "process": options.process,

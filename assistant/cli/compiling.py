@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from assistant.project.stated import Stated
     from assistant.robots import Robot
     from assistant.sources.placements import Placing
+    from assistant.sources.sights import Seeing
     from assistant.sources.surroundings import ByRobot
 
 NOT_ONE_FILE = error("CL002", "there are {count} files to print", "name a folder with --output")
@@ -85,6 +86,7 @@ def run_compile(
     called: str | None = None,
     main: bool | None = None,
     together: str | None = None,
+    seeing: Seeing | None = None,
     proving: Proving | None = None,
     wishes: Wishes | None = None,
     page: DrawPage | None = None,
@@ -118,6 +120,7 @@ def run_compile(
     for one in wanted.values():
         robot_of(one.from_robot)
     stands = in_cell(cell, robot)
+    stands = stands if seeing is None else replace(stands, seeing=seeing)
     answers = Answers()
     done: list[tuple[str, Compiled]] = []
     apart = dict.fromkeys(sources)

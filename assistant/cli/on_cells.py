@@ -9,6 +9,7 @@ import typer
 
 from assistant.cli.options import (
     AccelerationOption,
+    AskAtOption,
     CellOption,
     EntryOption,
     FormatOption,
@@ -20,6 +21,7 @@ from assistant.cli.options import (
     PlaceOption,
     ProcessOption,
     RobotOption,
+    SeenOption,
     Source,
     UnitOption,
     placing,
@@ -52,6 +54,8 @@ def simulate(
     from_language: FromLanguage = None,
     from_robot: FromRobot = None,
     entry: EntryOption = None,
+    seen: SeenOption = None,
+    ask_at: AskAtOption = None,
     report: PageOption = None,
     opened: OpenOption = False,
     format: FormatOption = Format.TEXT,
@@ -60,6 +64,7 @@ def simulate(
     from assistant.cli.pages import Asked
     from assistant.cli.sheets import simulated_page
     from assistant.cli.simulating import Options, run_simulate
+    from assistant.sources.sights import seeing
 
     options = Options(
         robot,
@@ -72,6 +77,7 @@ def simulate(
         entry,
         cell,
         placing(place, marks),
+        seeing(seen, ask_at),
     )
     page = simulated_page(Asked(report, opened))
     raise typer.Exit(run_simulate(program, options, output or (), format, page))

@@ -8,6 +8,7 @@ from typing import Annotated, Final
 import typer
 
 from assistant.cli.options import (
+    AskAtOption,
     CalledOption,
     CellOption,
     DraftOption,
@@ -35,6 +36,7 @@ from assistant.cli.options import (
     ReportOption,
     RobotOption,
     SeedOption,
+    SeenOption,
     SignalsOption,
     Source,
     Sources,
@@ -76,6 +78,8 @@ def compile(
     called: CalledOption = None,
     no_main: NoMainOption = False,
     together: TogetherOption = None,
+    seen: SeenOption = None,
+    ask_at: AskAtOption = None,
     prove: ProveOption = False,
     signals: SignalsOption = None,
     seed: SeedOption = 0,
@@ -93,6 +97,7 @@ def compile(
     from assistant.cli.proving import proving
     from assistant.cli.sheets import compiled_page
     from assistant.compiler.keeping import Wishes
+    from assistant.sources.sights import seeing
 
     raise typer.Exit(
         run_compile(
@@ -112,6 +117,7 @@ def compile(
             called=called,
             main=False if no_main else None,
             together=together,
+            seeing=seeing(seen, ask_at),
             proving=proving(prove, signals, seed),
             wishes=Wishes.of(overwrite, keep_edit or (), drop_edit or ()),
             page=compiled_page(Asked(report, opened, plot), process, unit, placing(place, marks)),
@@ -150,6 +156,8 @@ def translate(
     frames: FramesOption = FramesAs.BASE,
     from_language: FromLanguage = None,
     entry: EntryOption = None,
+    seen: SeenOption = None,
+    ask_at: AskAtOption = None,
     prove: ProveOption = False,
     signals: SignalsOption = None,
     seed: SeedOption = 0,
@@ -158,6 +166,7 @@ def translate(
     """Write robot programs in another language; tell of every statement what becomes of it."""
     from assistant.cli.proving import proving
     from assistant.cli.translating import Options, run_translate
+    from assistant.sources.sights import seeing
 
     options = Options(
         to=to,
@@ -170,6 +179,7 @@ def translate(
         draft=draft,
         entry=entry,
         proving=proving(prove, signals, seed),
+        seeing=seeing(seen, ask_at),
     )
     run = run_translate(
         programs,
@@ -225,6 +235,8 @@ def check(
     marks: MarkOption = None,
     cell: CellOption = None,
     from_language: FromLanguage = None,
+    seen: SeenOption = None,
+    ask_at: AskAtOption = None,
     report: PageOption = None,
     opened: OpenOption = False,
     plot: PlotOption = None,
@@ -234,6 +246,7 @@ def check(
     """Check sources and robot programs; with a robot also reach, limits and configurations."""
     from assistant.cli.checking import Options, run_check
     from assistant.cli.pages import Asked
+    from assistant.sources.sights import seeing
 
     if not sources:
         from assistant.cli.building import run_project_check
@@ -246,12 +259,15 @@ def check(
             "--mark": marks or None,
             "--cell": cell,
             "--from": from_language,
+            "--seen": seen,
+            "--ask-at": ask_at,
             "--report": report,
             "--open": opened or None,
             "--plot": plot,
         }
         raise typer.Exit(run_project_check(given, format, fail_on))
-    options = Options(robot, process, unit, cell, from_language, placing(place, marks))
+    placed, sights = placing(place, marks), seeing(seen, ask_at)
+    options = Options(robot, process, unit, cell, from_language, placed, sights)
     raise typer.Exit(run_check(sources, options, format, fail_on, Asked(report, opened, plot)))
 
 

@@ -72,6 +72,16 @@ CellOption = Annotated[
     Path | None,
     typer.Option("--cell", help="File of the cell: its robots, and bodies not to be touched."),
 ]
+SeenOption = Annotated[
+    Path | None,
+    typer.Option("--seen", metavar="FILE", help="Where objects were found, for frames that are "
+                 "seen."),
+]  # fmt: skip
+AskAtOption = Annotated[
+    str | None,
+    typer.Option("--ask-at", metavar="HOST:PORT", help="Have the program ask there, as it runs, "
+                 "for frames that are seen."),
+]  # fmt: skip
 AccelerationOption = Annotated[
     float | None,
     typer.Option(help="mm/s² of the tool on lines and arcs; default what the axes allow."),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
     from assistant.robots.timing import Simulation
     from assistant.sources.placements import Placing
+    from assistant.sources.sights import Seeing
 
 NO_RESULT = error(
     "CL011",
@@ -48,6 +49,7 @@ class Options:
     entry: str | None = None
     cell: Path | None = None
     placement: Placing | None = None
+    seeing: Seeing | None = None
 
 
 def run_simulate(
@@ -104,6 +106,7 @@ def solved(source: str, options: Options, stands: InCell | None = None) -> Solve
     from assistant.compiler.solving import solve
 
     stands = stands or in_cell(options.cell, options.robot)
+    stands = stands if options.seeing is None else replace(stands, seeing=options.seeing)
     reader = options.from_robot or stands.robot
     given = (options.process, options.unit, options.from_language, options.entry)
     loaded = load_given(source, reader, *given, stands.around, options.placement)

@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from assistant.compiler.motion import Proving
     from assistant.compiler.tasks import Task
     from assistant.report.translation import Translated
+    from assistant.sources.sights import Seeing
 
 NO_PRINTING: Final = error(
     "CL014",
@@ -61,6 +62,7 @@ class Options:
     draft: bool
     entry: str | None
     proving: Proving | None = None
+    seeing: Seeing | None = None
 
     def check(self) -> None:
         """Raises Refused for what no program could be translated with."""
@@ -206,6 +208,7 @@ def _translated(task: Task, options: Options) -> Translated:
     from assistant.compiler.arms import robot_of
     from assistant.compiler.tasks import load_task
     from assistant.report.translation import Translated
+    from assistant.sources.sights import NOTHING_SEEN
 
     name = task.name
     source: str | Loaded = name
@@ -226,6 +229,7 @@ def _translated(task: Task, options: Options) -> Translated:
         draft=options.draft,
         entry=options.entry,
         proving=options.proving,
+        seeing=options.seeing or NOTHING_SEEN,
     )
     return Translated("standard input" if name == STANDARD else name, translation)
 

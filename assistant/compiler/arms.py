@@ -10,6 +10,7 @@ from assistant.program.diagnostics import Refused, error
 from assistant.program.near import meant
 from assistant.program.program import Program
 from assistant.program.wanted import SAME_ARM
+from assistant.sources.sights import NOTHING_SEEN, Seeing
 
 if TYPE_CHECKING:
     from assistant.cell.scene import Scene
@@ -37,7 +38,7 @@ class Arms:
     of joint moves that state a percentage which nothing else makes a speed of, None for none.
     joint_percent: of those that state mm/s, for a controller that takes percents.
     same: joint angles count for the arm that runs the program, whichever it is. scene: the cell
-    that it stands in, None if none is told.
+    that it stands in, None if none is told. seeing: where frames that are seen are taken from.
     """
 
     robot: Robot | None = None
@@ -46,6 +47,7 @@ class Arms:
     joint_percent: float | None = None
     same: bool = False
     scene: Scene | None = None
+    seeing: Seeing = NOTHING_SEEN
 
 
 def robot_of(robot: str | Robot | None) -> Robot | None:
@@ -106,4 +108,5 @@ def in_arms(loaded: Loaded, arms: Arms) -> Arms:
         joint_speed=loaded.joint_speed,
         joint_percent=loaded.joint_percent,
         same=same,
+        seeing=arms.seeing.beside(loaded.seen),
     )

@@ -28,7 +28,7 @@ NOT_OF_PROGRAMS = info(
 )
 OF_PROGRAMS: Final = (
     *("tools", "frames", "signals", "lines", "joint_speed", "joint_percent", "interface"),
-    "findings",
+    *("seen", "findings"),
 )
 """What a process file says that a program takes from it."""
 KEYS: Final = {"defaults": "motion"}

@@ -26,6 +26,7 @@ from assistant.compiler.loading import (
 from assistant.compiler.locations import with_locations
 from assistant.compiler.project import configured
 from assistant.compiler.scenes import InCell, in_cell
+from assistant.compiler.seen_frames import with_seen
 from assistant.compiler.source_map import Places, at_its_line, at_moves
 from assistant.compiler.travelling import travelled
 from assistant.compiler.turning import with_turns
@@ -277,6 +278,7 @@ def _check_source(
         around=stands.around,
         placement=placement,
     )
+    stands = stands.beside(loaded.seen)
     meant = _check_meaning(loaded.program, stands, None, [file], checked)
     return [*loaded.findings, *meant]
 
@@ -293,7 +295,8 @@ def _check_pseudo(
     program = parse_pseudo(text, tables)
     checked.texts[name] = Text(text, PSEUDO_MARK, complete=True)
     loaded = _in_cell(program, process)
-    meant = _check_meaning(loaded.program, stands, Places(program, text), [name], checked)
+    stands, places = stands.beside(loaded.seen), Places(program, text)
+    meant = _check_meaning(loaded.program, stands, places, [name], checked)
     return [*loaded.findings, *(at_its_line(finding, text) for finding in meant)]
 
 
@@ -341,6 +344,7 @@ def _check_texts(
         return [*found, *refused.findings]
     told = {finding.code for finding in found}
     loaded = _in_cell(program, process)
+    stands = stands.beside(loaded.seen)
     found += loaded.findings
     places = Places(loaded.program)
     meant = map(
@@ -361,7 +365,10 @@ def _check_meaning(
 
     arms = standing(program, stands.arms())
     program, located = with_locations(program, arms)
-    found = (*located, *checks.check(program))
+    program, sights = with_seen(program, arms)
+    if has_errors(sights):
+        return (*located, *sights, *checks.check(program))
+    found = (*located, *sights, *checks.check(program))
     arm = arms.robot or known_robot(program.robot)
     if arm is None:
         _keep(checked, Looked(files, program, places or Places(program), None, arms.scene))

@@ -23,6 +23,7 @@ from assistant.compiler.naming import named, not_called_so, wished
 from assistant.compiler.opening import load
 from assistant.compiler.proof import SAYS_OTHERWISE, Proof, prove
 from assistant.compiler.scenes import InCell, in_cell
+from assistant.compiler.seen_frames import with_known
 from assistant.compiler.source_map import Places, at_moves
 from assistant.compiler.travelling import travelled, travels
 from assistant.compiler.turning import has_free_turns, with_turns
@@ -44,6 +45,7 @@ from assistant.program.passes.watching import passed
 from assistant.program.program import Origin, Program
 from assistant.program.statements import Opaque
 from assistant.program.system.budgets import COMPILING, PRINTING, staged, within
+from assistant.sources.sights import NOTHING_SEEN, Seeing
 
 if TYPE_CHECKING:
     from assistant.cell.scene import Scene
@@ -156,6 +158,7 @@ def compile(
     called: str | None = None,
     main: bool | None = None,
     proving: Proving | None = None,
+    seeing: Seeing = NOTHING_SEEN,
 ) -> Compiled:
     """The source as a program of the language, read back and compared before it is given out.
 
@@ -170,13 +173,14 @@ def compile(
     entry: the procedure that the program begins with, where it is not the one that its source
     says. called: the name that others call the program by; main: False for none that runs all of
     it; instead of what the process file says of them. proving: how a proof by motion is sought,
-    None for none; nothing is given out that lacks one that was asked for. Raises Unreadable or
+    None for none; nothing is given out that lacks one that was asked for. seeing: where frames that
+    are seen are taken from, if `cell` does not say it. Raises Unreadable or
     Refused for input that cannot be used at all.
     """
     target = language_of(language).with_frames(frames)
     if most_targets is not None and most_targets < LEAST_TARGETS:
         raise Refused(TOO_FEW(most=most_targets, least=LEAST_TARGETS), exit_status=2)
-    stands = cell if isinstance(cell, InCell) else in_cell(cell, robot)
+    stands = cell if isinstance(cell, InCell) else replace(in_cell(cell, robot), seeing=seeing)
     if isinstance(source, Program):
         loaded = Loaded(source)
     elif isinstance(source, Loaded):
@@ -198,11 +202,12 @@ def compile(
     program, located = with_locations(program, arms)
     if located:
         raise Refused(*located)
+    program, sights = with_known(program, arms)
     compiled = compile_program(program, Places(program, loaded.text), target, arms, most_targets)
     begun = entry if program.interface is None or program.origin is not None else None
     compiled = proven_by_motion(compiled, arms, proving, begun)
     about = () if isinstance(cell, InCell) else stands.findings
-    return replace(compiled, found=(*loaded.findings, *about, *compiled.found))
+    return replace(compiled, found=(*loaded.findings, *about, *sights, *compiled.found))
 
 
 def told(program: Program, target: Language[Any]) -> Program:

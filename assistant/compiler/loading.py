@@ -19,6 +19,7 @@ from assistant.program.program import Program, Signal
 from assistant.program.text import SourceText, decode, folders_of, read_bytes
 from assistant.sources.lengths import unit_stated
 from assistant.sources.placements import check_drawn
+from assistant.sources.process.seen import NOT_SAID, Seen
 
 if TYPE_CHECKING:
     from assistant.languages import Language, Tree
@@ -41,10 +42,10 @@ NOT_THERE: Final = warning(
 class Loaded:
     """A pseudo-program, what it was written in (None: no robot language), and the findings.
 
-    joint_speed, joint_percent: see `Process`. wanting: what the program uses and neither it nor a
-    cell file says; something that only stands for it is there. arm: that joint angles were taught
-    on, by its name, or SAME_ARM; None if a cell file does not say it. signals: that files of its
-    controller state. text: of a pseudo-program.
+    joint_speed, joint_percent, seen: see `Process`. wanting: what the program uses and neither it
+    nor a cell file says; something that only stands for it is there. arm: that joint angles were
+    taught on, by its name, or SAME_ARM; None if a cell file does not say it. signals: that files of
+    its controller state. text: of a pseudo-program.
     """
 
     program: Program
@@ -56,6 +57,7 @@ class Loaded:
     arm: str | None = None
     signals: Mapping[str, Signal] = field(default_factory=dict)
     text: SourceText | None = None
+    seen: Seen = NOT_SAID
 
 
 def load(
@@ -91,7 +93,8 @@ def load(
     if spoken is None:
         reading = sources.read(source, process, unit, around, placement)
         percent = reading.joint_percent
-        return Loaded(reading.program, None, reading.findings, joint_percent=percent)
+        read = reading.program, None, reading.findings
+        return Loaded(*read, joint_percent=percent, seen=reading.seen)
     loaded = lift(spoken, [spoken.read(source)], robot, beside=source.parent)
     origin = loaded.program.origin
     missing = not_there(spoken, origin.trees if origin is not None else ())
@@ -144,6 +147,7 @@ def with_process(loaded: Loaded, process: str | FilePath) -> Loaded:
         findings=found,
         joint_speed=stated.joint_speed,
         joint_percent=stated.joint_percent,
+        seen=stated.seen,
     )
 
 

@@ -47,7 +47,7 @@ def with_locations(program: Program, arms: Arms) -> tuple[Program, tuple[Diagnos
     known = _known(arms.scene)
     if not known:
         return program, ()
-    placed = _placed(program, arms)
+    placed = placed_in(program, arms)
     declared = {name.lower() for name in (*program.targets, *program.joint_targets)}
     declared |= {name.lower() for name in (*program.variables, *program.signals)}
     uses = _uses(program, declared, known)
@@ -116,7 +116,7 @@ def _moved_to(procedure: Procedure) -> Iterator[tuple[str, str]]:
                         yield part.name, motion.frame
 
 
-def _placed(program: Program, arms: Arms) -> Placed | None:
+def placed_in(program: Program, arms: Arms) -> Placed | None:
     """The robot of the cell that runs the program; None if that is not known."""
     from assistant.cell.clearances import robot_of
     from assistant.compiler.arms import known_robot
@@ -147,7 +147,7 @@ def _fault(
         reason = f"moves go to it in {names}"
         return NO_TARGET(name=name, reason=reason, cure="move to it in one frame")
     frame = _frame(program, frames[0])
-    if frame.held or frame.mechanism:
+    if frame.held or frame.mechanism or frame.seen:
         reason = f"the frame `{frames[0]}` of the moves there does not stand still"
         return NO_TARGET(name=name, reason=reason, cure="move to it in another frame")
     if not standing:

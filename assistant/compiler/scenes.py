@@ -11,6 +11,8 @@ from assistant.compiler.arms import Arms, known_robot, robot_of
 from assistant.program.diagnostics import Diagnostic, Refused, warning
 from assistant.program.system.budgets import SETTINGS_FILE
 from assistant.program.text import SourceText, decode, read_bytes
+from assistant.sources.process.seen import Seen
+from assistant.sources.sights import NOTHING_SEEN, Seeing
 
 if TYPE_CHECKING:
     from assistant.cell.scene import Scene
@@ -29,12 +31,18 @@ WORLD: Final = ("bodies", "robots")
 @dataclass(frozen=True, slots=True)
 class InCell:
     """A cell that was asked for. scene: None without one. robot: whose arm runs programs, None
-    if it is not said. findings: about the cell file, at it.
+    if it is not said. findings: about the cell file, at it. seeing: where frames that are seen are
+    taken from.
     """
 
     scene: Scene | None = None
     robot: Robot | None = None
     findings: tuple[Diagnostic, ...] = ()
+    seeing: Seeing = NOTHING_SEEN
+
+    def beside(self, stated: Seen) -> InCell:
+        """With what a process file says of frames that are seen."""
+        return replace(self, seeing=self.seeing.beside(stated))
 
     def around(self, named: str | None) -> Surroundings | None:
         """What stands around the robot that runs a program, None where that is not known.
@@ -55,7 +63,7 @@ class InCell:
             return None
 
     def arms(self, written_for: Robot | None = None) -> Arms:
-        return Arms(self.robot, written_for, scene=self.scene)
+        return Arms(self.robot, written_for, scene=self.scene, seeing=self.seeing)
 
 
 def in_cell(

@@ -11,6 +11,7 @@ from assistant.compiler.crossing import for_arm
 from assistant.compiler.loading import Loaded
 from assistant.compiler.locations import with_locations
 from assistant.compiler.scenes import InCell
+from assistant.compiler.seen_frames import with_known
 from assistant.compiler.source_map import Places
 from assistant.compiler.travelling import travelled
 from assistant.compiler.turning import with_turns
@@ -49,10 +50,11 @@ def solve(
 
     stands: the cell, and the robot that was asked for. source: what findings are placed in.
     """
-    arms = stands.arms(robot_of(from_robot))
+    arms = stands.beside(loaded.seen).arms(robot_of(from_robot))
     program: Program = loaded.program
     arms = standing(program, arms)
     program, located = with_locations(program, arms)
+    program, sights = with_known(program, arms)
     arm = arms.robot or known_robot(program.robot)
     if arm is None:
         raise Refused(NO_ROBOT(path=source), exit_status=2)
@@ -63,6 +65,7 @@ def solve(
     ways = travelled(program, arm, arms.scene, places)
     solution = robots.solve_program(replace(ways.program, robot=arm.name), arm)
     also = () if has_errors(ways.findings) else solution.findings
-    found = (*loaded.findings, *located, *changed, *map(places.finding, ways.findings), *also)
+    changed = (*located, *sights, *changed, *map(places.finding, ways.findings))
+    found = (*loaded.findings, *changed, *also)
     said = [*stands.findings, *fold(f.within(source) for f in found)]
     return Solved(solution, arms.scene, places, said, loaded.program)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Container, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import chain
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final, Literal, TypeAlias
@@ -21,6 +21,7 @@ from assistant.compiler.naming import without_names
 from assistant.compiler.opening import load
 from assistant.compiler.proof import Proof
 from assistant.compiler.scenes import in_cell
+from assistant.compiler.seen_frames import with_known
 from assistant.compiler.source_map import Place, Places, Trace
 from assistant.compiler.unsaid import lose
 from assistant.lazy import pictured
@@ -32,6 +33,7 @@ from assistant.program.subjects import Declared, PathRow, Subject, Table
 from assistant.program.system.budgets import DRAFTING, REPORTING, within
 from assistant.program.without_gc import uncollected
 from assistant.sources.cell import said
+from assistant.sources.sights import NOTHING_SEEN, Seeing
 
 if TYPE_CHECKING:
     from assistant.languages.answers import (
@@ -144,6 +146,7 @@ def translate(
     draft: bool = False,
     entry: str | None = None,
     proving: Proving | None = None,
+    seeing: Seeing = NOTHING_SEEN,
 ) -> Translation:
     """A vendor program in another language, for another arm if one is named.
 
@@ -155,11 +158,12 @@ def translate(
     frames: how a language without work objects says them, see `Language.with_frames`. draft: gives
     files also if some statements cannot be said: each stands as a comment behind a stop.
     entry: the procedure that the program begins with, where the source has no `main`. proving: how
-    a proof by motion is sought, None for none; nothing is given out that lacks one then.
+    a proof by motion is sought, None for none; nothing is given out that lacks one then. seeing:
+    where frames that are seen are taken from.
     Raises Unreadable or Refused for what cannot be read at all.
     """
     target, stands = language_of(to).with_frames(frames), in_cell(cell, robot, values=True)
-    arms = stands.arms(robot_of(from_robot))
+    arms = replace(stands, seeing=seeing).arms(robot_of(from_robot))
     loaded = source
     if not isinstance(loaded, Loaded):
         loaded = load(loaded, process=process, robot=arms.written_for, language=language)
@@ -172,6 +176,7 @@ def translate(
     program = as_draft(program, loaded.wanting)
     places = Places(program)
     arms = standing(program, in_arms(loaded, arms))
+    program, sights = with_known(program, arms)
     compiled = compile_program(program, places, target, arms, most_targets)
     written, later = compiled, tuple[Diagnostic, ...]()
     if not compiled.ok:
@@ -192,7 +197,7 @@ def translate(
         written,
         target.name,
         rows,
-        (*loaded.findings, *stands.findings, *unfilled, *whole),
+        (*loaded.findings, *stands.findings, *sights, *unfilled, *whole),
         dict(written.files) if written.ok else {},
         loaded.wanting,
     )

@@ -120,12 +120,15 @@ class Frame:
 
     user: the user frame in the robot's base frame. object: the object frame in the user
     frame. held: the robot carries the work piece. mechanism: the unit that moves it, if any.
+    seen: the object that it is found with, empty for none: then the poses only say where that
+    usually is, and nothing is written before it is known where it was seen.
     """
 
     user: Pose = IDENTITY
     object: Pose = IDENTITY
     held: bool = False
     mechanism: str = ""
+    seen: str = ""
 
     @property
     def pose(self) -> Pose:

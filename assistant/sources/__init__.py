@@ -15,6 +15,7 @@ from assistant.program.text import is_file
 from assistant.sources.lengths import known_unit, unit_stated
 from assistant.sources.placements import INSTEAD, Placing, check_drawn
 from assistant.sources.process import NO_PROCESS, Process
+from assistant.sources.process.seen import NOT_SAID
 from assistant.sources.reading import Reader, Reading
 from assistant.sources.surroundings import ByRobot
 
@@ -82,7 +83,8 @@ def read(
     program = reading.program
     if chosen.interface is not None:
         program = replace(program, interface=chosen.interface)
-    return Reading(program, (*findings, *reading.findings), chosen.joint_percent)
+    seen = chosen.seen if reading.seen == NOT_SAID else reading.seen
+    return Reading(program, (*findings, *reading.findings), chosen.joint_percent, seen)
 
 
 def _stage(source: FilePath) -> AbstractContextManager[None]:

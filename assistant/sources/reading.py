@@ -9,18 +9,20 @@ from typing import Protocol
 from assistant.program.diagnostics import Diagnostic
 from assistant.program.program import Program
 from assistant.sources.process import Process
+from assistant.sources.process.seen import NOT_SAID, Seen
 
 
 @dataclass(frozen=True, slots=True)
 class Reading:
     """The pseudo-program of a source, and what was found on the way.
 
-    joint_percent: see `Process`.
+    joint_percent, seen: see `Process`.
     """
 
     program: Program
     findings: tuple[Diagnostic, ...] = ()
     joint_percent: float | None = None
+    seen: Seen = NOT_SAID
 
 
 class Reader(Protocol):

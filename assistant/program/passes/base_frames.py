@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -26,6 +27,7 @@ def in_base(job: Legalising) -> Program:
         return program
     frames = {n.lower(): f.pose for n, f in program.frames.items()}
     used: dict[str, str] = {}
+    set_ones = {n.lower() for n in _assigned(program)}
     targets = dict(program.targets)
 
     def moved(target: Target, pose: Pose) -> Target:
@@ -45,12 +47,20 @@ def in_base(job: Legalising) -> Program:
         )
         return value
 
+    def still(frame: str) -> None:
+        if frame in set_ones:
+            job.cannot(
+                what=f"a move in frame `{frame}`, which the program sets, on an arm of five axes",
+                cure="give the frame its place before the program is written",
+            )
+
     def move(node: p.MoveStatement) -> p.Statement:
         frame = node.motion.frame.lower()
         if frame == BASE or frame not in frames:
             if isinstance(node, p.Move) and isinstance(node.target, e.Name):
                 used.setdefault(node.target.name, BASE)
             return node
+        still(frame)
         findings.append(can.to_base(name=node.motion.frame))
         motion = replace(node.motion, frame=BASE)
         if isinstance(node, p.MoveJoints):
@@ -70,6 +80,7 @@ def in_base(job: Legalising) -> Program:
             pose, rows = frames.get(name.lower()), path.frame == row
             if pose is None or name.lower() == BASE or not rows.any():
                 continue
+            still(name.lower())
             findings.append(can.to_base(name=name))
             positions[rows] = rotations.rotate(pose.quaternion, positions[rows]) + pose.position
             quaternions[rows] = rotations.canonical(
@@ -96,3 +107,14 @@ def in_base(job: Legalising) -> Program:
         if frame != BASE and name in targets:
             targets[name] = moved(targets[name], frames[frame])
     return replace(program, procedures=procedures, targets=targets)
+
+
+def _assigned(program: Program) -> Iterator[str]:
+    """Names that statements assign to, or to a part of."""
+    for node in program.statements():
+        if isinstance(node, p.Assign):
+            place = node.target
+            while isinstance(place, e.Member | e.Index):
+                place = place.value
+            if isinstance(place, e.Name):
+                yield place.name

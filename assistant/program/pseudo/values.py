@@ -264,19 +264,23 @@ def read_tool(tip: object, load: object, stationary: object, free: object) -> To
 
 
 def frame_text(frame: Frame) -> str:
-    """`user … object … held mechanism …`, as far as they are not usual."""
+    """`user … object … held mechanism … seen …`, as far as they are not usual."""
     parts = _pose_parts("user", frame.user) + _pose_parts("object", frame.object)
     parts += ["held"] if frame.held else []
     parts += [f"mechanism {name_text(frame.mechanism)}"] if frame.mechanism else []
+    parts += [f"seen {name_text(frame.seen)}"] if frame.seen else []
     return " ".join(parts)
 
 
-def read_frame(user: object, object_: object, held: object, mechanism: object) -> Frame:
+def read_frame(
+    user: object, object_: object, held: object, mechanism: object, seen: object
+) -> Frame:
     return Frame(
         read_pose(None if user is None else _tree(user)),
         read_pose(None if object_ is None else _tree(object_)),
         held is not None,
         "" if mechanism is None else read_name(_tree(mechanism)),
+        "" if seen is None else read_name(_tree(seen)),
     )
 
 

@@ -252,7 +252,7 @@ class Locations:
         if name == drawing or self.attached:
             return pose
         frames = self.frames[drawing], self.frames[name]
-        if any(f.held or f.mechanism for f in frames):
+        if any(f.held or f.mechanism or f.seen for f in frames):
             self._say(MOVING_FRAME, placed.place, drawing=drawing, frame=name)
             return pose
         return frames[1].pose.inverse() @ frames[0].pose @ pose

@@ -17,6 +17,7 @@ from assistant.program.interface import Interface
 from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.program import Signal
 from assistant.program.statements import Motion
+from assistant.sources.process.seen import NOT_SAID, Seen
 from assistant.sources.process.shaping import AS_DRAWN, Shaping
 from assistant.sources.process.ways import AT_ENDS, EVEN, LOW, Above, Order, Pace, Switching
 from assistant.sources.surroundings import Surroundings
@@ -120,6 +121,7 @@ class Process:
     interface: how the program stands among others, None if nothing is said of it.
     home: degrees of the axes (mm of sliding ones) at which the program of a drawing begins and
     ends, None for wherever the arm is.
+    seen: of frames that are seen, how far sights are trusted, and whom a program asks.
     around: what stands around the work, which no process file says; None if nobody knows.
     findings: warnings about the process file itself.
     """
@@ -140,6 +142,7 @@ class Process:
     lines: Mapping[int, Line] = field(default_factory=dict)
     interface: Interface | None = None
     home: tuple[float, ...] | None = None
+    seen: Seen = NOT_SAID
     around: Surroundings | None = None
     findings: tuple[Diagnostic, ...] = ()
 

@@ -41,7 +41,11 @@ masses kg; names are letters, digits and `_`, a letter first.
     position = [400, 0, 20]       # in the robot's base frame
     euler_zyx = [90, 0, 0]        # or quaternion, as for tools
     held = false                  # true: the robot carries the work piece
+    seen = "bracket"              # it is where this object is seen; position: where that usually is
     on_controller = false         # and number, as for tools
+
+    [seen]                        # of such frames: how far sights are trusted, see seen.py
+    ask = "192.168.0.5:10010"     # whom the program asks as it runs
 
     [signals.glue]
     kind = "digital"              # or "analog", "group"
@@ -128,6 +132,8 @@ from assistant.sources.process.known import MOTION, Known
 from assistant.sources.process.layers import layer_of
 from assistant.sources.process.names import THERE, interface_of
 from assistant.sources.process.placing import MOST_MISFIT, ONE_WAY, PLACEMENT, by_marks, wrong_ways
+from assistant.sources.process.seen import KEYS as KEYS_OF_SEEN
+from assistant.sources.process.seen import seen_of
 from assistant.sources.process.table import REPAIRED, Page, Table
 from assistant.sources.process.values import Read, shown
 
@@ -155,7 +161,7 @@ AT: Final = re.compile(r"\s*\(at (?:line (\d+), column (\d+)|end of document)\)$
 MOST_NUMBER: Final = 65535
 """Highest signal number of a CR controller (network inputs and outputs included)."""
 
-TOP: Final = ("program", "motion", "tools", "frames", "signals", "lines", "layers", "tags")
+TOP: Final = ("program", "motion", "tools", "frames", "seen", "signals", "lines", "layers", "tags")
 
 PLAIN: Final[Mapping[str, Read]] = {
     "robot": values.text,
@@ -187,7 +193,11 @@ TOOL: Final[Mapping[str, Read]] = {
     "mass": values.number("kg", above=0.0),
     "centre": values.position,
 }
-FRAME: Final[Mapping[str, Read]] = {"position": values.position, **ORIENTATION}
+FRAME: Final[Mapping[str, Read]] = {
+    "position": values.position,
+    **ORIENTATION,
+    "seen": values.text,
+}
 DEFAULTS: Final[Mapping[str, Read]] = {
     "kind": values.choice("joint", "linear", "travel"),
     **MOTION,
@@ -232,6 +242,7 @@ def process_in(top: Table, beside: Sequence[str] = ()) -> Process:
     frames = {n: _frame(n, t) for n, t in top.table("frames").named()}
     signals = {n: _signal(n, t) for n, t in top.table("signals").named()}
     lines = dict(one for n, t in top.table("lines").named() for one in _line(n, t))
+    seen = seen_of(top.table("seen").read(KEYS_OF_SEEN))
     interface = interface_of(top)
     if "home" in found and interface is not None and not interface.main:
         top.say(NO_MAIN, "home")
@@ -252,6 +263,7 @@ def process_in(top: Table, beside: Sequence[str] = ()) -> Process:
         lines=lines,
         placement=placement,
         interface=interface,
+        seen=seen,
         findings=findings,
         **plain,
     )
@@ -320,7 +332,8 @@ def _frame(name: str, table: Table) -> Frame:
     found = table.read(FRAME)
     if name.casefold() == BASE:
         table.say(RESERVED, name=name, meaning="the robot's own base")
-    return Frame(user=_pose(name, table, found, "position"), held=found.get("held", False))
+    held, seen = found.get("held", False), found.get("seen", "")
+    return Frame(user=_pose(name, table, found, "position"), held=held, seen=seen)
 
 
 def _placement(table: Table) -> Pose | None:

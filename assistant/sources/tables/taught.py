@@ -110,7 +110,7 @@ def read_taught(source: SourceText, stem: str, process: Process) -> Reading:
     if has_errors(findings):
         raise Refused(*sorted(findings, key=lambda f: f.line or 0))
     program = rows.program_of(name, body, cell, taught.targets, taught.joint_targets)
-    return Reading(program, findings)
+    return Reading(program, findings, seen=cell.seen)
 
 
 def _joined(top: Table, own: Process, process: Process) -> Process:
@@ -128,6 +128,7 @@ def _joined(top: Table, own: Process, process: Process) -> Process:
         tools={**process.tools, **own.tools},
         frames={**process.frames, **own.frames},
         signals={**process.signals, **own.signals},
+        seen=own.seen if "seen" in top.content else process.seen,
     )
 
 

@@ -18,6 +18,7 @@ from assistant.languages.rapid.lower.adapt.channels import with_channels
 from assistant.languages.rapid.lower.adapt.data import POSITIONS
 from assistant.languages.rapid.lower.adapt.interrupts import with_interrupts
 from assistant.languages.rapid.lower.adapt.motions import Motions
+from assistant.languages.rapid.lower.adapt.mounts import with_set_mounts
 from assistant.languages.rapid.lower.adapt.statements import StatementAdapter
 from assistant.languages.rapid.lower.names import NAMES
 from assistant.languages.rapid.lower.program import build
@@ -125,6 +126,7 @@ PASSES: Final[tuple[Pass, ...]] = (
     with_whole_angles,
     pure(with_results_taken),
     pure(with_one_kind_of_numbers),
+    with_set_mounts,
     sayable,
     with_channels,
     with_breaks,

@@ -1,0 +1,78 @@
+"""Tools and frames that a program sets to a pose: in RAPID the parts of a record.
+
+`table = taught` becomes `table.uframe:=taught;`, and `table.oframe` no pose of its own where it is
+declared with one; of a robtarget the parts of a pose are taken. A tool is `grip.tframe`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import ClassVar, Final
+
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.analysis.kinds import is_position
+from assistant.program.geometry import IDENTITY
+from assistant.program.passes.legalising import Legalising
+from assistant.program.passes.rewording import Changes, Rewording
+from assistant.program.program import Procedure, Program
+
+TIP: Final = "tframe"
+USER: Final = "uframe"
+OBJECT: Final = "oframe"
+PARTS: Final = ("trans", "rot")
+"""Those of a position that are a pose."""
+
+
+def with_set_mounts(job: Legalising) -> Program:
+    """The program with parts of tools and frames for those that it sets to a pose."""
+    program = job.program
+    if not (program.frames or program.tools):
+        return program
+    said = _Mounts(job)
+    return replace(program, procedures=tuple(map(said.procedure, program.procedures)))
+
+
+class _Mounts(Rewording):
+    """own: names, in lower case, that the procedure at hand calls something else."""
+
+    def __init__(self, job: Legalising) -> None:
+        super().__init__(job)
+        program = job.program
+        self.frames = {name.lower(): frame for name, frame in program.frames.items()}
+        self.tools = {name.lower() for name in program.tools}
+        self.shadows = {name.lower() for name in program.variables}
+        self.own: set[str] = set()
+
+    def enter(self, procedure: Procedure) -> None:
+        super().enter(procedure)
+        self.own = self.shadows | {name.lower() for name in procedure.variables}
+        self.own |= {parameter.name.lower() for parameter in procedure.parameters}
+
+    def assign(self, node: p.Assign) -> Iterator[p.Statement]:
+        name = node.target.name.lower() if isinstance(node.target, e.Name) else ""
+        if name in self.own or name not in {*self.frames, *self.tools} or self.is_whole(node.value):
+            yield node
+            return
+        outer = USER if name in self.frames else TIP
+        yield replace(node, target=e.Member(node.target, outer), value=self.pose(node.value))
+        if name in self.frames and self.frames[name].object != IDENTITY:
+            yield replace(node, target=e.Member(node.target, OBJECT), value=e.PoseValue(IDENTITY))
+
+    def is_whole(self, value: e.Expression) -> bool:
+        """Whether a value is a tool or frame itself, or a record of one."""
+        if isinstance(value, e.Name):
+            name = value.name.lower()
+            return name not in self.own and (name in self.frames or name in self.tools)
+        return isinstance(value, e.Aggregate | e.Verbatim)
+
+    def pose(self, value: e.Expression) -> e.Expression:
+        match value:
+            case e.TargetValue(target):
+                return e.PoseValue(target.pose)
+            case e.Name() | e.Index() if is_position(value, self.known):
+                return e.Aggregate(tuple(e.Member(value, part) for part in PARTS))
+        return value
+
+    changes: ClassVar[Changes] = {p.Assign: assign}

@@ -1,0 +1,114 @@
+"""What a process file says of frames that are seen: how far sights are trusted, and who is asked.
+
+    [seen]
+    ask = "192.168.0.5:10010"     # the program asks there as it runs; or listen:ADDRESS:PORT
+    oldest = 600                  # seconds that a sight counts for
+    sigma_mm = 1.0                # that a place may be unsure by, one standard deviation
+    sigma_deg = 1.0
+    confidence = 0.8              # 0 to 1, that it must at least be the object
+    within = 300                  # mm from its usual place that the answer of a question may lie
+
+Each key may be left out.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Final, Literal
+
+from assistant.sources.process import values
+from assistant.sources.process.values import Read, Wrong, shown
+
+NO_ADDRESS: Final = "is no address at which a program can ask"
+ADDRESSES: Final = (
+    "write HOST:PORT of the computer that answers, listen:ADDRESS:PORT for a controller that "
+    "waits for it, or line:NUMBER for a communication line of the controller"
+)
+_PLACES: Final = re.compile(
+    r"line:(?P<line>[1-8])|(?P<listen>listen:)?(?P<host>[A-Za-z0-9_.\-]+):(?P<port>[0-9]{1,5})"
+)
+MOST_PORT: Final = 65535
+
+
+@dataclass(frozen=True, slots=True)
+class Trust:
+    """How far sights are trusted.
+
+    oldest: seconds that one counts for. sigma_mm, sigma_deg: that it may be unsure by, one standard
+    deviation. confidence: 0 to 1, that it must at least have. within: mm from its usual place that
+    an answer may lie which a program gets as it runs: farther away nothing was looked at.
+    """
+
+    oldest: float = 600.0
+    sigma_mm: float = 1.0
+    sigma_deg: float = 1.0
+    confidence: float = 0.8
+    within: float = 300.0
+
+
+TRUSTED: Final = Trust()
+
+
+@dataclass(frozen=True, slots=True)
+class Asking:
+    """Whom a program asks as it runs.
+
+    kind: `client` connects to another computer, `server` waits for it at its own address, `line` is
+    a communication line of the controller, whatever it is. number: of the port, or of the line.
+    """
+
+    kind: Literal["client", "server", "line"]
+    address: str
+    number: int
+
+    @property
+    def spoken(self) -> str:
+        """In a sentence: whom a program asks."""
+        if self.kind == "line":
+            return f"over line {self.number}"
+        who = "whoever connects to" if self.kind == "server" else "at"
+        return f"{who} {self.address}:{self.number}"
+
+    @staticmethod
+    def parse(text: str) -> Asking:
+        """From `HOST:PORT`, `listen:ADDRESS:PORT` or `line:NUMBER`; raises Wrong."""
+        match = _PLACES.fullmatch(text.strip())
+        if match is None or int(match["port"] or 1) not in range(1, MOST_PORT + 1):
+            raise Wrong(f'is "{shown(text)}", which {NO_ADDRESS}', ADDRESSES)
+        if match["line"]:
+            return Asking("line", "", int(match["line"]))
+        kind: Literal["client", "server"] = "server" if match["listen"] else "client"
+        return Asking(kind, match["host"], int(match["port"]))
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """What a process file says under [seen]."""
+
+    ask: Asking | None = None
+    trust: Trust = field(default=TRUSTED)
+
+
+NOT_SAID: Final = Seen()
+
+
+def _ask(value: Any) -> Asking:
+    return Asking.parse(values.text(value))
+
+
+KEYS: Final[Mapping[str, Read]] = {
+    "ask": _ask,
+    "oldest": values.number("seconds", above=0.0),
+    "sigma_mm": values.number("mm", above=0.0),
+    "sigma_deg": values.number("degrees", above=0.0),
+    "confidence": values.number("", least=0.0, most=1.0),
+    "within": values.number("mm", above=0.0),
+}
+
+
+def seen_of(found: Mapping[str, Any]) -> Seen:
+    """From the values of KEYS that are there."""
+    trust = {key: value for key, value in found.items() if key != "ask"}
+    return Seen(found.get("ask"), Trust(**trust))

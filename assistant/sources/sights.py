@@ -1,0 +1,209 @@
+"""Where objects were seen, as a file of what was found says it, and how far that is trusted.
+
+    [found.bracket]
+    position = [312.4, -20.1, 15.0]     # mm
+    quaternion = [0.966, 0, 0, 0.259]   # w, x, y, z
+    sigma_mm = 0.2                      # one standard deviation
+    sigma_deg = 0.1
+    confidence = 0.97                   # 0 to 1, that it is this object
+    seen = 2026-01-31T13:01:30+01:00    # without an offset: in the time of this computer
+    frame = "base"                      # of the robot; or "world", of the cell
+
+Other keys are left aside.
+"""
+
+from __future__ import annotations
+
+import datetime
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path as FilePath
+from typing import Any, Final, Literal
+
+from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors
+from assistant.program.geometry import Pose
+from assistant.program.system.budgets import SETTINGS_FILE
+from assistant.program.text import decode, read_bytes
+from assistant.sources.process import values
+from assistant.sources.process.file import ENCODINGS, read_toml
+from assistant.sources.process.seen import NOT_SAID as NOT_STATED
+from assistant.sources.process.seen import TRUSTED, Asking, Seen, Trust
+from assistant.sources.process.table import REPAIRED, Table
+from assistant.sources.process.values import Read, Wrong, kind_of, listed, shown
+
+NOTHING_FOUND: Final = error(
+    "SR010",
+    "the file says of nothing where it was found",
+    "give the file that `robot-assistant see` writes, with a table [found.NAME] for each object",
+)
+NOT_SAID: Final = error(
+    "SR011", "of `{name}` the file does not say {keys}", "write them, or look for it anew"
+)
+TOO_OLD: Final = error(
+    "SR012",
+    "`{name}` was seen {age} ago, and counts for {most} only",
+    "look anew, or allow more seconds by `oldest` under [seen] in the process file",
+)
+FROM_LATER: Final = error(
+    "SR013",
+    "`{name}` was seen {age} from now, says the file",
+    "set the clocks of both computers, and look anew",
+)
+UNSURE: Final = error(
+    "SR014",
+    "where `{name}` is, is known to {sigma:g} {unit} only (one standard deviation), and may be "
+    "unsure by {most:g} {unit}",
+    "look from nearer or with another camera, or allow more by `{key}` under [seen] in the process "
+    "file",
+)
+HARDLY_IT: Final = error(
+    "SR015",
+    "that it is `{name}` is believed with {confidence:g}, and {least:g} is the least",
+    "look anew with better light, or allow less by `confidence` under [seen] in the process file",
+)
+NO_ADDRESS: Final = error("SR016", "the place where the program asks {what}", "{cure}")
+QUESTION: Final = "see"
+"""The word before the name of an object, in what a program asks as it runs."""
+FOUND: Final = 1
+NOT_THERE: Final = 0
+DOUBTFUL: Final = 2
+"""The first of the seven numbers that it is answered; x, y, z and the degrees about x, y and z of
+R = Rz·Ry·Rx follow, in the robot's base, each in a line of its own.
+"""
+CLOCKS: Final = 2.0
+"""Seconds by which the clocks of two computers may differ."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sight:
+    """An object where it was found.
+
+    pose: in `frame`, mm. sigma_mm, sigma_deg: one standard deviation of its place and turn.
+    confidence: 0 to 1, that it is this object. seen: when, with its time zone.
+    frame: the robot's base, or the world of the cell.
+    """
+
+    name: str
+    pose: Pose
+    sigma_mm: float
+    sigma_deg: float
+    confidence: float
+    seen: datetime.datetime
+    frame: Literal["base", "world"] = "base"
+
+
+@dataclass(frozen=True, slots=True)
+class Seeing:
+    """Where frames that are seen are taken from.
+
+    found: what was found, by name; None if nobody named a file. ask: whom the program asks as it
+    runs. trust: how far sights are trusted.
+    """
+
+    found: Mapping[str, Sight] | None = field(default=None, hash=False)
+    ask: Asking | None = None
+    trust: Trust = TRUSTED
+
+    def beside(self, stated: Seen) -> Seeing:
+        """With what a process file says, where nothing else was said."""
+        if stated == NOT_STATED:
+            return self
+        return Seeing(self.found, self.ask or stated.ask, stated.trust)
+
+
+NOTHING_SEEN: Final = Seeing()
+
+
+def seeing(found: str | FilePath | None = None, ask: str | None = None) -> Seeing:
+    """What a file says was found, and whom a program asks; raises Unreadable or Refused."""
+    asked = None
+    if ask is not None:
+        try:
+            asked = Asking.parse(ask)
+        except Wrong as wrong:
+            raise Refused(NO_ADDRESS(what=wrong.what, cure=wrong.cure), exit_status=2) from None
+    return Seeing(None if found is None else read_sights(found), asked)
+
+
+def read_sights(path: str | FilePath) -> Mapping[str, Sight]:
+    """What a file says was found, by the names of the objects.
+
+    Raises Unreadable for what is no TOML, Refused, with every finding, for what is wrong in it.
+    """
+    source = decode(read_bytes(path, most=SETTINGS_FILE), str(path), ENCODINGS)
+    top = read_toml(source)
+    tables = list(top.table("found").named(identifiers=False))
+    if not tables:
+        top.say(NOTHING_FOUND)
+    read = [(name, _sight(name, table)) for name, table in tables]
+    if has_errors(top.page.findings):
+        raise Refused(*top.page.findings, exit_status=2)
+    return {name: sight for name, sight in read if sight is not None}
+
+
+def doubts(
+    sight: Sight, trust: Trust = TRUSTED, now: datetime.datetime | None = None
+) -> Iterator[Diagnostic]:
+    """Why a sight is not to be trusted with a robot; nothing for one that is."""
+    now = now or datetime.datetime.now(datetime.UTC)
+    age = (now - sight.seen).total_seconds()
+    if age > trust.oldest:
+        yield TOO_OLD(name=sight.name, age=_spoken(age), most=_spoken(trust.oldest))
+    if age < -CLOCKS:
+        yield FROM_LATER(name=sight.name, age=_spoken(-age))
+    for key, unit in (("sigma_mm", "mm"), ("sigma_deg", "degrees")):
+        sigma, most = getattr(sight, key), getattr(trust, key)
+        if not sigma <= most:
+            yield UNSURE(name=sight.name, sigma=sigma, most=most, unit=unit, key=key)
+    if not sight.confidence >= trust.confidence:
+        told, least = sight.confidence, trust.confidence
+        yield HARDLY_IT(name=sight.name, confidence=told, least=least)
+
+
+def _spoken(seconds: float) -> str:
+    for unit, length in (("days", 86400.0), ("hours", 3600.0), ("minutes", 60.0)):
+        if seconds >= 2.0 * length:
+            return f"{seconds / length:.3g} {unit}"
+    return f"{seconds:.3g} seconds"
+
+
+def _moment(value: Any) -> datetime.datetime:
+    """A date with its time, as TOML has it or as ISO 8601 text."""
+    if isinstance(value, str):
+        try:
+            value = datetime.datetime.fromisoformat(value)
+        except ValueError:
+            raise Wrong(f'is "{shown(value)}"', "write it as 2026-01-31T13:01:30Z") from None
+    if not isinstance(value, datetime.datetime):
+        raise Wrong(f"is {kind_of(value)}", "write a date with its time, as 2026-01-31T13:01:30Z")
+    try:
+        return value.astimezone(datetime.UTC)
+    except (OverflowError, OSError, ValueError):
+        raise Wrong("is out of range", "write it as 2026-01-31T13:01:30Z") from None
+
+
+_KEYS: Final[Mapping[str, Read]] = {
+    "position": values.position,
+    "quaternion": values.quaternion,
+    "sigma_mm": values.number("mm", least=0.0),
+    "sigma_deg": values.number("degrees", least=0.0),
+    "confidence": values.number("", least=0.0, most=1.0),
+    "seen": _moment,
+    "frame": values.choice("base", "world"),
+}
+_OPEN: Final = ("frame",)
+
+
+def _sight(name: str, table: Table) -> Sight | None:
+    """None with a finding where the table is wrong."""
+    known = {key: value for key, value in table.content.items() if key in _KEYS}
+    found = Table(table.page, table.path, known).read(_KEYS)
+    lacking = [key for key in _KEYS if key not in known and key not in _OPEN]
+    if lacking:
+        table.say(NOT_SAID, name=shown(name), keys=listed(lacking))
+    if lacking or len(found) < len(known):
+        return None
+    turn, length = found.pop("quaternion")
+    if abs(length - 1.0) > values.EXACT_LENGTH:
+        table.say(REPAIRED, "quaternion", key="quaternion", length=length)
+    return Sight(name, Pose(found.pop("position"), turn), **found)
