@@ -75,7 +75,7 @@ class Lens:
         found = wanted.copy()
         for _ in range(ROUNDS):
             off = self._distorted(found) - wanted
-            step = np.linalg.solve(self._slope(found), off[..., None])[..., 0]
+            step = _solved(self._slope(found), off)
             found -= np.clip(step, -0.3, 0.3)
             if not (np.abs(step) > 1e-13).any():
                 break
@@ -112,6 +112,16 @@ class Lens:
             [across, radial + y * y * grows + 6.0 * p1 * y + 2.0 * p2 * x],
         ]
         return np.moveaxis(np.array(rows), 2, 0)
+
+
+def _solved(matrices: Floats, right: Floats) -> Floats:
+    """(n, 2, 2) and (n, 2) → (n, 2), many times faster than by a factorisation of each."""
+    (a, b), (c, d) = matrices[:, 0].T, matrices[:, 1].T
+    x, y = right.T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(
+            np.stack([d * x - b * y, a * y - c * x], axis=1) / (a * d - b * c)[:, None]
+        )
 
 
 @dataclass(frozen=True, slots=True)

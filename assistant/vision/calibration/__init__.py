@@ -1,0 +1,1 @@
+"""Calibration of cameras: lens, two cameras to each other, camera and arm."""

@@ -1,0 +1,95 @@
+"""The lens of a camera from views of a board."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from assistant.program import rotations
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.geometry import Pose
+from assistant.vision.calibration import rules
+from assistant.vision.calibration.boards import Board, View
+from assistant.vision.cameras.camera import Lens
+from assistant.vision.opencv import opencv
+
+LEAST: Final = 4
+"""Views; each gives six unknowns of its own and the lens has nine."""
+TILT: Final = 10.0
+"""Degrees between the most unlike views of a board below which depth and focal length are one."""
+UNSURE: Final = 1.0
+"""Percent of the focal length, one sigma."""
+COARSE: Final = 1.0
+"""Pixels that sharp views do not leave."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LensFound:
+    """residual: pixels, root mean square over u and v of all corners. of_views: (n,) the same of
+    each view. poses: of the board in the camera, one a view. sigma: pixels, of focal and centre.
+    """
+
+    lens: Lens
+    residual: float
+    of_views: Floats
+    poses: tuple[Pose, ...]
+    sigma: tuple[float, float, float, float]
+    findings: tuple[Diagnostic, ...] = ()
+
+
+def find_lens(board: Board, views: Sequence[View], size: tuple[int, int]) -> LensFound:
+    """Focal lengths, centre and distortion; raises Refused for views that do not tell them.
+
+    By OpenCV's calibrateCamera (Zhang, A flexible new technique for camera calibration, 2000).
+    """
+    if len(views) < LEAST:
+        raise Refused(rules.FEW_VIEWS(count=len(views), least=LEAST))
+    cv = opencv()
+    objects = [board.corners[view.rows].astype(np.float32) for view in views]
+    pixels = [view.pixels.astype(np.float32)[:, None] for view in views]
+    try:
+        found = cv.calibrateCameraExtended(objects, pixels, size, None, None)
+    except cv.error:
+        raise Refused(rules.ALIKE(what="no lens fits them")) from None
+    residual, matrix, distortion, turns, places, sigma = found[:6]
+    poses = tuple(pose_of(turn, place) for turn, place in zip(turns, places, strict=True))
+    _check(poses, np.asarray(sigma).ravel(), matrix)
+    k = np.ravel(distortion)
+    lens = Lens(
+        size,
+        (float(matrix[0, 0]), float(matrix[1, 1])),
+        (float(matrix[0, 2]), float(matrix[1, 2])),
+        (float(k[0]), float(k[1]), float(k[2]), float(k[3]), float(k[4])),
+    )
+    spread = np.asarray(sigma).ravel()[:4]
+    percent = float(100.0 * spread[:2].max() / min(lens.focal))
+    # OpenCV divides by corners; here it is the mean of u and v, as noise of pixels is told.
+    share = 1.0 / np.sqrt(2.0)
+    left = float(residual) * share
+    unsure = percent > UNSURE or left > COARSE
+    findings = (rules.POOR(residual=left, percent=percent),) if unsure else ()
+    fx, fy, cx, cy = (float(value) for value in spread)
+    return LensFound(lens, left, np.ravel(found[7]) * share, poses, (fx, fy, cx, cy), findings)
+
+
+def pose_of(turn: Any, place: Any) -> Pose:
+    """The pose that OpenCV writes as a vector of turning (radians) and one of place."""
+    vector = np.ravel(np.asarray(turn, dtype=np.float64))
+    angle = float(np.linalg.norm(vector))
+    axis = vector / angle if angle > 0.0 else np.array([0.0, 0.0, 1.0])
+    return Pose.of(np.ravel(place), np.ravel(rotations.about(axis, np.degrees(angle))))
+
+
+def _check(poses: Sequence[Pose], sigma: Floats, matrix: Floats) -> None:
+    """Raises Refused where the views leave open what the lens is."""
+    faces = np.array([rotations.to_matrix(np.array(p.quaternion))[:, 2] for p in poses])
+    most = float(np.degrees(np.arccos(np.clip((faces @ faces.T).min(), -1.0, 1.0))))
+    if most < TILT:
+        raise Refused(rules.ALIKE(what=f"the board is tilted by {most:.1f} degrees between them"))
+    focal = float(matrix[0, 0])
+    if not np.isfinite(sigma).all() or not 0.0 < focal < 1e6 or sigma[0] > 0.1 * focal:
+        raise Refused(rules.ALIKE(what="they leave the focal length open"))

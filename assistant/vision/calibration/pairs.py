@@ -1,0 +1,60 @@
+"""Where cameras stand to each other, from views of one board that both see at the same moments."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from assistant.program import rotations
+from assistant.program.diagnostics import Refused
+from assistant.program.geometry import Pose
+from assistant.vision.calibration import rules
+from assistant.vision.calibration.boards import Board, View
+from assistant.vision.calibration.lenses import LEAST
+from assistant.vision.cameras.camera import Lens
+from assistant.vision.opencv import opencv
+
+FEWEST: Final = 6
+"""Corners that both see in a pair of views that counts."""
+
+
+@dataclass(frozen=True, slots=True)
+class PairFound:
+    """pose: of the second camera in the frame of the first one. residual: pixels, root mean square
+    over u and v. views: pairs that counted.
+    """
+
+    pose: Pose
+    residual: float
+    views: int
+
+
+def find_pair(
+    board: Board,
+    lenses: tuple[Lens, Lens],
+    views: Sequence[tuple[View, View]],
+) -> PairFound:
+    """By OpenCV's stereoCalibrate with the lenses as they are. Raises Refused for too few views."""
+    cv = opencv()
+    objects, seen = list[object](), (list[object](), list[object]())
+    for pair in views:
+        rows = np.intersect1d(pair[0].rows, pair[1].rows)
+        if len(rows) < FEWEST:
+            continue
+        objects.append(board.corners[rows].astype(np.float32))
+        for pixels, view in zip(seen, pair, strict=True):
+            places = {int(row): i for i, row in enumerate(view.rows)}
+            some = view.pixels[[places[int(row)] for row in rows]]
+            pixels.append(some.astype(np.float32)[:, None])
+    if len(objects) < LEAST:
+        raise Refused(rules.FEW_VIEWS(count=len(objects), least=LEAST))
+    optics = [part for lens in lenses for part in (lens.matrix, np.array(lens.distortion))]
+    found = cv.stereoCalibrate(
+        objects, *seen, *optics, lenses[0].size, flags=cv.CALIB_FIX_INTRINSIC
+    )
+    residual, turn, place = found[0], np.asarray(found[5]), np.ravel(found[6])
+    into = Pose.of(place, np.ravel(rotations.from_matrix(turn)))
+    return PairFound(into.inverse(), float(residual) / np.sqrt(2.0), len(objects))

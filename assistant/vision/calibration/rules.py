@@ -1,0 +1,50 @@
+"""What is found when cameras are calibrated."""
+
+from __future__ import annotations
+
+from assistant.program.diagnostics import error, warning
+
+BAD_BOARD = error("VS030", "`{text}` is no board: {reason}", "{cure}")
+NO_BOARD = warning(
+    "VS031", "no board is found in {name}", "show all of it, flat, in even light, and sharp"
+)
+MIRRORED = error(
+    "VS032",
+    "the board in {name} is mirrored",
+    "show the printed side, and switch off that the camera mirrors its picture",
+)
+FEW_VIEWS = error(
+    "VS033",
+    "the board is found in {count} views, and {least} are needed",
+    "take more pictures of it",
+)
+ALIKE = error(
+    "VS034",
+    "the views are too much alike: {what}",
+    "tilt the board by 20 to 40 degrees to all sides, and bring it into the corners of the picture",
+)
+POOR = warning(
+    "VS035",
+    "the lens leaves {residual:.2f} pixels, and its focal length is known to {percent:.1f} %",
+    "take sharper views, or more of them",
+)
+OTHER_COUNT = error(
+    "VS036", "there are {count} views of {name} and {other} of {others}", "pair them, one to one"
+)
+OTHER_SIZES = error(
+    "VS037", "{name} has {given} pixels, others have {wanted}", "use pictures of one camera"
+)
+FEW_MOTIONS = error(
+    "VS040", "there are {count} poses of the arm, and {least} are needed", "show more of them"
+)
+NO_TURNS = error(
+    "VS041",
+    "the poses of the arm turn about one axis only, or by less than {least:g} degrees",
+    "turn the hand about two axes at least, by 30 degrees or more",
+)
+UNLIKE = error(
+    "VS042",
+    "the methods differ by {mm:.1f} mm and {degrees:.2f} degrees; {residual:.1f} mm are left",
+    "look whether poses and pictures belong together, and whether the poses are of the flange",
+)
+"""The methods of hand–eye calibration."""
