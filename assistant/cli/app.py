@@ -18,6 +18,7 @@ from assistant.cli import (
     on_programs,
     projects,
 )
+from assistant.cli.answering_sights import answer
 from assistant.cli.exchanges import exchange
 from assistant.cli.explorations import explore
 from assistant.cli.gateways import gateway
@@ -86,6 +87,7 @@ for command in (*on_programs.COMMANDS, *on_cells.COMMANDS, *on_blocks.COMMANDS):
 app.command()(run)
 app.command()(debug)
 app.command()(gateway)
+app.command()(answer)
 
 
 for command in (

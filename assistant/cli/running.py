@@ -25,6 +25,7 @@ from assistant.program.diagnostics import Diagnostic, Refused, Severity, error, 
 if TYPE_CHECKING:
     from assistant.robots import Robot
     from assistant.sources.placements import Placing
+    from assistant.sources.sights import Seeing
     from assistant.virtual.events import Place, Run
     from assistant.virtual.kernel import Task
     from assistant.virtual.kernel.script import Script
@@ -73,6 +74,7 @@ class Options:
     hosts: Sequence[str]
     lines: Sequence[str]
     ask: bool
+    seeing: Seeing
 
 
 def run_run(named: Sequence[str], options: Options, format: Format) -> int:
@@ -125,7 +127,9 @@ def _programs(named: Sequence[str], options: Options, arm: Robot | None) -> Prog
         raise Refused(NO_ASKING(), exit_status=2)
     if STANDARD in named:
         text, spoken = standard_input(options.from_language)
-        return programs_of_text(text, language=spoken, robot=arm, entry=options.entry)
+        return programs_of_text(
+            text, language=spoken, robot=arm, entry=options.entry, seeing=options.seeing
+        )
     return programs(
         named,
         language=options.from_language,
@@ -134,6 +138,7 @@ def _programs(named: Sequence[str], options: Options, arm: Robot | None) -> Prog
         unit=options.unit,
         placement=options.placement,
         entry=options.entry,
+        seeing=options.seeing,
     )
 
 

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from assistant.cli.options import (
+    AskAtOption,
     EntryOption,
     FormatOption,
     FromLanguage,
@@ -15,6 +16,7 @@ from assistant.cli.options import (
     PlaceOption,
     ProcessOption,
     RobotOption,
+    SeenOption,
     UnitOption,
     placing,
 )
@@ -97,10 +99,13 @@ def run(
     marks: MarkOption = None,
     from_language: FromLanguage = None,
     entry: EntryOption = None,
+    seen: SeenOption = None,
+    ask_at: AskAtOption = None,
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Run programs on a virtual controller and tell what they do. No robot moves."""
     from assistant.cli.running import Options, run_run
+    from assistant.sources.sights import seeing
 
     options = Options(
         robot=robot,
@@ -123,6 +128,7 @@ def run(
         hosts=hosts or (),
         lines=lines or (),
         ask=ask,
+        seeing=seeing(seen, ask_at),
     )
     raise typer.Exit(run_run(programs, options, format))
 

@@ -20,9 +20,11 @@ from assistant.compiler.loading import (
     read_pseudo,
     read_trees,
 )
+from assistant.compiler.seen_frames import with_known
 from assistant.program import pseudo
 from assistant.program.diagnostics import Diagnostic, Refused, Severity, error, has_errors
 from assistant.program.text import SourceText, is_folder, read_bytes
+from assistant.sources.sights import NOTHING_SEEN, Seeing
 from assistant.virtual.parts import Group, Part, Programs, groups
 
 if TYPE_CHECKING:
@@ -54,12 +56,14 @@ def programs(
     unit: str | None = None,
     entry: str | None = None,
     placement: Placing | None = None,
+    seeing: Seeing = NOTHING_SEEN,
 ) -> Programs:
     """What files and folders hold that run together on one controller.
 
     named: a drawing, table or pseudo-program; or robot programs of one language, or a folder with
     them. language: of robot programs, where neither suffix nor text tell. robot, process, unit,
     placement: see `load`, of other sources. entry: the procedure that a pseudo-program begins with.
+    seeing: where its frames that are seen are taken from.
     Raises Unreadable or Refused.
     """
     title = ", ".join(named)
@@ -73,7 +77,9 @@ def programs(
         is_text = FilePath(named[0]).suffix.lower() == pseudo.SUFFIX
         program = entered(loaded.program, entry)
         text = read_pseudo(named[0]) if is_text else None
-        return _for_arm(Programs(title, program=program, text=text), loaded.findings, robot)
+        program, sights = with_known(program, Arms(robot, seeing=seeing.beside(loaded.seen)))
+        found = (*loaded.findings, *sights)
+        return _for_arm(Programs(title, program=program, text=text), found, robot)
     for option, value in (("process", process), ("unit", unit), ("place", placement)):
         if value is not None:
             raise Refused(OF_SOURCES(path=named[0], option=option, name=named[0]), exit_status=2)
@@ -89,12 +95,14 @@ def programs_of_text(
     language: str | None = None,
     robot: Robot | None = None,
     entry: str | None = None,
+    seeing: Seeing = NOTHING_SEEN,
 ) -> Programs:
     """The same for a text that is no file: a robot language's if named, else pseudo text."""
     title = text.path or "standard input"
     if language is None:
         program = entered(load_text(text).program, entry)
-        return _for_arm(Programs(title, program=program, text=text), (), robot)
+        program, sights = with_known(program, Arms(robot, seeing=seeing))
+        return _for_arm(Programs(title, program=program, text=text), sights, robot)
     spoken = language_of(language)
     tree = spoken.parse(text)
     _refuse_errors([tree])

@@ -87,8 +87,9 @@ def with_seen(program: Program, arms: Arms) -> tuple[Program, tuple[Diagnostic, 
     if not seen:
         return program, ()
     plain = {name: replace(frame, seen="") for name, frame in seen.items()}
-    found = Findings(_carried(seen))
-    there = arms.seeing
+    found, there = Findings(_carried(seen)), arms.seeing
+    if found:
+        return replace(program, frames={**program.frames, **plain}), tuple(found)
     if there.found is None and there.ask is None:
         found += (_about(NOT_KNOWN(frame=n, name=f.seen), n) for n, f in seen.items())
     if there.found is not None:

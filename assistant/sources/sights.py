@@ -105,10 +105,14 @@ class Seeing:
     trust: Trust = TRUSTED
 
     def beside(self, stated: Seen) -> Seeing:
-        """With what a process file says, where nothing else was said."""
+        """With what a process file says, where nothing else was said.
+
+        Raises Unreadable or Refused for the file of what was found that it names.
+        """
         if stated == NOT_STATED:
             return self
-        return Seeing(self.found, self.ask or stated.ask, stated.trust)
+        found = read_sights(stated.found) if stated.found and self.found is None else self.found
+        return Seeing(found, self.ask or stated.ask, stated.trust)
 
 
 NOTHING_SEEN: Final = Seeing()

@@ -242,7 +242,7 @@ def process_in(top: Table, beside: Sequence[str] = ()) -> Process:
     frames = {n: _frame(n, t) for n, t in top.table("frames").named()}
     signals = {n: _signal(n, t) for n, t in top.table("signals").named()}
     lines = dict(one for n, t in top.table("lines").named() for one in _line(n, t))
-    seen = seen_of(top.table("seen").read(KEYS_OF_SEEN))
+    seen = seen_of(top.table("seen").read(KEYS_OF_SEEN), page.source.path)
     interface = interface_of(top)
     if "home" in found and interface is not None and not interface.main:
         top.say(NO_MAIN, "home")

@@ -2,6 +2,7 @@
 
     [seen]
     ask = "192.168.0.5:10010"     # the program asks there as it runs; or listen:ADDRESS:PORT
+    found = "found.toml"          # beside this file: what was found before the program is written
     oldest = 600                  # seconds that a sight counts for
     sigma_mm = 1.0                # that a place may be unsure by, one standard deviation
     sigma_deg = 1.0
@@ -16,6 +17,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path as FilePath
 from typing import Any, Final, Literal
 
 from assistant.sources.process import values
@@ -75,7 +77,11 @@ class Asking:
     def parse(text: str) -> Asking:
         """From `HOST:PORT`, `listen:ADDRESS:PORT` or `line:NUMBER`; raises Wrong."""
         match = _PLACES.fullmatch(text.strip())
-        if match is None or int(match["port"] or 1) not in range(1, MOST_PORT + 1):
+        if (
+            match is None
+            or match["host"] == "line"
+            or int(match["port"] or 1) not in range(1, MOST_PORT + 1)
+        ):
             raise Wrong(f'is "{shown(text)}", which {NO_ADDRESS}', ADDRESSES)
         if match["line"]:
             return Asking("line", "", int(match["line"]))
@@ -85,10 +91,14 @@ class Asking:
 
 @dataclass(frozen=True, slots=True)
 class Seen:
-    """What a process file says under [seen]."""
+    """What a process file says under [seen].
+
+    found: path of a file of what was found, empty for none.
+    """
 
     ask: Asking | None = None
     trust: Trust = field(default=TRUSTED)
+    found: str = ""
 
 
 NOT_SAID: Final = Seen()
@@ -98,8 +108,17 @@ def _ask(value: Any) -> Asking:
     return Asking.parse(values.text(value))
 
 
+def _beside(value: Any) -> str:
+    """The name of a file, in the same folder."""
+    given = values.text(value)
+    if re.search(r"[/\\:\x00-\x1f]", given) or given in (".", ".."):
+        raise Wrong(f'is "{shown(given)}"', "write the name of a file beside this one, no folder")
+    return given
+
+
 KEYS: Final[Mapping[str, Read]] = {
     "ask": _ask,
+    "found": _beside,
     "oldest": values.number("seconds", above=0.0),
     "sigma_mm": values.number("mm", above=0.0),
     "sigma_deg": values.number("degrees", above=0.0),
@@ -108,7 +127,8 @@ KEYS: Final[Mapping[str, Read]] = {
 }
 
 
-def seen_of(found: Mapping[str, Any]) -> Seen:
-    """From the values of KEYS that are there."""
-    trust = {key: value for key, value in found.items() if key != "ask"}
-    return Seen(found.get("ask"), Trust(**trust))
+def seen_of(said: Mapping[str, Any], path: str | None) -> Seen:
+    """From the values of KEYS that are there. path: of the file that says them."""
+    trust = {key: value for key, value in said.items() if key not in ("ask", "found")}
+    found = str(FilePath(path or "").parent / said["found"]) if "found" in said else ""
+    return Seen(said.get("ask"), Trust(**trust), found)
