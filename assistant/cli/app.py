@@ -19,6 +19,7 @@ from assistant.cli import (
     projects,
 )
 from assistant.cli.answering_sights import answer
+from assistant.cli.camera_commands import camera
 from assistant.cli.exchanges import exchange
 from assistant.cli.explorations import explore
 from assistant.cli.gateways import gateway
@@ -45,6 +46,7 @@ app.add_typer(robots, name="robots")
 app.add_typer(exchange, name="exchange")
 app.add_typer(reach, name="reach")
 app.add_typer(explore, name="explore")
+app.add_typer(camera, name="camera")
 
 
 def _budget(text: str | None) -> None:

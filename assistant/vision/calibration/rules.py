@@ -34,6 +34,11 @@ OTHER_COUNT = error(
 OTHER_SIZES = error(
     "VS037", "{name} has {given} pixels, others have {wanted}", "use pictures of one camera"
 )
+NO_PICTURES = error(
+    "VS038",
+    "there are no pictures of camera `{name}` in {folder}",
+    "name a folder of PNG, JPEG, BMP or TIFF files",
+)
 FEW_MOTIONS = error(
     "VS040", "there are {count} poses of the arm, and {least} are needed", "show more of them"
 )
@@ -47,4 +52,3 @@ UNLIKE = error(
     "the methods differ by {mm:.1f} mm and {degrees:.2f} degrees; {residual:.1f} mm are left",
     "look whether poses and pictures belong together, and whether the poses are of the flange",
 )
-"""The methods of hand–eye calibration."""

@@ -23,3 +23,11 @@ SATURATED = warning(
     "expose shorter, or turn a light away",
 )  # fmt: skip
 NO_PICTURE = error("VS025", "this is no picture: {reason}", "name a PNG, JPEG, BMP or TIFF file")
+DISAGREE = error(
+    "VS026",
+    "cameras `{one}` and `{other}` leave {pixels:.1f} pixels on what both see",
+    "one of them was moved, or it is not the same moment: calibrate them anew",
+)
+NOT_DRAWN = error(
+    "VS027", "camera `{name}` is carried by `{parent}`, which the cell has not", "{cure}"
+)

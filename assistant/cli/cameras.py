@@ -1,0 +1,290 @@
+"""What the commands of cameras do."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Final, cast
+
+from assistant.cli.presentation import Format, print_findings, print_json, say
+from assistant.program.diagnostics import Diagnostic, Refused, error
+
+if TYPE_CHECKING:
+    from assistant.program.geometry import Pose
+    from assistant.vision.calibration.hand_eye import Mounting
+    from assistant.vision.calibration.rigs import RigFound
+    from assistant.vision.cameras.camera import Camera
+    from assistant.vision.cameras.camera_file import Rig
+    from assistant.vision.cameras.capture import Frame
+    from assistant.vision.cameras.checking import Agreement
+    from assistant.vision.cameras.drawing import Thing
+
+NOT_NAMED: Final = error(
+    "CL500", "`{given}` names no camera and folder", "write NAME=FOLDER, as left=pictures/left"
+)
+NO_SOURCE: Final = error(
+    "CL501",
+    "the file does not say where pictures of camera `{name}` come from",
+    "write source = … under it, or name it by --source",
+)
+NO_POSES: Final = error("CL502", "there are no poses in {file}", "write a row each, without names")
+NO_PLACES: Final = error(
+    "CL503", "--show {what} wants to know where", "name a table of poses by --at"
+)
+NO_PNG: Final = error("CL504", "a picture is not written as `{name}`", "end its name in .png")
+
+
+def run_calibrate(
+    pictures: Sequence[str],
+    board: str,
+    output: Path,
+    poses: Path | None,
+    mounting: str,
+    flange: str,
+    format: Format,
+) -> int:
+    from assistant.vision.calibration.boards import Board
+    from assistant.vision.calibration.rigs import calibrate, look, with_sources
+    from assistant.vision.cameras.camera_file import write_cameras
+
+    wanted = Board.parse(board)
+    folders = _folders(pictures)
+    looked = [look(wanted, name, folder) for name, folder in folders.items()]
+    flanges = None if poses is None else _poses(poses)
+    how = cast("Mounting", mounting)
+    found = calibrate(wanted, looked, flanges=flanges, mounting=how, flange=flange)
+    write_cameras(output, with_sources(found.rig, folders))
+    print_findings(found.findings)
+    if format is Format.JSON:
+        print_json(_record(found))
+    else:
+        for line in _lines(found):
+            say(line)
+        say(f"wrote {output}")
+    return 0
+
+
+def _lines(found: RigFound) -> list[str]:
+    lines = []
+    for name, one in found.lenses.items():
+        fx, fy = one.lens.focal
+        lines.append(
+            f"{name}: {one.residual:.3f} px left in {len(one.poses)} views, focal length "
+            f"{fx:.1f} ± {one.sigma[0]:.1f} and {fy:.1f} ± {one.sigma[1]:.1f} px"
+        )
+    for name, pair in found.pairs.items():
+        x, y, z = pair.pose.position
+        place = f"{x:.1f} {y:.1f} {z:.1f} mm"
+        lines.append(f"{name}: {pair.residual:.3f} px left in {pair.views} pairs, at {place}")
+    if found.hand_eye is not None:
+        lines += [
+            f"{'→' if one is found.hand_eye.best else ' '} {one.method}: {one.mm:.3f} mm and "
+            f"{one.degrees:.4f} degrees left"
+            for one in found.hand_eye.solutions
+        ]
+        mm, degrees = found.hand_eye.held_out
+        lines.append(f"views that were not used: {mm:.3f} mm and {degrees:.4f} degrees")
+    return lines
+
+
+def _record(found: RigFound) -> dict[str, object]:
+    answer: dict[str, object] = {
+        "lenses": {
+            name: {"residual_px": one.residual, "views": len(one.poses), "focal": one.lens.focal}
+            for name, one in found.lenses.items()
+        },
+        "pairs": {
+            name: {"residual_px": one.residual, "position": one.pose.position}
+            for name, one in found.pairs.items()
+        },
+    }
+    if found.hand_eye is not None:
+        answer["hand_eye"] = {
+            "best": found.hand_eye.best.method,
+            "left": {
+                one.method: {"mm": one.mm, "degrees": one.degrees}
+                for one in found.hand_eye.solutions
+            },
+            "held_out": {"mm": found.hand_eye.held_out[0], "degrees": found.hand_eye.held_out[1]},
+        }
+    return answer
+
+
+def _folders(given: Sequence[str]) -> dict[str, str]:
+    from assistant.program.program import IDENTIFIER
+
+    found: dict[str, str] = {}
+    for one in given:
+        name, equals, folder = one.partition("=")
+        if not (equals and folder and IDENTIFIER.fullmatch(name)) or name in found:
+            raise Refused(NOT_NAMED(given=one), exit_status=2)
+        found[name] = folder
+    return found
+
+
+def _poses(file: Path) -> list[Pose]:
+    """The rows of a table of waypoints."""
+    from assistant.program.geometry import Pose
+    from assistant.program.statements import Follow
+    from assistant.sources import read
+
+    program = read(file).program
+    ways = [one.path for body in program.procedures for one in body.body if isinstance(one, Follow)]
+    rows = [row for way in ways for row in zip(way.positions, way.quaternions, strict=True)]
+    if not rows:
+        raise Refused(NO_POSES(file=file), exit_status=2)
+    return [Pose.of(position, quaternion) for position, quaternion in rows]
+
+
+def run_view(file: Path, name: str, output: Path, source: str | None, format: Format) -> int:
+    from assistant.vision.cameras.camera_file import read_cameras
+    from assistant.vision.cameras.capture import look_at
+    from assistant.vision.cameras.overlays import with_axes
+
+    if output.suffix.lower() != ".png":
+        raise Refused(NO_PNG(name=output), exit_status=2)
+    rig = read_cameras(file)
+    camera = rig[name]
+    frame = _frame(rig, camera, source)
+    _write_picture(output, with_axes(camera, frame.picture))
+    print_findings(look_at(camera, frame.picture))
+    if format is Format.JSON:
+        print_json({"camera": name, "picture": str(output), "size": list(camera.lens.size)})
+    else:
+        say(f"{name}: {frame.name or 'a picture'}, wrote {output}")
+    return 0
+
+
+def _frame(rig: Rig, camera: Camera, source: str | None) -> Frame:
+    from assistant.vision.cameras.capture import opened
+
+    named = source or rig.sources.get(camera.name, "")
+    if not named:
+        raise Refused(NO_SOURCE(name=camera.name), exit_status=2)
+    folder = Path() if source else rig.folder
+    with opened(camera, named, folder) as frames:
+        return next(frames)
+
+
+def run_check(file: Path, board: str | None, format: Format) -> int:
+    from assistant.vision.cameras.camera_file import read_cameras
+    from assistant.vision.cameras.checking import pictures_findings
+
+    rig = read_cameras(file)
+    frames = {name: _frame(rig, camera, None) for name, camera in rig.cameras.items()}
+    findings = list(pictures_findings(rig.cameras, frames))
+    agreements: list[Agreement] = []
+    if board is not None:
+        agreements, more = _agreements(rig, frames, board)
+        findings += more
+    print_findings(findings)
+    if format is Format.JSON:
+        print_json(
+            {
+                "cameras": list(rig.cameras),
+                "agreements": [
+                    {"cameras": one.cameras, "corners": one.corners, "px": one.pixels, "mm": one.mm}
+                    for one in agreements
+                ],
+            }
+        )
+    else:
+        for name, record in rig.records.items():
+            left = "" if record.residual is None else f", {record.residual:.3f} px left"
+            day = "never" if record.date is None else f"on {record.date}"
+            say(f"{name}: calibrated {day}{left}")
+        for one in agreements:
+            said = f"{one.corners} corners, {one.pixels:.2f} px and {one.mm:.2f} mm left"
+            say(f"{one.cameras[0]} and {one.cameras[1]}: {said}")
+    return int(bool(findings))
+
+
+def _agreements(
+    rig: Rig, frames: Mapping[str, Frame], board: str
+) -> tuple[list[Agreement], list[Diagnostic]]:
+    from itertools import combinations
+
+    import numpy as np
+
+    from assistant.vision.calibration import rules
+    from assistant.vision.calibration.boards import Board, find
+    from assistant.vision.cameras.checking import agree
+
+    wanted = Board.parse(board)
+    views = {name: find(wanted, one.picture, name) for name, one in frames.items()}
+    findings = [rules.NO_BOARD(name=name) for name, view in views.items() if view is None]
+    agreements = []
+    seen = {name: view for name, view in views.items() if view is not None}
+    for one, other in combinations(seen, 2):
+        first, second = seen[one], seen[other]
+        rows = np.intersect1d(first.rows, second.rows)
+        pixels = [
+            view.pixels[[int(np.flatnonzero(view.rows == row)[0]) for row in rows]]
+            for view in (first, second)
+        ]
+        found, more = agree([rig[one], rig[other]], pixels, wanted.corners[rows])
+        agreements.append(found)
+        findings += more
+    return agreements, findings
+
+
+def run_draw(
+    file: Path,
+    output: Path,
+    cell: Path | None,
+    show: str,
+    at: Path | None,
+    board: str,
+    noise: float,
+    seed: int,
+    format: Format,
+) -> int:
+    from assistant.vision.cameras.camera_file import read_cameras
+    from assistant.vision.cameras.drawing import Optics, draw
+
+    rig = read_cameras(file)
+    if at is None and cell is None:
+        raise Refused(NO_PLACES(what=show), exit_status=2)
+    around = [] if cell is None else _scene_things(cell)
+    places = [None] if at is None else list(_poses(at))
+    for number, place in enumerate(places):
+        things = [*around, *([] if place is None else _shown(show, place, board))]
+        for name, camera in rig.cameras.items():
+            picture = draw(camera, things, Optics(noise=noise), seed=seed + number)
+            _write_picture(output / name / f"{number:04}.png", picture)
+    if format is Format.JSON:
+        print_json({"cameras": list(rig.cameras), "pictures": len(places)})
+    else:
+        for name in rig.cameras:
+            say(f"{name}: {len(places)} pictures in {output / name}")
+    return 0
+
+
+def _scene_things(cell: Path) -> list[Thing]:
+    from assistant.cell.reading.cell_file import read_scene
+    from assistant.vision.cameras.drawing import things_of
+
+    scene, findings = read_scene(cell)
+    print_findings(findings)
+    return things_of(scene)
+
+
+def _shown(what: str, place: Pose, board: str) -> list[Thing]:
+    from assistant.vision.calibration.boards import Board
+    from assistant.vision.cameras.drawing import Card, Thing
+    from assistant.vision.pointing.devices import DEVICES
+    from assistant.vision.pointing.showing import things_of_device
+
+    if what != "board":
+        return things_of_device(DEVICES[what](), place)
+    wanted = Board.parse(board)
+    return [Thing(Card(wanted.size, wanted.picture(40)), place @ wanted.on_card.inverse())]
+
+
+def _write_picture(file: Path, picture: object) -> None:
+    from assistant.program.system.writing import write_files
+    from assistant.vision.opencv import opencv
+
+    done, data = opencv().imencode(".png", picture)
+    assert done, "a picture of eight bits can be written as PNG"
+    write_files({file.name: bytes(data)}, file.parent)

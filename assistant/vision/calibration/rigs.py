@@ -1,0 +1,132 @@
+"""Cameras from their pictures of a board: lenses, where they stand to each other, and to an arm."""
+
+from __future__ import annotations
+
+import datetime
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path as FilePath
+
+from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.geometry import Pose
+from assistant.vision.calibration import rules
+from assistant.vision.calibration.boards import Board, View, find
+from assistant.vision.calibration.hand_eye import HandEyeFound, Mounting, find_hand_eye
+from assistant.vision.calibration.lenses import LensFound, find_lens
+from assistant.vision.calibration.pairs import PairFound, find_pair
+from assistant.vision.cameras.camera import WORLD, Camera
+from assistant.vision.cameras.camera_file import Record, Rig
+from assistant.vision.cameras.capture import pictures_in, read_picture
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Looked:
+    """Pictures of one camera. views: of each picture, None where the board is not found."""
+
+    name: str
+    size: tuple[int, int]
+    files: tuple[str, ...]
+    views: tuple[View | None, ...]
+    findings: tuple[Diagnostic, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class RigFound:
+    """lenses, pairs: by camera; pairs to the first one. hand_eye: of the first, where poses were
+    given.
+    """
+
+    rig: Rig
+    lenses: Mapping[str, LensFound]
+    pairs: Mapping[str, PairFound]
+    hand_eye: HandEyeFound | None
+    findings: tuple[Diagnostic, ...]
+
+
+def look(board: Board, name: str, folder: str | FilePath) -> Looked:
+    """Finds the board in the pictures of a folder; raises Refused for one that holds none."""
+    files = pictures_in(folder) if FilePath(folder).is_dir() else []
+    if not files:
+        raise Refused(rules.NO_PICTURES(name=name, folder=folder), exit_status=2)
+    size, views, findings = (0, 0), list[View | None](), list[Diagnostic]()
+    for number, file in enumerate(files):
+        picture = read_picture(file)
+        given = picture.shape[1], picture.shape[0]
+        if number and given != size:
+            told = [f"{w} × {h}" for w, h in (given, size)]
+            finding = rules.OTHER_SIZES(name=file, given=told[0], wanted=told[1])
+            raise Refused(finding, exit_status=2)
+        size = given
+        views.append(find(board, picture, str(file)))
+        if views[-1] is None:
+            findings.append(rules.NO_BOARD(name=file))
+    names = tuple(file.name for file in files)
+    return Looked(name, size, names, tuple(views), tuple(findings))
+
+
+def calibrate(
+    board: Board,
+    looked: Sequence[Looked],
+    *,
+    flanges: Sequence[Pose] | None = None,
+    mounting: Mounting = "stand",
+    flange: str = "flange",
+    today: datetime.date | None = None,
+) -> RigFound:
+    """The cameras of a rig, the first one at the world's origin unless the arm tells where it is.
+
+    flanges: poses of the flange in the base, one a picture. mounting: of the first camera, in the
+    hand or beside the arm; its pose is then in the flange, or in the base, where the others stand
+    as well. flange: how the file calls the flange. Raises Refused where pictures do not tell it.
+    """
+    findings = [finding for one in looked for finding in one.findings]
+    lenses = {
+        one.name: find_lens(board, [v for v in one.views if v is not None], one.size)
+        for one in looked
+    }
+    findings += [finding for found in lenses.values() for finding in found.findings]
+    first = looked[0]
+    found = _hand_eye(first, lenses[first.name], flanges, mounting)
+    place = Pose() if found is None else found.best.camera
+    carried = found is not None and mounting == "hand"
+    pairs = {one.name: _pair(board, first, one, lenses) for one in looked[1:]}
+    parent = flange if carried else WORLD
+    cameras = {first.name: Camera(first.name, lenses[first.name].lens, place, parent)}
+    for one in looked[1:]:
+        pose = place @ pairs[one.name].pose
+        cameras[one.name] = Camera(one.name, lenses[one.name].lens, pose, parent)
+    day = today or datetime.datetime.now().astimezone().date()
+    records = {name: Record(day, round(one.residual, 4)) for name, one in lenses.items()}
+    return RigFound(Rig(cameras, records), lenses, pairs, found, tuple(findings))
+
+
+def with_sources(rig: Rig, sources: Mapping[str, str]) -> Rig:
+    """The rig with where the pictures of its cameras come from."""
+    return replace(rig, sources=dict(sources))
+
+
+def _pair(board: Board, first: Looked, other: Looked, lenses: Mapping[str, LensFound]) -> PairFound:
+    if len(first.views) != len(other.views):
+        raise Refused(_uneven(first, other.name, len(other.views)))
+    both = [
+        (one, two)
+        for one, two in zip(first.views, other.views, strict=True)
+        if one is not None and two is not None
+    ]
+    return find_pair(board, (lenses[first.name].lens, lenses[other.name].lens), both)
+
+
+def _hand_eye(
+    looked: Looked, lens: LensFound, flanges: Sequence[Pose] | None, mounting: Mounting
+) -> HandEyeFound | None:
+    if flanges is None:
+        return None
+    if len(flanges) != len(looked.views):
+        raise Refused(_uneven(looked, "poses of the arm", len(flanges)))
+    seen = [i for i, view in enumerate(looked.views) if view is not None]
+    return find_hand_eye([flanges[i] for i in seen], lens.poses, mounting)
+
+
+def _uneven(looked: Looked, others: str, count: int) -> Diagnostic:
+    here = len(looked.views)
+    return rules.OTHER_COUNT(name=looked.name, others=others, count=here, other=count)

@@ -1,0 +1,79 @@
+"""`camera`: cameras that are drawn, calibrated from what was drawn, looked through and checked."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from assistant.program import rotations
+from assistant.program.geometry import Pose
+from assistant.vision.cameras.camera_file import Rig, read_cameras, write_cameras
+from tests.vision.calibration.scenes import LENS, shown, stand
+
+BOARD = "charuco 7x5 40 30"
+
+
+@pytest.fixture
+def cell(tmp_path: Path) -> Path:
+    """Two cameras, and where a board was shown to them."""
+    from assistant.vision.calibration.boards import Board
+
+    rig = Rig({one.name: one for one in (stand("left", -150.0), stand("right", 150.0))})
+    write_cameras(tmp_path / "true.toml", rig)
+    rng = np.random.default_rng(4)
+    between = Pose((0.0, -450.0, 300.0), (0.7071068, -0.7071068, 0.0, 0.0))
+    poses = [between @ shown(Board.parse(BOARD), 10.0 + 40.0 * i, rng) for i in range(6)]
+    rows = [",".join(f"{v:.6f}" for v in (*p.position, *p.quaternion)) for p in poses]
+    header = "x_mm,y_mm,z_mm,qw,qx,qy,qz"
+    (tmp_path / "shown.csv").write_text("\n".join([header, *rows]) + "\n")
+    (tmp_path / "named.csv").write_text("name,x_mm,y_mm,z_mm,qw,qx,qy,qz\np1,0,0,300,0,1,0,0\n")
+    return tmp_path
+
+
+def run(folder: Path, forks, *arguments: str, status: int = 0) -> str:
+    done = forks.python("-m", "assistant", *arguments, cwd=folder)
+    assert done.returncode == status, done.stdout + done.stderr
+    assert "Traceback" not in done.stderr
+    return done.stdout + done.stderr
+
+
+def test_cameras_are_calibrated_from_what_is_drawn(cell: Path, forks) -> None:
+    board = ("--board", BOARD)
+    shows = ("--show", "board", "--at", "shown.csv")
+    run(cell, forks, "camera", "draw", "true.toml", "-o", "pictures", *shows, *board)
+    folders = ("left=pictures/left", "right=pictures/right")
+    said = run(cell, forks, "camera", "calibrate", *folders, *board, "-o", "found.toml")
+    assert "left: 0.0" in said
+    found, truth = read_cameras(cell / "found.toml"), read_cameras(cell / "true.toml")
+    assert found["left"].lens.focal == pytest.approx(LENS.focal, rel=0.02)
+    apart = truth["left"].pose.inverse() @ truth["right"].pose
+    assert found["right"].pose.position == pytest.approx(apart.position, abs=6.0)
+    turned = rotations.angle_between(found["right"].pose.quaternion, apart.quaternion)
+    assert float(turned) < 0.4
+    assert found.records["left"].date is not None
+    checked = run(cell, forks, "camera", "check", "found.toml", *board)
+    assert "left and right:" in checked
+    run(cell, forks, "camera", "view", "found.toml", "left", "-o", "view.png")
+    assert cv2.imread(str(cell / "view.png")).shape == (480, 640, 3)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code"),
+    [
+        (("calibrate", "left", "--board", BOARD, "-o", "c.toml"), "CL500"),
+        (("calibrate", "left=nowhere", "--board", BOARD, "-o", "c.toml"), "VS038"),
+        (("calibrate", "left=.", "--board", "round", "-o", "c.toml"), "VS030"),
+        (("view", "true.toml", "left", "-o", "v.png"), "CL501"),
+        (("view", "true.toml", "top", "-o", "v.png"), "VS013"),
+        (("view", "true.toml", "left", "-o", "v.gif"), "CL504"),
+        (("view", "true.toml", "left", "-o", "v.png", "--source", "9"), "VS020"),
+        (("draw", "true.toml", "-o", "p"), "CL503"),
+        (("draw", "true.toml", "-o", "p", "--at", "named.csv"), "CL502"),
+        (("check", "true.toml"), "CL501"),
+    ],
+)
+def test_what_cannot_be_is_told(cell: Path, forks, arguments: tuple[str, ...], code: str) -> None:
+    assert code in run(cell, forks, "camera", *arguments, status=2)
