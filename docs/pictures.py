@@ -163,12 +163,33 @@ def contours() -> bytes:
         return picture.read_bytes()
 
 
+def seen() -> bytes:
+    """The glue line of a program where the bracket is seen."""
+    from docs import seen_frames
+
+    return seen_frames.picture()
+
+
 def drawn(*words: str) -> bytes:
     """The picture that a command writes with `-o`."""
     with chdir(PROJECT), tempfile.TemporaryDirectory() as folder:
         picture = Path(folder) / "picture.png"
         app([*words, "-o", str(picture)], standalone_mode=False)
         return picture.read_bytes()
+
+
+def camera() -> bytes:
+    """A cell and a wand as a synthetic camera sees them, with the axes of the world."""
+    at = "x_mm,y_mm,z_mm,qw,qx,qy,qz\n330,-180,330,0.24,0.96,0.144222,0\n"
+    with chdir(PROJECT), tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "at.csv").write_text(at, encoding="utf-8")
+        cell = ("--cell", "samples/cell/stand.toml", "--at", str(folder / "at.csv"))
+        rig = "samples/cameras/view.toml"
+        app(["camera", "draw", rig, *cell, "-o", str(folder)], standalone_mode=False)
+        seen = ("--source", str(folder / "above"), "-o", str(folder / "seen.png"))
+        app(["camera", "view", rig, "above", *seen], standalone_mode=False)
+        return (folder / "seen.png").read_bytes()
 
 
 PICTURES: Final[dict[str, Callable[[], bytes]]] = {
@@ -183,6 +204,8 @@ PICTURES: Final[dict[str, Callable[[], bytes]]] = {
     "places": places,
     "swept": swept,
     "explored": explored,
+    "seen": seen,
+    "camera": camera,
 }
 """Each picture by the name of its file."""
 

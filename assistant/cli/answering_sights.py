@@ -89,7 +89,8 @@ def _answered(given: Given, trust: Trust, base: Pose | None) -> int:
 
     status = done = 0
     link = DataLink(given.at)
-    say(f"answers at {given.at}" + ("" if given.times else "; end it with Ctrl-C"))
+    link.prepare()
+    say(f"listening for questions at {given.at}" + ("" if given.times else "; end it with Ctrl-C"))
     while not given.times or done < given.times:
         sys.stdout.flush()
         for told in answers(link, given.look, trust=trust, base=base, patience=given.patience):
