@@ -35,7 +35,7 @@ def picture() -> bytes:
     """The way of the nozzle for three sights, beside that for the usual place; PNG."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(8.0, 3.4), layout="constrained")
+    figure = Figure(figsize=(8.5, 3.0), layout="constrained")
     axes = figure.add_subplot(aspect="equal", xlabel="y, mm", ylabel="x, mm")
     axes.invert_xaxis()  # as who stands behind the robot sees it
     for number, place in enumerate((USUAL, *SEEN)):
@@ -47,7 +47,7 @@ def picture() -> bytes:
         way = _way(place)
         line, told = ("--", "usual place") if usual else ("-", f"sight {number}")
         axes.plot(*way[1:4, 1::-1].T, color=colour, linestyle=line, linewidth=2.5, label=told)
-    figure.legend(loc="outside lower center", ncols=4)
+    figure.legend(loc="outside right upper")
     figure.suptitle("The glue line of one program, where the bracket is seen")
     drawn = io.BytesIO()
     figure.savefig(drawn, format="png", dpi=120)
