@@ -184,7 +184,7 @@ def camera() -> bytes:
     with chdir(PROJECT), tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "at.csv").write_text(at, encoding="utf-8")
-        cell = ("--cell", "samples/cell/stand.toml", "--at", str(folder / "at.csv"))
+        cell = ("--cell", "samples/cell/stand.toml", "--at", str(folder / "at.csv"), "--noise", "0")
         rig = "samples/cameras/view.toml"
         app(["camera", "draw", rig, *cell, "-o", str(folder)], standalone_mode=False)
         seen = ("--source", str(folder / "above"), "-o", str(folder / "seen.png"))

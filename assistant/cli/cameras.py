@@ -27,7 +27,7 @@ NO_SOURCE: Final = error(
     "the file does not say where pictures of camera `{name}` come from",
     "write source = … under it, or name it by --source",
 )
-NO_POSES: Final = error("CL502", "there are no poses in {file}", "write a row each, without names")
+NO_POSES: Final = error("CL502", "there are no poses in {file}", "write a row for each of them")
 NO_PLACES: Final = error(
     "CL503", "--show {what} wants to know where", "name a table of poses by --at"
 )
@@ -123,7 +123,7 @@ def _folders(given: Sequence[str]) -> dict[str, str]:
 
 
 def _poses(file: Path) -> list[Pose]:
-    """The rows of a table of waypoints."""
+    """The rows of a table of waypoints, or its targets in their order."""
     from assistant.program.geometry import Pose
     from assistant.program.statements import Follow
     from assistant.sources import read
@@ -131,9 +131,11 @@ def _poses(file: Path) -> list[Pose]:
     program = read(file).program
     ways = [one.path for body in program.procedures for one in body.body if isinstance(one, Follow)]
     rows = [row for way in ways for row in zip(way.positions, way.quaternions, strict=True)]
-    if not rows:
+    found = [Pose.of(position, quaternion) for position, quaternion in rows]
+    found = found or [target.pose for target in program.targets.values()]
+    if not found:
         raise Refused(NO_POSES(file=file), exit_status=2)
-    return [Pose.of(position, quaternion) for position, quaternion in rows]
+    return found
 
 
 def run_view(file: Path, name: str, output: Path, source: str | None, format: Format) -> int:

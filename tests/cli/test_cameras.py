@@ -29,7 +29,8 @@ def cell(tmp_path: Path) -> Path:
     rows = [",".join(f"{v:.6f}" for v in (*p.position, *p.quaternion)) for p in poses]
     header = "x_mm,y_mm,z_mm,qw,qx,qy,qz"
     (tmp_path / "shown.csv").write_text("\n".join([header, *rows]) + "\n")
-    (tmp_path / "named.csv").write_text("name,x_mm,y_mm,z_mm,qw,qx,qy,qz\np1,0,0,300,0,1,0,0\n")
+    joints = ['robot = "rv-2aj"', "[[targets]]", 'name = "home"', "joints = [0, 0, 90, 0, 0, 0]"]
+    (tmp_path / "joints.toml").write_text("\n".join(joints))
     return tmp_path
 
 
@@ -71,7 +72,7 @@ def test_cameras_are_calibrated_from_what_is_drawn(cell: Path, forks) -> None:
         (("view", "true.toml", "left", "-o", "v.gif"), "CL504"),
         (("view", "true.toml", "left", "-o", "v.png", "--source", "9"), "VS020"),
         (("draw", "true.toml", "-o", "p"), "CL503"),
-        (("draw", "true.toml", "-o", "p", "--at", "named.csv"), "CL502"),
+        (("draw", "true.toml", "-o", "p", "--at", "joints.toml"), "CL502"),
         (("check", "true.toml"), "CL501"),
     ],
 )
