@@ -1,0 +1,190 @@
+"""A device that is held still for n moments: the place that it shows, and how sure it is.
+
+Pixels are averaged over the moments and the place is worked out once from their means, which is the
+most likely one for pixels with the same noise.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from assistant.program import rotations
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Diagnostic
+from assistant.program.geometry import Pose
+from assistant.vision.cameras.camera import Camera
+from assistant.vision.pointing import rules
+from assistant.vision.pointing.devices import Device
+from assistant.vision.pointing.locating import USUAL, Limits, Sighting, at_pixels
+from assistant.vision.pointing.tracking import Look
+
+FRAMES: Final = 30
+NEARLY: Final = 5.0
+"""Times what a hold may be off within which moments were meant as one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Still:
+    """What a hold is. frames: moments one after the other. within: mm that each may be off their
+    mean. creep: mm between the means of the first and the second half. turned: degrees that each
+    may be off. apart: mm to the place shown before, nearer to which nothing is shown anew.
+    """
+
+    frames: int = FRAMES
+    within: float = 3.5
+    creep: float = 0.8
+    turned: float = 2.5
+    apart: float = 15.0
+
+
+STILL: Final = Still()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Held:
+    """A place that was shown.
+
+    pose: in the world. covariance: (6, 6) of the mean, mm and radians, from the scatter that there
+    was or the noise of pixels that was stated, whichever is more. spread, turned: root mean square
+    of single moments about it, mm and degrees. frames: how many they were. residual: pixels.
+    began, ended: seconds.
+    """
+
+    pose: Pose
+    covariance: Floats
+    spread: float
+    turned: float
+    frames: int
+    residual: float
+    began: float
+    ended: float
+
+    @property
+    def sigma(self) -> float:
+        """mm, one sigma, of the place in the direction that is known worst."""
+        return float(np.sqrt(np.linalg.eigvalsh(self.covariance[:3, :3])[-1]))
+
+
+def holds(
+    looks: Iterable[Look],
+    device: Device,
+    cameras: Sequence[Camera],
+    limits: Limits = USUAL,
+    still: Still = STILL,
+    tell: Callable[[Diagnostic], None] = lambda _: None,
+) -> Iterator[Held]:
+    """Each place at which the device is held still.
+
+    tell: is given each finding when it first holds, and again after others or a good moment.
+    """
+    window: deque[tuple[float, Sighting]] = deque(maxlen=still.frames)
+    before: Pose | None = None
+    said, said_moved = "", False
+    for look in looks:
+        if isinstance(look.seen, Diagnostic):
+            window.clear()
+            if look.seen.code != said:
+                tell(look.seen)
+            said = look.seen.code
+            continue
+        said = ""
+        window.append((look.seconds, look.seen))
+        if before is not None:
+            if _distance(look.seen.pose, before) < still.apart:
+                window.clear()
+                continue
+            before = None if _distance(look.seen.pose, before) > 2.0 * still.apart else before
+        if len(window) < still.frames:
+            continue
+        found = held(window, device, cameras, limits, still)
+        if isinstance(found, Held):
+            before = found.pose
+            window.clear()
+            yield found
+            said_moved = False
+        elif found.code in (rules.MOVED.code, rules.UNSTEADY.code):
+            # A hand on its way to the place is no hold that was broken off.
+            nearly = _extent(window) < NEARLY * still.within
+            if nearly and not said_moved:
+                tell(found)
+            said_moved = nearly
+            window.popleft()  # the next moment is looked at with the others
+        else:
+            tell(found)
+            window.clear()
+
+
+def held(
+    window: Iterable[tuple[float, Sighting]],
+    device: Device,
+    cameras: Sequence[Camera],
+    limits: Limits = USUAL,
+    still: Still = STILL,
+) -> Held | Diagnostic:
+    """The place of moments at which the device was to be still, or why they show none."""
+    given = list(window)
+    seconds = [one[0] for one in given]
+    sightings = [one[1] for one in given]
+    points = np.array([one.pose.position for one in sightings])
+    moved = _moved(points, still)
+    if moved is not None:
+        return moved
+    pixels = np.stack([one.pixels for one in sightings])
+    always = np.isfinite(pixels).all(axis=0)
+    mean = np.where(always, np.where(np.isfinite(pixels), pixels, 0.0).mean(axis=0), np.nan)
+    seen = at_pixels(device, cameras, mean, limits)
+    if isinstance(seen, Diagnostic):
+        return seen
+    turns = np.array([one.pose.quaternion for one in sightings])
+    angles = rotations.angle_between(seen.pose.quaternion, turns)
+    if float(angles.max()) > still.turned:
+        return rules.UNSTEADY(angle=float(angles.max()), most=still.turned)
+    away = points - np.array(seen.pose.position)
+    spread = float(np.sqrt(np.mean((away**2).sum(axis=1))))
+    turned = float(np.sqrt(np.mean(angles**2)))
+    return Held(
+        seen.pose,
+        _covariance(seen, away, len(given)),
+        spread,
+        turned,
+        len(given),
+        seen.residual,
+        seconds[0],
+        seconds[-1],
+    )
+
+
+def _moved(points: Floats, still: Still) -> Diagnostic | None:
+    middle = points.mean(axis=0)
+    off = float(np.linalg.norm(points - middle, axis=1).max())
+    if off > still.within:
+        return rules.MOVED(distance=off, most=still.within)
+    half = len(points) // 2
+    if half < 2:
+        return None
+    crept = float(np.linalg.norm(points[:half].mean(axis=0) - points[-half:].mean(axis=0)))
+    # Means of few moments scatter themselves; those of 15 are allowed what is stated.
+    most = still.creep * max(1.0, np.sqrt(15.0 / half))
+    return rules.MOVED(distance=crept, most=most) if crept > most else None
+
+
+def _covariance(seen: Sighting, away: Floats, count: int) -> Floats:
+    """Of the mean: that of the stated noise, enlarged where the moments scattered more."""
+    expected = float(np.trace(seen.covariance[:3, :3]))
+    scattered = float((away**2).sum(axis=1).mean())
+    return seen.covariance * max(1.0, scattered / max(expected, 1e-12)) / count
+
+
+def _distance(one: Pose, other: Pose) -> float:
+    return float(np.linalg.norm(np.subtract(one.position, other.position)))
+
+
+def _extent(window: Iterable[tuple[float, Sighting]]) -> float:
+    """How many mm from corner to corner of the box in which the device was."""
+    points = np.array([sighting.pose.position for _, sighting in window])
+    return float(np.linalg.norm(np.ptp(points, axis=0)))
