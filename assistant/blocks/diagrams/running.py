@@ -66,7 +66,7 @@ def run(
     False ends the run. Whatever happens, every block that was begun is ended.
     Raises Refused for a diagram that cannot run, and for a block that fails.
     """
-    count = _steps(seconds, step)
+    count = steps_of(seconds, step)
     plan = diagram.plan()
     wanting = [block for block in plan.order if block.moves and block.moves not in moving]
     if wanting:
@@ -90,7 +90,8 @@ def run(
     return recorder.ran(step, plan.findings)
 
 
-def _steps(seconds: float, step: float) -> int:
+def steps_of(seconds: float, step: float) -> int:
+    """Steps of a run, the one at 0 s among them; raises Refused."""
     if not 0.0 < step < np.inf:
         raise Refused(rules.BAD_STEP(what="a step", value=step, cure="give seconds above 0"))
     if not 0.0 <= seconds / step < MOST_STEPS:

@@ -1,0 +1,317 @@
+"""The blocks for bdsim, which finds them here: `BDSim(packages="assistant")`.
+
+sim = BDSim(packages="assistant")
+bd = sim.blockdiagram()
+arm = bd.SIMARM(bd.clock(0.01), robots.get("rv-2aj"))
+
+Signals are numbers as elsewhere: joints in degrees, poses as x, y, z in mm and a quaternion;
+`POSETOSE3` and `SE3TOPOSE` are for what takes and gives SE3 in metres. What moves an arm runs only
+by `run_bdsim` or `run_paced` of `assistant.blocks.running_bdsim`, which are told that it was
+confirmed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextvars import ContextVar
+from typing import Any, Final
+
+import numpy as np
+from bdsim.block import FunctionBlock, SampledBlock
+from bdsim.components import Clock
+from spatialmath import SE3
+
+from assistant.blocks.connections import Connection, Operator
+from assistant.blocks.diagrams.block import Block
+from assistant.blocks.diagrams.rules import NOT_CONFIRMED
+from assistant.blocks.library import arms, kinematics, moving, sources
+from assistant.program import rotations
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Refused
+from assistant.program.geometry import IDENTITY, Pose
+from assistant.robots.robot import Robot
+
+CONFIRMED: Final[ContextVar[frozenset[str]]] = ContextVar("confirmed", default=frozenset())
+"""Names of the controllers whose arms may be moved by the run that begins."""
+METRE: Final = 1000.0
+
+
+class _Adapted:
+    """What a block of ours is to bdsim; its class of bdsim stands behind this one."""
+
+    def __init__(self, inner: Block, **blockargs: Any) -> None:
+        self._inner = inner
+        super().__init__(  # type: ignore[call-arg]
+            nin=len(inner.inputs),
+            nout=len(inner.outputs),
+            inames=[port.name for port in inner.inputs] or None,
+            onames=[f"{port.name}_" for port in inner.outputs] or None,
+            name=inner.name,
+            **blockargs,
+        )
+
+    def _given(self, values: Sequence[Any]) -> list[Floats]:
+        ports = self._inner.inputs
+        arrays = [np.atleast_1d(np.asarray(value, dtype=np.float64)).ravel() for value in values]
+        wrong = [p.name for p, a in zip(ports, arrays, strict=True) if a.shape != (p.size,)]
+        if wrong:
+            raise ValueError(f"`{self._inner.name}` is given another size at {', '.join(wrong)}")
+        return arrays
+
+    def _shown(self, values: Sequence[Any]) -> list[Any]:
+        """Single numbers as such, as bdsim's own blocks give them."""
+        arrays = [np.atleast_1d(np.asarray(value, dtype=np.float64)) for value in values]
+        return [float(one[0]) if one.shape == (1,) else one for one in arrays]
+
+
+class _Direct(_Adapted):
+    """A function of the signals of the moment."""
+
+    def output(self, t: float, u: Sequence[Any], x: Any) -> list[Any]:
+        del x
+        return self._shown(self._inner.give(t, self._given(u)))
+
+
+class _Stepped(_Adapted):
+    """A block that steps with a clock. Until a run begins it gives zeros."""
+
+    def __init__(self, inner: Block, clock: Clock, **blockargs: Any) -> None:
+        super().__init__(inner, clock=clock, ndstates=1, **blockargs)
+        self._begun = False
+        self._at: float | None = None
+        self._shows = self._shown([np.zeros(port.size) for port in inner.outputs])
+
+    def start(self, simstate: Any) -> None:
+        """Raises Refused for an arm that nobody confirmed to move."""
+        super().start(simstate)  # type: ignore[misc]
+        moves = self._inner.moves
+        if moves and moves not in CONFIRMED.get():
+            raise Refused(NOT_CONFIRMED(block=self._inner.name, name=moves), exit_status=2)
+        self._inner.begin()
+        self._begun, self._at = True, None
+
+    def output(self, t: float, u: Sequence[Any], x: Any) -> list[Any]:
+        """What it gives at a moment is worked out once, however often bdsim asks."""
+        del u, x
+        if self._begun and t != self._at:
+            self._at = t
+            self._shows = self._shown(self._inner.give(t, ()))
+        return self._shows
+
+    def next(self, t: float, u: Sequence[Any], x: Floats) -> Floats:
+        self._inner.take(t, self._given(u))
+        return x
+
+    def done(self, **arguments: Any) -> None:
+        super().done(**arguments)  # type: ignore[misc]
+        if self._begun:
+            self._begun = False
+            self._inner.end()
+
+
+# ------------------------------------------------------------------- controller operation
+
+
+class JointMovJoint(_Stepped, SampledBlock):
+    """To joints, by the joints; busy until the arm stands there.
+
+    :input 0 target: J1 to J6 in degrees
+    :input 1 start: above 0.5 it moves
+    :output 0: busy
+    :output 1: moves done
+    :output 2: joints where it stood last
+    """
+
+    nin = 2
+    nout = 3
+
+    def __init__(
+        self,
+        clock: Clock,
+        connection: Connection[Operator],
+        robot: Robot,
+        name: str,
+        **blockargs: Any,
+    ) -> None:
+        super().__init__(moving.JointMovJoint(name, connection, robot), clock, **blockargs)
+
+
+class JointMovCart(_Stepped, SampledBlock):
+    """To a pose (X, Y, Z in mm, A, B, C in degrees), by the joints; as `JointMovJoint` else."""
+
+    nin = 2
+    nout = 3
+
+    def __init__(
+        self,
+        clock: Clock,
+        connection: Connection[Operator],
+        robot: Robot,
+        name: str,
+        **blockargs: Any,
+    ) -> None:
+        super().__init__(moving.JointMovCart(name, connection, robot), clock, **blockargs)
+
+
+class LinMovJoint(_Stepped, SampledBlock):
+    """To where joints bring the tool, on a line; as `JointMovJoint` else."""
+
+    nin = 2
+    nout = 3
+
+    def __init__(
+        self,
+        clock: Clock,
+        connection: Connection[Operator],
+        robot: Robot,
+        name: str,
+        **blockargs: Any,
+    ) -> None:
+        super().__init__(moving.LinMovJoint(name, connection, robot), clock, **blockargs)
+
+
+class LinMovCart(_Stepped, SampledBlock):
+    """To a pose (X, Y, Z in mm, A, B, C in degrees), on a line; as `JointMovJoint` else."""
+
+    nin = 2
+    nout = 3
+
+    def __init__(
+        self,
+        clock: Clock,
+        connection: Connection[Operator],
+        robot: Robot,
+        name: str,
+        **blockargs: Any,
+    ) -> None:
+        super().__init__(moving.LinMovCart(name, connection, robot), clock, **blockargs)
+
+
+class CircularMov(_Stepped, SampledBlock):
+    """To a pose, on an arc by way of another one; as `JointMovJoint` else."""
+
+    nin = 3
+    nout = 3
+
+    def __init__(
+        self,
+        clock: Clock,
+        connection: Connection[Operator],
+        robot: Robot,
+        name: str,
+        **blockargs: Any,
+    ) -> None:
+        super().__init__(moving.CircularMov(name, connection, robot), clock, **blockargs)
+
+
+# -------------------------------------------------------------------- kinematics and arms
+
+
+class ArmFK(_Direct, FunctionBlock):
+    """joints → pose of the tool."""
+
+    nin = 1
+    nout = 1
+
+    def __init__(
+        self, robot: Robot, tool: Pose = IDENTITY, name: str = "fk", **blockargs: Any
+    ) -> None:
+        super().__init__(kinematics.ForwardKinematics(name, robot, tool), **blockargs)
+
+
+class ArmIK(_Direct, FunctionBlock):
+    """pose, branch → joints, whether there are any, all branches, which are valid."""
+
+    nin = 2
+    nout = 4
+
+    def __init__(
+        self, robot: Robot, tool: Pose = IDENTITY, name: str = "ik", **blockargs: Any
+    ) -> None:
+        super().__init__(kinematics.InverseKinematics(name, robot, tool), **blockargs)
+
+
+class ArmJacobian(_Direct, FunctionBlock):
+    """joints → Jacobian, row by row."""
+
+    nin = 1
+    nout = 1
+
+    def __init__(
+        self, robot: Robot, tool: Pose = IDENTITY, name: str = "jacobian", **blockargs: Any
+    ) -> None:
+        super().__init__(kinematics.Jacobian(name, robot, tool), **blockargs)
+
+
+class SimArm(_Stepped, SampledBlock):
+    """joints that are wanted → joints, pose, whether a limit holds: a simulated arm."""
+
+    nin = 1
+    nout = 3
+
+    def __init__(
+        self,
+        clock: Clock,
+        robot: Robot,
+        *,
+        name: str = "arm",
+        tool: Pose = IDENTITY,
+        start: Any = None,
+        lag: float = 0.0,
+        percent: float = 100.0,
+        **blockargs: Any,
+    ) -> None:
+        inner = arms.SimulatedArm(name, robot, tool=tool, start=start, lag=lag, percent=percent)
+        super().__init__(inner, clock, **blockargs)
+
+
+# --------------------------------------------------------------------------------- sources
+
+
+class MotionTable(_Direct, FunctionBlock):
+    """Rows at times, in lines between them → their values, whether it is over."""
+
+    nin = 0
+    nout = 2
+
+    def __init__(self, seconds: Any, rows: Any, name: str = "table", **blockargs: Any) -> None:
+        super().__init__(sources.Table(name, seconds, rows), **blockargs)
+
+
+class PoseLine(_Direct, FunctionBlock):
+    """From one pose to another on a line → pose, whether it is over."""
+
+    nin = 0
+    nout = 2
+
+    def __init__(
+        self, first: Pose, last: Pose, seconds: float, name: str = "line", **blockargs: Any
+    ) -> None:
+        super().__init__(sources.PoseToPose(name, first, last, seconds), **blockargs)
+
+
+class PoseToSE3(FunctionBlock):
+    """pose → SE3 in metres."""
+
+    nin = 1
+    nout = 1
+
+    def output(self, t: float, u: Sequence[Any], x: Any) -> list[Any]:
+        del t, x
+        matrix = np.eye(4)
+        matrix[:3, :3] = rotations.to_matrix(rotations.canonical(u[0][3:]))
+        matrix[:3, 3] = np.asarray(u[0][:3]) / METRE
+        return [SE3(matrix, check=False)]
+
+
+class SE3ToPose(FunctionBlock):
+    """SE3 in metres → pose."""
+
+    nin = 1
+    nout = 1
+
+    def output(self, t: float, u: Sequence[Any], x: Any) -> list[Any]:
+        del t, x
+        matrix = np.asarray(u[0].A)
+        turn = rotations.from_matrix(matrix[:3, :3])
+        return [np.concatenate([METRE * matrix[:3, 3], np.ravel(turn)])]

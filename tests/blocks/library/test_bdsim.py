@@ -1,0 +1,89 @@
+"""Our blocks in bdsim: found by it, run by it, and run at our pace."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from assistant import robots
+from assistant.blocks.connections import operated
+from assistant.blocks.diagrams.clocks import RealTime
+from assistant.blocks.running_bdsim import run_bdsim, run_paced
+from assistant.program.diagnostics import Refused
+from assistant.program.geometry import Pose
+from assistant.virtual.cr import VirtualCr
+
+bdsim = pytest.importorskip("bdsim")
+ARM = robots.get("rv-2aj")
+IRB = robots.get("irb1200-7-0.7")
+DOWN = (0.0, 1.0, 0.0, 0.0)
+
+
+@pytest.fixture
+def sim() -> object:
+    return bdsim.BDSim(
+        packages="assistant", toolboxes=False, graphics=False, progress=False, quiet=True,
+        sysargs=False, hold=False,
+    )  # fmt: skip
+
+
+def test_bdsim_finds_the_blocks(sim) -> None:
+    names = set(sim.block_library)
+    assert {
+        *("JOINTMOVJOINT", "JOINTMOVCART", "LINMOVJOINT", "LINMOVCART", "CIRCULARMOV"),
+        *("ARMFK", "ARMIK", "ARMJACOBIAN", "SIMARM", "MOTIONTABLE", "POSELINE"),
+    } <= names
+
+
+def tracking(sim):
+    """A line of poses that a simulated arm follows."""
+    diagram = sim.blockdiagram()
+    line = diagram.POSELINE(
+        Pose((420.0, -60.0, 360.0), DOWN), Pose((420.0, 140.0, 300.0), DOWN), 1.0
+    )
+    nearest = diagram.CONSTANT(-1.0)
+    inverse = diagram.ARMIK(IRB)
+    arm = diagram.SIMARM(diagram.clock(0.01), IRB, name="arm")
+    diagram.connect(line[0], inverse[0])
+    diagram.connect(nearest, inverse[1])
+    diagram.connect(inverse[0], arm)
+    diagram.compile(verbose=False)
+    return diagram, arm
+
+
+def test_bdsim_runs_them_and_so_do_we_with_the_same_result(sim) -> None:
+    diagram, arm = tracking(sim)
+    theirs = run_bdsim(sim, diagram, 1.5, dt=0.01, watch=[arm[0]])
+    diagram, _ = tracking(sim)
+    ours = run_paced(sim, diagram, 1.5, 0.01)
+    at = np.searchsorted(ours.seconds, theirs.t - 1e-9)
+    assert len(at) > 100
+    assert np.abs(ours["arm[0]"][at] - theirs.y.reshape(len(at), -1)).max() < 1e-9
+    assert ours["arm[1]"][-1, :3] == pytest.approx([420.0, 140.0, 300.0], abs=1e-6)
+
+
+def test_moves_of_a_model_reach_the_controller_once_they_are_confirmed(sim) -> None:
+    with VirtualCr("rv-2aj", pace=10.0) as cell:
+        diagram = sim.blockdiagram()
+        connection = operated("cell", cell.address, override=50)
+        goal = diagram.CONSTANT(np.array([0.0, 10.0, 80.0, 0.0, 60.0, 0.0]))
+        block = diagram.JOINTMOVJOINT(diagram.clock(0.02), connection, ARM, "move")
+        diagram.connect(goal, block[0])
+        diagram.connect(diagram.CONSTANT(1.0), block[1])
+        diagram.compile(verbose=False)
+        with pytest.raises(Refused, match="BL111"):
+            run_paced(sim, diagram, 1.0, 0.02)
+        assert connection.users == 0
+        inner = block._inner
+        ran = run_paced(
+            sim,
+            diagram,
+            20.0,
+            0.02,
+            clock=RealTime(),
+            watch=lambda now: not now or inner._done == 0,
+            moving=["cell"],
+        )
+        assert ran["move[1]"].max() == 1.0
+        assert ran["move[2]"][-1] == pytest.approx([0.0, 10.0, 80.0, 0.0, 60.0, 0.0], abs=0.02)
+        assert connection.users == 0
