@@ -25,6 +25,7 @@ from assistant.project.schema import schema
 from assistant.sources.process.file import read_process
 from assistant.virtual.melfa import Options
 from assistant.virtual.melfa.choosing import choose
+from assistant.vision.cameras.camera_file import read_cameras
 from docs import api, findings, house, limits, pictures
 from tests.forks import Forks
 
@@ -168,6 +169,9 @@ def test_the_files_of_a_page_are_read(page, text, tmp_path):
     if text.startswith(("[[set]]", "[[answer]]", "[options]")):
         script = read_script(file)
         assert script.changes or script.answers or choose(script.options) != Options()
+        return
+    if text.startswith("[cameras"):
+        assert read_cameras(file).cameras
         return
     if text.startswith("urdf = "):
         (tmp_path / "arm.urdf").write_text(six_joints(), encoding="utf-8")
