@@ -1,0 +1,135 @@
+"""What is done on objects that were found, as targets; and where they are, as a file."""
+
+from __future__ import annotations
+
+import datetime
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+from typing import Final
+
+import numpy as np
+
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Refused
+from assistant.program.geometry import IDENTITY, Pose
+from assistant.program.system.writing import write_all
+from assistant.program.text import is_file, read_bytes
+from assistant.vision.recognition.objects import Line, Place
+from assistant.vision.recognition.rules import NOT_OURS
+from assistant.vision.recognition.seeing import Found
+
+BEGIN: Final = "# Seen by robot-assistant"
+"""How files begin that `see` writes, and replaces."""
+DIGITS: Final = 4
+"""Of mm."""
+
+
+@dataclass(frozen=True, slots=True)
+class Base:
+    """What poses are told in. name: "world", or "base" of a robot; pose: its base in the world."""
+
+    name: str = "world"
+    pose: Pose = IDENTITY
+
+    def of(self, pose: Pose) -> Pose:
+        return self.pose.inverse() @ pose
+
+
+WORLD: Final = Base()
+
+
+def targets_text(
+    found: Sequence[Found], base: Base, when: datetime.datetime, robot: str | None = None
+) -> str:
+    """Taught targets: a frame for each object, then what is done on one after the other.
+
+    Before and behind each place and line is one above it, by so much along the tool. Poses are in
+    the frame of the object, so that a build with another sight only changes frames.
+    """
+    lines = [f"{BEGIN} at {when.isoformat(timespec='seconds')}: {len(found)} objects."]
+    lines += ["", f'robot = "{robot}"'] if robot else []
+    for one in found:
+        pose = base.of(one.pose)
+        lines += ["", f"[frames.{one.name}]", f"position = {_numbers(pose.position)}"]
+        lines += [f"quaternion = {_numbers(pose.quaternion, 9)}"]
+    for one in found:
+        for name, place in one.object.places.items():
+            lines += _place(f"{one.name}_{name}", place, one.name)
+        for name, line in one.object.lines.items():
+            lines += _line(f"{one.name}_{name}", line, one.name)
+    return "\n".join(lines) + "\n"
+
+
+def found_text(found: Iterable[Found], base: Base, when: datetime.datetime) -> str:
+    """Where each object is: [found.NAME] with pose, standard deviations, covariance, confidence."""
+    lines = [f"{BEGIN}: where known objects are, in mm."]
+    for one in found:
+        pose = base.of(one.pose)
+        lines += ["", f"[found.{one.name}]", f'object = "{one.object.name}"']
+        lines += [f"position = {_numbers(pose.position)}"]
+        lines += [f"quaternion = {_numbers(pose.quaternion, 9)}", f'frame = "{base.name}"']
+        lines += [f"sigma_mm = {one.estimate.sigma_mm:.4g}"]
+        lines += [f"sigma_deg = {one.estimate.sigma_deg:.4g}"]
+        lines += [f"confidence = {min(one.confidence, 1.0):.3f}"]
+        lines += [f"seen = {when.isoformat(timespec='seconds')}"]
+        cameras = ", ".join(f'"{name}"' for name in one.cameras)
+        lines += [f"cameras = [{cameras}]"]
+        lines += ["covariance = [  # mm along and degrees about x, y and z of the frame"]
+        rows = in_base(one.estimate.covariance, base)
+        lines += [f"    [{', '.join(f'{v:.4g}' for v in row)}]," for row in rows] + ["]"]
+    return "\n".join(lines) + "\n"
+
+
+def in_base(covariance: Floats, base: Base) -> Floats:
+    """A covariance (6, 6) along and about the axes of the world, for those of a base."""
+    from assistant.program import rotations
+
+    turn = rotations.to_matrix(np.array(base.pose.quaternion)).T
+    both = np.kron(np.eye(2), turn)
+    return np.asarray(both @ covariance @ both.T)
+
+
+def put(files: dict[FilePath, str]) -> tuple[FilePath, ...]:
+    """Writes files, all or none; raises Refused if one of another origin is there."""
+    for path in files:
+        if is_file(path) and not read_bytes(path, allow_empty=True).startswith(BEGIN.encode()):
+            raise Refused(NOT_OURS(path=str(path), name=path.name), exit_status=2)
+    return write_all({path: text.encode() for path, text in files.items()})
+
+
+def _place(name: str, place: Place, frame: str) -> Iterator[str]:
+    pose = place.pose
+    yield from _target(f"{name}_before", _backed(pose, place.approach), frame, "joint")
+    yield from _target(name, pose, frame, "linear")
+    yield from _target(f"{name}_after", _backed(pose, place.approach), frame, "linear")
+
+
+def _line(name: str, line: Line, frame: str) -> Iterator[str]:
+    poses = [Pose.of(point, np.array(line.quaternion)) for point in line.points]
+    yield from _target(f"{name}_before", _backed(poses[0], line.approach), frame, "joint")
+    for i, pose in enumerate(poses):
+        kind = "via" if i in line.vias else "end" if i - 1 in line.vias else "linear"
+        speed = line.speed if i else None
+        yield from _target(f"{name}_{i + 1}", pose, frame, kind, speed)
+    yield from _target(f"{name}_after", _backed(poses[-1], line.approach), frame, "linear")
+
+
+def _backed(pose: Pose, by: float) -> Pose:
+    return pose.offset(z=-by)
+
+
+def _target(
+    name: str, pose: Pose, frame: str, kind: str, speed: float | None = None
+) -> Iterator[str]:
+    assert re.fullmatch(r"\w+", name)
+    yield from ("", "[[targets]]", f'name = "{name}"', f'kind = "{kind}"', f'frame = "{frame}"')
+    yield f"position = {_numbers(pose.position)}"
+    yield f"quaternion = {_numbers(pose.quaternion, 9)}"
+    if speed is not None:
+        yield f"speed = {speed:g}"
+
+
+def _numbers(numbers: Iterable[float], digits: int = DIGITS) -> str:
+    return "[" + ", ".join(repr(round(float(n), digits) + 0.0) for n in numbers) + "]"

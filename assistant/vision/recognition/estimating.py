@@ -1,0 +1,274 @@
+"""The pose that fits best what cameras measured of an object, and how sure it is.
+
+A pose is changed by mm along the axes of the world and by radians about them, through the object's
+origin. Each measurement is a row: how many pixels it is off, and the change of that by these six.
+Outliers get less weight (Tukey's biweight); steps are those of Gauss and Newton. What is known
+before of the pose, such as the plane that the object lies on, is rows as well, weighted by how sure
+that is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from assistant.program import rotations
+from assistant.program.arrays import Floats, Truths
+from assistant.program.geometry import IDENTITY, Pose
+from assistant.vision.cameras.camera import Camera
+
+ROUNDS: Final = 12
+CLOSE: Final = 1e-4
+"""mm, and thousandths of radians, of a step at which they end."""
+TUKEY: Final = 4.685
+"""Sigmas beyond which a measurement counts nothing: 95 % of the efficiency of least squares for
+Gaussian noise (Huber, Robust Statistics, 1981)."""
+FLOOR: Final = 0.02
+"""Pixels that no measurement is surer than: of rounding to grey levels and to pixels."""
+COARSE: Final = (2.0, 1.0, 0.5, 0.15)
+"""Pixels, one sigma, that measurements are at least taken to scatter by where they are weighted: in
+the first steps, and in all after them. Else one edge that agrees with itself drives others out."""
+SHIFT: Final = 0.3
+"""Pixels, one sigma, that all edges of an outline may lie out of the material."""
+SIDE: Final = 0.02
+"""Pixels, one sigma, that a whole side of an outline is off by what no noise is: the grid of
+pixels, corners, the lens. It is not less for more samples of that side."""
+SIDES: Final = 6.0
+FEWEST: Final = 6
+OVERLAP: Final = 1.4
+"""Rows of keypoints that tell as much as one by itself: what they are told by overlaps, and all are
+off alike where they were learnt (measured on drawn scenes, tests/vision/recognition)."""
+ANY_TURN: Final = 104.0
+"""Degrees, one sigma, of what may be turned by any angle: 180 / √3."""
+FREE: Final = 1e-9
+"""Part of the largest eigenvalue below which measurements tell nothing of a direction."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rows:
+    """offs: (n,) pixels; slopes: (n, 6). along: they are of edges out of the material, each beside
+    the next. alike: how many of them tell as much as one that has nothing in common with others.
+    """
+
+    offs: Floats
+    slopes: Floats
+    along: bool = False
+    alike: float = 1.0
+
+
+Measure = Callable[[Pose], Rows]
+"""What a camera measures if an object has a pose."""
+
+
+@dataclass(frozen=True, slots=True)
+class Plane:
+    """What objects lie on: its z axis is the normal. sigma: mm, sigma_deg: degrees that it may be
+    off.
+    """
+
+    pose: Pose = IDENTITY
+    sigma: float = 0.05
+    sigma_deg: float = 0.02
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Estimate:
+    """pose: in the world. covariance: (6, 6) of mm along and degrees about the axes of the world,
+    at the object's origin. scatter: pixels, one sigma, of what agrees. used: (n,) weights, 0 to 1,
+    of the measurements in their order.
+    """
+
+    pose: Pose
+    covariance: Floats
+    scatter: float
+    used: Floats
+
+    @property
+    def sigma_mm(self) -> float:
+        """Of the position along the axis of which least is known."""
+        return float(np.sqrt(np.linalg.eigvalsh(self.covariance[:3, :3])[-1]))
+
+    @property
+    def sigma_deg(self) -> float:
+        return float(np.sqrt(np.linalg.eigvalsh(self.covariance[3:, 3:])[-1]))
+
+
+def fitted(
+    pose: Pose,
+    measures: Sequence[Measure],
+    plane: Plane | None = None,
+    height: float = 0.0,
+    *,
+    any_turn: bool = False,
+) -> Estimate | None:
+    """The pose near to one that fits best; None where the measurements do not tell one.
+
+    plane: what the object lies on with its face `height` mm above. any_turn: it looks the same
+    however it is turned in its face, so that nothing tells how it is.
+    """
+    wide = _turn_of(pose) if any_turn else np.zeros((6, 6))
+    weights, scatter = np.zeros(0), FLOOR
+    for number in range(ROUNDS):
+        coarse = COARSE[min(number, len(COARSE) - 1)]
+        found = _step(pose, measures, plane, height, coarse, wide)
+        if found is None:
+            return None
+        step, matrix, scatter, weights = found
+        pose = moved(pose, step)
+        small = np.abs(step[:3]).max() < CLOSE and np.abs(step[3:]).max() < CLOSE * 1e-3
+        if small and number >= len(COARSE):
+            break
+    units = np.array([1.0, 1.0, 1.0, *[180.0 / np.pi] * 3])
+    covariance = np.asarray(np.linalg.inv(matrix) * np.outer(units, units), dtype=np.float64)
+    return Estimate(pose, covariance, scatter, weights)
+
+
+def moved(pose: Pose, step: Floats) -> Pose:
+    """The pose after a change, mm along and radians about the axes of the world."""
+    angle = float(np.linalg.norm(step[3:]))
+    axis = step[3:] / angle if angle > 1e-15 else np.array([0.0, 0.0, 1.0])
+    turn = rotations.multiply(rotations.about(axis, np.degrees(angle)), np.array(pose.quaternion))
+    return Pose.of(np.array(pose.position) + step[:3], rotations.canonical(turn))
+
+
+def slopes_of(camera: Camera, pose: Pose, points: Floats) -> tuple[Floats, Floats]:
+    """Pixels (n, 2) of points (n, 3) of an object, and their change (n, 2, 6) by its pose."""
+    there = pose.moved(points)
+    by_point = camera.slopes(there)
+    arms = there - np.array(pose.position)
+    # δp = δt + ω × arm, so that ∂p/∂ω = -[arm]×.
+    x, y, z = arms.T
+    none = np.zeros_like(x)
+    cross = np.array([[none, z, -y], [-z, none, x], [y, -x, none]])
+    by_turn = by_point @ np.moveaxis(cross, 2, 0)
+    return camera.project(there), np.concatenate([by_point, by_turn], axis=2)
+
+
+def of_points(camera: Camera, points: Floats, pixels: Floats) -> Measure:
+    """Points (n, 3) of an object that were seen at pixels (n, 2); rows u and v of each in turn."""
+
+    def rows(pose: Pose) -> Rows:
+        at, slopes = slopes_of(camera, pose, points)
+        return Rows((at - pixels).reshape(-1), slopes.reshape(-1, 6), alike=OVERLAP)
+
+    return rows
+
+
+def _step(
+    pose: Pose,
+    measures: Sequence[Measure],
+    plane: Plane | None,
+    height: float,
+    coarse: float,
+    known: Floats,
+) -> tuple[Floats, Floats, float, Floats] | None:
+    """The change to the pose, what is known of it, the scatter and the weights of all rows."""
+    matrix, vector = known, np.zeros(6)
+    weights, squares, total = list[Floats](), 0.0, 0.0
+    for measure in measures:
+        told = _known(measure(pose), coarse)
+        matrix, vector = matrix + told.matrix, vector + told.vector
+        weights.append(told.weights)
+        squares += told.variance * told.weights.sum()
+        total += told.weights.sum()
+    if plane is not None:
+        by_plane, off = _of_plane(pose, plane, height)
+        matrix, vector = matrix + by_plane.T @ by_plane, vector + by_plane.T @ off
+    if not weights or total == 0.0 or not np.isfinite(matrix).all():
+        return None
+    # Millimetres and radians differ by the size of what is looked at.
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+    values = np.linalg.eigvalsh(matrix * np.outer(scale, scale))
+    if values[0] < FREE * values[-1]:
+        return None
+    step = np.asarray(-np.linalg.solve(matrix, vector), dtype=np.float64)
+    return step, matrix, float(np.sqrt(squares / total)), np.concatenate(weights)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Known:
+    """What rows tell of a change: the normal equations, and the variance of a row in pixels²."""
+
+    matrix: Floats
+    vector: Floats
+    weights: Floats
+    variance: float
+
+
+def _known(rows: Rows, coarse: float) -> _Known:
+    good = np.isfinite(rows.offs) & np.isfinite(rows.slopes).all(axis=1)
+    if good.sum() < FEWEST:
+        return _Known(np.zeros((6, 6)), np.zeros(6), np.zeros(len(good)), 0.0)
+    offs, slopes = np.where(good, rows.offs, 0.0), np.where(good[:, None], rows.slopes, 0.0)
+    middle = float(np.median(offs[good])) if rows.along else 0.0
+    centred = np.where(good, offs - middle, 0.0)
+    typical = max(1.4826 * float(np.median(np.abs(centred[good]))), coarse)
+    weight = np.where(good, np.maximum(1.0 - (centred / (TUKEY * typical)) ** 2, 0.0) ** 2, 0.0)
+    count = float((weight > 0.0).sum())
+    if count < FEWEST:
+        return _Known(np.zeros((6, 6)), np.zeros(6), np.zeros(len(good)), 0.0)
+    if rows.along:
+        centred = np.where(good, offs - float((weight * offs).sum() / weight.sum()), 0.0)
+    variance = float((weight * centred**2).sum() / weight.sum()) / SHRINKS
+    variance = max(variance * count / max(count - 6.0, 1.0), FLOOR**2)
+    scatter = variance
+    variance *= rows.alike
+    if rows.along:
+        variance *= _together(centred, weight > 0.0)
+        variance += SIDE**2 * count / SIDES
+    matrix = (slopes * weight[:, None]).T @ slopes / variance
+    vector = (slopes * weight[:, None]).T @ offs / variance
+    if rows.along:
+        # All edges may lie a little out of the material or in it, as light and lens have it: an
+        # unknown shift, of which `SHIFT` is known before, is taken out of both.
+        shift = slopes.T @ weight / variance
+        sure = float(weight.sum()) / variance + 1.0 / SHIFT**2
+        matrix -= np.outer(shift, shift) / sure
+        vector -= shift * float(weight @ offs) / variance / sure
+    return _Known(matrix, vector, weight, scatter)
+
+
+SHRINKS: Final = 0.828
+"""∫ w(x) x² φ / ∫ w(x) φ of Tukey's weights at `TUKEY` sigmas."""
+NEIGHBOURS: Final = 8
+
+
+def _together(offs: Floats, used: Truths) -> float:
+    """How much surer the mean of rows seems than it is, as neighbours are off alike: one and twice
+    the sum of their correlations, up to the first that is not above 0.
+    """
+    values = np.where(used, offs, 0.0)
+    power = float((values**2).sum())
+    if power <= 0.0:
+        return 1.0
+    more = 1.0
+    for lag in range(1, min(NEIGHBOURS, len(values) - 1) + 1):
+        part = float((values[lag:] * values[:-lag]).sum()) / power
+        if part <= 0.05:
+            break
+        more += 2.0 * part
+    return more
+
+
+def _turn_of(pose: Pose) -> Floats:
+    """(6, 6) that a turn about the normal of the face is known to `ANY_TURN` degrees only."""
+    axis = rotations.rotate(np.array(pose.quaternion), np.array([0.0, 0.0, 1.0]))
+    known = np.zeros((6, 6))
+    known[3:, 3:] = np.outer(axis, axis) / np.radians(ANY_TURN) ** 2
+    return known
+
+
+def _of_plane(pose: Pose, plane: Plane, height: float) -> tuple[Floats, Floats]:
+    """Rows (3, 6) of the height and of both tilts, in sigmas, and how many they are off."""
+    x, y, z = rotations.to_matrix(np.array(plane.pose.quaternion)).T
+    up = rotations.rotate(np.array(pose.quaternion), np.array([0.0, 0.0, 1.0]))
+    above = float(z @ (np.array(pose.position) - plane.pose.position)) - height
+    sure, level = 1.0 / plane.sigma, 1.0 / np.radians(plane.sigma_deg)
+    rows = np.zeros((3, 6))
+    rows[0, :3] = z * sure
+    # The axis turns by ω × up.
+    rows[1, 3:], rows[2, 3:] = np.cross(up, x) * level, np.cross(up, y) * level
+    return rows, np.array([above * sure, float(up @ x) * level, float(up @ y) * level])

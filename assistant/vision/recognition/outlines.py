@@ -1,0 +1,225 @@
+"""Objects that are known by their outlines, lying on a plane, in a picture."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from assistant.program import rotations
+from assistant.program.arrays import Floats
+from assistant.program.geometry import Pose
+from assistant.vision.cameras.camera import Camera
+from assistant.vision.recognition.edges import APART, CORNERS, Samples, of_edges, sampled
+from assistant.vision.recognition.estimating import Estimate, Plane, fitted
+from assistant.vision.recognition.judging import Judged, judge
+from assistant.vision.recognition.moments import Moments, moments
+from assistant.vision.recognition.objects import KnownObject
+from assistant.vision.recognition.pairs import Contour, Flat, Pairs, contour_of
+from assistant.vision.recognition.photo import Photo, signed_area
+
+if TYPE_CHECKING:
+    from types import ModuleType
+
+LEAST: Final = 0.45
+"""Part of an outline that has to be supported by edges, less twice what speaks against it."""
+MOST_WRONG: Final = 0.08
+"""Part of an outline that a picture may contradict."""
+MOST_EMPTY: Final = 0.06
+"""Part of the face at which there may be nothing."""
+LEAST_INSIDE: Final = 0.5
+"""Part of the face that shows one colour."""
+ON_CONTOUR: Final = 0.4
+"""Part of an outline that lies on a contour of the picture before it is looked at closer."""
+REACH: Final = 6.0
+"""Pixels from where the contour put an outline in which its edges are looked for."""
+OWN: Final = 0.8
+"""Part of the supported edges of an object that no other one has before."""
+FEWEST: Final = 24
+"""Samples of an outline below which it is too small in a picture to be known by it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OutlineFound:
+    """An object where a picture shows its outline."""
+
+    object: KnownObject
+    estimate: Estimate
+    judged: Judged
+    samples: Samples
+
+    @property
+    def confidence(self) -> float:
+        return confidence_of(self.judged)
+
+
+def confidence_of(judged: Judged) -> float:
+    """Part of the outline that is seen, less twice what speaks against it."""
+    return max(judged.supported - 2.0 * judged.contradicted, 0.0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Shape:
+    """What is worked out once of an object with an outline."""
+
+    object: KnownObject
+    pairs: Pairs
+    moments: Moments
+
+    @staticmethod
+    def of(cv: ModuleType, known: KnownObject) -> Shape:
+        assert known.outline is not None
+        found = moments(cv, known.outline.rings)
+        assert found is not None  # outlines without area are refused when they are read
+        return Shape(known, Pairs.of(known.outline), found)
+
+
+def outlines_in(
+    cv: ModuleType, photo: Photo, shapes: Sequence[Shape], plane: Plane
+) -> list[OutlineFound]:
+    """What lies on the plane with a known outline, each place of the picture claimed once."""
+    possible: list[OutlineFound] = []
+    for rings in photo.regions:
+        by_height: dict[float, Region | None] = {}
+        for shape in shapes:
+            height = shape.object.height
+            if height not in by_height:
+                by_height[height] = Region.of(cv, photo, rings, plane, height)
+            region = by_height[height]
+            if region is None or region.moments.area < 0.3 * shape.moments.area:
+                continue
+            possible += _of_shape(cv, photo, shape, region, plane)
+    return _apart(possible)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Region:
+    """A region of the picture in the plane of a face. scale: mm a pixel."""
+
+    contour: Contour
+    moments: Moments
+    scale: float
+
+    @staticmethod
+    def of(
+        cv: ModuleType, photo: Photo, rings: tuple[Floats, ...], plane: Plane, height: float
+    ) -> Region | None:
+        """None where the picture does not show the plane."""
+        flat = [on_plane(photo.camera, ring, plane, height) for ring in rings]
+        if not flat or not np.isfinite(flat[0]).all():
+            return None
+        flat = [ring for ring in flat if np.isfinite(ring).all()]
+        if signed_area(flat[0]) < 0.0:
+            flat = [ring[::-1] for ring in flat]
+        found = moments(cv, tuple(flat))
+        if found is None:
+            return None
+        pixels = abs(signed_area(rings[0]))
+        scale = float(np.sqrt(abs(signed_area(flat[0])) / max(pixels, 1.0)))
+        return Region(contour_of(tuple(flat)), found, scale)
+
+
+def on_plane(camera: Camera, pixels: Floats, plane: Plane, height: float) -> Floats:
+    """(n, 2) mm in the plane, `height` above it, that pixels (n, 2) show; NaN where they do not."""
+    back = plane.pose.inverse()
+    eye = back.moved(np.array([camera.pose.position]))[0]
+    rays = rotations.rotate(np.array(back.quaternion), camera.directions(pixels))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        far = (height - eye[2]) / rays[:, 2]
+        found = eye[:2] + far[:, None] * rays[:, :2]
+    found[~(far > 0.0)] = np.nan
+    return np.asarray(found)
+
+
+def _of_shape(
+    cv: ModuleType, photo: Photo, shape: Shape, region: Region, plane: Plane
+) -> Iterator[OutlineFound]:
+    """Poses of one object in one region that the picture agrees with."""
+    settled = [shape.pairs.settled(region.contour, one) for one in _by_moments(shape, region)]
+    if not any(share > 0.9 for _, share in settled):
+        voted = shape.pairs.poses(region.contour)
+        settled += [shape.pairs.settled(region.contour, one) for one in voted]
+    tried: list[Flat] = []
+    for pose, share in sorted(settled, key=lambda one: -one[1]):
+        if share < ON_CONTOUR or any(_same(pose, one, shape) for one in tried):
+            continue
+        tried.append(pose)
+        found = _looked_at(cv, photo, shape, pose, region, plane)
+        if found is not None:
+            yield found
+
+
+def _by_moments(shape: Shape, region: Region) -> list[Flat]:
+    """Poses of a shape that is seen whole: its main axis along that of the region, either way."""
+    if not region.moments.like(shape.moments):
+        return []
+    if shape.moments.round:
+        turns = np.arange(4) * np.pi / 2.0
+    else:
+        turns = region.moments.turn - shape.moments.turn + np.array([0.0, np.pi])
+    found = []
+    for turn in turns:
+        x, y = (
+            region.moments.middle - Flat(float(turn), 0.0, 0.0).moved(shape.moments.middle[None])[0]
+        )
+        found.append(Flat(float(turn), float(x), float(y)))
+    return found
+
+
+def _same(one: Flat, other: Flat, shape: Shape) -> bool:
+    points = shape.pairs.contour.points[::8]
+    away = np.linalg.norm(one.moved(points) - other.moved(points), axis=1)
+    return bool(away.max() < 0.03 * shape.pairs.largest)
+
+
+def _looked_at(
+    cv: ModuleType, photo: Photo, shape: Shape, flat: Flat, region: Region, plane: Plane
+) -> OutlineFound | None:
+    known = shape.object
+    assert known.outline is not None
+    turn = rotations.about((0.0, 0.0, 1.0), np.degrees(flat.turn))
+    pose = plane.pose @ Pose.of(np.array([flat.x, flat.y, known.height]), rotations.canonical(turn))
+    samples = sampled(known.outline, APART * region.scale, CORNERS * region.scale)
+    if len(samples) < FEWEST:
+        return None
+    estimate = fitted(
+        pose,
+        [of_edges(cv, photo, samples, REACH)],
+        plane,
+        known.height,
+        any_turn=known.symmetry == 0,
+    )
+    if estimate is None:
+        return None
+    judged = judge(cv, photo, known.outline, samples, estimate.pose)
+    if (
+        confidence_of(judged) < LEAST
+        or judged.contradicted > MOST_WRONG
+        or judged.empty > MOST_EMPTY
+        or judged.inside < LEAST_INSIDE
+    ):
+        return None
+    return OutlineFound(known, estimate, judged, samples)
+
+
+def _apart(possible: list[OutlineFound]) -> list[OutlineFound]:
+    """Those that see most of themselves first; edges that one has are no edges of another."""
+    kept: list[OutlineFound] = []
+    taken = np.zeros((0, 2))
+    for one in sorted(possible, key=lambda one: -_worth(one)):
+        own = one.judged.edges.pixels[one.judged.held]
+        away = np.full(len(own), np.inf)
+        if len(taken):
+            away = np.sqrt(((own[:, None] - taken[None]) ** 2).sum(axis=2).min(axis=1))
+        free = float((away > 2.0).mean())
+        if free * one.judged.supported < LEAST * OWN or free < OWN - 0.2:
+            continue
+        kept.append(one)
+        taken = np.concatenate([taken, own])
+    return kept
+
+
+def _worth(one: OutlineFound) -> float:
+    return one.confidence * float(one.judged.held.sum())

@@ -1,0 +1,342 @@
+"""Known objects in pictures of one moment: what is where, and how sure that is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import ModuleType
+from typing import Final
+
+import numpy as np
+
+from assistant.program import rotations
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.geometry import Pose
+from assistant.vision.cameras.camera import Camera
+from assistant.vision.recognition.edges import of_edges
+from assistant.vision.recognition.estimating import (
+    Estimate,
+    Measure,
+    Plane,
+    Rows,
+    fitted,
+    of_points,
+)
+from assistant.vision.recognition.library import Library
+from assistant.vision.recognition.objects import KnownObject
+from assistant.vision.recognition.outlines import (
+    OutlineFound,
+    Shape,
+    on_plane,
+    outlines_in,
+)
+from assistant.vision.recognition.photo import Photo, Picture, looked_at, signed_area
+from assistant.vision.recognition.rules import DISAGREE, NO_PLANE, NOT_LYING, TILTED, UNKNOWN
+from assistant.vision.recognition.symmetry import middle_of
+from assistant.vision.recognition.textures import Marks, textures_in
+
+LEVEL: Final = Plane()
+"""x and y of the world."""
+TOGETHER: Final = (8.0, 4.0)
+"""mm, and sigmas, that one object is apart where two cameras put it."""
+DOUBTED: Final = 6.0
+"""Sigmas, and mm below, from which cameras disagree."""
+LEAST_DOUBTED: Final = 0.5
+COVERED: Final = 0.3
+"""Part of a thing that known objects cover from which it is not unknown."""
+LEAST_UNKNOWN: Final = 0.1
+"""Part of the area of the smallest known object below which a thing is not worth a word."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Found:
+    """An object that was found. name: NAME, NAME_2 … where several are there. estimate: its pose in
+    the world with what is known of it. cameras: that see it. rim: (n, 2) pixels about it in the
+    picture of the first of them.
+    """
+
+    name: str
+    object: KnownObject
+    estimate: Estimate
+    confidence: float
+    cameras: tuple[str, ...]
+    rim: Floats
+
+    @property
+    def pose(self) -> Pose:
+        return self.estimate.pose
+
+
+@dataclass(frozen=True, slots=True)
+class Unknown:
+    """A thing that is no known object: where its middle is on the plane, and mm across."""
+
+    x: float
+    y: float
+    size: float
+
+
+@dataclass(frozen=True, slots=True)
+class Sight:
+    """What pictures show. findings: errors are of what must not be acted on."""
+
+    found: tuple[Found, ...]
+    unknown: tuple[Unknown, ...]
+    findings: tuple[Diagnostic, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _One:
+    """An object as one camera sees it."""
+
+    object: KnownObject
+    estimate: Estimate
+    confidence: float
+    camera: str
+    measure: Measure
+    plane: Plane | None
+    lying: bool
+    doubtful: bool = False
+
+
+class Recogniser:
+    """A library made ready for looking; `see` may be asked for many pictures."""
+
+    def __init__(self, cv: ModuleType, library: Library) -> None:
+        self.cv: Final = cv
+        objects = tuple(library.objects.values())
+        self.shapes: Final = tuple(
+            Shape.of(cv, one) for one in objects if one.outline is not None and one.texture is None
+        )
+        self.marks: Final = Marks.of(objects)
+
+    def see(
+        self,
+        pictures: Mapping[str, Picture],
+        cameras: Mapping[str, Camera],
+        plane: Plane = LEVEL,
+    ) -> Sight:
+        """Objects in one picture of each of some cameras, which stand in the world.
+
+        Those with outlines lie on the plane; those with textures may be anywhere. Raises Refused
+        where a camera does not see the plane.
+        """
+        photos = {
+            name: looked_at(self.cv, cameras[name], picture) for name, picture in pictures.items()
+        }
+        for name in photos:
+            check_sees(cameras[name], plane)
+        ones = [one for photo in photos.values() for one in self._in_photo(photo, plane)]
+        groups = _grouped(ones)
+        findings: list[Diagnostic] = []
+        joined = [_joined(group, findings) for group in groups]
+        kept = sorted((one for one in joined if one is not None), key=lambda f: -f[1].confidence)
+        found = _named(kept, photos)
+        for one, (_, group) in zip(found, kept, strict=True):
+            findings += _doubts(one, group.one, plane)
+        unknown = self._unknown(photos, found, plane)
+        findings += [UNKNOWN(x=one.x, y=one.y, size=one.size) for one in unknown]
+        return Sight(tuple(found), tuple(unknown), tuple(findings))
+
+    def _in_photo(self, photo: Photo, plane: Plane) -> list[_One]:
+        cv, name = self.cv, photo.camera.name
+        found: list[_One] = []
+        for outline in outlines_in(cv, photo, self.shapes, plane):
+            measure = _of_outline(cv, photo, outline)
+            found.append(
+                _One(
+                    *(outline.object, outline.estimate, outline.confidence, name, measure),
+                    plane,
+                    lying=True,
+                )
+            )
+        textures = [] if self.marks is None else textures_in(cv, photo, self.marks, plane)
+        for texture in textures:
+            measure = of_points(photo.camera, texture.points, texture.pixels)
+            found.append(
+                _One(
+                    *(texture.object, texture.estimate, texture.confidence, name, measure),
+                    plane if texture.lying else None,
+                    texture.lying,
+                    texture.doubtful,
+                )
+            )
+        return found
+
+    def _unknown(
+        self, photos: Mapping[str, Photo], found: Sequence[Found], plane: Plane
+    ) -> list[Unknown]:
+        """Things of the first picture that known objects do not cover."""
+        photo = next(iter(photos.values()))
+        height, width = photo.foreground.shape
+        covered = np.zeros((height, width), np.uint8)
+        for one in found:
+            rim = photo.camera.project(one.pose.moved(rim_of(one.object)))
+            if np.isfinite(rim).all():
+                self.cv.fillPoly(covered, [np.rint(rim).astype(np.int32)], 1)
+        sizes = [s.moments.area for s in self.shapes] + [
+            float(np.prod(o.texture.size))
+            for o in (self.marks.objects if self.marks else ())
+            if o.texture is not None and o.texture.size is not None
+        ]
+        least = LEAST_UNKNOWN * min(sizes, default=100.0)
+        things: list[Unknown] = []
+        pieces = self.cv.connectedComponents(photo.foreground.astype(np.uint8))[1]
+        for rings in photo.regions[: photo.pieces]:
+            u, v = np.rint(rings[0][0]).astype(int)
+            near = pieces[max(v - 2, 0) : v + 3, max(u - 2, 0) : u + 3]
+            number = int(near.max())
+            if number == 0:
+                continue
+            mask = pieces == number
+            if covered[mask].mean() > COVERED:
+                continue
+            flat = on_plane(photo.camera, rings[0], plane, 0.0)
+            if not np.isfinite(flat).all() or abs(signed_area(flat)) < least:
+                continue
+            x, y = (flat.min(axis=0) + flat.max(axis=0)) / 2.0
+            things.append(Unknown(float(x), float(y), float(np.ptp(flat, axis=0).max())))
+        return things
+
+
+def check_sees(camera: Camera, plane: Plane) -> None:
+    """Raises Refused where the plane is behind a camera, or seen from below."""
+    width, height = camera.lens.size
+    grid = np.array([[u, v] for u in (0.25, 0.5, 0.75) for v in (0.25, 0.5, 0.75)])
+    seen = on_plane(camera, grid * [width, height], plane, 0.0)
+    above = plane.pose.inverse().moved(np.array([camera.pose.position]))[0, 2]
+    if not np.isfinite(seen).all(axis=1).any() or above <= 0.0:
+        raise Refused(NO_PLANE(camera=camera.name), exit_status=2)
+
+
+def rim_of(known: KnownObject) -> Floats:
+    """(n, 3) points about an object in its frame."""
+    if known.outline is not None:
+        ring = known.outline.rings[0]
+        return np.column_stack([ring, np.zeros(len(ring))])
+    assert known.texture is not None
+    if known.texture.size is not None:
+        x, y = np.array(known.texture.size) / 2.0
+        return np.array([[-x, -y, 0.0], [x, -y, 0.0], [x, y, 0.0], [-x, y, 0.0]])
+    low, high = known.texture.points.min(axis=0), known.texture.points.max(axis=0)
+    (a, b, _), (c, e, top) = low, high
+    return np.array([[a, b, top], [c, b, top], [c, e, top], [a, e, top]])
+
+
+def centre_of(known: KnownObject) -> Floats:
+    """(3,) the middle of its face, in its frame."""
+    if known.outline is not None:
+        return np.array([*middle_of(known.outline), 0.0])
+    return np.asarray(rim_of(known).mean(axis=0))
+
+
+def _of_outline(cv: ModuleType, photo: Photo, found: OutlineFound) -> Measure:
+    """The edges near to where they were found, for whoever fits them with others."""
+
+    def rows(pose: Pose) -> Rows:
+        return of_edges(cv, photo, found.samples, 2.0)(pose)
+
+    return rows
+
+
+def _grouped(ones: Sequence[_One]) -> list[list[_One]]:
+    """What several cameras see of one object; one camera sees an object once."""
+    groups: list[list[_One]] = []
+    for one in sorted(ones, key=lambda one: -one.confidence):
+        for group in groups:
+            first = group[0]
+            if first.object is not one.object:
+                continue
+            away = np.linalg.norm(_middle(one) - _middle(first))
+            sure = np.hypot(one.estimate.sigma_mm, first.estimate.sigma_mm)
+            if away < TOGETHER[0] + TOGETHER[1] * sure:
+                if all(other.camera != one.camera for other in group):
+                    group.append(one)
+                break
+        else:
+            groups.append([one])
+    return groups
+
+
+def _middle(one: _One) -> Floats:
+    return np.asarray(one.estimate.pose.moved(centre_of(one.object)[None])[0])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Joined:
+    one: _One
+    cameras: tuple[str, ...]
+    confidence: float
+
+
+def _joined(group: Sequence[_One], findings: list[Diagnostic]) -> tuple[Estimate, _Joined] | None:
+    """One pose of what several cameras see; with a finding where they do not agree."""
+    best = group[0]
+    estimate, cameras = best.estimate, tuple(one.camera for one in group)
+    confidence = 1.0 - float(np.prod([1.0 - min(one.confidence, 1.0) for one in group]))
+    if len(group) > 1:
+        plane = best.plane if all(one.lying for one in group) else None
+        together = fitted(
+            estimate.pose,
+            [one.measure for one in group],
+            plane,
+            best.object.height,
+            any_turn=best.object.symmetry == 0,
+        )
+        if together is not None:
+            estimate = together
+        for one in group[1:]:
+            off = _middle(one) - _middle(best)
+            covariance = (one.estimate.covariance + best.estimate.covariance)[:3, :3]
+            sigmas = float(np.sqrt(off @ np.linalg.solve(covariance, off)))
+            mm = float(np.linalg.norm(off))
+            if sigmas > DOUBTED and mm > LEAST_DOUBTED:
+                findings.append(DISAGREE(name=best.object.name, mm=mm, sigmas=sigmas))
+        best = replace(best, doubtful=False)
+    return estimate, _Joined(best, cameras, confidence)
+
+
+def _named(kept: Sequence[tuple[Estimate, _Joined]], photos: Mapping[str, Photo]) -> list[Found]:
+    counts: dict[str, int] = {}
+    found = []
+    for estimate, joined in kept:
+        known = joined.one.object
+        counts[known.name] = counts.get(known.name, 0) + 1
+        number = counts[known.name]
+        name = known.name if number == 1 else f"{known.name}_{number}"
+        settled = replace(estimate, pose=_settled(estimate.pose, known))
+        photo = photos[joined.cameras[0]]
+        rim = photo.camera.project(settled.pose.moved(rim_of(known)))
+        found.append(Found(name, known, settled, joined.confidence, joined.cameras, rim))
+    return found
+
+
+def _settled(pose: Pose, known: KnownObject) -> Pose:
+    """Of the ways that an object can be turned and look the same, the one with the least turn."""
+    if known.symmetry == 1 or known.outline is None:
+        return pose
+    middle = np.array([*middle_of(known.outline), 0.0])
+    ahead = rotations.rotate(np.array(pose.quaternion), np.array([1.0, 0.0, 0.0]))
+    turn = float(np.degrees(np.arctan2(ahead[1], ahead[0])))
+    if known.symmetry == 0:
+        by = -turn
+    else:
+        step = 360.0 / known.symmetry
+        by = -step * round(turn / step)
+    about = rotations.canonical(rotations.about((0.0, 0.0, 1.0), by))
+    turned = Pose.of(np.zeros(3), about)
+    moved = middle - turned.moved(middle[None])[0]
+    return pose @ Pose.of(moved, about)
+
+
+def _doubts(found: Found, one: _One, plane: Plane) -> list[Diagnostic]:
+    if one.doubtful:
+        return [TILTED(name=found.name)]
+    if one.lying:
+        return []
+    local = plane.pose.inverse() @ found.pose
+    up = rotations.rotate(np.array(local.quaternion), np.array([0.0, 0.0, 1.0]))
+    tilt = float(np.degrees(np.arccos(np.clip(up[2], -1.0, 1.0))))
+    above = local.position[2] - found.object.height
+    return [NOT_LYING(name=found.name, mm=above, degrees=tilt)]

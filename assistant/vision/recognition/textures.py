@@ -1,0 +1,273 @@
+"""Objects that are known by their textures, wherever they are in a picture."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from assistant.program import rotations
+from assistant.program.arrays import Floats, Rows, Truths
+from assistant.program.geometry import Pose
+from assistant.vision.cameras.camera import Camera
+from assistant.vision.recognition.estimating import Estimate, Plane, fitted, of_points
+from assistant.vision.recognition.keypoints import Keypoints, keypoints, matched
+from assistant.vision.recognition.objects import KnownObject, Texture
+from assistant.vision.recognition.photo import Photo
+
+if TYPE_CHECKING:
+    from types import ModuleType
+
+FEWEST: Final = 9
+"""Keypoints that agree on a pose."""
+AGREE: Final = 4.0
+"""Pixels that a keypoint may be off the pose that others agree on."""
+TRIES: Final = 2000
+CELLS: Final = 6
+"""A face is compared with the picture in so many cells along each side."""
+ALIKE: Final = 0.6
+"""Correlation of a cell of the face with the picture from which it is the same."""
+PLAIN: Final = 4.0
+"""Grey levels, one sigma, below which a cell has no texture to compare."""
+LEAST: Final = 0.45
+"""Part of the cells that have to be the same."""
+MOST_OF_KIND: Final = 6
+"""Objects of one kind that are looked for in a picture."""
+LIES: Final = 4.0
+"""Sigmas that an object on the plane may seem to be off it, beside mm and degrees of `OFF`."""
+OFF: Final = (2.0, 2.0)
+FLIPPED: Final = 1.5
+"""How many times worse the other pose of a flat face has to fit, that looks nearly the same."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TextureFound:
+    """An object where a picture shows its texture. confidence: part of the face that looks like
+    it, of what is not flat the part of its keypoints. lying: on the plane. doubtful: a pose that is
+    tilted the other way fits about as well.
+    """
+
+    object: KnownObject
+    estimate: Estimate
+    confidence: float
+    points: Floats
+    pixels: Floats
+    lying: bool
+    doubtful: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Marks:
+    """The keypoints of all objects with textures, to be looked for together."""
+
+    objects: tuple[KnownObject, ...]
+    descriptors: Any
+    points: Floats
+    owners: Rows
+
+    @staticmethod
+    def of(objects: Sequence[KnownObject]) -> Marks | None:
+        textured = tuple(one for one in objects if one.texture is not None)
+        if not textured:
+            return None
+        textures = [one.texture for one in textured if one.texture is not None]
+        return Marks(
+            textured,
+            np.concatenate([one.descriptors for one in textures]),
+            np.concatenate([one.points for one in textures]),
+            np.repeat(np.arange(len(textures)), [len(one.points) for one in textures]),
+        )
+
+
+def textures_in(
+    cv: ModuleType, photo: Photo, marks: Marks, plane: Plane | None
+) -> list[TextureFound]:
+    """Objects whose textures a picture shows; several of one kind one after the other."""
+    seen = keypoints(cv, cv.cvtColor(photo.picture, cv.COLOR_BGR2GRAY))
+    here, there = matched(cv, seen, marks.descriptors, marks.owners, marks.points)
+    found: list[TextureFound] = []
+    for number, known in enumerate(marks.objects):
+        rows = np.nonzero(marks.owners[there] == number)[0]
+        found += _of_object(cv, photo, known, seen, here[rows], marks.points[there[rows]], plane)
+    return found
+
+
+def _of_object(
+    cv: ModuleType,
+    photo: Photo,
+    known: KnownObject,
+    seen: Keypoints,
+    here: Rows,
+    points: Floats,
+    plane: Plane | None,
+) -> Iterator[TextureFound]:
+    left = np.ones(len(here), dtype=np.bool_)
+    for _ in range(MOST_OF_KIND):
+        if left.sum() < FEWEST:
+            return
+        pixels = seen.pixels[here[left]]
+        agreed = _agreed(cv, photo.camera, points[left], pixels, known)
+        if agreed is None:
+            return
+        pose, good = agreed
+        rows = np.nonzero(left)[0]
+        found = _looked_at(cv, photo, known, pose, points[left][good], pixels[good], plane)
+        # Those that nearly agree are of the same thing, and must not make a second one of it.
+        near = np.linalg.norm(photo.camera.project(pose.moved(points[left])) - pixels, axis=1)
+        left[rows[good]] = False
+        left[rows[near < 4.0 * AGREE]] = False
+        if found is not None:
+            yield found
+
+
+def _agreed(
+    cv: ModuleType, camera: Camera, points: Floats, pixels: Floats, known: KnownObject
+) -> tuple[Pose, Truths] | None:
+    """The pose that most keypoints agree on, and which do."""
+    assert known.texture is not None
+    straight = camera.lens.tangents(pixels)
+    good = np.isfinite(straight).all(axis=1)
+    if good.sum() < FEWEST:
+        return None
+    rows = np.nonzero(good)[0]
+    limit = AGREE / float(np.mean(camera.lens.focal))
+    flat = known.texture.flat
+    cv.setRNGSeed(1)
+    if flat:
+        _, mask = cv.findHomography(
+            points[rows, :2], straight[rows], cv.RANSAC, limit, maxIters=TRIES, confidence=0.999
+        )
+        inliers = None if mask is None else np.nonzero(mask.ravel())[0]
+    else:
+        done, _, _, inliers = cv.solvePnPRansac(
+            *(points[rows], straight[rows], np.eye(3), None),
+            iterationsCount=TRIES,
+            reprojectionError=limit,
+            flags=cv.SOLVEPNP_EPNP,
+        )
+        inliers = inliers.ravel() if done and inliers is not None else None
+    if inliers is None or len(np.unique(points[rows[inliers]].round(3), axis=0)) < FEWEST:
+        return None
+    chosen = rows[inliers]
+    poses = _poses(cv, camera, points[chosen], straight[chosen], flat)
+    if not poses:
+        return None
+    mask = np.zeros(len(points), dtype=np.bool_)
+    mask[chosen] = True
+    return poses[0][0], mask
+
+
+def _poses(
+    cv: ModuleType, camera: Camera, points: Floats, straight: Floats, flat: bool
+) -> list[tuple[Pose, float]]:
+    """Poses in the world by perspective, the one that fits best first, with how many tangents it
+    is off; a flat face has two.
+    """
+    method = cv.SOLVEPNP_IPPE if flat else cv.SOLVEPNP_SQPNP
+    count, turns, moves, offs = cv.solvePnPGeneric(points, straight, np.eye(3), None, flags=method)
+    found = []
+    for turn, move, off in zip(turns, moves, np.ravel(offs), strict=False):
+        matrix, _ = cv.Rodrigues(turn)
+        if not np.isfinite(matrix).all() or move[2, 0] <= 0.0:
+            continue
+        local = Pose.of(move.ravel(), rotations.from_matrix(matrix))
+        found.append((camera.pose @ local, float(off)))
+    return sorted(found[:count], key=lambda one: one[1])
+
+
+def _looked_at(
+    cv: ModuleType,
+    photo: Photo,
+    known: KnownObject,
+    pose: Pose,
+    points: Floats,
+    pixels: Floats,
+    plane: Plane | None,
+) -> TextureFound | None:
+    """The pose made exact, on the plane if it agrees with that, where the face is really there."""
+    texture = known.texture
+    assert texture is not None
+    measure = of_points(photo.camera, points, pixels)
+    free = fitted(pose, [measure])
+    doubtful, lying = False, False
+    if texture.flat:
+        poses = _poses(cv, photo.camera, points, photo.camera.lens.tangents(pixels), True)
+        others = [fitted(one, [measure]) for one, _ in poses[1:]]
+        doubtful = any(
+            other is not None
+            and free is not None
+            and other.scatter < FLIPPED * free.scatter
+            and _turn(other.pose, free.pose) > 3.0
+            for other in others
+        )
+        if plane is not None:
+            for start in (free, *others):
+                if start is not None and _lies(start, plane, known.height):
+                    laid = fitted(start.pose, [measure], plane, known.height)
+                    if laid is not None:
+                        free, lying, doubtful = laid, True, False
+                        break
+    if free is None:
+        return None
+    if texture.flat:
+        confidence = alike(cv, photo, texture, free.pose)
+    else:
+        confidence = min(1.0, float((free.used > 0.2).mean()))
+    if confidence < LEAST or _from_behind(photo.camera, texture, free.pose):
+        return None
+    return TextureFound(known, free, confidence, points, pixels, lying, doubtful)
+
+
+def _turn(one: Pose, other: Pose) -> float:
+    return float(rotations.angle_between(np.array(one.quaternion), np.array(other.quaternion)))
+
+
+def _from_behind(camera: Camera, texture: Texture, pose: Pose) -> bool:
+    """Whether a flat face would be seen through its back."""
+    out = rotations.rotate(np.array(pose.quaternion), np.array([0.0, 0.0, 1.0]))
+    return texture.flat and float(out @ (np.array(camera.pose.position) - pose.position)) <= 0.0
+
+
+def _lies(found: Estimate, plane: Plane, height: float) -> bool:
+    """Whether a pose that was found without the plane may be one on it."""
+    local = plane.pose.inverse() @ found.pose
+    up = rotations.rotate(np.array(local.quaternion), np.array([0.0, 0.0, 1.0]))
+    tilt = float(np.degrees(np.arccos(np.clip(up[2], -1.0, 1.0))))
+    off = abs(local.position[2] - height)
+    return off <= OFF[0] + LIES * found.sigma_mm and tilt <= OFF[1] + LIES * found.sigma_deg
+
+
+def alike(cv: ModuleType, photo: Photo, texture: Texture, pose: Pose) -> float:
+    """Part of a flat face, 0 to 1, that looks in the picture as it was shown.
+
+    The picture is drawn as the face would be seen from straight above; correlations of cells do not
+    mind light.
+    """
+    face = texture.picture
+    assert face is not None and texture.size is not None
+    height, width = face.shape
+    wide, high = texture.size
+    u, v = np.meshgrid((np.arange(width) + 0.5) / width, (np.arange(height) + 0.5) / height)
+    places = np.column_stack([(u.ravel() - 0.5) * wide, (0.5 - v.ravel()) * high, 0.0 * u.ravel()])
+    pixels = photo.camera.project(pose.moved(places))
+    grey = cv.cvtColor(photo.smooth, cv.COLOR_BGR2GRAY)
+    grid = np.nan_to_num(pixels, nan=-10.0).astype(np.float32).reshape(height, width, 2)
+    seen = cv.remap(grey, grid[..., 0], grid[..., 1], cv.INTER_LINEAR)
+    inside = photo.camera.within(pixels).reshape(height, width)
+    # Both as sharp as the less sharp of them: the face is shown larger than it is seen.
+    sides = np.linalg.norm(grid[0, -1] - grid[0, 0]), np.linalg.norm(grid[-1, 0] - grid[0, 0])
+    coarser = max(width / max(float(sides[0]), 1.0), height / max(float(sides[1]), 1.0), 1.0)
+    blurred = cv.GaussianBlur(face.astype(np.float32), (0, 0), 0.8 * coarser)
+    same, cells = 0, 0
+    for rows in np.array_split(np.arange(height), CELLS):
+        for columns in np.array_split(np.arange(width), CELLS):
+            part = np.ix_(rows, columns)
+            a, b = blurred[part].ravel(), seen[part].ravel()
+            if a.std() < PLAIN:
+                continue
+            cells += 1
+            if inside[part].all() and b.std() > 0.25 * PLAIN:
+                same += float(np.corrcoef(a, b)[0, 1]) > ALIKE
+    return same / cells if cells else 0.0
