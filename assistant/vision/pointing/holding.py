@@ -26,19 +26,26 @@ from assistant.vision.pointing.tracking import Look
 FRAMES: Final = 30
 NEARLY: Final = 5.0
 """Times what a hold may be off within which moments were meant as one."""
+SIGMAS: Final = 4.5
+"""Times the noise of a moment that it may be off beside what a hand may."""
+CREEPING: Final = 0.7
+"""Part of that for the means of the two halves: they are compared once, the moments thirty times.
+"""
 
 
 @dataclass(frozen=True, slots=True)
 class Still:
-    """What a hold is. frames: moments one after the other. within: mm that each may be off their
-    mean. creep: mm between the means of the first and the second half. turned: degrees that each
-    may be off. apart: mm to the place shown before, nearer to which nothing is shown anew.
+    """What a hold is, beside the noise that there is.
+
+    frames: moments one after the other. within: mm that each may be off their mean. creep: mm
+    between the means of the first and the second half. turned: degrees that each may be off.
+    apart: mm to the place shown before, nearer to which nothing is shown anew.
     """
 
     frames: int = FRAMES
-    within: float = 3.5
-    creep: float = 0.8
-    turned: float = 2.5
+    within: float = 1.5
+    creep: float = 0.5
+    turned: float = 1.5
     apart: float = 15.0
 
 
@@ -84,10 +91,11 @@ def holds(
     """
     window: deque[tuple[float, Sighting]] = deque(maxlen=still.frames)
     before: Pose | None = None
-    said, said_moved = "", False
+    said, nearly = "", 0
     for look in looks:
         if isinstance(look.seen, Diagnostic):
             window.clear()
+            nearly = 0
             if look.seen.code != said:
                 tell(look.seen)
             said = look.seen.code
@@ -95,28 +103,42 @@ def holds(
         said = ""
         window.append((look.seconds, look.seen))
         if before is not None:
-            if _distance(look.seen.pose, before) < still.apart:
+            distance = _distance(look.seen.pose, before)
+            if distance < still.apart:
                 window.clear()
                 continue
-            before = None if _distance(look.seen.pose, before) > 2.0 * still.apart else before
+            before = None if distance > 2.0 * still.apart else before
         if len(window) < still.frames:
             continue
         found = held(window, device, cameras, limits, still)
         if isinstance(found, Held):
-            before = found.pose
+            before, nearly = found.pose, 0
             window.clear()
             yield found
-            said_moved = False
-        elif found.code in (rules.MOVED.code, rules.UNSTEADY.code):
-            # A hand on its way to the place is no hold that was broken off.
-            nearly = _extent(window) < NEARLY * still.within
-            if nearly and not said_moved:
+        elif found.code in BROKEN_OFF:
+            nearly = _nearly(window, still, nearly)
+            if nearly == still.frames:
                 tell(found)
-            said_moved = nearly
             window.popleft()  # the next moment is looked at with the others
         else:
             tell(found)
             window.clear()
+
+
+BROKEN_OFF: Final = (rules.MOVED.code, rules.UNSTEADY.code)
+
+
+def _nearly(window: Sequence[tuple[float, Sighting]], still: Still, count: int) -> int:
+    """For how many moments it was tried to hold the device still, and it was not.
+
+    It is `frames` at once where the first half was still: then a hold was broken off. A hand on its
+    way to a place is 0.
+    """
+    sightings = [sighting for _, sighting in window]
+    half = sightings[: len(sightings) // 2]
+    if count < still.frames and len(half) > 1 and _extent(half) < _most(half, still.within):
+        return still.frames
+    return count + 1 if _extent(sightings) < NEARLY * _most(sightings, still.within) else 0
 
 
 def held(
@@ -131,7 +153,7 @@ def held(
     seconds = [one[0] for one in given]
     sightings = [one[1] for one in given]
     points = np.array([one.pose.position for one in sightings])
-    moved = _moved(points, still)
+    moved = _moved(points, sightings, still)
     if moved is not None:
         return moved
     pixels = np.stack([one.pixels for one in sightings])
@@ -142,8 +164,10 @@ def held(
         return seen
     turns = np.array([one.pose.quaternion for one in sightings])
     angles = rotations.angle_between(seen.pose.quaternion, turns)
-    if float(angles.max()) > still.turned:
-        return rules.UNSTEADY(angle=float(angles.max()), most=still.turned)
+    noise = float(np.sqrt(np.linalg.eigvalsh(seen.covariance[3:, 3:])[-1]))
+    turnable = still.turned + SIGMAS * float(np.degrees(noise))
+    if float(angles.max()) > turnable:
+        return rules.UNSTEADY(angle=float(angles.max()), most=turnable)
     away = points - np.array(seen.pose.position)
     spread = float(np.sqrt(np.mean((away**2).sum(axis=1))))
     turned = float(np.sqrt(np.mean(angles**2)))
@@ -159,18 +183,26 @@ def held(
     )
 
 
-def _moved(points: Floats, still: Still) -> Diagnostic | None:
-    middle = points.mean(axis=0)
-    off = float(np.linalg.norm(points - middle, axis=1).max())
-    if off > still.within:
-        return rules.MOVED(distance=off, most=still.within)
+def _moved(points: Floats, sightings: Sequence[Sighting], still: Still) -> Diagnostic | None:
+    off = float(np.linalg.norm(points - points.mean(axis=0), axis=1).max())
+    most = _most(sightings, still.within)
+    if off > most:
+        return rules.MOVED(distance=off, most=most)
     half = len(points) // 2
-    if half < 2:
-        return None
     crept = float(np.linalg.norm(points[:half].mean(axis=0) - points[-half:].mean(axis=0)))
-    # Means of few moments scatter themselves; those of 15 are allowed what is stated.
-    most = still.creep * max(1.0, np.sqrt(15.0 / half))
+    most = still.creep + (most - still.within) * float(np.sqrt(2.0 / half)) * CREEPING
     return rules.MOVED(distance=crept, most=most) if crept > most else None
+
+
+def _most(sightings: Sequence[Sighting], within: float) -> float:
+    """How many mm a moment may be off: what a hand may, and the noise of what is seen.
+
+    That is what was stated, or less where moments that follow each other differ by less.
+    """
+    mean = np.mean([sighting.covariance[:3, :3] for sighting in sightings], axis=0)
+    points = np.array([sighting.pose.position for sighting in sightings])
+    steps = float(np.sqrt((np.diff(points, axis=0) ** 2).sum(axis=1).mean() / 2.0))
+    return within + SIGMAS * min(float(np.sqrt(np.linalg.eigvalsh(mean)[-1])), steps)
 
 
 def _covariance(seen: Sighting, away: Floats, count: int) -> Floats:
@@ -184,7 +216,7 @@ def _distance(one: Pose, other: Pose) -> float:
     return float(np.linalg.norm(np.subtract(one.position, other.position)))
 
 
-def _extent(window: Iterable[tuple[float, Sighting]]) -> float:
+def _extent(sightings: Sequence[Sighting]) -> float:
     """How many mm from corner to corner of the box in which the device was."""
-    points = np.array([sighting.pose.position for _, sighting in window])
+    points = np.array([sighting.pose.position for sighting in sightings])
     return float(np.linalg.norm(np.ptp(points, axis=0)))

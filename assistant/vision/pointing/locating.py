@@ -22,8 +22,9 @@ from assistant.vision.cameras.drawing import Picture
 from assistant.vision.cameras.triangulating import triangulate
 from assistant.vision.pointing import rules
 from assistant.vision.pointing.devices import Ball, Device, Light
+from assistant.vision.pointing.finding import spots
 from assistant.vision.pointing.pictures import brightness_finding, size_finding
-from assistant.vision.pointing.spots import Spot, spots
+from assistant.vision.pointing.spots import Spot
 from assistant.vision.pointing.wand_pose import poses_of
 
 RADIUS_OFF: Final = 0.12

@@ -14,7 +14,7 @@ from assistant.vision.cameras.camera import NEAR, Camera
 from assistant.vision.cameras.triangulating import triangulate
 
 ROUNDS: Final = 12
-CLOSE: Final = 1e-9
+CLOSE: Final = 1e-7
 """mm and radians of a step at which the search ends."""
 UNTOLD: Final = 1e-7
 """Part of the strongest direction below which the pixels do not tell a direction."""

@@ -12,8 +12,8 @@ from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera, looking_at
 from assistant.vision.pointing.devices import Ball, Device, ball, light, wand
+from assistant.vision.pointing.finding import spots
 from assistant.vision.pointing.locating import Sighting, check_cameras, located
-from assistant.vision.pointing.spots import spots
 from tests.vision.pointing.scenes import (
     BENT,
     BGR,

@@ -1,0 +1,30 @@
+"""Marks of a device in one picture."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from assistant.vision.cameras.camera import Camera
+from assistant.vision.cameras.drawing import Picture
+from assistant.vision.pointing.balls import balls, hues_of
+from assistant.vision.pointing.devices import Ball, Light
+from assistant.vision.pointing.lights import lights
+from assistant.vision.pointing.spots import Spot
+
+
+def spots(
+    picture: Picture, camera: Camera, marks: Sequence[Ball | Light]
+) -> list[tuple[Spot, ...]]:
+    """What may be each of the marks in a picture, the surest first.
+
+    Raises Refused without OpenCV.
+    """
+    hues = None
+    found = []
+    for mark in marks:
+        if isinstance(mark, Light):
+            found.append(lights(picture))
+            continue
+        hues = hues_of(picture) if hues is None else hues
+        found.append(balls(picture, hues, camera, mark))
+    return found
