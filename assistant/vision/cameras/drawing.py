@@ -23,13 +23,20 @@ from assistant.program.arrays import Floats, Rows
 from assistant.program.geometry import IDENTITY, Pose, Vector
 from assistant.vision.cameras.camera import Camera, Lens
 from assistant.vision.cameras.casting import met
+from assistant.vision.opencv import opencv
 
 Picture = NDArray[np.uint8]
 """(h, w, 3): blue, green, red."""
+Colours = NDArray[np.float32]
+"""(…, 3) grey levels: blue, green, red."""
 Colour = tuple[int, int, int]
 GREY: Final[Colour] = (160, 160, 165)
 FINE: Final = 4
 """Rays along each side of a pixel in which things meet."""
+SMALL: Final = 24
+"""Pixels across below which all of a thing is drawn of several rays, as single ones may miss it."""
+WIDE: Final = 1024
+"""Places of a picture in a row, while they are looked up."""
 UNLIKE: Final = 6.0
 """Grey levels between two pixels beside each other from which on both are drawn of several rays."""
 
@@ -78,10 +85,9 @@ def draw(
 ) -> Picture:
     """What a camera that stands in the world sees (h, w, 3); the same seed gives the same noise."""
     width, height = camera.lens.size
-    rays = _turned(camera, _rays(camera.lens))
-    picture = _cast(camera, things, rays, _regions(camera, things), optics)
+    picture = _cast(camera, things, _rays(camera.lens), _regions(camera, things), optics)
     picture = picture.reshape(height, width, 3)
-    edges = _edges(picture)
+    edges = np.union1d(_edges(picture), _small(camera, things))
     if len(edges):
         picture.reshape(-1, 3)[edges] = _fine(camera, things, edges, optics)
     return _taken(picture, optics, seed)
@@ -147,10 +153,6 @@ def _beside(lens: Lens, pixels: Rows, offsets: Floats) -> Floats:
     return np.asarray(rays.reshape(-1, 3))
 
 
-def _turned(camera: Camera, rays: Floats) -> Floats:
-    return np.asarray(rays @ rotations.to_matrix(np.array(camera.pose.quaternion)).T)
-
-
 Region = tuple[int, int, int, int]
 """Columns and rows of the picture, begin and end of each."""
 
@@ -191,20 +193,21 @@ def _cast(
     rays: Floats,
     regions: Sequence[Rows],
     optics: Optics,
-) -> Floats:
-    """Colours (n, 3) of rays (n, 3), blue first."""
+) -> Colours:
+    """Colours (n, 3), blue first, of rays (n, 3) in the frame of the camera."""
     away = np.full(len(rays), np.inf)
-    colours = np.tile(np.array(optics.background[::-1], dtype=float), (len(rays), 1))
+    colours = np.empty((len(rays), 3), dtype=np.float32)
+    colours[:] = optics.background[::-1]
     light = np.array(optics.light) / np.linalg.norm(optics.light)
     for thing, rows in zip(things, regions, strict=True):
         if not len(rows):
             continue
         back = thing.pose.inverse()
         turn = rotations.to_matrix(np.array(back.quaternion))
-        eye = back.moved(np.array([camera.pose.position]))[0]
-        local = rays[rows] @ turn.T
-        t, normals, colour = _seen(thing, eye, local)
-        nearer = t < away[rows]
+        view = back @ camera.pose
+        local = rays[rows] @ rotations.to_matrix(np.array(view.quaternion)).T
+        t, normals, colour = _seen(thing, np.array(view.position), local)
+        nearer = np.flatnonzero(t < away[rows])
         there = rows[nearer]
         away[there] = t[nearer]
         lit = np.clip(normals[nearer] @ (turn @ light), 0.0, 1.0)
@@ -218,7 +221,7 @@ def _seen(thing: Thing, eye: Floats, rays: Floats) -> tuple[Floats, Floats, Floa
     if isinstance(shape, Card):
         return _card(shape, eye, rays)
     t, normals = met(shape, eye, rays)
-    return t, normals, np.tile(np.array(thing.colour[::-1], dtype=float), (len(rays), 1))
+    return t, normals, np.broadcast_to(np.array(thing.colour[::-1], dtype=float), normals.shape)
 
 
 def _card(card: Card, eye: Floats, rays: Floats) -> tuple[Floats, Floats, Floats]:
@@ -226,35 +229,36 @@ def _card(card: Card, eye: Floats, rays: Floats) -> tuple[Floats, Floats, Floats
         t = -eye[2] / rays[:, 2]
         at = eye[:2] + t[:, None] * rays[:, :2]
     half = np.array(card.size) / 2.0
-    good = (t > 0.0) & (eye[2] > 0.0) & (np.abs(at) <= half).all(axis=1)
+    good = (t > 0.0) & (eye[2] > 0.0)
+    good &= (np.abs(at[:, 0]) <= half[0]) & (np.abs(at[:, 1]) <= half[1])
     t[~good] = np.inf
     colours = np.zeros((len(rays), 3))
     height, width = card.picture.shape[:2]
     places = (at[good] / half * [1.0, -1.0] + 1.0) / 2.0 * [width, height] - 0.5
     colours[good] = _sampled(card.picture, places)
-    return t, np.tile([0.0, 0.0, 1.0], (len(rays), 1)), colours
+    return t, np.broadcast_to([0.0, 0.0, 1.0], rays.shape), colours
 
 
 def _sampled(picture: Picture, places: Floats) -> Floats:
-    """Colours of a picture between its pixels."""
-    height, width = picture.shape[:2]
-    u = np.clip(places[:, 0], 0.0, width - 1.0)
-    v = np.clip(places[:, 1], 0.0, height - 1.0)
-    i, j = np.minimum(u.astype(int), width - 2), np.minimum(v.astype(int), height - 2)
-    a, b = (u - i)[:, None], (v - j)[:, None]
-    top = picture[j, i] * (1.0 - a) + picture[j, i + 1] * a
-    low = picture[j + 1, i] * (1.0 - a) + picture[j + 1, i + 1] * a
-    return np.asarray(top * (1.0 - b) + low * b)
+    """Colours (n, 3) of a picture between its pixels."""
+    cv = opencv()
+    rows = -(-len(places) // WIDE)
+    maps = np.zeros((2, rows * WIDE), dtype=np.float32)
+    maps[:, : len(places)] = places.T
+    u, v = maps.reshape(2, rows, WIDE)
+    found = cv.remap(picture, u, v, cv.INTER_LINEAR, borderMode=cv.BORDER_REPLICATE)
+    return np.asarray(found.reshape(-1, 3)[: len(places)], dtype=np.float64)
 
 
 # ---------------------------------------------------------------------------------- edges
 
 
-def _edges(picture: Floats) -> Rows:
+def _edges(picture: Colours) -> Rows:
     """Pixels that differ from one beside them, and those around these."""
     edge = np.zeros(picture.shape[:2], dtype=bool)
     for axis in (0, 1):
-        unlike = np.abs(np.diff(picture, axis=axis)).max(axis=2) > UNLIKE
+        steps = np.abs(np.diff(picture, axis=axis)) > UNLIKE
+        unlike = steps[..., 0] | steps[..., 1] | steps[..., 2]
         first, last = [slice(None)] * 2, [slice(None)] * 2
         first[axis], last[axis] = slice(None, -1), slice(1, None)
         edge[tuple(first)] |= unlike
@@ -262,14 +266,25 @@ def _edges(picture: Floats) -> Rows:
     return np.flatnonzero(edge)
 
 
-def _fine(camera: Camera, things: Sequence[Thing], pixels: Rows, optics: Optics) -> Floats:
+def _small(camera: Camera, things: Sequence[Thing]) -> Rows:
+    """Pixels of things that a ray a pixel might miss."""
+    width, height = camera.lens.size
+    numbers = np.arange(width * height).reshape(height, width)
+    regions = (_region(camera, thing) for thing in things)
+    some = [
+        numbers[v0:v1, u0:u1].ravel() for u0, u1, v0, v1 in regions if min(u1 - u0, v1 - v0) < SMALL
+    ]
+    return np.concatenate([np.zeros(0, dtype=np.intp), *some])
+
+
+def _fine(camera: Camera, things: Sequence[Thing], pixels: Rows, optics: Optics) -> Colours:
     """Mean colours (n, 3) of several rays in each of some pixels."""
     width, _ = camera.lens.size
     steps = (np.arange(FINE) + 0.5) / FINE - 0.5
     offsets = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
     middles = np.column_stack([pixels % width, pixels // width]).astype(float)
     places = (middles[:, None] + offsets).reshape(-1, 2)
-    rays = _turned(camera, _beside(camera.lens, pixels, offsets))
+    rays = _beside(camera.lens, pixels, offsets)
     regions = [_within(camera, thing, places) for thing in things]
     colours = _cast(camera, things, rays, regions, optics)
     return np.asarray(colours.reshape(len(pixels), FINE * FINE, 3).mean(axis=1))
@@ -282,12 +297,11 @@ def _within(camera: Camera, thing: Thing, places: Floats) -> Rows:
     return np.flatnonzero(inside)
 
 
-def _taken(picture: Floats, optics: Optics, seed: int) -> Picture:
-    out = picture * optics.brightness
+def _taken(picture: Colours, optics: Optics, seed: int) -> Picture:
+    out = (picture * optics.brightness).astype(np.float32)
     if optics.blur > 0.0:
-        from assistant.vision.opencv import opencv
-
         out = opencv().GaussianBlur(out, (0, 0), optics.blur)
     if optics.noise > 0.0:
-        out = out + np.random.default_rng(seed).normal(0.0, optics.noise, out.shape)
-    return np.asarray(np.clip(np.round(out), 0, 255), dtype=np.uint8)
+        noise = np.random.default_rng(seed).standard_normal(out.shape, dtype=np.float32)
+        out += np.float32(optics.noise) * noise
+    return np.asarray(np.clip(np.rint(out), 0, 255), dtype=np.uint8)

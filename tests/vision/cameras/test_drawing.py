@@ -33,6 +33,15 @@ def test_the_centroid_of_a_ball_ahead_is_where_it_is() -> None:
     assert picture.sum() / 255.0 == pytest.approx(np.pi * outline**2, rel=2e-3)
 
 
+def test_a_ball_of_less_than_a_pixel_is_not_missed() -> None:
+    """Its light falls on some pixel or another, wherever it is."""
+    sums = []
+    for x in np.linspace(0.0, 1.2, 5):
+        small = draw(PLAIN, [ball((x, 0.0, 300.3), 0.6, (255, 255, 255))], WHITE)
+        sums.append(float(small[..., 0].sum()) / 255.0)
+    assert sums == pytest.approx([np.pi * (0.8 * 0.6) ** 2] * 5, rel=0.35)
+
+
 @pytest.mark.parametrize("camera", [PLAIN, BENT])
 def test_corners_of_a_board_are_seen_where_the_lens_puts_them(camera: Camera) -> None:
     squares = np.kron(np.indices((6, 9)).sum(axis=0) % 2, np.ones((40, 40))) * 200 + 28
