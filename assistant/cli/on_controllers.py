@@ -8,7 +8,7 @@ from typing import Annotated, Final
 
 import typer
 
-from assistant.cli.options import FormatOption
+from assistant.cli.options import FormatOption, RobotOption
 from assistant.cli.presentation import Format
 
 
@@ -193,7 +193,14 @@ def stop(cell: CellArgument, format: FormatOption = Format.TEXT) -> None:
 
 
 def teach(
-    cell: CellArgument,
+    cell: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="CONTROLLER",
+            help="Its name in [controllers] of assistant.toml, or its address; --point needs none.",
+            autocompletion=complete_controller,
+        ),
+    ] = None,
     names: Annotated[
         list[str] | None, typer.Argument(help="Targets, in this order; default p1, p2 …")
     ] = None,
@@ -210,14 +217,86 @@ def teach(
     ] = None,
     frame: Annotated[str | None, typer.Option(help="Frame that it shows it in.")] = None,
     replace: ReplaceOption = False,
+    point: Annotated[
+        Path | None,
+        typer.Option(help="Store places that are shown to these cameras.", metavar="CAMERAS.toml"),
+    ] = None,
+    camera: Annotated[
+        list[str] | None, typer.Option(help="Camera that looks; repeatable, default all.")
+    ] = None,
+    device: Annotated[
+        str, typer.Option(help="wand, ball, light, or a file.", metavar="DEVICE")
+    ] = "wand",
+    frames: Annotated[int, typer.Option(help="Pictures for which a place is held.")] = 30,
+    rate: Annotated[float, typer.Option(help="Pictures a second of files.")] = 30.0,
+    residual: Annotated[float, typer.Option(help="Pixels by which pictures may disagree.")] = 0.8,
+    fastest: Annotated[float, typer.Option(help="mm/s that a hand moves.")] = 1500.0,
+    robot: RobotOption = None,
+    world: Annotated[
+        str | None, typer.Option(help="Frame of the file in which the cameras stand.")
+    ] = None,
+    stroke: Annotated[
+        bool, typer.Option("--stroke", help="Store the way between two places, as a .csv.")
+    ] = False,
+    step: Annotated[float, typer.Option(help="mm between waypoints of a stroke.")] = 5.0,
+    go: Annotated[
+        bool, typer.Option("--go", help="Lead the arm there; store what it reached.")
+    ] = False,
+    by: Annotated[str, typer.Option(help="Way to lead it, as of `follow`.")] = "data-link",
+    port: Annotated[
+        int | None, typer.Option(help="UDP port of that way.", min=1, max=65535)
+    ] = None,
+    lines: Annotated[
+        list[str] | None, typer.Option("--line", help="Line of that way; repeatable.")
+    ] = None,
+    above: Annotated[
+        float, typer.Option(help="mm before a place from which it is led straight.")
+    ] = 50.0,
+    speed: Annotated[float, typer.Option(help="Percent of what the file says.")] = 10.0,
+    yes: YesOption = False,
     format: FormatOption = Format.TEXT,
 ) -> None:
-    """Store where the arm is, under names, at a key press or when an input comes. Nothing moves."""
-    from assistant.cli.teaching import Options, run_teach
+    """Store where the arm is, or places that are shown to cameras, under names.
+
+    At a key press, when an input comes, or when a device is held still. Nothing moves but with
+    --go, which asks before.
+    """
     from assistant.compiler.teaching import Wanted
 
     wanted = Wanted(joints, tool, frame, replace)
-    raise typer.Exit(run_teach(cell, names or (), Options(into, on, now, wanted, format)))
+    if point is not None:
+        from assistant.cli.pointing import Options as Pointing
+        from assistant.cli.pointing import run_point
+        from assistant.controllers.following import Wishes
+
+        words = [cell, *(names or ())] if cell is not None else []
+        pointing = Pointing(
+            cameras=point,
+            into=into,
+            wanted=wanted,
+            use=tuple(camera or ()),
+            device=device,
+            frames=frames,
+            rate=rate,
+            residual=residual,
+            fastest=fastest,
+            robot=robot,
+            world=world,
+            stroke=stroke,
+            step=step,
+            go=go,
+            by=by,
+            wishes=Wishes(port, tuple(lines or ()), None, replace),
+            above=above,
+            speed=speed,
+            yes=yes,
+            format=format,
+        )
+        raise typer.Exit(run_point(words, on, now, pointing))
+    from assistant.cli.teaching import Options, run_teach
+
+    options = Options(into, on, now, wanted, format)
+    raise typer.Exit(run_teach(cell, names or (), options, {"--go": go, "--stroke": stroke}))
 
 
 COMMANDS: Final[tuple[Callable[..., None], ...]] = (

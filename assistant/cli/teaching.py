@@ -7,7 +7,7 @@ import os
 import select
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,6 +28,12 @@ NO_NAME: Final = error("CL231", "--now stores one target", "name it")
 NO_SIGNAL: Final = error(
     "CL232", "there is no input `{name}` on {address}", "write its name or number as there"
 )
+NO_CONTROLLER: Final = error(
+    "CL518", "no controller is named", "name one, or the cameras that see places by --point"
+)
+ONLY_POINTING: Final = error(
+    "CL516", "{option} is for places that are shown", "add --point CAMERAS.toml"
+)
 LOOKS: Final = 0.1
 """Seconds between two looks at the signal."""
 STORES: Final = b"\r\n "
@@ -46,10 +52,20 @@ class Options:
     format: Format
 
 
-def run_teach(cell: str, names: Sequence[str], options: Options) -> int:
-    """Names in their order; without any, p1, p2 … until somebody ends it."""
+def run_teach(
+    cell: str | None, names: Sequence[str], options: Options, pointing: Mapping[str, bool]
+) -> int:
+    """Names in their order; without any, p1, p2 … until somebody ends it.
+
+    pointing: options of places that are shown to cameras, and whether they were given.
+    """
     from assistant.compiler.teaching import teach
 
+    wrong = next((option for option, given in pointing.items() if given), None)
+    if wrong is not None:
+        raise Refused(ONLY_POINTING(option=wrong), exit_status=2)
+    if cell is None:
+        raise Refused(NO_CONTROLLER(), exit_status=2)
     if options.now and options.on is not None:
         raise Refused(ONE_WAY(), exit_status=2)
     if options.now and len(names) != 1:
@@ -58,7 +74,7 @@ def run_teach(cell: str, names: Sequence[str], options: Options) -> int:
     with reached(cell, "teach") as there:
         controller, robot = there.controller, robot_of_cell(there.one)
         with _moments(controller, str(there.one.address), options) as comes:
-            for name in names or _free_names(options.into):
+            for name in names or free_names(options.into):
                 if options.format is Format.TEXT and not options.now:
                     keys = f"`{options.on}`" if options.on is not None else "Enter"
                     say(f"{name}: {keys} stores it, q ends")
@@ -79,7 +95,7 @@ def run_teach(cell: str, names: Sequence[str], options: Options) -> int:
     return 0
 
 
-def _free_names(file: Path) -> Iterator[str]:
+def free_names(file: Path) -> Iterator[str]:
     """p1, p2 … as far as the file has no target of that name."""
     from assistant.sources import read
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
@@ -17,7 +17,7 @@ from assistant.compiler.turning import with_turns
 from assistant.controllers.following import Led
 from assistant.controllers.states import Position
 from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused, error, fold, has_errors
+from assistant.program.diagnostics import Diagnostic, Refused, error, fold, has_errors
 from assistant.program.program import Program
 from assistant.program.statements import Comment, Moving, Statement, Wait
 
@@ -47,18 +47,31 @@ def led_along(
     Raises Refused for what cannot be reached, and for what is more than motion.
     """
     loaded = load(source, robot=robot)
-    _only_moves(loaded.program, source)
-    program, changed = for_arm(loaded.program, taught_on(loaded.program, Arms(robot)), robot)
+    return led_by(loaded.program, robot, position, period, speed, source, loaded.findings)
+
+
+def led_by(
+    program: Program,
+    robot: Robot,
+    position: Position | None,
+    period: float,
+    speed: float,
+    source: str,
+    findings: Sequence[Diagnostic] = (),
+) -> Led:
+    """The same of a program that is there already. source: what findings call it."""
+    _only_moves(program, source)
+    program, changed = for_arm(program, taught_on(program, Arms(robot)), robot)
     from assistant import robots
     from assistant.robots.timing import simulate
 
     program, turned = with_turns(program, robot)
     changed += turned
     solved = robots.solve_program(replace(program, robot=robot.name), robot)
-    found = (*loaded.findings, *changed, *solved.findings)
-    findings = tuple(fold(finding.within(source) for finding in found))
-    if has_errors(findings):
-        raise Refused(*findings)
+    found = (*findings, *changed, *solved.findings)
+    told = tuple(fold(finding.within(source) for finding in found))
+    if has_errors(told):
+        raise Refused(*told)
     scale = speed / 100.0
     done = simulate(solved, start=_start(solved, position))
     if done.unknown:
@@ -78,7 +91,7 @@ def led_along(
         speeds=robot.speeds,
         accelerations=robot.accelerations,
         limits=robot.limits,
-        findings=findings,
+        findings=told,
     )
 
 

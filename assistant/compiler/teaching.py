@@ -84,16 +84,31 @@ def teach(
     """
     own = own_joints(position, robot) if robot is not None else None
     arm = None if robot is None else robot.name
-    source = _source(file, arm)
-    target = TaughtTarget(name, _values(position, robot, own, wanted), _more(wanted), arm)
-    process = process_of(file)
-    changed, reading = with_target(source, file.stem, target, process, again=wanted.again)
-    if not is_kept(source.text, changed.text, name):
-        raise Refused(NOT_KEPT(path=str(file), name=name, file=file))
+    target = TaughtTarget(name, _values(position, robot, own, wanted), more_keys(wanted), arm)
+    source, changed, reading = taught_text(file, target, wanted)
     if robot is not None and own is not None and not wanted.joints:
         _check_pose(file, position, robot, own, reading, name)
-    write_files({file.name: encode(changed)}, file.parent)
+    write_taught(file, source, changed, name)
     return reading
+
+
+def taught_text(
+    file: FilePath, target: TaughtTarget, wanted: Wanted
+) -> tuple[SourceText, SourceText, Reading]:
+    """The text of a file as it is and with a target, and what that reads as.
+
+    Raises Refused and Unreadable.
+    """
+    source = _source(file, target.robot)
+    changed, reading = with_target(source, file.stem, target, process_of(file), again=wanted.again)
+    return source, changed, reading
+
+
+def write_taught(file: FilePath, source: SourceText, changed: SourceText, name: str) -> None:
+    """Writes a text that says something else of one target only; raises Refused."""
+    if not is_kept(source.text, changed.text, name):
+        raise Refused(NOT_KEPT(path=str(file), name=name, file=file))
+    write_files({file.name: encode(changed)}, file.parent)
 
 
 def own_joints(position: Position, robot: Robot) -> tuple[float, ...]:
@@ -126,10 +141,14 @@ def _values(
         "quaternion": number_list(rotations.canonical(position.quaternion).tolist(), 9),
     }
     if robot is not None and own is not None:
-        back, down, flip, *q = (int(v) for v in robot.configuration(np.array([own]))[0])
-        branch = Configuration(bool(back), bool(down), bool(flip), (q[0], q[1], q[2]))
-        found["configuration"] = branch_words(branch)
+        found["configuration"] = branch_words(branch_at(robot, own))
     return found
+
+
+def branch_at(robot: Robot, joints: Sequence[float]) -> Configuration:
+    """The branch that the arm is on with joints (a,)."""
+    back, down, flip, *q = (int(v) for v in robot.configuration(np.array([joints]))[0])
+    return Configuration(bool(back), bool(down), bool(flip), (q[0], q[1], q[2]))
 
 
 def branch_words(branch: Configuration) -> str:
@@ -146,7 +165,8 @@ def joints_without_end(joints: list[float]) -> list[float]:
     return joints
 
 
-def _more(wanted: Wanted) -> dict[str, str]:
+def more_keys(wanted: Wanted) -> dict[str, str]:
+    """Tool and frame as the TOML of a file of targets."""
     given = {"tool": wanted.tool, "frame": wanted.frame}
     return {key: json.dumps(name) for key, name in given.items() if name is not None}
 
@@ -174,7 +194,7 @@ def _check_pose(
 ) -> None:
     """Raises Refused if the pose is not of the tool and frame that the file says it is of."""
     program = reading.program
-    motion = _motion_to(program, name)
+    motion = motion_to(program, name)
     tool_name, frame_name = str(motion.tool), str(motion.frame)
     tool, frame = program.tools.get(tool_name), program.frames.get(frame_name)
     if (tool is not None and not tool.held) or (frame is not None and frame.held):
@@ -196,7 +216,7 @@ def _check_pose(
         raise Refused(finding)
 
 
-def _motion_to(program: Program, name: str) -> Motion:
+def motion_to(program: Program, name: str) -> Motion:
     """The motion of the one move that a file of targets makes to each of them."""
     moves = (s for s in program.procedures[0].body if isinstance(s, Move | MoveCircular))
     for move in moves:

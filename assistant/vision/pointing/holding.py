@@ -28,6 +28,9 @@ NEARLY: Final = 5.0
 """Times what a hold may be off within which moments were meant as one."""
 SIGMAS: Final = 4.5
 """Times the noise of a moment that it may be off beside what a hand may."""
+SETTLED: Final = 2.5
+DUST: Final = 0.05
+"""mm."""
 CREEPING: Final = 0.7
 """Part of that for the means of the two halves: they are compared once, the moments thirty times.
 """
@@ -156,6 +159,8 @@ def held(
     moved = _moved(points, sightings, still)
     if moved is not None:
         return moved
+    settled = _settled(points)
+    seconds, sightings, points = seconds[settled:], sightings[settled:], points[settled:]
     pixels = np.stack([one.pixels for one in sightings])
     always = np.isfinite(pixels).all(axis=0)
     mean = np.where(always, np.where(np.isfinite(pixels), pixels, 0.0).mean(axis=0), np.nan)
@@ -173,10 +178,10 @@ def held(
     turned = float(np.sqrt(np.mean(angles**2)))
     return Held(
         seen.pose,
-        _covariance(seen, away, len(given)),
+        _covariance(seen, away, len(points)),
         spread,
         turned,
-        len(given),
+        len(points),
         seen.residual,
         seconds[0],
         seconds[-1],
@@ -192,6 +197,17 @@ def _moved(points: Floats, sightings: Sequence[Sighting], still: Still) -> Diagn
     crept = float(np.linalg.norm(points[:half].mean(axis=0) - points[-half:].mean(axis=0)))
     most = still.creep + (most - still.within) * float(np.sqrt(2.0 / half)) * CREEPING
     return rules.MOVED(distance=crept, most=most) if crept > most else None
+
+
+def _settled(points: Floats) -> int:
+    """How many moments at the begin the hand was still coming to rest: they are left out.
+
+    They are farther from the mean of the second half than its own moments differ.
+    """
+    half = points[len(points) // 2 :]
+    steps = float(np.sqrt((np.diff(half, axis=0) ** 2).sum(axis=1).mean() / 2.0))
+    away = np.linalg.norm(points - half.mean(axis=0), axis=1)
+    return min(int(np.argmax(away <= SETTLED * steps + DUST)), len(points) - len(half))
 
 
 def _most(sightings: Sequence[Sighting], within: float) -> float:

@@ -95,11 +95,14 @@ def hold_of(device: Device, take: Callable[[Camera], np.ndarray], frames: int) -
     return found
 
 
-@pytest.mark.parametrize(("name", "device"), [("ball", ball()), ("wand", wand())])
+@pytest.mark.parametrize(
+    ("name", "device"),
+    [pytest.param("ball", ball(), marks=pytest.mark.slow), ("wand", wand())],
+)
 def test_drawn_pictures(name: str, device: Device, tell: Callable[[str], None]) -> None:
     """Drawn by the tests themselves, with a bent lens, light from one side and noise."""
     rng, cameras = np.random.default_rng(4), pair(BENT)
-    poses = [some_pose(rng) for _ in range(6)]
+    poses = [some_pose(rng) for _ in range(4)]
     seen = [located(device, cameras, [shown(c, p, rng, device) for c in cameras]) for p in poses]
     good = [one for one in seen if isinstance(one, Sighting)]
     assert len(good) == len(poses)
@@ -116,6 +119,7 @@ def test_drawn_pictures(name: str, device: Device, tell: Callable[[str], None]) 
     tell(f"{name}, drawn pictures: {single}, hold of {HOLD}: {off[0]:.3f} mm{more}")
 
 
+@pytest.mark.slow
 def test_pictures_of_the_synthetic_camera(tell: Callable[[str], None]) -> None:
     rng, cameras, device = np.random.default_rng(6), pair(LENS), wand()
     away, turned = [], []
