@@ -2,16 +2,36 @@
 
 from __future__ import annotations
 
-from typing import Any
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import lru_cache
+from typing import Any, Final
 
 from assistant.program.diagnostics import Refused
 from assistant.vision.rules import NO_LIBRARY
 
+MOST_PIXELS: Final = 100_000_000
+"""Of a picture; a small file can say to hold any number of them."""
 
+
+@lru_cache(maxsize=1)
 def opencv() -> Any:
     """The module; raises Refused where it is not installed."""
+    os.environ.setdefault("OPENCV_IO_MAX_IMAGE_PIXELS", str(MOST_PIXELS))  # read when it is loaded
     try:
         import cv2
     except ImportError:
         raise Refused(NO_LIBRARY(), exit_status=2) from None
     return cv2
+
+
+@contextmanager
+def silent() -> Iterator[Any]:
+    """The module, while it says nothing by itself of what cannot be opened or read."""
+    cv = opencv()
+    before = cv.utils.logging.setLogLevel(cv.utils.logging.LOG_LEVEL_SILENT)
+    try:
+        yield cv
+    finally:
+        cv.utils.logging.setLogLevel(before)

@@ -93,6 +93,13 @@ class Board:
         return np.repeat(drawn.astype(np.uint8)[..., None], 3, axis=2)
 
     @property
+    def turned_alike(self) -> bool:
+        """Whether it looks the same when it is turned by half a turn: its corners are not told
+        apart then.
+        """
+        return self.kind == "chessboard" and (self.columns + self.rows) % 2 == 0
+
+    @property
     def size(self) -> tuple[float, float]:
         """Mm of `picture`."""
         more = 0 if self.kind == "charuco" else 1

@@ -21,7 +21,9 @@ from assistant.vision.calibration import rules
 from assistant.vision.opencv import opencv
 
 Mounting = Literal["hand", "stand"]
-METHODS: Final = ("TSAI", "PARK", "HORAUD", "ANDREFF", "DANIILIDIS")
+METHODS: Final = ("TSAI", "PARK", "HORAUD", "ANDREFF", "DANIILIDIS", "SHAH", "LI")
+WORLD_TOO: Final = ("SHAH", "LI")
+"""Of these, those that find the place of the board at the same time."""
 LEAST: Final = 4
 """Poses; three would do without noise, and would leave nothing to judge by."""
 TURN: Final = 10.0
@@ -58,8 +60,9 @@ def find_hand_eye(
 ) -> HandEyeFound:
     """flanges: in the base. boards: in the camera, of the same moments.
 
-    By OpenCV's calibrateHandEye, by each of its methods; the one with the least
-    left is best. Raises Refused for poses that do not tell it, or do not belong together.
+    By OpenCV's calibrateHandEye and calibrateRobotWorldHandEye, by each of their methods; the one
+    with the least left is best. Raises Refused for poses that do not tell it, or do not belong
+    together.
     """
     if len(flanges) != len(boards) or len(flanges) < LEAST:
         raise Refused(rules.FEW_MOTIONS(count=min(len(flanges), len(boards)), least=LEAST))
@@ -100,11 +103,12 @@ def _solved(
 ) -> Pose | None:
     """A camera beside the arm is solved as one in the hand, with flanges the other way round."""
     hands = flanges if mounting == "hand" else [one.inverse() for one in flanges]
-    hand, board = _parts(hands), _parts(boards)
     try:
-        turn, place = cv.calibrateHandEye(
-            *hand, *board, method=getattr(cv, f"CALIB_HAND_EYE_{method}")
-        )
+        if method in WORLD_TOO:
+            turn, place = _with_world(cv, hands, boards, method)
+        else:
+            number = getattr(cv, f"CALIB_HAND_EYE_{method}")
+            turn, place = cv.calibrateHandEye(*_parts(hands), *_parts(boards), method=number)
     except cv.error:
         return None
     turn, place = np.asarray(turn), np.ravel(place)
@@ -113,6 +117,17 @@ def _solved(
     if abs(np.linalg.det(turn) - 1.0) > 1e-3:
         return None
     return Pose.of(place, np.ravel(rotations.from_matrix(turn)))
+
+
+def _with_world(
+    cv: Any, hands: Sequence[Pose], boards: Sequence[Pose], method: str
+) -> tuple[Floats, Floats]:
+    """It answers with the flange in the camera, where calibrateHandEye has the camera in it."""
+    number = getattr(cv, f"CALIB_ROBOT_WORLD_HAND_EYE_{method}")
+    bases = [one.inverse() for one in hands]
+    found = cv.calibrateRobotWorldHandEye(*_parts(boards), *_parts(bases), method=number)
+    turn, place = np.asarray(found[2]), np.ravel(found[3])
+    return turn.T, -turn.T @ place
 
 
 def _parts(poses: Sequence[Pose]) -> tuple[list[Floats], list[Floats]]:
@@ -185,5 +200,7 @@ SOURCES: Final[Mapping[str, str]] = {
     "HORAUD": "Horaud and Dornaika 1995",
     "ANDREFF": "Andreff et al. 1999",
     "DANIILIDIS": "Daniilidis 1999",
+    "SHAH": "Shah 2013",
+    "LI": "Li, Wang and Wu 2010",
 }
 """Of the methods, as OpenCV's documentation names them."""

@@ -17,6 +17,8 @@ from assistant.vision.calibration.lenses import LEAST
 from assistant.vision.cameras.camera import Lens
 from assistant.vision.opencv import opencv
 
+MOST_LEFT: Final = 5.0
+"""Pixels left from which on two cameras did not see the same."""
 FEWEST: Final = 6
 """Corners that both see in a pair of views that counts."""
 
@@ -36,8 +38,13 @@ def find_pair(
     board: Board,
     lenses: tuple[Lens, Lens],
     views: Sequence[tuple[View, View]],
+    names: tuple[str, str] = ("first", "second"),
 ) -> PairFound:
-    """By OpenCV's stereoCalibrate with the lenses as they are. Raises Refused for too few views."""
+    """By OpenCV's stereoCalibrate with the lenses as they are.
+
+    names: of the cameras, for messages. Raises Refused for too few views, and for those that do not
+    belong together.
+    """
     cv = opencv()
     objects, seen = list[object](), (list[object](), list[object]())
     for pair in views:
@@ -56,5 +63,8 @@ def find_pair(
         objects, *seen, *optics, lenses[0].size, flags=cv.CALIB_FIX_INTRINSIC
     )
     residual, turn, place = found[0], np.asarray(found[5]), np.ravel(found[6])
+    left = float(residual) / np.sqrt(2.0)
+    if not left < MOST_LEFT:
+        raise Refused(rules.APART(one=names[0], other=names[1], residual=left))
     into = Pose.of(place, np.ravel(rotations.from_matrix(turn)))
-    return PairFound(into.inverse(), float(residual) / np.sqrt(2.0), len(objects))
+    return PairFound(into.inverse(), left, len(objects))

@@ -79,6 +79,8 @@ def calibrate(
     hand or beside the arm; its pose is then in the flange, or in the base, where the others stand
     as well. flange: how the file calls the flange. Raises Refused where pictures do not tell it.
     """
+    if board.turned_alike and (len(looked) > 1 or flanges is not None):
+        raise Refused(rules.TURNED_ALIKE(columns=board.columns, rows=board.rows), exit_status=2)
     findings = [finding for one in looked for finding in one.findings]
     lenses = {
         one.name: find_lens(board, [v for v in one.views if v is not None], one.size)
@@ -95,9 +97,24 @@ def calibrate(
     for one in looked[1:]:
         pose = place @ pairs[one.name].pose
         cameras[one.name] = Camera(one.name, lenses[one.name].lens, pose, parent)
-    day = today or datetime.datetime.now().astimezone().date()
-    records = {name: Record(day, round(one.residual, 4)) for name, one in lenses.items()}
+    records = _records(lenses, pairs, found, today or datetime.datetime.now().astimezone().date())
     return RigFound(Rig(cameras, records), lenses, pairs, found, tuple(findings))
+
+
+def _records(
+    lenses: Mapping[str, LensFound],
+    pairs: Mapping[str, PairFound],
+    hand_eye: HandEyeFound | None,
+    day: datetime.date,
+) -> dict[str, Record]:
+    records = {name: Record(day, round(one.residual, 4)) for name, one in lenses.items()}
+    for name, pair in pairs.items():
+        records[name] = replace(records[name], pair=round(pair.residual, 4))
+    if hand_eye is not None:
+        name, best = next(iter(lenses)), hand_eye.best
+        mm, degrees = round(best.mm, 4), round(best.degrees, 5)
+        records[name] = replace(records[name], mm=mm, degrees=degrees)
+    return records
 
 
 def with_sources(rig: Rig, sources: Mapping[str, str]) -> Rig:
@@ -113,7 +130,8 @@ def _pair(board: Board, first: Looked, other: Looked, lenses: Mapping[str, LensF
         for one, two in zip(first.views, other.views, strict=True)
         if one is not None and two is not None
     ]
-    return find_pair(board, (lenses[first.name].lens, lenses[other.name].lens), both)
+    both_lenses = lenses[first.name].lens, lenses[other.name].lens
+    return find_pair(board, both_lenses, both, (first.name, other.name))
 
 
 def _hand_eye(

@@ -39,6 +39,12 @@ NO_PICTURES = error(
     "there are no pictures of camera `{name}` in {folder}",
     "name a folder of PNG, JPEG, BMP or TIFF files",
 )
+TURNED_ALIKE = error(
+    "VS039",
+    "a chessboard of {columns} × {rows} corners looks the same upside down, and does not tell where "
+    "cameras stand",
+    "take one with an even and an odd number, or a ChArUco board",
+)
 FEW_MOTIONS = error(
     "VS040", "there are {count} poses of the arm, and {least} are needed", "show more of them"
 )
@@ -51,4 +57,9 @@ UNLIKE = error(
     "VS042",
     "the methods differ by {mm:.1f} mm and {degrees:.2f} degrees; {residual:.1f} mm are left",
     "look whether poses and pictures belong together, and whether the poses are of the flange",
+)
+APART = error(
+    "VS043",
+    "{residual:.1f} pixels are left of what `{one}` and `{other}` see together",
+    "look whether their pictures are of the same moments, in the same order, and not mirrored",
 )

@@ -9,7 +9,8 @@ position = [-300, -950, 300]  # mm, in its parent; z of the camera looks ahead, 
 quaternion = [0.7, -0.7, 0, 0]
 parent = "world"              # or a link of a robot: arm.flange
 calibrated = 2026-11-25
-residual_px = 0.21
+residual_px = 0.21            # of the lens; pair_px of the place to the first camera
+hand_eye_mm = 0.3             # of the place to the arm; hand_eye_degrees as well
 source = "pictures/left"      # a folder, a file, an address, or the number of a device
 """
 
@@ -45,10 +46,17 @@ NARROWEST: Final = 100.0
 
 @dataclass(frozen=True, slots=True)
 class Record:
-    """How a camera was calibrated: when, and the pixels (root mean square) that were left."""
+    """How a camera was calibrated: when, and what was left, root mean square.
+
+    residual: pixels, of its lens. pair: pixels, of its place to the first camera. mm, degrees: of
+    its place to the arm.
+    """
 
     date: datetime.date | None = None
     residual: float | None = None
+    pair: float | None = None
+    mm: float | None = None
+    degrees: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +94,7 @@ def cameras_in(source: SourceText, folder: FilePath = FilePath()) -> Rig:
         said = table.read(KEYS)
         if (camera := _camera(name, table, said)) is not None:
             cameras[name] = camera
-            records[name] = Record(said.get("calibrated"), said.get("residual_px"))
+            records[name] = Record(said.get("calibrated"), *(said.get(key) for key in LEFT))
             sources[name] = said.get("source", "")
     if not tables:
         top.say(rules.NO_CAMERAS)
@@ -113,7 +121,8 @@ def _lines(rig: Rig, name: str) -> list[str]:
         *(("size", lens.size), ("focal", lens.focal), ("centre", lens.centre)),
         *(("distortion", lens.distortion), ("position", pose.position)),
         *(("quaternion", pose.quaternion), ("parent", camera.parent)),
-        *(("calibrated", record.date), ("residual_px", record.residual)),
+        ("calibrated", record.date),
+        *zip(LEFT, (record.residual, record.pair, record.mm, record.degrees), strict=True),
         ("source", rig.sources.get(name) or None),
     ]
     return [f"[cameras.{name}]", *(f"{k} = {_said(v)}" for k, v in rows if v is not None)]
@@ -166,6 +175,8 @@ def _source(value: Any) -> str:
     return values.text(value)
 
 
+LEFT: Final = ("residual_px", "pair_px", "hand_eye_mm", "hand_eye_degrees")
+"""Of `Record`, in the order of its fields."""
 KEYS: Final[Mapping[str, values.Read]] = {
     "size": _size,
     "focal": _numbers(2, 1.0, 1e7),
@@ -175,6 +186,9 @@ KEYS: Final[Mapping[str, values.Read]] = {
     "parent": values.text,
     "calibrated": _date,
     "residual_px": values.number("pixels", least=0.0, most=1e4),
+    "pair_px": values.number("pixels", least=0.0, most=1e4),
+    "hand_eye_mm": values.number("mm", least=0.0, most=1e4),
+    "hand_eye_degrees": values.number("degrees", least=0.0, most=180.0),
     "source": _source,
 }
 NEEDED: Final = ("size", "focal", "centre")

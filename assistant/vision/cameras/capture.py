@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path as FilePath
@@ -16,20 +16,22 @@ from typing import Any, Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.text import read_bytes
 from assistant.vision.cameras import rules
-from assistant.vision.cameras.camera import WORLD, Camera
+from assistant.vision.cameras.camera import Camera
 from assistant.vision.cameras.drawing import Picture
-from assistant.vision.opencv import opencv
+from assistant.vision.opencv import MOST_PIXELS, silent
 
 DARK: Final = 12.0
 """Grey level below which half of a picture shows nothing."""
 MOST_SATURATED: Final = 0.25
 """Part of a picture that may be as bright as can be."""
 MOST_BYTES: Final = 100_000_000
-MOST_PIXELS: Final = 100_000_000
+PATIENCE: Final = 5000
+"""Milliseconds until a stream that does not answer is given up."""
+FILMS: Final = (".avi", ".mp4", ".m4v", ".mov", ".mkv", ".webm", ".mpg", ".mpeg", ".mjpeg", ".mjpg")
+"""What is handed to what decodes films; lists of other files and addresses are none."""
 SUFFIXES: Final = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff")
 STREAM: Final = re.compile(r"(?:rtsp|rtsps|http|https|udp|tcp)://", re.IGNORECASE)
 STARTS: Final = (b"\x89PNG", b"\xff\xd8", b"BM", b"II*\0", b"MM\0*")
@@ -54,8 +56,10 @@ def opened(camera: Camera, source: str, folder: FilePath = FilePath()) -> Iterat
 
     source: the number of a device, the address of a stream, a film, a picture, a folder of pictures
     in the order of their numbers, or a cell file (.toml), which is drawn again and again with its
-    robots at home. Relative files stand in `folder`.
-    Raises Refused (exit status 2) if there is no such camera, no picture, or one of another size.
+    robots at home. Relative files stand in `folder`. Films and folders end; a device or a stream
+    that ends is lost.
+    Raises Refused (exit status 2) if there is no such camera, no picture, one of another size, or
+    where the camera is lost.
     """
     if source.isascii() and source.isdigit():
         with _captured(camera, int(source), f"device {source}") as frames:
@@ -72,24 +76,25 @@ def opened(camera: Camera, source: str, folder: FilePath = FilePath()) -> Iterat
         yield _of_folder(camera, path)
     elif path.suffix.lower() in SUFFIXES:
         yield iter([Frame(_sized(camera, read_picture(path)), 0, time.monotonic(), path.name)])
-    elif path.is_file():
+    elif path.suffix.lower() in FILMS and path.is_file():
         with _captured(camera, str(path), str(path)) as frames:
             yield frames
     else:
-        cure = "name a folder, a file, an address, or the number of a device"
-        raise Refused(_not_there(camera, source, "there is nothing", cure), exit_status=2)
+        reason = "it is neither film nor picture" if path.exists() else "there is nothing"
+        cure = "name a folder, a film, a picture, an address, or the number of a device"
+        raise Refused(_not_there(camera, source, reason, cure), exit_status=2)
 
 
 def read_picture(path: str | FilePath) -> Picture:
     """A picture (h, w, 3) of a file; raises Refused (exit status 2) for what is none."""
-    cv = opencv()
     data = read_bytes(path, most=MOST_BYTES)
     reason = _unlike_a_picture(data)
     if reason is None:
-        try:
-            picture = cv.imdecode(np.frombuffer(data, np.uint8), cv.IMREAD_COLOR)
-        except cv.error:
-            picture = None
+        with silent() as cv:
+            try:
+                picture = cv.imdecode(np.frombuffer(data, np.uint8), cv.IMREAD_COLOR)
+            except cv.error:
+                picture = None
         if picture is not None:
             return np.asarray(picture)
         reason = "what it holds cannot be decoded"
@@ -127,6 +132,8 @@ def _unlike_a_picture(data: bytes) -> str | None:
         width, height = (int.from_bytes(data[i : i + 4], "big") for i in (16, 20))
         if width * height > MOST_PIXELS:
             return f"it says to have {width} × {height} pixels"
+    if start == b"\xff\xd8" and data.rfind(b"\xff\xd9") < data.rfind(b"\xff\xda"):
+        return "its end is missing"
     return None
 
 
@@ -153,26 +160,25 @@ def _drawn(camera: Camera, cell: FilePath) -> Iterator[Frame]:
     """A cell as a camera that stands in it sees it; each picture has noise of its own."""
     from assistant.cell.reading.cell_file import read_scene
     from assistant.vision.cameras.drawing import draw, things_of
+    from assistant.vision.cameras.standing import in_world
 
     scene, _ = read_scene(cell)
-    joints: Mapping[str, Floats] = {one.name: one.robot.home for one in scene.robots}
-    if camera.parent != WORLD:
-        cure = "let it stand in the world"
-        reason = f"it is carried by `{camera.parent}`"
-        raise Refused(_not_there(camera, str(cell), reason, cure), exit_status=2)
-    things = things_of(scene, joints)
+    stands, things = in_world(camera, scene), things_of(scene)
     number = 0
     while True:
-        yield Frame(draw(camera, things, seed=number), number, time.monotonic())
+        yield Frame(draw(stands, things, seed=number), number, time.monotonic())
         number += 1
 
 
 @contextmanager
 def _captured(camera: Camera, source: int | str, named: str) -> Iterator[Iterator[Frame]]:
-    cv = opencv()
-    before = cv.utils.logging.setLogLevel(cv.utils.logging.LOG_LEVEL_SILENT)
-    device = cv.VideoCapture(source)
-    cv.utils.logging.setLogLevel(before)
+    with silent() as cv:
+        if STREAM.match(named):
+            limits = [cv.CAP_PROP_OPEN_TIMEOUT_MSEC, PATIENCE]
+            limits += [cv.CAP_PROP_READ_TIMEOUT_MSEC, PATIENCE]
+            device = cv.VideoCapture(source, cv.CAP_FFMPEG, limits)
+        else:
+            device = cv.VideoCapture(source)
     try:
         if not device.isOpened():
             cure = "look whether it is plugged in, and whether others use it"
@@ -194,6 +200,8 @@ def _grabbed(camera: Camera, device: Any, named: str) -> Iterator[Frame]:
             if number == 0:
                 cure = "look whether others use it"
                 raise Refused(_not_there(camera, named, "no picture came", cure), exit_status=2)
+            if not named.lower().endswith(FILMS) or STREAM.match(named):
+                raise Refused(rules.LOST(name=camera.name, count=number), exit_status=2)
             return
         yield Frame(_sized(camera, np.asarray(picture)), number, time.monotonic())
         number += 1

@@ -23,6 +23,7 @@ from assistant.program.arrays import Floats, Rows
 from assistant.program.geometry import IDENTITY, Pose, Vector
 from assistant.vision.cameras.camera import Camera, Lens
 from assistant.vision.cameras.casting import met
+from assistant.vision.cameras.standing import row_of
 from assistant.vision.opencv import opencv
 
 Picture = NDArray[np.uint8]
@@ -104,9 +105,7 @@ def things_of(scene: Scene, joints: Mapping[str, Floats] | None = None) -> list[
     Raises Refused for a body whose parent the scene has not.
     """
     carriers = Carriers(scene.robots)
-    given = dict(joints or {})
-    row = [np.asarray(given.get(p.name, p.robot.home), dtype=np.float64) for p in scene.robots]
-    origins, turns = carriers.at(np.concatenate([np.zeros(0), *row])[None])
+    origins, turns = carriers.at(row_of(scene, joints))
     found = []
     for body in scene.all_bodies():
         if body.shown:

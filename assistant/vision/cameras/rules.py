@@ -22,6 +22,11 @@ SATURATED = warning(
     "VS023", "{percent:.0f} % of the picture of camera `{name}` are as bright as can be",
     "expose shorter, or turn a light away",
 )  # fmt: skip
+LOST = error(
+    "VS024",
+    "camera `{name}` gives no more pictures, after {count} of them",
+    "look whether it is still plugged in, and whether the network is there",
+)
 NO_PICTURE = error("VS025", "this is no picture: {reason}", "name a PNG, JPEG, BMP or TIFF file")
 DISAGREE = error(
     "VS026",
@@ -29,5 +34,7 @@ DISAGREE = error(
     "one of them was moved, or it is not the same moment: calibrate them anew",
 )
 NOT_DRAWN = error(
-    "VS027", "camera `{name}` is carried by `{parent}`, which the cell has not", "{cure}"
+    "VS027",
+    "camera `{name}` is carried by `{parent}`, and nothing says where that is",
+    "name its cell by --cell, or the poses of the flange by --poses",
 )
