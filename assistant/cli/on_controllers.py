@@ -229,7 +229,7 @@ def teach(
     ] = "wand",
     frames: Annotated[int, typer.Option(help="Pictures for which a place is held.")] = 30,
     rate: Annotated[float, typer.Option(help="Pictures a second of files.")] = 30.0,
-    residual: Annotated[float, typer.Option(help="Pixels by which pictures may disagree.")] = 0.8,
+    residual: Annotated[float, typer.Option(help="Pixels by which pictures may disagree.")] = 0.5,
     fastest: Annotated[float, typer.Option(help="mm/s that a hand moves.")] = 1500.0,
     robot: RobotOption = None,
     world: Annotated[
@@ -265,8 +265,8 @@ def teach(
 
     wanted = Wanted(joints, tool, frame, replace)
     if point is not None:
-        from assistant.cli.pointing import Options as Pointing
         from assistant.cli.pointing import run_point
+        from assistant.cli.shown import Options as Pointing
         from assistant.controllers.following import Wishes
 
         words = [cell, *(names or ())] if cell is not None else []

@@ -20,8 +20,8 @@ ROUNDS: Final = 6
 """Of leaving out what does not lie on the cone."""
 LEAST: Final = 8
 """Rays of an outline from which a cone is told."""
-SCATTER: Final = 3.0
-"""Times the usual distance from the cone beyond which a ray is not of the outline."""
+TRIED: Final = 120
+"""Cones through three rays each that are tried."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,27 +37,52 @@ class Cone:
     scatter: float
 
 
-def cone_of(rays: Floats, least_scatter: float) -> Cone | None:
-    """The cone of unit rays (n, 3), or None where they tell none.
+def cone_of(rays: Floats, off: float) -> Cone | None:
+    """The cone that most of some unit rays (n, 3) lie on, or None where they tell none.
 
-    least_scatter: radians that a ray may always be off, before it is left out.
+    off: radians that a ray of it may be off. Where half of a ball is hidden, the others are those
+    of what hides it: of cones through three rays each the one is taken that most others lie on
+    (Fischler and Bolles, 1981; Torr and Zisserman, MLESAC, 2000, for how they are counted), and
+    then made exact by all that do.
     """
-    on = np.isfinite(rays).all(axis=1)
-    normal: Floats = np.zeros(3)
-    off: Floats = np.full(len(rays), np.nan)
+    good = np.flatnonzero(np.isfinite(rays).all(axis=1))
+    if len(good) < LEAST:
+        return None
+    normal = _tried(rays[good], off)
+    on = np.zeros(len(rays), dtype=bool)
+    away: Floats = np.full(len(rays), np.nan)
     for _ in range(ROUNDS):
+        if not np.linalg.norm(normal) > 1.0:
+            return None
+        away = _off(rays, normal[None])[0]
+        before, on = on, np.abs(away) <= off
         if on.sum() < LEAST:
             return None
-        normal = np.asarray(np.linalg.lstsq(rays[on], np.ones(on.sum()), rcond=None)[0], float)
-        length = float(np.linalg.norm(normal))
-        if not length > 1.0:
-            return None
-        angle = float(np.arccos(1.0 / length))
-        off = np.arccos(np.clip(rays @ normal / length, -1.0, 1.0)) - angle
-        usual = 1.4826 * float(np.nanmedian(np.abs(off[np.isfinite(off)])))
-        keeps = np.abs(off) <= max(SCATTER * usual, least_scatter)
-        if (keeps == on).all():
+        if (on == before).all():
             break
-        on = keeps
-    scatter = float(np.sqrt(np.mean(off[on] ** 2)))
-    return Cone(normal / length, angle, np.asarray(on), scatter)
+        normal = np.asarray(np.linalg.lstsq(rays[on], np.ones(on.sum()), rcond=None)[0], float)
+    length = float(np.linalg.norm(normal))
+    scatter = float(np.sqrt(np.mean(away[on] ** 2)))
+    return Cone(normal / length, float(np.arccos(1.0 / length)), np.asarray(on), scatter)
+
+
+def _off(rays: Floats, normals: Floats) -> Floats:
+    """(k, n) radians by which rays (n, 3) are outside of cones (k, 3)."""
+    lengths = np.linalg.norm(normals, axis=1)[:, None]
+    cosines = np.clip(normals @ rays.T / lengths, -1.0, 1.0)
+    return np.asarray(np.arccos(cosines) - np.arccos(1.0 / lengths))
+
+
+def _tried(rays: Floats, off: float) -> Floats:
+    """The cone through three of some rays (n, 3) that the others are nearest to."""
+    chosen = np.random.default_rng(0).random((TRIED, len(rays))).argpartition(2, axis=1)[:, :3]
+    three = rays[chosen]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        sound = np.abs(np.linalg.det(three)) > 1e-12
+        normals = np.zeros((TRIED, 3))
+        normals[sound] = np.linalg.solve(three[sound], np.ones((sound.sum(), 3, 1)))[..., 0]
+        sound &= np.linalg.norm(normals, axis=1) > 1.0
+    if not sound.any():
+        return np.zeros(3)
+    missed = np.minimum(_off(rays, normals[sound]) ** 2, off**2).sum(axis=1)
+    return np.asarray(normals[sound][np.argmin(missed)])

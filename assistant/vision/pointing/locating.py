@@ -27,8 +27,10 @@ from assistant.vision.pointing.pictures import brightness_finding, size_finding
 from assistant.vision.pointing.spots import Spot
 from assistant.vision.pointing.wand_pose import poses_of
 
-RADIUS_OFF: Final = 0.12
-"""Part of its radius that a ball may be seen larger or smaller, beside a pixel of the outline."""
+RADIUS_OFF: Final = 0.05
+"""Part of its radius that a ball may be seen larger or smaller, beside parts of a pixel."""
+OUTLINE_OFF: Final = 0.75
+"""Pixels of the outline."""
 MOST_TOGETHER: Final = 2000
 """Ways to join spots of several marks that are looked at."""
 
@@ -40,7 +42,7 @@ class Limits:
     """
 
     noise: float = 0.2
-    residual: float = 0.8
+    residual: float = 0.5
 
 
 USUAL: Final = Limits()
@@ -191,7 +193,7 @@ def _fits(way: Sequence[Spot | None], seen: Floats, mark: Ball | Light) -> bool:
         return bool((seen <= mark.largest / 2.0).all())
     pixels = min(spot.radius for spot in way if spot is not None)
     off = np.abs(seen - mark.radius) / mark.radius
-    return bool((off <= RADIUS_OFF + 1.0 / max(pixels, 1.0)).all())
+    return bool((off <= RADIUS_OFF + OUTLINE_OFF / max(pixels, 1.0)).all())
 
 
 def _distinct(points: Floats, sure: Floats, apart: float) -> Rows:
