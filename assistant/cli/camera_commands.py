@@ -108,6 +108,10 @@ def draw(
         Path | None,
         typer.Option(help="Table of the poses at which it is shown, a row a picture."),
     ] = None,
+    poses: Annotated[
+        Path | None,
+        typer.Option(help="Table of poses of the flange that carries cameras, a row a picture."),
+    ] = None,
     board: Annotated[
         str, typer.Option("--board", help="With --show board: which one.")
     ] = "charuco 7x5 40 30",
@@ -116,6 +120,7 @@ def draw(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Draw what cameras would see: to try all of it without a camera."""
-    from assistant.cli.cameras import run_draw
+    from assistant.cli.camera_drawing import run_draw
 
-    raise typer.Exit(run_draw(cameras, output, cell, show.value, at, board, noise, seed, format))
+    shown = None if at is None else (show.value, at, board)
+    raise typer.Exit(run_draw(cameras, output, cell, shown, poses, noise, seed, format))

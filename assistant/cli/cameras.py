@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, cast
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
     from assistant.vision.cameras.camera_file import Rig
     from assistant.vision.cameras.capture import Frame
     from assistant.vision.cameras.checking import Agreement
-    from assistant.vision.cameras.drawing import Thing
 
 NOT_NAMED: Final = error(
     "CL500", "`{given}` names no camera and folder", "write NAME=FOLDER, as left=pictures/left"
@@ -28,9 +28,6 @@ NO_SOURCE: Final = error(
     "write source = … under it, or name it by --source",
 )
 NO_POSES: Final = error("CL502", "there are no poses in {file}", "write a row for each of them")
-NO_PLACES: Final = error(
-    "CL503", "--show {what} wants to know where", "name a table of poses by --at"
-)
 NO_PNG: Final = error("CL504", "a picture is not written as `{name}`", "end its name in .png")
 
 
@@ -50,10 +47,11 @@ def run_calibrate(
     wanted = Board.parse(board)
     folders = _folders(pictures)
     looked = [look(wanted, name, folder) for name, folder in folders.items()]
-    flanges = None if poses is None else _poses(poses)
+    flanges = None if poses is None else poses_in(poses)
     how = cast("Mounting", mounting)
     found = calibrate(wanted, looked, flanges=flanges, mounting=how, flange=flange)
-    write_cameras(output, with_sources(found.rig, folders))
+    sources = {name: _from(folder, output.parent) for name, folder in folders.items()}
+    write_cameras(output, with_sources(found.rig, sources))
     print_findings(found.findings)
     if format is Format.JSON:
         print_json(_record(found))
@@ -122,7 +120,15 @@ def _folders(given: Sequence[str]) -> dict[str, str]:
     return found
 
 
-def _poses(file: Path) -> list[Pose]:
+def _from(folder: str, file: Path) -> str:
+    """A folder as a file that stands in another one names it; a number would be a device."""
+    if Path(folder).is_absolute():
+        return folder
+    found = Path(os.path.relpath(folder, file)).as_posix()
+    return f"./{found}" if found.isdigit() else found
+
+
+def poses_in(file: Path) -> list[Pose]:
     """The rows of a table of waypoints, or its targets in their order."""
     from assistant.program.geometry import Pose
     from assistant.program.statements import Follow
@@ -148,7 +154,7 @@ def run_view(file: Path, name: str, output: Path, source: str | None, format: Fo
     rig = read_cameras(file)
     camera = rig[name]
     frame = _frame(rig, camera, source)
-    _write_picture(output, with_axes(camera, frame.picture))
+    write_picture(output, with_axes(camera, frame.picture))
     print_findings(look_at(camera, frame.picture))
     if format is Format.JSON:
         print_json({"camera": name, "picture": str(output), "size": list(camera.lens.size)})
@@ -230,60 +236,8 @@ def _agreements(
     return agreements, findings
 
 
-def run_draw(
-    file: Path,
-    output: Path,
-    cell: Path | None,
-    show: str,
-    at: Path | None,
-    board: str,
-    noise: float,
-    seed: int,
-    format: Format,
-) -> int:
-    from assistant.vision.cameras.camera_file import read_cameras
-    from assistant.vision.cameras.drawing import Optics, draw
-
-    rig = read_cameras(file)
-    if at is None and cell is None:
-        raise Refused(NO_PLACES(what=show), exit_status=2)
-    around = [] if cell is None else _scene_things(cell)
-    places = [None] if at is None else list(_poses(at))
-    for number, place in enumerate(places):
-        things = [*around, *([] if place is None else _shown(show, place, board))]
-        for name, camera in rig.cameras.items():
-            picture = draw(camera, things, Optics(noise=noise), seed=seed + number)
-            _write_picture(output / name / f"{number:04}.png", picture)
-    if format is Format.JSON:
-        print_json({"cameras": list(rig.cameras), "pictures": len(places)})
-    else:
-        for name in rig.cameras:
-            say(f"{name}: {len(places)} pictures in {output / name}")
-    return 0
-
-
-def _scene_things(cell: Path) -> list[Thing]:
-    from assistant.cell.reading.cell_file import read_scene
-    from assistant.vision.cameras.drawing import things_of
-
-    scene, findings = read_scene(cell)
-    print_findings(findings)
-    return things_of(scene)
-
-
-def _shown(what: str, place: Pose, board: str) -> list[Thing]:
-    from assistant.vision.calibration.boards import Board
-    from assistant.vision.cameras.drawing import Card, Thing
-    from assistant.vision.pointing.devices import DEVICES
-    from assistant.vision.pointing.showing import things_of_device
-
-    if what != "board":
-        return things_of_device(DEVICES[what](), place)
-    wanted = Board.parse(board)
-    return [Thing(Card(wanted.size, wanted.picture(40)), place @ wanted.on_card.inverse())]
-
-
-def _write_picture(file: Path, picture: object) -> None:
+def write_picture(file: Path, picture: object) -> None:
+    """As PNG, whole or not at all."""
     from assistant.program.system.writing import write_files
     from assistant.vision.opencv import opencv
 

@@ -41,8 +41,8 @@ NO_PICTURES = error(
 )
 TURNED_ALIKE = error(
     "VS039",
-    "a chessboard of {columns} × {rows} corners looks the same upside down, and does not tell where "
-    "cameras stand",
+    "a chessboard of {columns} × {rows} corners looks the same upside down: "
+    "it does not tell where cameras stand",
     "take one with an even and an odd number, or a ChArUco board",
 )
 FEW_MOTIONS = error(

@@ -61,6 +61,18 @@ class Lens:
         rising = 1.0 + r2 * (3.0 * k1 + r2 * (5.0 * k2 + r2 * 7.0 * k3)) > 0.0
         return float(RING[-1] if rising.all() else RING[np.argmin(rising)])
 
+    @property
+    def whole(self) -> bool:
+        """Whether all of the ellipse that fills the picture is seen, each direction once."""
+        ring = np.linspace(0.0, 2.0 * np.pi, 33)
+        circle = np.column_stack([np.cos(ring), np.sin(ring)])
+        part = np.linspace(0.05, 1.0, 20)[:, None, None]
+        size = np.array(self.size, dtype=np.float64)
+        seen = self.tangents(((size - 1.0) / 2.0 + part * circle * size / 2.0).reshape(-1, 2))
+        with np.errstate(all="ignore"):
+            turning = np.linalg.det(self._slope(np.nan_to_num(seen)))
+        return bool(np.isfinite(seen).all() and (turning > 0.0).all())
+
     def pixels(self, tangents: Floats) -> Floats:
         """(n, 2) x / z and y / z → (n, 2) pixels; NaN beyond `widest`."""
         found = self._distorted(tangents) * self.focal + np.array(self.centre)
@@ -73,6 +85,11 @@ class Lens:
         if not any(self.distortion):
             return wanted
         found = wanted.copy()
+        with np.errstate(over="ignore", invalid="ignore"):
+            return self._undistorted(found, wanted)
+
+    def _undistorted(self, found: Floats, wanted: Floats) -> Floats:
+        """By Newton's method from `found` on, in place."""
         for _ in range(ROUNDS):
             off = self._distorted(found) - wanted
             step = _solved(self._slope(found), off)
@@ -153,8 +170,12 @@ class Camera:
         return self.lens.pixels(tangents)
 
     def slopes(self, points: Floats) -> Floats:
-        """(n, 2, 3) change of the pixels by points (n, 3) of the parent's frame, a mm."""
+        """(n, 2, 3) change of the pixels by points (n, 3) of the parent's frame, a mm.
+
+        NaN for points behind the camera.
+        """
         local = self.seen_by(points)
+        local[~(local[:, 2] > NEAR)] = np.nan
         x, y, z = local.T
         none = np.zeros_like(z)
         with np.errstate(divide="ignore", invalid="ignore"):

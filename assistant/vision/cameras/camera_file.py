@@ -217,4 +217,6 @@ def _wrong_lens(lens: Lens) -> str | None:
         return "has pixels that are twice as long as they are wide"
     if not (-width <= lens.centre[0] <= 2 * width and -height <= lens.centre[1] <= 2 * height):
         return "has its axis far outside of the picture"
+    if not lens.whole:
+        return "does not map directions one to one: its distortion is that of no lens"
     return None

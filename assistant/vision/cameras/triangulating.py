@@ -11,10 +11,16 @@ import numpy as np
 from assistant.program.arrays import Floats, Truths
 from assistant.vision.cameras.camera import NEAR, Camera
 
-ROUNDS: Final = 10
+ROUNDS: Final = 15
 """Steps of Gauss and Newton at most; three are usual."""
 CLOSE: Final = 1e-9
 """mm between two of them at which they end."""
+SETTLED: Final = 0.01
+"""mm that the last of them may be long; others go nowhere, for pixels of different things."""
+FLAT: Final = 1e-10
+"""Part of the largest eigenvalue below which the least one tells nothing."""
+FAR: Final = 1e6
+"""Pixels from the middle that no camera has; they are as good as none."""
 PARALLEL: Final = 0.5
 """Degrees between two rays below which they tell no depth."""
 
@@ -35,19 +41,20 @@ class Located:
 def triangulate(cameras: Sequence[Camera], pixels: Sequence[Floats], noise: float = 0.2) -> Located:
     """pixels: of each camera (n, 2), NaN where it does not see a point. noise: pixels, one sigma.
 
-    Begins at the point nearest to the rays, then minimises the squares in pixels (Hartley and
-    Sturm, Triangulation, 1997, for Gaussian noise; here by Gauss and Newton for any number of
-    cameras). Raises ValueError for cameras and pixels that do not belong together.
+    Pixels that are far outside of any picture count as not seen. Begins at the point nearest to the
+    rays, then minimises the squares in pixels (Hartley and Sturm, Triangulation, 1997, for Gaussian
+    noise; here by Gauss and Newton for any number of cameras). Raises ValueError for cameras and
+    pixels that do not belong together.
     """
     seen = [np.asarray(one, dtype=np.float64).reshape(-1, 2) for one in pixels]
     if len(seen) != len(cameras) or len({len(one) for one in seen}) != 1:
         raise ValueError("pixels (n, 2) are wanted for each of the cameras")
-    there = np.stack([np.isfinite(one).all(axis=1) for one in seen])
+    inside = [np.all(np.abs(one) < FAR, axis=1, keepdims=True) for one in seen]
+    seen = [np.where(good, one, np.nan) for good, one in zip(inside, seen, strict=True)]
     rays = np.stack([c.directions(p) for c, p in zip(cameras, seen, strict=True)])
-    there &= np.isfinite(rays).all(axis=2)
+    there: Truths = np.asarray(np.isfinite(rays).all(axis=2))
     points = _nearest(cameras, rays, there)
-    told = there.sum(axis=0) >= 2
-    told &= np.isfinite(points).all(axis=1)
+    told = (there.sum(axis=0) >= 2) & np.isfinite(points).all(axis=1)
     normal = np.tile(np.eye(3), (len(points), 1, 1))
     off = np.zeros((len(cameras), len(points), 2))
     for _ in range(ROUNDS):
@@ -59,14 +66,15 @@ def triangulate(cameras: Sequence[Camera], pixels: Sequence[Floats], noise: floa
             matrix[rows] += np.einsum("nki,nkj->nij", slope, slope)
             vector[rows] += np.einsum("nki,nk->ni", slope, off[i, rows])
         told &= np.isfinite(matrix).all(axis=(1, 2)) & np.isfinite(vector).all(axis=1)
+        told[told] = _solvable(matrix[told])
         normal[told] = matrix[told]
-        step = np.linalg.solve(normal[told], vector[told][..., None])[..., 0]
-        points[told] -= step
+        step = np.zeros_like(points)
+        step[told] = np.linalg.solve(normal[told], vector[told][..., None])[..., 0]
+        points -= step
         if not (np.abs(step) > CLOSE).any():
             break
-    for i, camera in enumerate(cameras):
-        behind = ~(camera.seen_by(points)[:, 2] > NEAR)
-        told &= ~(there[i] & behind)
+    told &= np.abs(step).max(axis=1) <= SETTLED
+    told &= _crossing(cameras, points, there)
     points[~told] = np.nan
     covariances = np.full((len(points), 3, 3), np.nan)
     covariances[told] = noise**2 * np.linalg.inv(normal[told])
@@ -76,16 +84,48 @@ def triangulate(cameras: Sequence[Camera], pixels: Sequence[Floats], noise: floa
     return Located(points, covariances, residuals)
 
 
+def _solvable(matrices: Floats) -> Truths:
+    values = np.linalg.eigvalsh(matrices)
+    return np.asarray(values[:, 0] > FLAT * values[:, -1])
+
+
+def _crossing(cameras: Sequence[Camera], points: Floats, there: Truths) -> Truths:
+    """(n,) which points are before the cameras that see them, and not in one line with them."""
+    good = np.isfinite(points).all(axis=1)
+    eyes = np.array([camera.pose.position for camera in cameras])
+    rays = points - eyes[:, None]
+    with np.errstate(invalid="ignore"):
+        rays /= np.linalg.norm(rays, axis=2, keepdims=True)
+    for i, camera in enumerate(cameras):
+        good &= ~there[i] | (camera.seen_by(points)[:, 2] > NEAR)
+    rays[:, ~good] = 0.0
+    return np.asarray(good & ~_flat(_across(rays, there)))
+
+
+def _across(rays: Floats, there: Truths) -> Floats:
+    """(c, n, 3, 3) what of a vector is across to each ray, of those that are there."""
+    across = np.eye(3) - np.einsum("cni,cnj->cnij", rays, rays)
+    across[~there] = 0.0
+    return np.asarray(across)
+
+
+def _flat(across: Floats) -> Truths:
+    """(n,) whether rays hardly cross.
+
+    The least eigenvalue of the sum is 2 sin²(half the angle between them) for two rays.
+    """
+    matrix = across.sum(axis=0)
+    least = np.linalg.eigvalsh(matrix)[:, 0] if len(matrix) else np.zeros(0)
+    return np.asarray(~(least > 2.0 * np.sin(np.radians(PARALLEL) / 2.0) ** 2))
+
+
 def _nearest(cameras: Sequence[Camera], rays: Floats, there: Truths) -> Floats:
     """(n, 3) points with the least squares of distances to their rays, NaN for parallel ones."""
     eyes = np.array([camera.pose.position for camera in cameras])
-    across = np.eye(3) - np.einsum("cni,cnj->cnij", rays, rays)
-    across[~there] = 0.0
+    across = _across(np.where(there[..., None], rays, 0.0), there)
     matrix = across.sum(axis=0)
     vector = np.einsum("cnij,cj->ni", across, eyes)
-    # The least eigenvalue of two rays is 2 sin²(half the angle between them).
-    least = np.linalg.eigvalsh(matrix)[:, 0] if len(matrix) else np.zeros(0)
-    flat = ~(least > 2.0 * np.sin(np.radians(PARALLEL) / 2.0) ** 2)
+    flat = _flat(across)
     matrix[flat] = np.eye(3)
     points = np.linalg.solve(matrix, vector[..., None])[..., 0]
     points[flat] = np.nan

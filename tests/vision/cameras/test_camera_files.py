@@ -27,12 +27,12 @@ COORDINATES = st.floats(-5000.0, 5000.0)
 
 @st.composite
 def cameras(draw: st.DrawFn) -> Camera:
-    focal = draw(st.floats(400.0, 4000.0))
+    focal = draw(st.floats(600.0, 4000.0))
     lens = Lens(
         (640, 480),
         (focal, focal * draw(st.floats(0.9, 1.1))),
         (draw(st.floats(200.0, 400.0)), draw(st.floats(150.0, 330.0))),
-        tuple(draw(st.floats(-0.4, 0.4)) for _ in range(5)),  # type: ignore[arg-type]
+        (draw(st.floats(-0.3, 0.3)), 0.05, *(draw(st.floats(-0.02, 0.02)) for _ in "pp"), 0.0),
     )
     place = (draw(COORDINATES), draw(COORDINATES), draw(COORDINATES))
     return Camera(
@@ -48,7 +48,8 @@ def test_a_rig_comes_back_as_it_was_written(
     camera: Camera, date: datetime.date, residual: float, source: str
 ) -> None:
     said = "".join(c for c in source if c.isprintable()).strip()
-    rig = Rig({"left": camera}, {"left": Record(date, residual)}, {"left": said})
+    record = Record(date, residual, residual / 2.0, residual / 3.0, 0.01)
+    rig = Rig({"left": camera}, {"left": record}, {"left": said})
     assert cameras_in(SourceText(text_of(rig), "c.toml", "utf-8", "\n")) == rig
 
 
@@ -74,6 +75,9 @@ GOOD = "[cameras.left]\nsize = [640, 480]\nfocal = [800, 800]\ncentre = [320, 24
         (GOOD + "focus = 3\n", "CT302"),
         (GOOD + "calibrated = 'today'\n", "CT303"),
         (GOOD + "distortion = [1, 2]\n", "CT303"),
+        (GOOD + "distortion = [-50, 0, 0, 0, 0]\n", "VS012"),
+        (GOOD + "distortion = [0, 0, 5, 0, 0]\n", "VS012"),
+        (GOOD + "hand_eye_mm = -1\n", "CT303"),
         (GOOD + "source = 1000\n", "CT303"),
         ("cameras = 3\n", "CT304"),
     ],
