@@ -192,6 +192,88 @@ def camera() -> bytes:
         return (folder / "seen.png").read_bytes()
 
 
+def pointing() -> bytes:
+    """A wand as two synthetic cameras see it, with what is found of it and the place it shows."""
+    import cv2
+    import numpy as np
+
+    from assistant.program import rotations
+    from assistant.program.geometry import Pose
+    from assistant.vision.cameras.camera_file import read_cameras
+    from assistant.vision.cameras.drawing import Optics
+    from assistant.vision.cameras.drawing import draw as taken
+    from assistant.vision.pointing.devices import wand
+    from assistant.vision.pointing.finding import spots
+    from assistant.vision.pointing.locating import Sighting, located
+    from assistant.vision.pointing.showing import things_of_device
+
+    device = wand()
+    turn = rotations.canonical((0.0, 0.28, 0.95, 0.14))
+    things = things_of_device(device, Pose.of(np.array([285.0, 30.0, 170.0]), turn))
+    cameras = tuple(read_cameras(PROJECT / "samples/cameras/pointing.toml").cameras.values())
+    pictures = [taken(camera, things, Optics(noise=0.0)) for camera in cameras]
+    seen = located(device, cameras, pictures)
+    assert isinstance(seen, Sighting), seen
+    axes = seen.pose.moved(np.concatenate([np.zeros((1, 3)), 60.0 * np.eye(3)]))
+    large, views = 16.0, []
+    for camera, picture in zip(cameras, pictures, strict=True):
+        for (spot, *_), name in zip(spots(picture, camera, device.marks), "ABC", strict=True):
+            middle = [round(large * part) for part in spot.place]
+            radius = round(large * spot.radius)
+            cv2.circle(picture, middle, radius, (255, 255, 255), 1, cv2.LINE_AA, shift=4)
+            side = (round(spot.place[0] + spot.radius + 8), round(spot.place[1] + 5))
+            told = f"{name} {spot.place[0]:.2f} {spot.place[1]:.2f}"
+            cv2.putText(picture, told, side, 0, 0.42, (255, 255, 255), 1, cv2.LINE_AA)
+        tip, *ends = np.round(large * camera.project(axes)).astype(int).tolist()
+        for end, colour in zip(ends, ((60, 60, 255), (60, 230, 60), (255, 140, 60)), strict=True):
+            cv2.line(picture, tip, end, colour, 2, cv2.LINE_AA, shift=4)
+        views.append(picture[20:460, 90:590])
+    place = " ".join(f"{part:.2f}" for part in seen.pose.position)
+    told = f"tip at {place} mm"
+    cv2.putText(views[0], told, (12, 424), 0, 0.5, (255, 255, 255), 1, cv2.LINE_AA)
+    return bytes(cv2.imencode(".png", np.hstack(views))[1])
+
+
+def fmu() -> bytes:
+    """An arm that goes where it is told: joint and speed, with and without a first order."""
+    import matplotlib as mpl
+
+    mpl.use("Agg")
+    import matplotlib.pyplot as plt
+    import numpy as np
+
+    from assistant import robots
+    from assistant.blocks.arm_motion import ArmMotion
+
+    t, robot = np.arange(0.0, 1.6, 0.004), robots.get("rv-2aj")
+    wanted = np.where(t < 0.1, 0.0, np.where(t < 0.8, 60.0, 10.0))
+    figure, (upper, lower) = plt.subplots(2, 1, figsize=(9, 4.6), sharex=True)
+    upper.step(t, wanted, "0.6", where="post", label="J1_wanted")
+    for lag, style in ((0.0, "C0-"), (0.05, "C1--")):
+        arm, joints, speeds = ArmMotion.of(robot, lag=lag), [], []
+        for goal in wanted:
+            joints.append(arm.joints[0])
+            speeds.append(arm.speed[0])
+            arm.towards([goal, *robot.home[1:]])
+            arm.step(0.004)
+        upper.plot(t, joints, style, label=f"J1, time_constant {lag:g} s")
+        if not lag:
+            lower.plot(t, speeds, style, label="J1_speed")
+    top = robot.speeds[0]
+    lower.axhline(top, color="0.6", lw=0.8)
+    lower.axhline(-top, color="0.6", lw=0.8, label="J1_speed_limit")
+    upper.set_ylabel("degrees")
+    lower.set(xlabel="seconds", ylabel="degrees/s", xlim=(0.0, 1.6))
+    for axes in (upper, lower):
+        axes.legend(loc="upper right", fontsize=8)
+        axes.grid(alpha=0.3)
+    figure.tight_layout()
+    out = io.BytesIO()
+    figure.savefig(out, dpi=100)
+    plt.close(figure)
+    return out.getvalue()
+
+
 PICTURES: Final[dict[str, Callable[[], bytes]]] = {
     "demo": demo,
     "contact": contact,
@@ -206,6 +288,8 @@ PICTURES: Final[dict[str, Callable[[], bytes]]] = {
     "explored": explored,
     "seen": seen,
     "camera": camera,
+    "pointing": pointing,
+    "fmu": fmu,
 }
 """Each picture by the name of its file."""
 

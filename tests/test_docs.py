@@ -26,6 +26,7 @@ from assistant.sources.process.file import read_process
 from assistant.virtual.melfa import Options
 from assistant.virtual.melfa.choosing import choose
 from assistant.vision.cameras.camera_file import read_cameras
+from assistant.vision.pointing.device_file import read_device
 from docs import api, findings, house, limits, pictures
 from tests.forks import Forks
 
@@ -172,6 +173,9 @@ def test_the_files_of_a_page_are_read(page, text, tmp_path):
         return
     if text.startswith("[cameras"):
         assert read_cameras(file).cameras
+        return
+    if text.startswith("kind = "):
+        assert read_device(file).marks
         return
     if text.startswith("urdf = "):
         (tmp_path / "arm.urdf").write_text(six_joints(), encoding="utf-8")

@@ -75,7 +75,7 @@ class Shown:
         from assistant.vision.pointing.tracking import tracked
 
         check_cameras(self.cameras)
-        with moments(self.rig, self.cameras, self.options.rate, self.tell) as given:
+        with moments(self.rig, self.cameras, self.options.rate) as given:
             fastest = self.options.fastest
             looks = tracked(given, self.device, self.cameras, self.limits, fastest)
             yield self._counted(looks)

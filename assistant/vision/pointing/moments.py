@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from typing import Final
 
-from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.diagnostics import Refused
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.cameras.camera_file import Rig
 from assistant.vision.cameras.capture import Frame, opened
@@ -15,8 +15,6 @@ from assistant.vision.pointing.tracking import Moment
 
 RATE: Final = 30.0
 """Pictures a second of files, which do not say when they were taken."""
-UNEVEN: Final = 0.05
-"""Seconds between the pictures of one moment from which on it is said."""
 
 
 @contextmanager
@@ -24,7 +22,6 @@ def moments(
     rig: Rig,
     cameras: Sequence[Camera],
     rate: float = RATE,
-    tell: Callable[[Diagnostic], None] = lambda _: None,
 ) -> Iterator[Iterator[Moment]]:
     """The moments of cameras of a rig, until one of them gives no more pictures.
 
@@ -39,20 +36,13 @@ def moments(
             stack.enter_context(opened(camera, source, rig.folder))
             for camera, source in zip(cameras, sources, strict=True)
         ]
-        yield _joined(frames, rate, tell)
+        yield _joined(frames, rate)
 
 
-def _joined(
-    frames: Sequence[Iterator[Frame]], rate: float, tell: Callable[[Diagnostic], None]
-) -> Iterator[Moment]:
+def _joined(frames: Sequence[Iterator[Frame]], rate: float) -> Iterator[Moment]:
     began: float | None = None
-    said = False
     for group in zip(*frames, strict=False):
-        times = [frame.seconds for frame in group]
-        filed = any(frame.name for frame in group)
-        if not filed and not said and max(times) - min(times) > UNEVEN:
-            tell(rules.UNEVEN_TIME(seconds=max(times) - min(times)))
-            said = True
-        began = times[0] if began is None else began
-        seconds = group[0].number / rate if filed else times[0] - began
+        first = group[0]
+        began = first.seconds if began is None else began
+        seconds = first.number / rate if first.name else first.seconds - began
         yield Moment(seconds, [frame.picture for frame in group])

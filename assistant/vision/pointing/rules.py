@@ -99,12 +99,7 @@ FEW_ON_STROKE = error(
     "show the stroke again where both cameras see all of it, or slower",
 )
 NO_SOURCE = error(
-    "VS121",
+    "VS120",
     "the file does not say where the pictures of camera `{camera}` come from",
     'write source = "…" there: a folder, a file, an address, or the number of a device',
-)
-UNEVEN_TIME = warning(
-    "VS120",
-    "pictures of two cameras are up to {seconds:.3f} s apart, in which a moving device moves on",
-    "hold the device still for places; move slowly along strokes",
 )

@@ -60,13 +60,13 @@ def test_noise_of_pixels(name: str, device: Device, tell: Callable[[str], None])
 
 def test_the_covariance_is_that_of_the_errors() -> None:
     rng = np.random.default_rng(5)
-    poses = [some_pose(rng) for _ in range(3000)]
+    poses = [some_pose(rng) for _ in range(1500)]
     posed = poses_of(pair(BENT), with_noise(wand(), poses, 1, seed=8), wand().positions)
     off = np.array([p.position for p in poses]) - posed.positions
     turns = rotations.turns(posed.quaternions, np.array([p.quaternion for p in poses]))
     both = np.concatenate([off, turns], axis=1)
     squares = np.einsum("ni,nij,nj->n", both, np.linalg.inv(posed.covariances), both)
-    assert squares.mean() == pytest.approx(6.0, rel=0.05)
+    assert squares.mean() == pytest.approx(6.0, rel=0.07)
 
 
 def test_a_marker_of_40_mm_tells_turns_worse(tell: Callable[[str], None]) -> None:
