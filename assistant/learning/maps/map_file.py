@@ -1,0 +1,147 @@
+"""Learned maps as files: NPZ archives of numbers and texts, with a version."""
+
+from __future__ import annotations
+
+import io
+import math
+import zipfile
+import zlib
+from pathlib import Path as FilePath
+from typing import Any, Final
+
+import numpy as np
+
+from assistant.learning.maps.extended_map import ExtendedMap, Scale, Task
+from assistant.learning.maps.rules import NO_MAP, OTHER_VERSION
+from assistant.learning.maps.training import MOST_UNITS
+from assistant.program.diagnostics import Refused, Unreadable
+from assistant.program.system.budgets import unpacked
+from assistant.program.system.writing import write_all
+from assistant.program.text import read_bytes
+
+VERSION: Final = 1
+KIND: Final = "learned map"
+COLUMNS: Final = (
+    *("shape", "middle", "frame", "low", "high", "places", "answers", "wins", "missed"),
+    *("about", "kind", "robot", "axes", "cameras"),
+)
+LONGEST: Final = 1000
+"""Characters of a text."""
+MOST_NUMBERS: Final = 1000
+"""Of a picture."""
+BROKEN: Final = (
+    *(zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, EOFError),
+    *(OSError, ValueError, SyntaxError, TypeError, MemoryError, RecursionError),
+)
+"""What readers of archives and of headers raise for damaged and foreign content."""
+
+
+def save(net: ExtendedMap, path: str | FilePath) -> None:
+    """Writes a map; the file appears whole or not at all. Raises Refused if it cannot be."""
+    buffer, task, scale = io.BytesIO(), net.task, net.scale
+    columns: dict[str, Any] = {
+        "kind": np.array(KIND),
+        "about": np.array([VERSION, net.steps, task.points], dtype=np.float64),
+        "robot": np.array(task.robot),
+        "axes": np.array("\n".join(task.axes)),
+        "cameras": np.array("\n".join(task.cameras)),
+        "shape": np.array(net.shape, dtype=np.float64),
+        **{name: getattr(scale, name) for name in ("middle", "frame", "low", "high")},
+        **{name: getattr(net, name) for name in ("places", "answers", "wins", "missed")},
+    }
+    np.savez_compressed(buffer, **columns)
+    write_all({FilePath(path): buffer.getvalue()})
+
+
+def load(path: str | FilePath) -> ExtendedMap:
+    """The map of a file. Raises Unreadable or Refused, with a finding, for whatever is none."""
+    try:
+        columns = _columns(read_bytes(path))
+    except Refused:
+        raise
+    except BROKEN as wrong:
+        reason = " ".join(str(wrong).split())[:120] or type(wrong).__name__
+        raise Unreadable(NO_MAP(path=str(path), reason=reason)) from None
+    about = columns.get("about", np.zeros(0))
+    if str(columns.get("kind")) == KIND and about.shape == (3,) and about[0] != VERSION:
+        finding = OTHER_VERSION(path=str(path), version=float(about[0]), known=VERSION)
+        raise Refused(finding, exit_status=2)
+    reason = _fault(columns)
+    if reason:
+        raise Unreadable(NO_MAP(path=str(path), reason=reason))
+    axes, cameras = (tuple(str(columns[name]).split("\n")) for name in ("axes", "cameras"))
+    task = Task(str(columns["robot"]), axes, cameras, int(about[2]))
+    scale = Scale(*(columns[name] for name in ("middle", "frame", "low", "high")))
+    places, answers, wins, missed = (columns[n] for n in ("places", "answers", "wins", "missed"))
+    shape = tuple(int(count) for count in columns["shape"])
+    return ExtendedMap(task, shape, scale, places, answers, wins, missed, int(about[1]))
+
+
+def _columns(data: bytes) -> dict[str, Any]:
+    """What an archive holds, each by its name; nothing in it is ever run."""
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        members = archive.infolist()
+        if sum(member.file_size for member in members) > unpacked():
+            raise ValueError("it unpacks to more than is read")
+        return {
+            member.filename.removesuffix(".npy"): _array(archive.read(member)) for member in members
+        }
+
+
+def _array(data: bytes) -> Any:
+    """A column of float64, or a text; raises ValueError for anything else.
+
+    By its header, whose size is compared with what is there before anything is made.
+    """
+    stream = io.BytesIO(data)
+    if np.lib.format.read_magic(stream) != (1, 0):
+        raise ValueError("a column has another format than numpy writes")
+    shape, fortran, kind = np.lib.format.read_array_header_1_0(stream, max_header_size=LONGEST)
+    text = kind.kind == "U" and shape == () and kind.itemsize <= 4 * LONGEST
+    if kind.hasobject or not (kind == np.float64 or text):
+        raise ValueError(f"a column holds `{str(kind)[:40]}`, which no map has")
+    if len(data) - stream.tell() != math.prod(shape) * kind.itemsize:
+        raise ValueError("a column is shorter or longer than it says")
+    flat = np.frombuffer(data, kind, offset=stream.tell())
+    return flat.reshape(shape, order="F" if fortran else "C").copy()
+
+
+def _fault(columns: dict[str, Any]) -> str:
+    """What keeps columns from being a map, nothing if they are one."""
+    if str(columns.get("kind")) != KIND:
+        return "it says to be something else"
+    missing = [name for name in COLUMNS if name not in columns]
+    if missing:
+        return f"it lacks {', '.join(missing)}"
+    numbers = {n: c for n, c in columns.items() if c.dtype == np.float64}
+    if {"robot", "axes", "cameras"} & numbers.keys() or len(numbers) < len(COLUMNS) - 4:
+        return "texts and numbers are mixed up"
+    if not all(np.isfinite(c).all() for name, c in numbers.items() if name != "missed"):
+        return "it holds numbers that are none"
+    shape, about = columns["shape"], columns["about"]
+    if about.shape != (3,) or not (about[1] >= 0.0 and 1.0 <= about[2] <= MOST_NUMBERS):
+        return "its `about` is not version, steps and points"
+    if shape.ndim != 1 or not 1 <= len(shape) <= 6 or (shape < 2.0).any():
+        return "its lattice is none"
+    if shape.prod() > MOST_UNITS or (shape != np.floor(shape)).any():
+        return "its lattice is none"
+    axes, cameras = (len(str(columns[name]).split("\n")) for name in ("axes", "cameras"))
+    n, d, a = int(shape.prod()), int(2 * cameras * about[2]), axes
+    wanted = {
+        "middle": (d,),
+        "frame": (d, d),
+        "low": (a,),
+        "high": (a,),
+        "places": (n, d),
+        "answers": (n, a + a * d),
+        "wins": (n,),
+        "missed": (n,),
+    }
+    wrong = [name for name, size in wanted.items() if columns[name].shape != size]
+    if wrong:
+        return f"{', '.join(wrong)} of it do not fit the rest"
+    if not (columns["low"] < columns["high"]).all():
+        return "its ranges of joints are empty"
+    if abs(np.linalg.det(columns["frame"])) == 0.0 or (columns["wins"] < 0.0).any():
+        return "its scales are none"
+    return ""

@@ -1,0 +1,181 @@
+"""What one would take today instead of a learned map, on the same trials: two of them.
+
+`Calibrated`: the cameras are known, two pictures give points, points give joints by the kinematics
+of the robot file. `Nearest`: joints by a plane through the nearest of pictures that were taken of
+the arm anywhere, as many as the map has made movements. Both then correct once by what is seen, as
+the map does.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Final, Protocol
+
+import numpy as np
+
+from assistant.learning.maps.goals import Goals
+from assistant.learning.maps.seen_arm import SeenArm
+from assistant.learning.maps.training import Errors
+from assistant.program import rotations
+from assistant.program.arrays import Floats, Rows, norms
+from assistant.vision.cameras.camera import Camera
+from assistant.vision.cameras.triangulating import triangulate
+
+NEIGHBOURS: Final = 3
+"""Times the numbers that a plane has: how many of the nearest pictures it is laid through."""
+STEP: Final = 1e-4
+"""Degrees (mm) by which slopes of forward kinematics are taken."""
+ROUNDS: Final = 30
+"""Of Gauss and Newton."""
+AT_ONCE: Final = 200
+"""Targets whose distances are computed together."""
+
+
+class Rival(Protocol):
+    def joints(self, pixels: Floats) -> Floats:
+        """Pictures (m, d) → joints (m, a) for them."""
+        ...
+
+    def corrected(self, joints: Floats, target: Floats, seen: Floats) -> Floats:
+        """Better joints (m, a), once the tool is seen there."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Calibrated:
+    """model: the arm as its robot file has it, with the cameras as they were calibrated.
+
+    A whole pose of three points goes through `Robot.ik`; of fewer points joints are found by Gauss
+    and Newton over `Robot.fk` from the middle of the ranges (a, 2).
+    """
+
+    model: SeenArm
+    ranges: Floats
+
+    def joints(self, pixels: Floats) -> Floats:
+        return self._solved(self._points(pixels))
+
+    def corrected(self, joints: Floats, target: Floats, seen: Floats) -> Floats:
+        """As far from where the model has the tool as it is seen to be from the target."""
+        off = self._points(target) - self._points(seen)
+        return self._solved(self.model.tool(joints)[0] + off, joints)
+
+    def _points(self, pixels: Floats) -> Floats:
+        """(m, k, 3) mm."""
+        cameras: tuple[Camera, ...] = self.model.cameras
+        rows = pixels.reshape(len(pixels), -1, len(cameras), 2)
+        seen = [rows[:, :, i].reshape(-1, 2) for i in range(len(cameras))]
+        return triangulate(cameras, seen).points.reshape(len(pixels), -1, 3)
+
+    def _solved(self, points: Floats, begin: Floats | None = None) -> Floats:
+        robot, middle = self.model.robot, self.ranges.mean(axis=1)
+        if points.shape[1] >= 3 and len(self.model.moves) == len(robot.axes):
+            turns = fitted(self.model.points, points)
+            places = points.mean(axis=1) - rotations.rotate(turns, self.model.points.mean(axis=0))
+            found, valid = robot.ik(places, turns)
+            away = np.where(valid, norms(np.nan_to_num(found - middle)), np.inf)
+            best = found[np.arange(len(points)), away.argmin(axis=1)]
+            return np.asarray(np.where(np.isfinite(best), best, middle))
+        joints = np.tile(middle, (len(points), 1)) if begin is None else begin.copy()
+        for _ in range(ROUNDS):
+            off = (points - self.model.tool(joints)[0]).reshape(len(points), -1)
+            slope = self._slope(joints)
+            square = np.einsum("mki,mkj->mij", slope, slope)
+            square += 1e-9 * np.eye(len(middle)) * np.trace(square, axis1=1, axis2=2)[:, None, None]
+            pull = np.einsum("mki,mk->mi", slope, off)
+            step = np.linalg.solve(square, pull[..., None])[..., 0]
+            joints = np.clip(joints + np.clip(step, -20.0, 20.0), *self.ranges.T)
+            if np.abs(step).max() < 1e-9:
+                break
+        return joints
+
+    def _slope(self, joints: Floats) -> Floats:
+        """(m, 3 k, a)."""
+        columns = []
+        for axis in range(joints.shape[1]):
+            more, less = joints.copy(), joints.copy()
+            more[:, axis] += STEP
+            less[:, axis] -= STEP
+            apart = self.model.tool(more)[0] - self.model.tool(less)[0]
+            columns.append(apart.reshape(len(joints), -1) / (2.0 * STEP))
+        return np.stack(columns, axis=-1)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Nearest:
+    """pictures (n, d) pixels, taken at joints (n, a); it answers between `ranges` (a, 2)."""
+
+    pictures: Floats
+    taken: Floats
+    ranges: Floats
+    scale: Floats = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "scale", self.pictures.std(axis=0))
+
+    def joints(self, pixels: Floats) -> Floats:
+        out = [self._planes(pixels[at : at + AT_ONCE])[0] for at in range(0, len(pixels), AT_ONCE)]
+        return np.asarray(np.clip(np.concatenate(out), *self.ranges.T))
+
+    def corrected(self, joints: Floats, target: Floats, seen: Floats) -> Floats:
+        out = []
+        for at in range(0, len(target), AT_ONCE):
+            rows = slice(at, at + AT_ONCE)
+            slopes = self._planes(target[rows])[1]
+            out.append(joints[rows] + np.einsum("mda,md->ma", slopes, target[rows] - seen[rows]))
+        return np.asarray(np.clip(np.concatenate(out), *self.ranges.T))
+
+    def _planes(self, pixels: Floats) -> tuple[Floats, Floats]:
+        """Joints (m, a) of least squares near pictures, and their slopes (m, d, a)."""
+        near = self._near(pixels)
+        pictures, joints = self.pictures[near], self.taken[near]
+        middle, mean = pictures.mean(axis=1), joints.mean(axis=1)
+        offsets = pictures - middle[:, None]
+        slopes = np.linalg.pinv(offsets, rcond=1e-3) @ (joints - mean[:, None])
+        return mean + np.einsum("mda,md->ma", slopes, pixels - middle), slopes
+
+    def _near(self, pixels: Floats) -> Rows:
+        ours, theirs = self.pictures / self.scale, pixels / self.scale
+        distances = 0.5 * (ours**2).sum(axis=1) - theirs @ ours.T
+        count = min(NEIGHBOURS * (pixels.shape[1] + 1), len(ours))
+        return np.asarray(np.argpartition(distances, count - 1, axis=1)[:, :count])
+
+
+def pictures_of(arm: SeenArm, ranges: Floats, count: int, seed: int = 0) -> Nearest:
+    """So many pictures of an arm anywhere between ranges; those that are not seen are left out."""
+    joints = np.random.default_rng(seed + 3).uniform(
+        ranges[:, 0], ranges[:, 1], (count, len(ranges))
+    )
+    pixels = arm(joints)
+    there = np.isfinite(pixels).all(axis=1)
+    return Nearest(pixels[there], joints[there], ranges)
+
+
+def errors_of(rival: Rival, arm: SeenArm, goals: Goals) -> Errors:
+    """As of the map: its first movement as `coarse`, the others after one correction."""
+    first = rival.joints(goals.pixels)
+    seen = arm(first)
+    there = np.isfinite(seen).all(axis=1)
+    last = first.copy()
+    last[there] = rival.corrected(first[there], goals.pixels[there], seen[there])
+    points, turns = arm.tool(last)
+    off = norms(points[:, 0] - goals.points[:, 0])
+    coarse = norms(arm.tool(first)[0][:, 0] - goals.points[:, 0])
+    turned = np.array([np.nan])
+    if goals.turns is not None:
+        turned = rotations.angle_between(turns, goals.turns)
+    pixels = np.sqrt(np.nanmean((arm(last) - goals.pixels) ** 2))
+    means = float(off.mean()), float(off.max()), float(turned.mean()), float(turned.max())
+    return Errors(0, *means, float(pixels), float(coarse.mean()))
+
+
+def fitted(points: Floats, found: Floats) -> Floats:
+    """(m, 4) rotations that take points (k, 3) nearest to found ones (m, k, 3), about their middles
+    (Kabsch, Acta Crystallographica A32, 1976).
+    """
+    here = points - points.mean(axis=0)
+    there = found - found.mean(axis=1, keepdims=True)
+    u, _, v = np.linalg.svd(np.einsum("ki,mkj->mij", here, there))
+    flip = np.linalg.det(u) * np.linalg.det(v)
+    u[:, :, 2] *= flip[:, None]
+    return rotations.from_matrix(np.swapaxes(u @ v, 1, 2))

@@ -1,0 +1,85 @@
+"""What is found in learned maps, and in what they are asked to learn and to reach."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from assistant.program.diagnostics import error, warning
+
+NO_MAP: Final = error(
+    "LN001", "this is no learned map: {reason}", "write it with `robot-assistant learn -o`"
+)
+OTHER_VERSION: Final = error(
+    "LN002",
+    "the map has version {version:g} of its format, and {known} is read",
+    "learn it again, or read it with the version of robot-assistant that wrote it",
+)
+OTHER_TASK: Final = error(
+    "LN003",
+    "the map has learnt {learnt}, and {asked} is asked for",
+    "go on with the robot, joints, points and cameras that it was begun with",
+)
+NO_TARGET: Final = error(
+    "LN004",
+    "the target is no picture of the tool: {reason}",
+    "show the target to all cameras, every point of the tool",
+)
+FAR: Final = error(
+    "LN005",
+    "nothing like the target was learnt: it is {times:.1f} times as far from the nearest unit as "
+    "the neighbours of that are",
+    "show targets inside the space that was learnt, or let the map learn there as well",
+)
+UNSEEN: Final = error(
+    "LN006",
+    "the tool was seen by all cameras in {seen} of {total} trials",
+    "move the cameras so that they see the tool at all joints of the ranges, or narrow these",
+)
+NOT_REACHED: Final = error(
+    "LN007",
+    "{robot} reaches {share:.0%} of the box with the tool {rule}",
+    "move the box or make it smaller",
+)
+BAD_RANGE: Final = error(
+    "LN008",
+    "{axis} cannot learn between {low:g} and {high:g}: a {robot} has it between {least:g} and "
+    "{most:g}",
+    "write a lower and a higher value inside these limits",
+)
+FEW_POINTS: Final = error(
+    "LN009",
+    "{points} seen points of the tool do not tell {needed} joints",
+    "name more points: one tells 3, two tell 5, three tell 6 joints",
+)
+BAD_LATTICE: Final = error(
+    "LN010",
+    "no lattice of {units} units in {dimensions} dimensions is learnt",
+    "choose 1 to 6 counts of at least 2, and {most:,} units at most",
+)
+NO_ANSWER: Final = error(
+    "LN011",
+    "the arm was seen at numbers of shape {shape}, and {wanted} are wanted",
+    "answer a row for each row of joints: u, v of each camera, point by point",
+)
+LOST: Final = error(
+    "LN012",
+    "the tool is out of sight after movement {movement}; it has stopped",
+    "look at what hides it, and move the arm back into sight",
+)
+NOT_THERE: Final = warning(
+    "LN013",
+    "the tool is seen {seen:.2g} px off after {movements} movements, {usual:.2g} are usual there",
+    "let the map go on learning, and look at tool and cameras",
+)
+NOT_LEARNT: Final = warning(
+    "LN014",
+    "{share:.0%} of the units have not won yet",
+    "learn for more steps, or with fewer units",
+)
+BAD_BOX: Final = error(
+    "LN015",
+    "the box {reason}",
+    "write it as x, y and z of the base in mm, each as LOW:HIGH",
+)
+NO_AXIS: Final = error("LN016", "{robot} has no joint `{axis}`", "choose among {known}")
+NO_LENGTH: Final = error("LN017", "{robot} has no length `{name}`", "choose among {known}")

@@ -1,0 +1,158 @@
+"""Training: a map tries one target after the other, and its errors are measured on the way."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from assistant.learning.maps.cooling import Cooling, learning
+from assistant.learning.maps.extended_map import ExtendedMap, begun
+from assistant.learning.maps.goals import Goals, Space
+from assistant.learning.maps.rules import BAD_LATTICE, FEW_POINTS, UNSEEN
+from assistant.learning.maps.seen_arm import SeenArm
+from assistant.learning.maps.trials import Arm, learn, tried
+from assistant.program import rotations
+from assistant.program.arrays import Floats, norms
+from assistant.program.diagnostics import Refused
+
+AT_ONCE: Final = 16
+"""Targets that are tried before what they told is learnt: an arm that is computed is asked for all
+of them in one call.
+"""
+SAMPLE: Final = 1000
+"""Pictures by which a map that begins is scaled."""
+LEAST_SEEN: Final = 0.5
+"""Share of them that the cameras must see."""
+MOST_UNITS: Final = 50_000
+LATTICES: Final[dict[int, tuple[int, ...]]] = {
+    1: (30,),
+    2: (16, 16),
+    3: (7, 12, 4),
+    4: (6, 7, 6, 4),
+    5: (6, 8, 4, 4, 4),
+    6: (4, 5, 4, 4, 4, 4),
+}
+"""By how many numbers a target is told. That of three is the one of the published experiment."""
+MARKS: Final = (300, 1_000, 3_000, 6_000, 10_000, 20_000, 30_000, 40_000)
+"""Steps at which errors are measured."""
+TOLD_BY: Final = {1: 3, 2: 5}
+"""How many joints so many seen points tell; three points tell six."""
+
+
+@dataclass(frozen=True, slots=True)
+class Errors:
+    """After so many steps, means and the worst: mm of the tool's first point, degrees of its whole
+    orientation (NaN where only a place is wanted). pixels: seen, root mean square. coarse: mm of
+    the coarse movement alone. seconds: spent on learning until then.
+    """
+
+    steps: int
+    mm: float
+    worst_mm: float
+    degrees: float
+    worst_degrees: float
+    pixels: float
+    coarse: float
+    seconds: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """steps: of the run. at_once: see `AT_ONCE`. marks: steps of the map at which `watch` is called
+    beside the last one. seed: of the targets.
+    """
+
+    steps: int
+    cooling: Cooling
+    at_once: int = AT_ONCE
+    marks: tuple[int, ...] = MARKS
+    seed: int = 0
+
+
+def start(
+    arm: SeenArm, space: Space, ranges: Floats, dimensions: int, seed: int = 0
+) -> ExtendedMap:
+    """A map that has learnt nothing, of the usual size for targets of so many dimensions."""
+    return start_with(LATTICES.get(dimensions, ()), arm, space, ranges, seed)
+
+
+def start_with(
+    shape: tuple[int, ...], arm: SeenArm, space: Space, ranges: Floats, seed: int = 0
+) -> ExtendedMap:
+    """The same on a lattice of this shape; raises Refused for what no map learns."""
+    if not 1 <= len(shape) <= 6 or min(shape) < 2 or np.prod(shape) > MOST_UNITS:
+        units = int(np.prod(shape))
+        finding = BAD_LATTICE(units=units, dimensions=len(shape), most=MOST_UNITS)
+        raise Refused(finding, exit_status=2)
+    points, needed = len(arm.points), len(arm.moves)
+    if needed > TOLD_BY.get(points, 6):
+        raise Refused(FEW_POINTS(points=points, needed=needed), exit_status=2)
+    sample = space.draw(arm, SAMPLE, np.random.default_rng(seed)).pixels
+    sample = sample[np.isfinite(sample).all(axis=1)]
+    if len(sample) < LEAST_SEEN * SAMPLE:
+        raise Refused(UNSEEN(seen=len(sample), total=SAMPLE), exit_status=1)
+    return begun(arm.task, shape, sample, ranges, seed)
+
+
+def train(
+    net: ExtendedMap,
+    arm: Arm,
+    targets: Floats,
+    plan: Plan,
+    watch: Callable[[float], None] = lambda _: None,
+) -> float:
+    """Learns from targets (m, d) pixels, round after round, until the steps of the plan are done.
+
+    Targets that some camera does not see are passed over. `watch` is called with the seconds that
+    were spent on learning, the arm and its pictures included, but not what it does itself. Gives
+    them all. Raises Refused where none of the targets is seen.
+    """
+    there = targets[np.isfinite(targets).all(axis=1)]
+    if not len(there):
+        raise Refused(UNSEEN(seen=0, total=len(targets)), exit_status=1)
+    done, spent = 0, 0.0
+    while done < plan.steps:
+        began = time.perf_counter()
+        rows = np.arange(done, min(done + plan.at_once, plan.steps)) % len(there)
+        pace, before = plan.cooling.at(done), net.steps
+        learn(net, there[rows], tried(net, arm, there[rows]), pace)
+        done += len(rows)
+        spent += time.perf_counter() - began
+        if done == plan.steps or any(before < mark <= net.steps for mark in plan.marks):
+            watch(spent)
+    return spent
+
+
+def trained(
+    net: ExtendedMap, arm: SeenArm, space: Space, plan: Plan, tests: Goals | None = None
+) -> tuple[Errors, ...]:
+    """Trains with goals that are drawn, and measures; tests: of the errors, drawn without any."""
+    draw = np.random.default_rng(plan.seed + 1)
+    goals = space.draw(arm, plan.steps, draw)
+    asked = tests or space.draw(arm.noisy(0.0), 500, np.random.default_rng(plan.seed + 2))
+    curve: list[Errors] = []
+    train(net, arm, goals.pixels, plan, lambda spent: curve.append(errors(net, arm, asked, spent)))
+    return tuple(curve)
+
+
+def errors(net: ExtendedMap, arm: SeenArm, goals: Goals, seconds: float = 0.0) -> Errors:
+    """By the truth, after one coarse and one fine movement to each goal."""
+    done = tried(net, arm, goals.pixels)
+    points, turns = arm.tool(done.fine)
+    off = norms(points[:, 0] - goals.points[:, 0])
+    coarse = norms(arm.tool(done.coarse)[0][:, 0] - goals.points[:, 0])
+    turned = np.array([np.nan])
+    if goals.turns is not None:
+        turned = rotations.angle_between(turns, goals.turns)
+    pixels = np.sqrt(np.nanmean((done.fine_seen - goals.pixels) ** 2))
+    means = float(off.mean()), float(off.max()), float(turned.mean()), float(turned.max())
+    return Errors(net.steps, *means, float(pixels), float(coarse.mean()), seconds)
+
+
+def usual(steps: int, noise: float = 0.0, seed: int = 0, marks: Iterable[int] = MARKS) -> Plan:
+    """The plan of a map that begins."""
+    return Plan(steps, learning(steps, noise), marks=tuple(marks), seed=seed)

@@ -1,0 +1,90 @@
+"""Trials: a target is shown, the arm moves twice, and the map learns from what was seen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from assistant.learning.maps.extended_map import ExtendedMap, Pace
+from assistant.learning.maps.rules import NO_ANSWER
+from assistant.program.arrays import Floats, Rows
+from assistant.program.diagnostics import Refused
+
+Arm = Callable[[Floats], Floats]
+"""Joints (n, a) to which an arm is moved one after the other → pixels (n, d) at which its tool is
+seen there; a row that some camera does not see holds NaN."""
+LATELY: Final = 0.1
+"""Share of the newest trial in what a unit misses by."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trials:
+    """What became of m targets: winners (m,), joints (m, a) and pixels (m, d) of both movements."""
+
+    winners: Rows
+    coarse: Floats
+    coarse_seen: Floats
+    fine: Floats
+    fine_seen: Floats
+
+
+def tried(net: ExtendedMap, arm: Arm, targets: Floats) -> Trials:
+    """Moves the arm to targets (m, d) pixels, each by a coarse and a fine movement.
+
+    Where the arm is out of sight after the coarse one it stays. Raises Refused for an arm that does
+    not answer pixels (m, d).
+    """
+    scale = net.scale
+    wanted = scale.pictures(targets)
+    winners = net.winners(wanted)
+    slopes = net.slopes[winners]
+    coarse = scale.joints(net.angles[winners] + times(slopes, wanted - net.places[winners]))
+    coarse_seen = looked(arm, coarse, targets.shape[1])
+    off = np.nan_to_num(wanted - scale.pictures(coarse_seen))
+    fine = scale.joints(scale.angles(coarse) + times(slopes, off))
+    return Trials(winners, coarse, coarse_seen, fine, looked(arm, fine, targets.shape[1]))
+
+
+def learn(net: ExtendedMap, targets: Floats, done: Trials, pace: Pace) -> None:
+    """Learns from trials; from those that were out of sight only where targets are."""
+    scale, winners, axes = net.scale, done.winners, net.axes
+    wanted = scale.pictures(targets)
+    net.learn_places(winners, wanted, pace)
+    net.steps += len(winners)
+    there = np.isfinite(done.coarse_seen).all(axis=1) & np.isfinite(done.fine_seen).all(axis=1)
+    wanted, winners = wanted[there], winners[there]
+    first, last = scale.pictures(done.coarse_seen[there]), scale.pictures(done.fine_seen[there])
+    slopes, moved = net.slopes[winners], last - first
+    turned = scale.angles(done.fine[there]) - scale.angles(done.coarse[there])
+    better = np.empty((len(winners), net.answers.shape[1]))
+    better[:, :axes] = net.angles[winners] + times(slopes, wanted - first)
+    size = np.einsum("md,md->m", moved, moved) + max((pace.noise * scale.pixel) ** 2, TINY)
+    wrong = (turned - times(slopes, moved)) / size[:, None]
+    right = slopes + wrong[:, :, None] * moved[:, None, :]
+    better[:, axes:] = right.reshape(better[:, axes:].shape)
+    net.learn_answers(winners, better, pace)
+    missed = np.sqrt(((targets[there] - done.fine_seen[there]) ** 2).mean(axis=1))
+    before = net.missed[winners]
+    lately = np.where(np.isfinite(before), before + LATELY * (missed - before), missed)
+    net.missed[winners] = lately
+    np.add.at(net.wins, winners, 1.0)
+
+
+TINY: Final = 1e-12
+"""Of squares of spreads: a movement that is no longer seen."""
+
+
+def looked(arm: Arm, joints: Floats, count: int) -> Floats:
+    """What an arm is seen at; raises Refused if that are no pixels (m, count)."""
+    seen = np.asarray(arm(joints), dtype=np.float64)
+    if seen.shape != (len(joints), count):
+        raise Refused(NO_ANSWER(shape=seen.shape, wanted=(len(joints), count)), exit_status=2)
+    return seen
+
+
+def times(slopes: Floats, offsets: Floats) -> Floats:
+    """(m, a, d) times (m, d)."""
+    return np.asarray(np.matmul(slopes, offsets[..., None])[..., 0])

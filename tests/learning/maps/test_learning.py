@@ -1,0 +1,150 @@
+"""Learning on arms of the catalogue, what cannot be learnt, and the two rivals."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from assistant import robots
+from assistant.learning.maps.experiments import MARKS, TIP, five_joints, over_box, three_joints
+from assistant.learning.maps.goals import InBox, checked_box, checked_ranges, ranges_about_home
+from assistant.learning.maps.rivals import Calibrated, errors_of, fitted, pictures_of
+from assistant.learning.maps.seen_arm import pair_for, seen_arm, with_length
+from assistant.learning.maps.training import Plan, start_with, train, trained, usual
+from assistant.program import rotations
+from assistant.program.diagnostics import Refused
+
+RV2AJ = robots.get("rv-2aj")
+
+
+def code(call, *arguments: object) -> str:
+    with pytest.raises(Refused) as caught:
+        call(*arguments)
+    (finding,) = caught.value.findings
+    return finding.code
+
+
+def test_a_few_thousand_steps_teach_three_joints() -> None:
+    made = three_joints()
+    net = made.start(seed=1)
+    plan = usual(4000, seed=1, marks=(300,))
+    early, late = trained(net, made.arm, made.space, plan)
+    assert (early.steps, late.steps) == (304, 4000)
+    assert late.mm < 3.0
+    assert late.mm < 0.4 * early.mm
+    assert np.isnan(late.degrees)
+
+
+def test_the_same_seed_learns_the_same() -> None:
+    made = three_joints()
+    places = []
+    for _ in range(2):
+        net = made.start(seed=2)
+        trained(net, made.arm, made.space, usual(200, seed=2))
+        places.append(net.places)
+    assert np.array_equal(*places)
+
+
+def test_limits_and_pictures_of_a_seen_arm_are_those_of_its_robot() -> None:
+    made = five_joints()
+    joints = np.random.default_rng(0).uniform(*made.ranges.T, (50, 5))
+    points, turns = made.arm.tool(joints)
+    flange, _ = RV2AJ.fk(joints)
+    frames = rotations.to_matrix(turns)
+    for i, point in enumerate(MARKS[:2]):
+        assert np.abs(points[:, i] - flange - frames @ np.array(point)).max() < 1e-9
+    pixels = made.arm(joints).reshape(50, 2, 2, 2)
+    for i in range(2):
+        for k, camera in enumerate(made.arm.cameras):
+            assert np.abs(pixels[:, i, k] - camera.project(points[:, i])).max() < 1e-9
+    assert made.arm.task.seen == 8
+
+
+def test_the_calibrated_pair_is_exact_without_noise() -> None:
+    for made in (three_joints(), five_joints()):
+        goals = made.space.draw(made.arm, 100, np.random.default_rng(7))
+        found = errors_of(Calibrated(made.arm, made.ranges), made.arm, goals)
+        assert found.coarse < 1e-6
+        assert found.worst_mm < 1e-6
+
+
+def test_the_calibrated_pair_solves_whole_poses_in_closed_form() -> None:
+    made = over_box(
+        seen_arm(robots.get("irb1200-5-0.9"), (), MARKS),
+        InBox(np.array([[400.0, 500.0], [-100.0, 100.0], [200.0, 300.0]]), "down", (-30.0, 30.0)),
+    )
+    goals = made.space.draw(made.arm, 100, np.random.default_rng(7))
+    found = errors_of(Calibrated(made.arm, made.ranges), made.arm, goals)
+    assert found.coarse < 1e-6
+    assert found.worst_degrees < 1e-6
+    axes = rotations.rotate(goals.turns, np.array([0.0, 0.0, 1.0]))
+    assert np.abs(axes - [0.0, 0.0, -1.0]).max() < 1e-12
+
+
+def test_the_calibrated_pair_corrects_a_link_that_is_longer() -> None:
+    made = three_joints()
+    arm = made.arm.longer("a2", 1.1)
+    goals = made.space.draw(arm, 100, np.random.default_rng(7))
+    found = errors_of(Calibrated(made.arm, made.ranges), arm, goals)
+    assert found.coarse > 10.0
+    assert found.mm < 0.2 * found.coarse
+
+
+def test_planes_through_near_pictures_do_better_with_more_of_them() -> None:
+    made = three_joints()
+    joints = np.array([[-35.0, 35.0], [0.0, 70.0], [30.0, 110.0]])
+    goals = made.space.draw(made.arm, 100, np.random.default_rng(7))
+    few, many = (
+        errors_of(pictures_of(made.arm, joints, count), made.arm, goals).mm for count in (400, 8000)
+    )
+    assert many < few < 30.0
+
+
+def test_rotations_are_fitted_to_points() -> None:
+    draw = np.random.default_rng(6)
+    turns = rotations.canonical(draw.normal(size=(20, 4)))
+    points = np.array(MARKS)
+    found = rotations.rotate(turns[:, None], points) + draw.normal(size=(20, 1, 3))
+    assert rotations.angle_between(fitted(points, found), turns).max() < 1e-9
+
+
+def test_what_cannot_be_learnt_is_refused() -> None:
+    made = five_joints()
+    one = replace(made.arm, points=made.arm.points[:1])
+    assert code(start_with, (4, 4, 4), one, made.space, made.ranges) == "LN009"
+    for shape in ((), (4, 1), (300, 300), (2,) * 7):
+        assert code(start_with, shape, made.arm, made.space, made.ranges) == "LN010"
+    aside = made.arm.watched(pair_for(np.array([[5e3, 5e3, 0.0], [5.1e3, 5e3, 1e2]])))
+    assert code(start_with, (4, 4, 4), aside, made.space, made.ranges) == "LN006"
+    hidden = np.full((5, 8), np.nan)
+    assert code(train, made.start(), made.arm, hidden, usual(10)) == "LN006"
+    ranges = made.ranges.copy()
+    ranges[1] = [0.0, 121.0]
+    assert code(checked_ranges, RV2AJ, RV2AJ.axes, ranges) == "LN008"
+    assert code(checked_ranges, RV2AJ, RV2AJ.axes, ranges[:, ::-1]) == "LN008"
+    assert code(checked_box, np.array([[0.0, 1.0], [2.0, 1.0], [0.0, 1.0]])) == "LN015"
+    assert code(checked_box, np.array([[0.0, np.nan], [2.0, 1.0], [0.0, 1.0]])) == "LN015"
+    assert code(seen_arm, RV2AJ, (), [TIP], ("J1", "J4")) == "LN016"
+    assert code(with_length, RV2AJ, "a1", 1.1) == "LN017"
+    assert code(with_length, robots.get("rh-6frh5520"), "a2", 1.1) == "LN017"
+    far = InBox(np.array([[800.0, 950.0], [-100.0, 100.0], [200.0, 300.0]]), "down", (-30.0, 30.0))
+    assert code(over_box, seen_arm(robots.get("irb1200-5-0.9"), (), MARKS), far) == "LN007"
+
+
+@pytest.mark.parametrize("name", robots.names())
+def test_every_arm_has_ranges_about_its_home(name: str) -> None:
+    robot = robots.get(name)
+    ranges = ranges_about_home(robot, robot.axes)
+    assert checked_ranges(robot, robot.axes, ranges) is ranges
+
+
+def test_targets_that_are_hidden_are_passed_over() -> None:
+    made = three_joints()
+    net = made.start()
+    targets = made.space.draw(made.arm, 64, np.random.default_rng(0)).pixels
+    targets[::2] = np.nan
+    train(net, made.arm, targets, Plan(100, usual(100).cooling))
+    assert net.steps == 100
+    assert np.isfinite(net.places).all()

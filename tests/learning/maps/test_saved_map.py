@@ -1,0 +1,175 @@
+"""A saved map in use: what it reaches, keeps to, refuses, says of itself and goes on to learn."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from assistant.learning.maps.cooling import in_use
+from assistant.learning.maps.experiments import moved, three_joints
+from assistant.learning.maps.extended_map import ExtendedMap
+from assistant.learning.maps.goals import Goals
+from assistant.learning.maps.map_file import load
+from assistant.learning.maps.training import errors
+from assistant.learning.maps.trials import tried
+from assistant.learning.maps.using import User
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Refused
+from tests.learning.maps.small import SMALL, STEPS
+
+EXPERIMENT = three_joints()
+ARM = EXPERIMENT.arm
+
+
+@pytest.fixture
+def net() -> ExtendedMap:
+    return load(SMALL)
+
+
+def goals(count: int = 500, seed: int = 9) -> Goals:
+    return EXPERIMENT.space.draw(ARM, count, np.random.default_rng(seed))
+
+
+def place(joints: Floats) -> Floats:
+    """(n, 3) mm of the tip by the robot's own kinematics."""
+    whole = np.zeros((len(joints), 5))
+    whole[:, :3] = joints
+    flange, _ = ARM.robot.fk(whole)
+    frames = ARM.robot.link_frames(whole)[1][:, -1]
+    return flange + frames @ np.array([0.0, 0.0, 60.0])
+
+
+def codes(refused: pytest.ExceptionInfo[Refused]) -> list[str]:
+    return [finding.code for finding in refused.value.findings]
+
+
+def test_it_places_the_tool_within_a_twentieth_percent_of_the_workspace(net, tell) -> None:
+    asked = goals()
+    done = tried(net, ARM, asked.pixels)
+    off = np.linalg.norm(place(done.fine) - asked.points[:, 0], axis=1)
+    diagonal = float(np.linalg.norm([150.0, 400.0, 200.0]))
+    noisy = asked.pixels + np.random.default_rng(3).normal(0.0, 0.2, asked.pixels.shape)
+    seen = tried(net, ARM.noisy(0.2, seed=4), noisy)
+    blurred = np.linalg.norm(place(seen.fine) - asked.points[:, 0], axis=1)
+    assert net.steps == STEPS
+    assert off.mean() <= 0.0005 * diagonal
+    tell(
+        f"learned map, 3 joints, {net.steps:,} steps: mean {off.mean():.3f} mm "
+        f"({off.mean() / diagonal:.3%} of the workspace), worst {off.max():.2f} mm; with 0.2 px of "
+        f"noise {blurred.mean():.2f} mm, worst {blurred.max():.2f} mm"
+    )
+
+
+def test_no_proposal_leaves_the_limits_whatever_is_shown(net) -> None:
+    draw = np.random.default_rng(1)
+    shown = np.concatenate(
+        [draw.uniform(-1e6, 1e6, (2000, 4)), draw.uniform(0.0, 640.0, (2000, 4)), [[1e300] * 4]]
+    )
+    asked: list[Floats] = []
+
+    def arm(joints: Floats) -> Floats:
+        asked.append(joints)
+        return draw.uniform(-1e4, 1e4, (len(joints), 4))
+
+    proposed = User(net).proposed(shown[:-1]).joints
+    tried(net, arm, shown)
+    low, high = ARM.robot.limits[:3].T
+    for joints in (proposed, *asked):
+        assert (joints >= low).all()
+        assert (joints <= high).all()
+
+
+def test_it_says_how_sure_it_is(net, tell) -> None:
+    asked = goals()
+    user = User(net)
+    proposal = user.proposed(asked.pixels)
+    off = np.linalg.norm(place(proposal.joints) - asked.points[:, 0], axis=1)
+    order = np.argsort(proposal.spread)
+    surest, least = off[order[:100]].mean(), off[order[-100:]].mean()
+    assert proposal.known.all()
+    assert np.isfinite(proposal.expected).all()
+    assert least > surest
+    beside = np.random.default_rng(2).uniform(0.0, 480.0, (500, 4))
+    known = user.proposed(beside).known.mean()
+    assert known < 0.1
+    tell(
+        f"learned map: coarse error {surest:.2f} mm where neighbours agree best, {least:.2f} mm "
+        f"where least; {known:.1%} of pictures of nothing pass for known"
+    )
+
+
+def test_a_target_is_reached_by_movements_that_are_seen(net) -> None:
+    asked = goals(20)
+    user = User(net)
+    for pixels, point in zip(asked.pixels, asked.points, strict=True):
+        found = user.reach(ARM, pixels, corrections=3)
+        assert not found.findings
+        assert len(found.missed) == 4
+        assert found.missed[-1] < 0.01
+        assert np.linalg.norm(place(found.joints[None])[0] - point[0]) < 0.05
+
+
+def test_nothing_moves_for_a_doubtful_target(net) -> None:
+    user = User(net)
+    good = goals(1).pixels[0]
+    hidden = good.copy()
+    hidden[2:] = np.nan
+    far = good + np.array([300.0, 0.0, -300.0, 0.0])
+
+    def arm(joints: Floats) -> Floats:
+        raise AssertionError("it moved")
+
+    for target, code in ((hidden, "LN004"), (good[:2], "LN004"), (far, "LN005")):
+        with pytest.raises(Refused) as refused:
+            user.reach(arm, target)
+        assert codes(refused) == [code]
+    with pytest.raises(Refused):
+        user.reach(arm, good, asks=lambda _: False)
+
+
+def test_a_tool_that_gets_out_of_sight_stops_there(net) -> None:
+    moves = []
+
+    def arm(joints: Floats) -> Floats:
+        moves.append(joints)
+        return np.full((1, 4), np.nan) if len(moves) == 2 else ARM(joints)
+
+    with pytest.raises(Refused) as refused:
+        User(net).reach(arm, goals(1).pixels[0], corrections=5)
+    assert codes(refused) == ["LN012"]
+    assert len(moves) == 2
+
+
+def test_an_arm_that_answers_something_else_is_refused(net) -> None:
+    with pytest.raises(Refused) as refused:
+        User(net).reach(lambda joints: np.zeros((1, 3)), goals(1).pixels[0])
+    assert codes(refused) == ["LN011"]
+
+
+def test_a_changed_arm_is_told_of(net) -> None:
+    found = User(net).reach(ARM.longer("a2", 1.1), goals(1).pixels[0])
+    assert [finding.code for finding in found.findings] == ["LN013"]
+
+
+@pytest.mark.parametrize("what", ["a bent tool", "a moved camera"])
+def test_it_goes_on_learning_in_use(net, tell, what: str) -> None:
+    arm = ARM.bent(ARM.points + np.array([15.0, -10.0, 10.0]))
+    if what == "a moved camera":
+        arm = ARM.watched((ARM.cameras[0], moved(ARM.cameras[1], 30.0)))
+    shown = goals(300, seed=5)
+    targets = arm.seen(shown.points)
+    asked = replace(goals(200), pixels=arm.seen(goals(200).points))
+    before = errors(net, arm, asked)
+    user = User(net)
+    for target in targets:
+        if user.proposed(target[None]).known[0]:
+            user.reach(arm, target, pace=in_use())
+    after = errors(net, arm, asked)
+    assert after.coarse < 0.85 * before.coarse
+    assert after.mm < before.mm
+    tell(
+        f"learned map, {what}: {before.mm:.2f} mm ({before.coarse:.1f} mm before the correction), "
+        f"{after.mm:.2f} mm ({after.coarse:.1f}) after {len(targets):,} uses"
+    )
