@@ -30,6 +30,7 @@ class Wanted:
     output: Path | None
     kind: str | None
     lag: float
+    cycle: float | None
     everywhere: bool
     options: Options
 
@@ -67,8 +68,8 @@ def run_fmu(wanted: Wanted, format: Format) -> int:
     if output.suffix.lower() != ".fmu" or output.is_dir():
         raise Refused(NO_FMU(name=str(output)), exit_status=2)
     with working(f"writing {output}"):
-        if kind == "arm":
-            model, findings = _arm(wanted)
+        if kind != "program":
+            model, findings = _arm(wanted, kind)
         else:
             options = as_stated(wanted.source, wanted.options)
             ready = solved(wanted.source, options)
@@ -104,12 +105,15 @@ def _kind(wanted: Wanted) -> str:
     return "arm" if is_file and wanted.options.robot is None else "program"
 
 
-def _arm(wanted: Wanted) -> tuple[Model, Sequence[Diagnostic]]:
-    from assistant.blocks.fmu import arm_model
+def _arm(wanted: Wanted, kind: str) -> tuple[Model, Sequence[Diagnostic]]:
+    """Simulated, or live."""
+    from assistant.blocks.fmu import arm_model, live_model
     from assistant.compiler.arms import robot_of
 
     robot = robot_of(wanted.source)
     assert robot is not None
+    if kind == "live":
+        return live_model(robot, cycle=wanted.cycle), robot.findings
     return arm_model(robot, lag=wanted.lag), robot.findings
 
 

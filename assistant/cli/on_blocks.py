@@ -32,6 +32,7 @@ class SourceLanguage(enum.StrEnum):
 class FmuKind(enum.StrEnum):
     ARM = "arm"
     PROGRAM = "program"
+    LIVE = "live"
 
 
 def kinematics(
@@ -81,6 +82,10 @@ def fmu(
         float | None,
         typer.Option(help="Of a program: seconds between rows; default 0.002, or what fits."),
     ] = None,
+    cycle: Annotated[
+        float | None,
+        typer.Option(help="Of a live controller: seconds; default those of the arm's controller."),
+    ] = None,
     all_platforms: Annotated[
         bool, typer.Option("--all-platforms", help="Also for systems that a compiler is here for.")
     ] = False,
@@ -93,13 +98,13 @@ def fmu(
     entry: EntryOption = None,
     format: FormatOption = Format.TEXT,
 ) -> None:
-    """Write an arm or a program's motion as an FMU, which Simulink and others import."""
+    """Write an arm, a program's motion or a live controller as an FMU for Simulink and others."""
     from assistant.cli.generating import Wanted, run_fmu
     from assistant.cli.simulating import Options
 
     given = (robot, process, unit, from_language, from_robot, acceleration, period, entry, cell)
     named = None if kind is None else kind.value
-    wanted = Wanted(source, output, named, lag, all_platforms, Options(*given))
+    wanted = Wanted(source, output, named, lag, cycle, all_platforms, Options(*given))
     raise typer.Exit(run_fmu(wanted, format))
 
 

@@ -73,3 +73,20 @@ def test_a_program_out_of_reach_is_not_written(capsys: Capture, tmp_path: Path) 
 def test_a_file_of_another_kind_is_refused(capsys: Capture, tmp_path: Path) -> None:
     status, _, err = run(capsys, "fmu", "rv-2aj", "-o", str(tmp_path / "arm.zip"))
     assert status == 2 and "CL560" in err
+
+
+def test_a_live_controller_has_its_own_cycle(capsys: Capture, tmp_path: Path) -> None:
+    file = tmp_path / "live.fmu"
+    words = ("--kind", "live", "-o", str(file), "--format", "json")
+    status, out, _ = run(capsys, "fmu", "rv-4frl", *words)
+    assert status == 0 and json.loads(out)["kind"] == "live"
+    with zipfile.ZipFile(file) as archive:
+        described = archive.read("modelDescription.xml").decode()
+    assert 'stepSize="0.0035"' in described
+    assert 'canHandleVariableCommunicationStepSize="false"' in described
+
+
+def test_a_live_arm_of_another_maker_is_refused(capsys: Capture, tmp_path: Path) -> None:
+    words = ("--kind", "live", "-o", str(tmp_path / "live.fmu"))
+    status, _, err = run(capsys, "fmu", "irb1200-7-0.7", *words)
+    assert status == 1 and "BL406" in err

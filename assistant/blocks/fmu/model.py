@@ -142,6 +142,7 @@ class Model:
             "booleans": column(self.groups, "Boolean"),
             "strings": column(self.groups, "String"),
             "places": list(places(self.groups)),
+            "tables": [],
             **self.told,
         }
 

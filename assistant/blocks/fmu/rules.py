@@ -30,3 +30,11 @@ TOO_LONG: Final = error(
 NO_MOTION: Final = error(
     "BL405", "the program takes no time, so there is no motion to play", "let it move the arm"
 )
+NO_LINE: Final = error(
+    "BL406",
+    "{title} has a controller {controller}, which no live FMU speaks with",
+    "choose an arm of a CR controller, or lead this one from Python",
+)
+NO_CYCLE: Final = error(
+    "BL407", "{value:g} s is no cycle of a controller", "give 0.001 to 0.1 seconds"
+)

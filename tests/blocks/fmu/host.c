@@ -2,7 +2,7 @@
  *
  *     host LIBRARY GUID STEP REPEATS INPUTS OUTPUTS PARAMETERS
  *
- * INPUTS, OUTPUTS: values such as r3,i0,b2: a column and a place in it. PARAMETERS: r3=1.5,…
+ * INPUTS, OUTPUTS: values such as r3,i0,b2: a column and a place in it. PARAMETERS: r3=1.5,s0=a,…
  * Standard input: doubles, a row of the inputs for each step. Standard output: doubles, the outputs
  * after initialization and after each step. The rows are then stepped REPEATS times more, each
  * with all its inputs set and all its outputs read, and what that took is told on standard error.
@@ -30,7 +30,8 @@ typedef struct {
 } Part;
 
 typedef struct {
-    Part real, integer, boolean;
+    Part real, integer, boolean, text;
+    const char *texts[256];
     int n;
 } Values;
 
@@ -77,6 +78,7 @@ typedef int (*Plain)(void *);
 typedef void (*Free)(void *);
 typedef int (*DoStep)(void *, double, double, int);
 typedef int (*Reals)(void *, const unsigned int *, size_t, double *);
+typedef int (*Strings)(void *, const unsigned int *, size_t, const char **);
 typedef int (*Integers)(void *, const unsigned int *, size_t, int *);
 
 static Reals get_real, set_real;
@@ -96,9 +98,14 @@ static void parsed(char *text, Values *out)
 
     memset(out, 0, sizeof *out);
     for (word = strtok(text, ","); word != NULL; word = strtok(NULL, ",")) {
-        Part *part = word[0] == 'r' ? &out->real : word[0] == 'i' ? &out->integer : &out->boolean;
+        Part *part = word[0] == 'r'   ? &out->real
+                     : word[0] == 'i' ? &out->integer
+                     : word[0] == 'b' ? &out->boolean
+                                      : &out->text;
         char *value = strchr(word, '=');
 
+        if (part == &out->text && value != NULL)
+            out->texts[part->n] = value + 1;
         part->values[part->n] = value != NULL ? atof(value + 1) : 0.0;
         part->places[part->n] = out->n++;
         part->refs[part->n++] = (unsigned int)atoi(word + 1);
@@ -221,6 +228,9 @@ int main(int count, char **words)
         return 4;
     checked(((Setup)symbol("fmi2SetupExperiment"))(c, 0, 0.0, 0.0, 0, 0.0), "the experiment");
     set_all(c, &parameters);
+    checked(((Strings)symbol("fmi2SetString"))(c, parameters.text.refs, (size_t)parameters.text.n,
+                                               parameters.texts),
+            "setting");
     checked(((Plain)symbol("fmi2EnterInitializationMode"))(c), "the begin");
     checked(((Plain)symbol("fmi2ExitInitializationMode"))(c), "the begin");
     get_row(c, &outputs, out);

@@ -70,7 +70,7 @@ def state(arm: ArmMotion) -> np.ndarray:
 
 @pytest.mark.parametrize(
     ("name", "lag"),
-    [("rv-2aj", 0.05), ("rh-6frh5520", 0.0), ("irb1200-7-0.7", 0.0)]
+    [("rv-2aj", 0.0), ("rh-6frh5520", 0.05), ("rv-4frl", 0.0)]
     + [pytest.param(name, 0.03, marks=pytest.mark.slow) for name in robots.names()],
 )
 def test_the_outputs_are_those_of_the_library(
