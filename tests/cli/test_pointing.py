@@ -70,8 +70,8 @@ def filmed(
         (folder / sources[camera.name]).mkdir(parents=True)
         for k, pose in enumerate(p for p in poses for _ in range(frames)):
             seen = taken(grey(camera), rng) if pose is None else shown(camera, pose, rng, device)
-            file = folder / sources[camera.name] / f"{k}.png"
-            cv2.imwrite(str(file), seen, [cv2.IMWRITE_PNG_COMPRESSION, 1])
+            file = folder / sources[camera.name] / f"{k}.bmp"
+            cv2.imwrite(str(file), seen)
     rig = Rig({camera.name: camera for camera in cameras}, {}, sources)
     write_cameras(folder / "cameras.toml", rig)
 
