@@ -45,6 +45,7 @@ def run(folder: Path, forks, *arguments: str, status: int = 0) -> str:
     return done.stdout + done.stderr
 
 
+@pytest.mark.slow
 def test_cameras_are_calibrated_from_what_is_drawn(cell: Path, forks) -> None:
     board = ("--board", BOARD)
     shows = ("--show", "board", "--at", "shown.csv")

@@ -34,6 +34,8 @@ Colour = tuple[int, int, int]
 GREY: Final[Colour] = (160, 160, 165)
 FINE: Final = 4
 """Rays along each side of a pixel in which things meet."""
+AT_ONCE: Final = 2048
+"""Pixels that are drawn of several rays at once: what is worked out fits into a cache."""
 SMALL: Final = 24
 """Pixels across below which all of a thing is drawn of several rays, as single ones may miss it."""
 WIDE: Final = 1024
@@ -86,11 +88,20 @@ def draw(
 ) -> Picture:
     """What a camera that stands in the world sees (h, w, 3); the same seed gives the same noise."""
     width, height = camera.lens.size
-    picture = _cast(camera, things, _rays(camera.lens), _regions(camera, things), optics)
-    picture = picture.reshape(height, width, 3)
-    edges = np.union1d(_edges(picture), _small(camera, things))
-    if len(edges):
-        picture.reshape(-1, 3)[edges] = _fine(camera, things, edges, optics)
+    numbers = np.arange(width * height).reshape(height, width)
+    regions = [_region(camera, thing) for thing in things]
+    rows = [numbers[v0:v1, u0:u1].ravel() for u0, u1, v0, v1 in regions]
+    flat = _cast(camera, things, _rays(camera.lens), rows, optics)
+    picture = flat.reshape(height, width, 3)
+    small = (
+        own
+        for own, (u0, u1, v0, v1) in zip(rows, regions, strict=True)
+        if min(u1 - u0, v1 - v0) < SMALL
+    )
+    edges = np.unique(np.concatenate([_edges(picture), *small]))
+    for first in range(0, len(edges), AT_ONCE):
+        some = edges[first : first + AT_ONCE]
+        flat[some] = _fine(camera, things, regions, some, optics)
     return _taken(picture, optics, seed)
 
 
@@ -154,14 +165,6 @@ def _beside(lens: Lens, pixels: Rows, offsets: Floats) -> Floats:
 
 Region = tuple[int, int, int, int]
 """Columns and rows of the picture, begin and end of each."""
-
-
-def _regions(camera: Camera, things: Sequence[Thing]) -> list[Rows]:
-    """Of each thing the pixels that may show it."""
-    width, height = camera.lens.size
-    numbers = np.arange(width * height).reshape(height, width)
-    regions = (_region(camera, thing) for thing in things)
-    return [numbers[v0:v1, u0:u1].ravel() for u0, u1, v0, v1 in regions]
 
 
 def _region(camera: Camera, thing: Thing) -> Region:
@@ -265,35 +268,23 @@ def _edges(picture: Colours) -> Rows:
     return np.flatnonzero(edge)
 
 
-def _small(camera: Camera, things: Sequence[Thing]) -> Rows:
-    """Pixels of things that a ray a pixel might miss."""
-    width, height = camera.lens.size
-    numbers = np.arange(width * height).reshape(height, width)
-    regions = (_region(camera, thing) for thing in things)
-    some = [
-        numbers[v0:v1, u0:u1].ravel() for u0, u1, v0, v1 in regions if min(u1 - u0, v1 - v0) < SMALL
-    ]
-    return np.concatenate([np.zeros(0, dtype=np.intp), *some])
-
-
-def _fine(camera: Camera, things: Sequence[Thing], pixels: Rows, optics: Optics) -> Colours:
+def _fine(
+    camera: Camera,
+    things: Sequence[Thing],
+    regions: Sequence[Region],
+    pixels: Rows,
+    optics: Optics,
+) -> Colours:
     """Mean colours (n, 3) of several rays in each of some pixels."""
     width, _ = camera.lens.size
     steps = (np.arange(FINE) + 0.5) / FINE - 0.5
     offsets = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
-    middles = np.column_stack([pixels % width, pixels // width]).astype(float)
-    places = (middles[:, None] + offsets).reshape(-1, 2)
     rays = _beside(camera.lens, pixels, offsets)
-    regions = [_within(camera, thing, places) for thing in things]
-    colours = _cast(camera, things, rays, regions, optics)
+    u, v = pixels % width, pixels // width
+    within = [(u >= u0) & (u < u1) & (v >= v0) & (v < v1) for u0, u1, v0, v1 in regions]
+    rows = [np.flatnonzero(np.repeat(inside, FINE * FINE)) for inside in within]
+    colours = _cast(camera, things, rays, rows, optics)
     return np.asarray(colours.reshape(len(pixels), FINE * FINE, 3).mean(axis=1))
-
-
-def _within(camera: Camera, thing: Thing, places: Floats) -> Rows:
-    u0, u1, v0, v1 = _region(camera, thing)
-    u, v = places.T
-    inside = (u >= u0 - 0.5) & (u <= u1 - 0.5) & (v >= v0 - 0.5) & (v <= v1 - 0.5)
-    return np.flatnonzero(inside)
 
 
 def _taken(picture: Colours, optics: Optics, seed: int) -> Picture:

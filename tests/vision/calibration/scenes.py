@@ -8,7 +8,7 @@ import numpy as np
 
 from assistant.program import rotations
 from assistant.program.geometry import Pose
-from assistant.vision.calibration.boards import Board
+from assistant.vision.calibration.boards import Board, View
 from assistant.vision.cameras.camera import Camera, Lens, looking_at
 from assistant.vision.cameras.drawing import Card, Optics, Picture, Thing, draw
 
@@ -41,3 +41,16 @@ def pictures(
 def stand(name: str, x: float) -> Camera:
     """One of a pair that looks at the same place from 1 m."""
     return Camera(name, LENS, looking_at((x, -950.0, 300.0), (0.0, 0.0, 300.0)))
+
+
+def exact(
+    camera: Camera, board: Board, poses: list[Pose], noise: float, seed: int = 1
+) -> list[View]:
+    """Views without pictures: projected corners with noise."""
+    rng = np.random.default_rng(seed)
+    found = []
+    for i, pose in enumerate(poses):
+        pixels = camera.project(pose.moved(board.corners))
+        rows = np.flatnonzero(camera.within(pixels, 5.0))
+        found.append(View(str(i), rows, pixels[rows] + rng.normal(0.0, noise, (len(rows), 2))))
+    return found

@@ -12,7 +12,7 @@ from assistant.vision.calibration.boards import Board, View, find
 from assistant.vision.calibration.lenses import find_lens
 from assistant.vision.calibration.pairs import find_pair
 from assistant.vision.cameras.camera import Camera
-from tests.vision.calibration.scenes import BOARD, LENS, pictures, shown, stand
+from tests.vision.calibration.scenes import BOARD, LENS, exact, pictures, shown, stand
 
 
 def views_of(camera: Camera, board: Board, count: int, seed: int = 1) -> list[View]:
@@ -23,19 +23,7 @@ def views_of(camera: Camera, board: Board, count: int, seed: int = 1) -> list[Vi
     return [view for view in found if view is not None]
 
 
-def exact(
-    camera: Camera, board: Board, poses: list[Pose], noise: float, seed: int = 1
-) -> list[View]:
-    """Views without pictures: projected corners with noise."""
-    rng = np.random.default_rng(seed)
-    found = []
-    for i, pose in enumerate(poses):
-        pixels = camera.project(pose.moved(board.corners))
-        rows = np.flatnonzero(camera.within(pixels, 5.0))
-        found.append(View(str(i), rows, pixels[rows] + rng.normal(0.0, noise, (len(rows), 2))))
-    return found
-
-
+@pytest.mark.slow
 def test_a_lens_is_found_from_drawn_charuco_boards(tell) -> None:
     camera = Camera("one", LENS)
     views = views_of(camera, BOARD, 8)

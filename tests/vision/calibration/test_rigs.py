@@ -1,0 +1,137 @@
+"""Rigs from views of boards: what they keep, and views that do not belong together."""
+
+from __future__ import annotations
+
+import datetime
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Refused
+from assistant.program.geometry import Pose
+from assistant.vision.calibration.boards import Board, View
+from assistant.vision.calibration.rigs import Looked, calibrate, look
+from assistant.vision.cameras.camera import Camera
+from assistant.vision.cameras.checking import agree
+from tests.vision.calibration.scenes import BOARD, LENS, exact, pictures, shown, stand
+
+BETWEEN = Pose((0.0, -350.0, 300.0), (0.7071068, -0.7071068, 0.0, 0.0))
+LEFT, RIGHT = stand("left", -300.0), stand("right", 300.0)
+CHESSBOARD = Board.parse("chessboard 8x5 30")
+
+
+def places(board: Board, count: int, seed: int = 2) -> list[Pose]:
+    rng = np.random.default_rng(seed)
+    return [BETWEEN @ shown(board, 350.0, rng) for _ in range(count)]
+
+
+def seen(camera: Camera, board: Board, poses: list[Pose], noise: float = 0.1) -> Looked:
+    views = tuple(exact(camera, board, poses, noise))
+    return Looked(camera.name, LENS.size, tuple(view.name for view in views), views, ())
+
+
+def test_a_rig_keeps_its_date_and_what_was_left() -> None:
+    poses = places(BOARD, 12)
+    looked = [seen(camera, BOARD, poses) for camera in (LEFT, RIGHT)]
+    day = datetime.date(2026, 11, 25)
+    found = calibrate(BOARD, looked, today=day)
+    left, right = found.rig.records["left"], found.rig.records["right"]
+    assert (left.date, right.date) == (day, day)
+    assert left.residual == pytest.approx(0.1, rel=0.2)
+    assert right.pair == pytest.approx(0.1, rel=0.2)
+    assert (left.pair, left.mm, right.degrees) == (None, None, None)
+
+
+def test_a_pair_beside_an_arm_stands_in_its_base() -> None:
+    """The board is on the flange; where it is there nobody says."""
+    on_flange = Pose((20.0, -10.0, 40.0), (0.0, 1.0, 0.0, 0.0))
+    poses = places(BOARD, 12)
+    flanges = [one @ on_flange.inverse() for one in poses]
+    looked = [seen(camera, BOARD, poses, 0.05) for camera in (LEFT, RIGHT)]
+    found = calibrate(BOARD, looked, flanges=flanges)
+    for camera in (LEFT, RIGHT):
+        there = found.rig[camera.name].pose.position
+        assert there == pytest.approx(camera.pose.position, abs=6.0)
+    assert found.rig.records["left"].mm < 1.0
+    assert found.rig.records["left"].degrees < 0.2
+
+
+def test_views_that_do_not_belong_together_are_told() -> None:
+    poses = places(BOARD, 8)
+    left, right = (seen(camera, BOARD, poses) for camera in (LEFT, RIGHT))
+    other = seen(RIGHT, BOARD, poses[:-1])
+    with pytest.raises(Refused, match=r"VS036.*left.*right"):
+        calibrate(BOARD, [left, other])
+    with pytest.raises(Refused, match=r"VS036.*poses of the arm"):
+        calibrate(BOARD, [left], flanges=poses[:-1])
+    wrong = Looked("right", LENS.size, right.files, right.views[::-1], ())
+    with pytest.raises(Refused, match=r"VS043.*left.*right"):
+        calibrate(BOARD, [left, wrong])
+
+
+def test_a_pair_of_which_one_picture_is_mirrored_is_told() -> None:
+    """A chessboard alone does not tell that: its mirror image is a chessboard as well."""
+    poses = places(CHESSBOARD, 10)
+    left, right = (seen(camera, CHESSBOARD, poses) for camera in (LEFT, RIGHT))
+    views = tuple(_mirrored(view) for view in right.views if view is not None)
+    with pytest.raises(Refused, match="VS043"):
+        calibrate(CHESSBOARD, [left, Looked("right", LENS.size, right.files, views, ())])
+
+
+def _mirrored(view: View) -> View:
+    """As the corners of a mirrored picture are found: its rows begin at their other ends."""
+    columns, _ = CHESSBOARD.across
+    pixels: Floats = view.pixels * [-1.0, 1.0] + [LENS.size[0] - 1.0, 0.0]
+    return View(
+        view.name, view.rows // columns * columns + columns - 1 - view.rows % columns, pixels
+    )
+
+
+def test_a_chessboard_that_is_alike_upside_down_tells_no_place() -> None:
+    board = Board.parse("chessboard 8x6 30")
+    poses = places(board, 8)
+    looked = [seen(camera, board, poses) for camera in (LEFT, RIGHT)]
+    assert calibrate(board, looked[:1]).rig["left"].lens.focal == pytest.approx(
+        LENS.focal, rel=0.03
+    )
+    with pytest.raises(Refused, match=r"VS039.*8 × 6"):
+        calibrate(board, looked)
+    with pytest.raises(Refused, match="VS039"):
+        calibrate(board, looked[:1], flanges=poses)
+
+
+def test_what_pictures_lack_is_told(tmp_path: Path) -> None:
+    ((picture,),) = pictures([Camera("one", LENS)], BOARD, [shown(BOARD, 500.0, _rng())])
+    cv2.imwrite(str(tmp_path / "1.png"), picture)
+    cv2.imwrite(str(tmp_path / "2.png"), np.full_like(picture, 90))
+    looked = look(BOARD, "left", tmp_path)
+    assert [view is not None for view in looked.views] == [True, False]
+    assert [finding.code for finding in looked.findings] == ["VS031"]
+    assert "2.png" in str(looked.findings[0])
+    cv2.imwrite(str(tmp_path / "3.png"), picture[:400])
+    with pytest.raises(Refused, match=r"VS037.*3\.png has 640 × 400"):
+        look(BOARD, "left", tmp_path)
+
+
+def test_blurred_views_are_told() -> None:
+    looked = seen(LEFT, BOARD, places(BOARD, 8), noise=1.1)
+    assert "VS035" in {finding.code for finding in calibrate(BOARD, [looked]).findings}
+
+
+def test_cameras_of_which_one_was_moved_do_not_agree() -> None:
+    pose = places(BOARD, 1)[0]
+    corners = pose.moved(BOARD.corners)
+    pixels = [camera.project(corners) for camera in (LEFT, RIGHT)]
+    good, none = agree([LEFT, RIGHT], pixels, BOARD.corners)
+    assert none == () and good.corners == len(corners)
+    assert (good.pixels, good.mm) == pytest.approx((0.0, 0.0), abs=1e-6)
+    moved = Camera("right", LENS, RIGHT.pose @ Pose((0.0, 4.0, 0.0)))
+    _, told = agree([LEFT, moved], pixels, BOARD.corners)
+    assert [one.code for one in told] == ["VS026"]
+
+
+def _rng() -> np.random.Generator:
+    return np.random.default_rng(1)
