@@ -23,6 +23,7 @@ from assistant.cli.camera_commands import camera
 from assistant.cli.exchanges import exchange
 from assistant.cli.explorations import explore
 from assistant.cli.gateways import gateway
+from assistant.cli.object_commands import objects, see
 from assistant.cli.options import FormatOption, complete_robot
 from assistant.cli.presentation import Format, answer_as
 from assistant.cli.reaching import reach
@@ -47,6 +48,7 @@ app.add_typer(exchange, name="exchange")
 app.add_typer(reach, name="reach")
 app.add_typer(explore, name="explore")
 app.add_typer(camera, name="camera")
+app.add_typer(objects, name="objects")
 
 
 def _budget(text: str | None) -> None:
@@ -86,6 +88,7 @@ def options(
 
 for command in (*on_programs.COMMANDS, *on_cells.COMMANDS, *on_blocks.COMMANDS):
     app.command()(command)
+app.command("see")(see)
 app.command()(run)
 app.command()(debug)
 app.command()(gateway)

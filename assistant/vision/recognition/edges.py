@@ -126,18 +126,31 @@ def edges_near(
 
 
 def of_edges(
-    cv: ModuleType, photo: Photo, samples: Samples, reach: float
+    cv: ModuleType, photo: Photo, samples: Samples, reach: float, height: float = 0.0
 ) -> Callable[[Pose], Rows]:
-    """What a picture measures of an outline; the reach shrinks as the pose is approached."""
+    """What a picture measures of an outline; the reach shrinks as the pose is approached.
+
+    height: mm that the part goes down from its face. Where the camera sees that side, the edge may
+    be of the face or of its foot, or both in one.
+    """
     left = [reach, reach, max(reach / 2.0, 2.0)]
 
     def rows(pose: Pose) -> Rows:
         near = left.pop(0) if left else 2.0
         found = edges_near(cv, photo, samples, pose, near, along=not left)
         offs = found.offs if left else _clear(photo, found)
-        return Rows(-offs, found.slopes, along=True)
+        unsure = 0.5 * np.maximum(_walls(photo, samples, pose, found, height), 0.0)
+        return Rows(-offs, found.slopes, along=True, unsure=unsure)
 
     return rows
+
+
+def _walls(photo: Photo, samples: Samples, pose: Pose, found: Found, height: float) -> Floats:
+    """(n,) pixels that the foot of a part is seen out of the outline of its face."""
+    if height == 0.0:
+        return np.zeros(len(samples))
+    foot = photo.camera.project(pose.moved(samples.points - np.array([0.0, 0.0, height])))
+    return np.asarray(np.nan_to_num(((foot - found.pixels) * found.normals).sum(axis=1)))
 
 
 def _clear(photo: Photo, found: Found) -> Floats:

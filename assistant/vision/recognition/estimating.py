@@ -21,8 +21,8 @@ from assistant.program.geometry import IDENTITY, Pose
 from assistant.vision.cameras.camera import Camera
 
 ROUNDS: Final = 12
-CLOSE: Final = 1e-4
-"""mm, and thousandths of radians, of a step at which they end."""
+CLOSE: Final = 1e-3
+"""mm, and hundredths of it in radians, of a step at which they end."""
 TUKEY: Final = 4.685
 """Sigmas beyond which a measurement counts nothing: 95 % of the efficiency of least squares for
 Gaussian noise (Huber, Robust Statistics, 1981)."""
@@ -33,10 +33,12 @@ COARSE: Final = (2.0, 1.0, 0.5, 0.15)
 the first steps, and in all after them. Else one edge that agrees with itself drives others out."""
 SHIFT: Final = 0.3
 """Pixels, one sigma, that all edges of an outline may lie out of the material."""
-SIDE: Final = 0.02
+SIDE: Final = 0.008
 """Pixels, one sigma, that a whole side of an outline is off by what no noise is: the grid of
 pixels, corners, the lens. It is not less for more samples of that side."""
 SIDES: Final = 6.0
+SURE: Final = 0.05
+"""Pixels, one sigma, that a row counts wholly to which nothing else is unsure."""
 FEWEST: Final = 6
 OVERLAP: Final = 1.4
 """Rows of keypoints that tell as much as one by itself: what they are told by overlaps, and all are
@@ -51,12 +53,14 @@ FREE: Final = 1e-9
 class Rows:
     """offs: (n,) pixels; slopes: (n, 6). along: they are of edges out of the material, each beside
     the next. alike: how many of them tell as much as one that has nothing in common with others.
+    unsure: (n,) pixels, one sigma, that each may be off beside what all are.
     """
 
     offs: Floats
     slopes: Floats
     along: bool = False
     alike: float = 1.0
+    unsure: Floats | None = None
 
 
 Measure = Callable[[Pose], Rows]
@@ -118,7 +122,7 @@ def fitted(
             return None
         step, matrix, scatter, weights = found
         pose = moved(pose, step)
-        small = np.abs(step[:3]).max() < CLOSE and np.abs(step[3:]).max() < CLOSE * 1e-3
+        small = np.abs(step[:3]).max() < CLOSE and np.abs(step[3:]).max() < CLOSE * 1e-2
         if small and number >= len(COARSE):
             break
     units = np.array([1.0, 1.0, 1.0, *[180.0 / np.pi] * 3])
@@ -207,6 +211,8 @@ def _known(rows: Rows, coarse: float) -> _Known:
     centred = np.where(good, offs - middle, 0.0)
     typical = max(1.4826 * float(np.median(np.abs(centred[good]))), coarse)
     weight = np.where(good, np.maximum(1.0 - (centred / (TUKEY * typical)) ** 2, 0.0) ** 2, 0.0)
+    if rows.unsure is not None:
+        weight = weight / (1.0 + (rows.unsure / SURE) ** 2)
     count = float((weight > 0.0).sum())
     if count < FEWEST:
         return _Known(np.zeros((6, 6)), np.zeros(6), np.zeros(len(good)), 0.0)

@@ -112,7 +112,7 @@ def matched(
     if not len(seen) or len(known) < 2:
         return np.zeros(0, np.intp), np.zeros(0, np.intp)
     nearest = min(2 * len(TILTS), len(known))
-    matcher = cv.FlannBasedMatcher({"algorithm": 1, "trees": 4}, {"checks": 64})
+    matcher = cv.FlannBasedMatcher({"algorithm": 1, "trees": 4}, {"checks": 160})
     cv.setRNGSeed(1)
     found = matcher.knnMatch(seen.descriptors.astype(np.float32), known.astype(np.float32), nearest)
     at = np.array([[m.trainIdx for m in row] + [-1] * (nearest - len(row)) for row in found])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -14,11 +14,12 @@ from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.recognition.edges import APART, CORNERS, Samples, of_edges, sampled
 from assistant.vision.recognition.estimating import Estimate, Plane, fitted
-from assistant.vision.recognition.judging import Judged, judge
+from assistant.vision.recognition.judging import Judged, judge, within
 from assistant.vision.recognition.moments import Moments, moments
-from assistant.vision.recognition.objects import KnownObject
+from assistant.vision.recognition.objects import KnownObject, Outline
 from assistant.vision.recognition.pairs import Contour, Flat, Pairs, contour_of
 from assistant.vision.recognition.photo import Photo, signed_area
+from assistant.vision.recognition.symmetry import middle_of, near_symmetry_of
 
 if TYPE_CHECKING:
     from types import ModuleType
@@ -31,24 +32,33 @@ MOST_EMPTY: Final = 0.06
 """Part of the face at which there may be nothing."""
 LEAST_INSIDE: Final = 0.5
 """Part of the face that shows one colour."""
-ON_CONTOUR: Final = 0.4
+ON_CONTOUR: Final = 0.36
 """Part of an outline that lies on a contour of the picture before it is looked at closer."""
 REACH: Final = 6.0
 """Pixels from where the contour put an outline in which its edges are looked for."""
 OWN: Final = 0.8
 """Part of the supported edges of an object that no other one has before."""
+CLOSE: Final = 0.03
+"""Of confidence, within which two ways to lie are not told apart."""
+TRIED: Final = 3
+"""Poses of an object in a region that are looked at closely."""
+COVERED: Final = 0.7
+"""Part of a region's edge that lies on faces which are known already, from which it is left out."""
 FEWEST: Final = 24
 """Samples of an outline below which it is too small in a picture to be known by it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OutlineFound:
-    """An object where a picture shows its outline."""
+    """An object where a picture shows its outline. doubtful: turned another way, it fits about as
+    well.
+    """
 
     object: KnownObject
     estimate: Estimate
     judged: Judged
     samples: Samples
+    doubtful: bool = False
 
     @property
     def confidence(self) -> float:
@@ -62,26 +72,42 @@ def confidence_of(judged: Judged) -> float:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shape:
-    """What is worked out once of an object with an outline."""
+    """What is worked out once of an object with an outline. nearly: in how many ways it looks
+    nearly the same.
+    """
 
     object: KnownObject
+    outline: Outline
     pairs: Pairs
     moments: Moments
+    nearly: int
 
     @staticmethod
     def of(cv: ModuleType, known: KnownObject) -> Shape:
         assert known.outline is not None
         found = moments(cv, known.outline.rings)
         assert found is not None  # outlines without area are refused when they are read
-        return Shape(known, Pairs.of(known.outline), found)
+        nearly = near_symmetry_of(known.outline)
+        if known.symmetry == nearly:
+            nearly = 1
+        return Shape(known, known.outline, Pairs.of(known.outline), found, max(nearly, 1))
 
 
 def outlines_in(
-    cv: ModuleType, photo: Photo, shapes: Sequence[Shape], plane: Plane
+    cv: ModuleType,
+    photo: Photo,
+    shapes: Sequence[Shape],
+    plane: Plane,
+    faces: Sequence[Floats] = (),
 ) -> list[OutlineFound]:
-    """What lies on the plane with a known outline, each place of the picture claimed once."""
+    """What lies on the plane with a known outline, each place of the picture claimed once.
+
+    faces: polygons (n, 2) of pixels in which everything is known already.
+    """
     possible: list[OutlineFound] = []
-    for rings in photo.regions:
+    for rings in photo.regions if shapes else ():
+        if any(within(face, rings[0]).mean() > COVERED for face in faces):
+            continue
         by_height: dict[float, Region | None] = {}
         for shape in shapes:
             height = shape.object.height
@@ -143,12 +169,28 @@ def _of_shape(
         settled += [shape.pairs.settled(region.contour, one) for one in voted]
     tried: list[Flat] = []
     for pose, share in sorted(settled, key=lambda one: -one[1]):
+        if len(tried) >= TRIED * shape.nearly:
+            return
         if share < ON_CONTOUR or any(_same(pose, one, shape) for one in tried):
             continue
-        tried.append(pose)
-        found = _looked_at(cv, photo, shape, pose, region, plane)
-        if found is not None:
-            yield found
+        turned = _turned_ways(shape, pose)
+        tried += turned
+        seen = (_looked_at(cv, photo, shape, one, region, plane) for one in turned)
+        found = sorted((one for one in seen if one is not None), key=lambda one: -one.confidence)
+        if found:
+            close = len(found) > 1 and found[1].confidence > found[0].confidence - CLOSE
+            yield replace(found[0], doubtful=close)
+
+
+def _turned_ways(shape: Shape, pose: Flat) -> list[Flat]:
+    """A pose, and those in which the shape looks nearly the same."""
+    ways = [pose]
+    middle = middle_of(shape.outline)
+    for number in range(1, shape.nearly):
+        turn = pose.turn + 2.0 * np.pi * number / shape.nearly
+        x, y = pose.moved(middle[None])[0] - Flat(turn, 0.0, 0.0).moved(middle[None])[0]
+        ways.append(Flat(turn, float(x), float(y)))
+    return ways
 
 
 def _by_moments(shape: Shape, region: Region) -> list[Flat]:
@@ -186,7 +228,7 @@ def _looked_at(
         return None
     estimate = fitted(
         pose,
-        [of_edges(cv, photo, samples, REACH)],
+        [of_edges(cv, photo, samples, REACH, known.height)],
         plane,
         known.height,
         any_turn=known.symmetry == 0,

@@ -101,7 +101,7 @@ def noise_of(cv: ModuleType, picture: Picture) -> float:
 
 
 def background(lab: Singles) -> Singles:
-    """(h, w, 3) the colour of the background everywhere: a quadratic in the places of pixels that
+    """(h, w, 3) the colour of the background everywhere: a cubic in the places of pixels that
     fits most of those that are near to the commonest colour.
     """
     height, width = lab.shape[:2]
@@ -122,7 +122,9 @@ def background(lab: Singles) -> Singles:
 
 
 def _terms(x: Singles, y: Singles) -> Singles:
-    return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=2)
+    second = x * x, x * y, y * y
+    third = x * second[0], x * second[1], x * second[2], y * second[2]
+    return np.stack([np.ones_like(x), x, y, *second, *third], axis=2)
 
 
 def _commonest(colours: Singles) -> Singles:

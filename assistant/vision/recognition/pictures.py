@@ -1,88 +1,66 @@
-"""Pictures of files, and whether they are good enough to look for objects in."""
+"""The pictures of one moment, each of the camera that took it, good enough to be looked at."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path as FilePath
-from types import ModuleType
-from typing import Final
 
-import numpy as np
-
-from assistant.program.diagnostics import Diagnostic, Refused, Unreadable
-from assistant.program.text import read_bytes
+from assistant.program.diagnostics import Refused, Severity
 from assistant.sources.process.values import listed, shown
+from assistant.vision.cameras import rules as of_cameras
 from assistant.vision.cameras.camera import Camera
+from assistant.vision.cameras.capture import look_at, read_picture
 from assistant.vision.recognition.photo import Picture
-from assistant.vision.recognition.rules import (
-    DARK,
-    NO_PICTURE,
-    OTHER_SIZE,
-    SATURATED,
-    TWICE,
-    WHICH_CAMERA,
-)
-
-DARKEST: Final = 12.0
-"""Grey level below which half of a picture must not be."""
-MOST_SATURATED: Final = 0.25
-"""Part of a picture that may have the highest level."""
-MOST_BYTES: Final = 100_000_000
-MOST_PIXELS: Final = 100_000_000
-STARTS: Final = (b"\x89PNG", b"\xff\xd8", b"BM", b"II*\0", b"MM\0*")
-"""How files of pictures begin; others are not handed to what decodes them."""
+from assistant.vision.recognition.rules import TWICE, WHICH_CAMERA
 
 
-def read_picture(cv: ModuleType, path: str | FilePath) -> Picture:
-    """A picture (h, w, 3) of a file; raises Unreadable for what is none, or is too large."""
-    data = read_bytes(path, most=MOST_BYTES)
-    start = next((one for one in STARTS if data.startswith(one)), None)
-    if start is None:
-        raise Unreadable(NO_PICTURE(path=str(path), reason="it begins like no PNG, JPEG or TIFF"))
-    if start == b"\x89PNG" and len(data) >= 24:
-        width, height = (int.from_bytes(data[i : i + 4], "big") for i in (16, 20))
-        if width * height > MOST_PIXELS:
-            reason = f"it says to have {width} × {height} pixels"
-            raise Unreadable(NO_PICTURE(path=str(path), reason=reason))
-    try:
-        picture = cv.imdecode(np.frombuffer(data, np.uint8), cv.IMREAD_COLOR)
-    except cv.error as wrong:
-        raise Unreadable(NO_PICTURE(path=str(path), reason=shown(str(wrong), 100))) from None
-    if picture is None or picture.shape[0] < 16 or picture.shape[1] < 16:
-        reason = "what it holds cannot be decoded" if picture is None else "it is too small"
-        raise Unreadable(NO_PICTURE(path=str(path), reason=reason))
-    return np.asarray(picture)
+def pictures_of(given: Sequence[str], cameras: Mapping[str, Camera]) -> dict[str, Picture]:
+    """Pictures by their cameras: of CAMERA=FILE, of files named like their camera, or the only
+    picture of the only camera. Raises Refused, see `picture_of`.
+    """
+    files: dict[str, str] = {}
+    for one in given:
+        name, file = camera_of(one, cameras, alone=len(given) == 1)
+        if name in files:
+            raise Refused(TWICE(name=name), exit_status=2)
+        files[name] = file
+    return {name: picture_of(file, cameras[name]) for name, file in files.items()}
 
 
-def faults(picture: Picture, camera: Camera, path: str) -> Iterator[Diagnostic]:
-    """What keeps a picture of a camera from being looked at."""
+def picture_of(file: str, camera: Camera) -> Picture:
+    """The picture of a file; raises Refused for one of another size than calibrated, and for one
+    that is dark or saturated: of these nothing is told that anybody acts on.
+    """
+    picture = read_picture(file)
     size = picture.shape[1], picture.shape[0]
     if size != camera.lens.size:
-        wanted = camera.lens.size
-        yield OTHER_SIZE(path=path, given=size, camera=camera.name, wanted=wanted)
-    brightest = picture.max(axis=2)
-    if float(np.median(brightest)) < DARKEST:
-        yield DARK(path=path, level=DARKEST)
-    part = float((picture.min(axis=2) >= 255).mean())
-    if part > MOST_SATURATED:
-        yield SATURATED(path=path, part=part)
+        said, wanted = (f"{w} × {h}" for w, h in (size, camera.lens.size))
+        told = of_cameras.OTHER_SIZE(path=file, name=camera.name, given=said, wanted=wanted)
+        raise Refused(told, exit_status=2)
+    return sound(picture, camera, file)
 
 
-def by_camera(given: Sequence[str], cameras: Mapping[str, Camera]) -> dict[str, str]:
-    """The files of pictures by their cameras: CAMERA=FILE, files named like their camera, or the
-    only picture of the only camera. Raises Refused (exit status 2).
+def sound(picture: Picture, camera: Camera, source: str) -> Picture:
+    """The picture itself; raises Refused for a dark or saturated one."""
+    doubts = look_at(camera, picture)
+    if doubts:
+        raise Refused(*(replace(one, severity=Severity.ERROR, path=source) for one in doubts))
+    return picture
+
+
+def camera_of(given: str, cameras: Mapping[str, Camera], *, alone: bool) -> tuple[str, str]:
+    """Name of the camera and file of a picture; alone: the only camera took it, if it names none.
+
+    Raises Refused (exit status 2) where that is not told.
     """
-    found: dict[str, str] = {}
-    for one in given:
-        name, equals, file = one.partition("=")
-        if not (equals and name in cameras):
-            stem = FilePath(one).stem
-            only = len(given) == 1 and len(cameras) == 1
-            name, file = (stem if stem in cameras else next(iter(cameras)) if only else ""), one
-        if not name:
-            names = listed(list(cameras))
-            raise Refused(WHICH_CAMERA(name=shown(one), names=names), exit_status=2)
-        if name in found:
-            raise Refused(TWICE(name=name), exit_status=2)
-        found[name] = file
-    return found
+    name, equals, file = given.partition("=")
+    if equals and name in cameras:
+        return name, file
+    stem = FilePath(given).stem
+    if stem in cameras:
+        return stem, given
+    if alone and len(cameras) == 1:
+        return next(iter(cameras)), given
+    names = listed(list(cameras))
+    raise Refused(WHICH_CAMERA(name=shown(given), names=names), exit_status=2)

@@ -4,11 +4,6 @@ from __future__ import annotations
 
 from assistant.program.diagnostics import error, info, warning
 
-NO_OPENCV = error(
-    "VS300",
-    "pictures are looked at by the library opencv-python-headless, which is not installed",
-    "install the extra: pip install 'robot-assistant[vision]'",
-)
 NO_LIBRARY = error(
     "VS301",
     "`{name}` is no object library: {reason}",
@@ -66,27 +61,15 @@ NO_SCALE = error(
     "give its width in mm by --width, or --cameras and the plane that it lies on",
 )
 ONE_WAY = error("VS324", "an object is learnt from a drawing or from pictures, not both", "{cure}")
+NO_HEIGHT = warning(
+    "VS326",
+    "two pictures do not tell how high the face of `{name}` is, so it is taken to lie in the plane",
+    "give its height in mm by --height, or pictures of cameras that stand nearer together",
+)
 NOTHING_SHOWN = error(
     "VS325",
     "the picture shows nothing that differs from its background",
     "lay the part alone on a plain background of another colour",
-)
-NO_PICTURE = error("VS330", "this is no picture that is read: {reason}", "save it as PNG or JPEG")
-OTHER_SIZE = error(
-    "VS331",
-    "the picture has {given[0]} × {given[1]} pixels, and the camera `{camera}` was calibrated with "
-    "{wanted[0]} × {wanted[1]}",
-    "take it with the calibrated size, or calibrate the camera anew",
-)
-DARK = error(
-    "VS332",
-    "the picture is too dark: half of it is below grey level {level:g}",
-    "give more light or a longer exposure",
-)
-SATURATED = error(
-    "VS333",
-    "the picture is saturated: {part:.0%} of it has the highest level",
-    "give less light or a shorter exposure",
 )
 WHICH_CAMERA = error(
     "VS334",
@@ -137,6 +120,11 @@ FAR_OUT = error(
     "VS346",
     "`{name}` is only known to {sigma:.2g} {unit}, more than {most:g} {unit}",
     "look from nearer, with a second camera or less of it hidden, or allow more by --{option}",
+)
+TURNED = error(
+    "VS347",
+    "`{name}` may be turned in two ways, as what tells them apart is hidden or small",
+    "uncover it, look from nearer, or draw what makes it different",
 )
 NO_PLACES = warning(
     "VS350",

@@ -32,14 +32,24 @@ from assistant.vision.recognition.outlines import (
     outlines_in,
 )
 from assistant.vision.recognition.photo import Photo, Picture, looked_at, signed_area
-from assistant.vision.recognition.rules import DISAGREE, NO_PLANE, NOT_LYING, TILTED, UNKNOWN
+from assistant.vision.recognition.rules import (
+    DISAGREE,
+    NO_PLANE,
+    NOT_LYING,
+    TILTED,
+    TURNED,
+    UNKNOWN,
+)
 from assistant.vision.recognition.symmetry import middle_of
 from assistant.vision.recognition.textures import Marks, textures_in
 
 LEVEL: Final = Plane()
 """x and y of the world."""
-TOGETHER: Final = (8.0, 4.0)
-"""mm, and sigmas, that one object is apart where two cameras put it."""
+TOGETHER: Final = 0.5
+"""Part of the shorter side of an object: what two cameras put nearer together is one, as two of a
+kind would lie in each other."""
+SIGMAS: Final = 4.0
+"""Added to that, of how sure both are."""
 DOUBTED: Final = 6.0
 """Sigmas, and mm below, from which cameras disagree."""
 LEAST_DOUBTED: Final = 0.5
@@ -142,15 +152,7 @@ class Recogniser:
     def _in_photo(self, photo: Photo, plane: Plane) -> list[_One]:
         cv, name = self.cv, photo.camera.name
         found: list[_One] = []
-        for outline in outlines_in(cv, photo, self.shapes, plane):
-            measure = _of_outline(cv, photo, outline)
-            found.append(
-                _One(
-                    *(outline.object, outline.estimate, outline.confidence, name, measure),
-                    plane,
-                    lying=True,
-                )
-            )
+        faces: list[Floats] = []
         textures = [] if self.marks is None else textures_in(cv, photo, self.marks, plane)
         for texture in textures:
             measure = of_points(photo.camera, texture.points, texture.pixels)
@@ -160,6 +162,18 @@ class Recogniser:
                     plane if texture.lying else None,
                     texture.lying,
                     texture.doubtful,
+                )
+            )
+            face = photo.camera.project(texture.estimate.pose.moved(rim_of(texture.object)))
+            faces += [face] if np.isfinite(face).all() else []
+        for outline in outlines_in(cv, photo, self.shapes, plane, faces):
+            measure = _of_outline(cv, photo, outline)
+            found.append(
+                _One(
+                    *(outline.object, outline.estimate, outline.confidence, name, measure),
+                    plane,
+                    lying=True,
+                    doubtful=outline.doubtful,
                 )
             )
         return found
@@ -235,7 +249,7 @@ def _of_outline(cv: ModuleType, photo: Photo, found: OutlineFound) -> Measure:
     """The edges near to where they were found, for whoever fits them with others."""
 
     def rows(pose: Pose) -> Rows:
-        return of_edges(cv, photo, found.samples, 2.0)(pose)
+        return of_edges(cv, photo, found.samples, 2.0, found.object.height)(pose)
 
     return rows
 
@@ -250,7 +264,8 @@ def _grouped(ones: Sequence[_One]) -> list[list[_One]]:
                 continue
             away = np.linalg.norm(_middle(one) - _middle(first))
             sure = np.hypot(one.estimate.sigma_mm, first.estimate.sigma_mm)
-            if away < TOGETHER[0] + TOGETHER[1] * sure:
+            size = float(np.ptp(rim_of(one.object)[:, :2], axis=0).min())
+            if away < TOGETHER * size + SIGMAS * sure:
                 if all(other.camera != one.camera for other in group):
                     group.append(one)
                 break
@@ -332,7 +347,7 @@ def _settled(pose: Pose, known: KnownObject) -> Pose:
 
 def _doubts(found: Found, one: _One, plane: Plane) -> list[Diagnostic]:
     if one.doubtful:
-        return [TILTED(name=found.name)]
+        return [(TURNED if one.object.texture is None else TILTED)(name=found.name)]
     if one.lying:
         return []
     local = plane.pose.inverse() @ found.pose

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Final
 
 import numpy as np
@@ -17,6 +18,9 @@ PRIMES: Final = (11, 13)
 ALIKE: Final = 0.004
 """Part of its size by which a turned outline may be off itself."""
 
+NEARLY: Final = 0.02
+"""Part of its size by which it is off itself on average, where it looks nearly the same."""
+
 
 def middle_of(outline: Outline) -> Floats:
     """(2,) the centre of area of what the first ring goes round, about which it is turned."""
@@ -28,6 +32,16 @@ def middle_of(outline: Outline) -> Floats:
 
 def symmetry_of(outline: Outline) -> int:
     """The ways, 1 for none but itself, 0 for a disc, which can be turned by any angle."""
+    return _ways(outline, lambda off: float(off.max()) < ALIKE)
+
+
+def near_symmetry_of(outline: Outline) -> int:
+    """In how many ways it looks nearly the same, but for something small."""
+    return _ways(outline, lambda off: float(off.mean()) < NEARLY)
+
+
+def _ways(outline: Outline, alike: Callable[[Floats], bool]) -> int:
+    """alike: whether a turned outline is, by how far places on it are off, as parts of its size."""
     middle, size = middle_of(outline), outline.diameter
     points = sampled(outline, size / 90.0).points[:, :2] - middle
     rings = [ring - middle for ring in outline.rings]
@@ -37,7 +51,7 @@ def symmetry_of(outline: Outline) -> int:
         c, s = np.cos(turn), np.sin(turn)
         turned = points @ np.array([[c, s], [-s, c]])
         off = np.min([to_ring(ring, turned) for ring in rings], axis=0)
-        return bool(off.max() < ALIKE * size)
+        return alike(off / size)
 
     if all(same(ways) for ways in PRIMES):
         return 0

@@ -13,6 +13,7 @@ from assistant.program.arrays import Floats, Rows, Truths
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.recognition.estimating import Estimate, Plane, fitted, of_points
+from assistant.vision.recognition.judging import within
 from assistant.vision.recognition.keypoints import Keypoints, keypoints, matched
 from assistant.vision.recognition.objects import KnownObject, Texture
 from assistant.vision.recognition.photo import Photo
@@ -103,7 +104,7 @@ def _of_object(
     points: Floats,
     plane: Plane | None,
 ) -> Iterator[TextureFound]:
-    left = np.ones(len(here), dtype=np.bool_)
+    left, before = np.ones(len(here), dtype=np.bool_), list[TextureFound]()
     for _ in range(MOST_OF_KIND):
         if left.sum() < FEWEST:
             return
@@ -118,8 +119,24 @@ def _of_object(
         near = np.linalg.norm(photo.camera.project(pose.moved(points[left])) - pixels, axis=1)
         left[rows[good]] = False
         left[rows[near < 4.0 * AGREE]] = False
-        if found is not None:
+        if found is not None and not _on_another(photo.camera, found, before):
+            before.append(found)
             yield found
+
+
+def _on_another(camera: Camera, found: TextureFound, before: Sequence[TextureFound]) -> bool:
+    """Whether its middle is on one of the same kind, which is seen better: nothing lies there
+    twice.
+    """
+    texture = found.object.texture
+    assert texture is not None
+    if texture.size is None:
+        return False
+    x, y = np.array(texture.size) / 2.0
+    corners = np.array([[-x, -y, 0.0], [x, -y, 0.0], [x, y, 0.0], [-x, y, 0.0]])
+    middle = camera.project(np.array([found.estimate.pose.position]))
+    rims = (camera.project(one.estimate.pose.moved(corners)) for one in before)
+    return any(bool(within(rim, middle)[0]) for rim in rims)
 
 
 def _agreed(

@@ -1,0 +1,392 @@
+"""What `see` and `objects …` do."""
+
+from __future__ import annotations
+
+import datetime
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from assistant.cli.presentation import Format, print_findings, print_json, say
+from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors
+
+if TYPE_CHECKING:
+    from assistant.cell.scene import Placed
+    from assistant.vision.cameras.camera import Camera
+    from assistant.vision.cameras.camera_file import Rig
+    from assistant.vision.cameras.drawing import Picture
+    from assistant.vision.recognition.attached import Base
+    from assistant.vision.recognition.estimating import Plane
+    from assistant.vision.recognition.objects import KnownObject
+    from assistant.vision.recognition.seeing import Found, Sight
+
+NOT_TOML: Final = error("CL550", "`{name}` is written as TOML", "end its name in .toml")
+NOT_PNG: Final = error("CL551", "a picture is not written as `{name}`", "end its name in .png")
+BAD_JOINTS: Final = error(
+    "CL552",
+    "`{given}` are no joints of `{robot}`",
+    "write {count} numbers of degrees with commas, in the order of the axes",
+)
+WHICH_ROBOT: Final = error(
+    "CL553", "the cell does not tell which robot is meant", "name one of {names} by --robot"
+)
+NO_PICTURES: Final = error(
+    "CL554",
+    "the file does not say where pictures of camera `{name}` come from",
+    "name a picture, or write source = … under the camera",
+)
+DRAWING: Final = ".dxf"
+
+
+@dataclass(frozen=True, slots=True)
+class Learning:
+    """As `objects add` was asked."""
+
+    library: Path
+    name: str
+    files: tuple[str, ...]
+    contour: str | None
+    lines: tuple[str, ...]
+    width: float | None
+    height: float | None
+    cameras: Path | None
+    plane: float
+    unit: str | None
+    again: bool
+
+
+def run_add(asked: Learning, format: Format) -> int:
+    from assistant.vision.recognition.library import add_objects, check_name
+
+    check_name(asked.name)
+    one, findings = _learnt(asked)
+    add_objects(asked.library, [one], again=asked.again)
+    print_findings(findings)
+    if format is Format.JSON:
+        print_json({"library": str(asked.library), **_record(one)})
+    else:
+        say(_line(one))
+        say(f"wrote {asked.library / one.name}.toml")
+    return 0
+
+
+def _learnt(asked: Learning) -> tuple[KnownObject, tuple[Diagnostic, ...]]:
+    from assistant.vision.recognition import rules
+
+    drawings = [one for one in asked.files if Path(one).suffix.lower() == DRAWING]
+    if drawings:
+        if len(asked.files) > 1:
+            raise Refused(rules.ONE_WAY(cure="name one drawing alone"), exit_status=2)
+        from assistant.vision.recognition.drawn import read_part
+
+        drawn = read_part(
+            *(drawings[0], asked.name),
+            contour=asked.contour,
+            lines=asked.lines,
+            height=asked.height or 0.0,
+            unit=asked.unit,
+        )
+        return drawn.object, drawn.findings
+    if asked.contour is not None or asked.lines:
+        cure = "leave out --contour and --line, which are of drawings"
+        raise Refused(rules.ONE_WAY(cure=cure), exit_status=2)
+    return _shown(asked)
+
+
+def _shown(asked: Learning) -> tuple[KnownObject, tuple[Diagnostic, ...]]:
+    from assistant.vision.cameras.camera_file import read_cameras
+    from assistant.vision.cameras.capture import read_picture
+    from assistant.vision.opencv import opencv
+    from assistant.vision.recognition import rules
+    from assistant.vision.recognition.pictures import camera_of, picture_of
+    from assistant.vision.recognition.shown import View, learn_face, learn_lying
+
+    cv, height = opencv(), asked.height or 0.0
+    if asked.cameras is None:
+        if asked.width is None:
+            raise Refused(rules.NO_SCALE(), exit_status=2)
+        views = [View(file, read_picture(file)) for file in asked.files]
+        learnt = learn_face(cv, asked.name, views, asked.width, height)
+        return learnt.object, learnt.findings
+    cameras = dict(read_cameras(asked.cameras).cameras)
+    views = []
+    for given in asked.files:
+        name, file = camera_of(given, cameras, alone=True)
+        views.append(View(file, picture_of(file, cameras[name]), cameras[name]))
+    plane, findings = _plane(asked.plane), list[Diagnostic]()
+    if asked.height is None and len({view.camera.name for view in views if view.camera}) > 1:
+        height = _height(asked.name, views, plane, findings)
+    learnt = learn_lying(cv, asked.name, views, plane, height)
+    return learnt.object, (*findings, *learnt.findings)
+
+
+def _height(name: str, views: list[Any], plane: Plane, findings: list[Diagnostic]) -> float:
+    """By depth from the first two pictures of two cameras."""
+    from assistant.vision.opencv import opencv
+    from assistant.vision.recognition.depth import face_height
+    from assistant.vision.recognition.rules import NO_HEIGHT
+
+    one = views[0]
+    other = next(view for view in views if view.camera.name != one.camera.name)
+    pair = (one.camera, other.camera), (one.picture, other.picture)
+    found = face_height(opencv(), *pair, plane)
+    if found is None:
+        findings.append(NO_HEIGHT(name=name))
+    return max(found or 0.0, 0.0)
+
+
+def run_list(library: Path, format: Format) -> int:
+    from assistant.vision.recognition.library import read_library
+
+    read = read_library(library)
+    print_findings(read.findings)
+    if format is Format.JSON:
+        records = [_record(one) for one in read.objects.values()]
+        print_json({"library": str(library), "objects": records})
+        return 0
+    for one in read.objects.values():
+        say(_line(one))
+    return 0
+
+
+def _record(one: KnownObject) -> dict[str, Any]:
+    return {
+        "name": one.name,
+        "height": one.height,
+        "outline_mm": None if one.outline is None else one.outline.diameter,
+        "marks": 0 if one.texture is None else len(one.texture.points),
+        "symmetry": one.symmetry,
+        "places": list(one.places),
+        "lines": list(one.lines),
+    }
+
+
+def _line(one: KnownObject) -> str:
+    known = []
+    if one.outline is not None:
+        known.append(f"an outline {one.outline.diameter:.1f} mm long")
+    if one.texture is not None:
+        known.append(f"{len(one.texture.points)} marks")
+    done = [*one.places, *one.lines]
+    return f"{one.name}: {' and '.join(known)}; on it {', '.join(done) if done else 'nothing'}"
+
+
+@dataclass(frozen=True, slots=True)
+class Looking:
+    """As `see` was asked."""
+
+    cameras: Path
+    library: Path
+    images: tuple[str, ...]
+    to: Path | None
+    found: Path | None
+    picture: Path | None
+    plane: float
+    plane_sigma: float
+    cell: Path | None
+    robot: str | None
+    joints: str | None
+    expect: tuple[str, ...]
+    most_mm: float
+    most_deg: float
+
+
+def run_see(asked: Looking, format: Format) -> int:
+    """0 if what was found may be acted on, else 1, and no file is written."""
+    from assistant.vision.cameras.camera_file import read_cameras
+    from assistant.vision.opencv import opencv
+    from assistant.vision.recognition.library import read_library
+    from assistant.vision.recognition.seeing import Recogniser
+
+    _check_names(asked)
+    rig = read_cameras(asked.cameras)
+    library = read_library(asked.library)
+    placed = _placed(asked)
+    pictures = _pictures(asked, rig)
+    cameras = {name: _standing(rig.cameras[name], placed, asked) for name in pictures}
+    recogniser = Recogniser(opencv(), library)
+    when = datetime.datetime.now(datetime.UTC)
+    sight = recogniser.see(pictures, cameras, _plane(asked.plane, asked.plane_sigma))
+    findings = [*library.findings, *sight.findings, *_wanted(asked, sight)]
+    written = _write(asked, sight, placed, when, findings)
+    if asked.picture is not None:
+        from assistant.vision.recognition.overlay import with_found
+
+        name = next(iter(pictures))
+        _write_picture(asked.picture, with_found(opencv(), cameras[name], pictures[name], sight))
+        written.append(asked.picture)
+    print_findings(findings)
+    _tell(sight, _base(placed), written, format)
+    return int(has_errors(findings))
+
+
+def _check_names(asked: Looking) -> None:
+    for path in (asked.to, asked.found):
+        if path is not None and path.suffix.lower() != ".toml":
+            raise Refused(NOT_TOML(name=path), exit_status=2)
+    if asked.picture is not None and asked.picture.suffix.lower() != ".png":
+        raise Refused(NOT_PNG(name=asked.picture), exit_status=2)
+
+
+def _plane(height: float, sigma: float = 0.05) -> Plane:
+    from assistant.program.geometry import Pose
+    from assistant.vision.recognition.estimating import Plane
+
+    return Plane(Pose((0.0, 0.0, height)), sigma)
+
+
+def _placed(asked: Looking) -> Placed | None:
+    """The robot of the cell whose base poses are told in."""
+    if asked.cell is None:
+        return None
+    from assistant.cell.reading.cell_file import read_scene
+
+    scene, findings = read_scene(asked.cell)
+    print_findings(findings)
+    robots = [one for one in scene.robots if asked.robot in (None, one.name)]
+    if len(robots) != 1:
+        names = ", ".join(one.name for one in scene.robots) or "none"
+        raise Refused(WHICH_ROBOT(path=str(asked.cell), names=names), exit_status=2)
+    return robots[0]
+
+
+def _standing(camera: Camera, placed: Placed | None, asked: Looking) -> Camera:
+    """The camera in the world; raises Refused for one that hangs on nobody knows where."""
+    import numpy as np
+
+    from assistant.program.geometry import Pose
+    from assistant.vision.cameras.camera import WORLD
+    from assistant.vision.recognition.rules import MOUNTED
+
+    if camera.parent == WORLD:
+        return camera
+    carriers = () if placed is None else ("flange", f"{placed.name}.flange")
+    if placed is None or asked.joints is None or camera.parent not in carriers:
+        found = MOUNTED(path=str(asked.cameras), camera=camera.name, parent=camera.parent)
+        raise Refused(found, exit_status=2)
+    try:
+        joints = [float(part) for part in asked.joints.split(",")]
+    except ValueError:
+        joints = []
+    count = len(placed.robot.home)
+    if len(joints) != count or not np.isfinite(joints).all():
+        told = BAD_JOINTS(given=asked.joints, robot=placed.name, count=count)
+        raise Refused(told, exit_status=2)
+    position, quaternion = placed.robot.fk(np.array([joints]))
+    return camera.carried(placed.base @ Pose.of(position[0], quaternion[0]))
+
+
+def _pictures(asked: Looking, rig: Rig) -> dict[str, Picture]:
+    from assistant.vision.cameras.capture import opened
+    from assistant.vision.recognition.pictures import pictures_of, sound
+
+    if asked.images:
+        return pictures_of(asked.images, rig.cameras)
+    found = {}
+    for name, camera in rig.cameras.items():
+        if not rig.sources.get(name):
+            raise Refused(NO_PICTURES(path=str(asked.cameras), name=name), exit_status=2)
+        with opened(camera, rig.sources[name], rig.folder) as frames:
+            found[name] = sound(next(frames).picture, camera, rig.sources[name])
+    return found
+
+
+def _wanted(asked: Looking, sight: Sight) -> list[Diagnostic]:
+    """What is missing, and what is not known well enough."""
+    from assistant.vision.recognition import rules
+
+    findings = []
+    if not sight.found:
+        findings.append(rules.NOTHING_FOUND(count=len(sight.unknown)))
+    there = {one.name.casefold() for one in sight.found}
+    findings += [rules.NOT_SEEN(name=n) for n in asked.expect if n.casefold() not in there]
+    for one in sight.found:
+        told = [(one.estimate.sigma_mm, asked.most_mm, "mm", "most-mm")]
+        if one.object.symmetry != 0:
+            told.append((one.estimate.sigma_deg, asked.most_deg, "degrees", "most-deg"))
+        findings += [
+            rules.FAR_OUT(name=one.name, sigma=sigma, most=most, unit=unit, option=option)
+            for sigma, most, unit, option in told
+            if sigma > most
+        ]
+    done = any(one.object.places or one.object.lines for one in sight.found)
+    if asked.to is not None and sight.found and not done:
+        findings.append(rules.NO_PLACES())
+    return findings
+
+
+def _base(placed: Placed | None) -> Base:
+    """The robot's base, which is the world of the cameras where no cell says another."""
+    from assistant.program.geometry import IDENTITY
+    from assistant.vision.recognition.attached import Base
+
+    return Base("base", IDENTITY if placed is None else placed.base)
+
+
+def _write(
+    asked: Looking,
+    sight: Sight,
+    placed: Placed | None,
+    when: datetime.datetime,
+    findings: list[Diagnostic],
+) -> list[Path]:
+    from assistant.vision.recognition.attached import found_text, put, targets_text
+
+    if has_errors(findings):
+        return []
+    base, files = _base(placed), dict[Path, str]()
+    robot = None if placed is None else placed.robot.name
+    if asked.to is not None and any(one.object.places or one.object.lines for one in sight.found):
+        files[asked.to] = targets_text(sight.found, base, when, robot)
+    if asked.found is not None:
+        files[asked.found] = found_text(sight.found, base, when)
+    return list(put(files)) if files else []
+
+
+def _write_picture(file: Path, picture: object) -> None:
+    from assistant.program.system.writing import write_files
+    from assistant.vision.opencv import opencv
+
+    done, data = opencv().imencode(".png", picture)
+    assert done, "a picture of eight bits can be written as PNG"
+    write_files({file.name: bytes(data)}, file.parent)
+
+
+def _tell(sight: Sight, base: Base, written: list[Path], format: Format) -> None:
+    if format is Format.JSON:
+        found = [_found_record(one, base) for one in sight.found]
+        unknown = [{"x": one.x, "y": one.y, "size": one.size} for one in sight.unknown]
+        print_json({"found": found, "unknown": unknown, "written": [str(p) for p in written]})
+        return
+    for one in sight.found:
+        x, y, z = base.of(one.pose).position
+        say(
+            f"{one.name}: x {x:.2f}, y {y:.2f}, z {z:.2f} mm, turned {_turn(one, base):.2f} "
+            f"degrees; ± {one.estimate.sigma_mm:.2f} mm, {one.estimate.sigma_deg:.2f} degrees, "
+            f"confidence {one.confidence:.2f}"
+        )
+    for path in written:
+        say(f"wrote {path}")
+
+
+def _turn(one: Found, base: Base) -> float:
+    """Degrees about the z axis of the base."""
+    import numpy as np
+
+    from assistant.program import rotations
+
+    return float(rotations.to_euler(np.array(base.of(one.pose).quaternion), "ZYX")[0])
+
+
+def _found_record(one: Found, base: Base) -> dict[str, Any]:
+    pose = base.of(one.pose)
+    return {
+        "name": one.name,
+        "object": one.object.name,
+        "position": list(pose.position),
+        "quaternion": list(pose.quaternion),
+        "sigma_mm": one.estimate.sigma_mm,
+        "sigma_deg": one.estimate.sigma_deg,
+        "confidence": min(one.confidence, 1.0),
+        "cameras": list(one.cameras),
+    }

@@ -1,0 +1,144 @@
+"""Objects in drawn pictures, whose truth is known."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from assistant.program import rotations
+from assistant.program.geometry import Pose
+from assistant.vision.cameras.camera import looking_at
+from assistant.vision.cameras.drawing import Card, Thing
+from assistant.vision.opencv import opencv
+from assistant.vision.recognition.estimating import Plane
+from assistant.vision.recognition.library import Library
+from assistant.vision.recognition.seeing import Recogniser
+from tests.vision.recognition.counting import EXACT, Counts, add, counted, difference
+from tests.vision.recognition.scenes import (
+    ABOVE,
+    LEFT,
+    PARTS,
+    RIGHT,
+    STRANGE,
+    Flat,
+    Truth,
+    face_picture,
+    laid,
+    surface,
+    taken,
+)
+
+
+def good(counts: Counts) -> None:
+    assert counts.precision >= 0.95, counts.wrong
+    assert counts.recall >= 0.9, counts.missed
+    mm, degrees = np.array(counts.mm), np.array(counts.degrees)
+    assert mm.mean() < 0.1
+    assert degrees.mean() < 0.2
+    # Of three numbers, where none of them is surer or less sure than it is said to be, 3.
+    assert 0.3 < np.mean(counts.distances) < 6.0
+
+
+def test_known_objects_are_found_and_unknown_ones_are_not_named(recogniser, ten, tell):
+    counts = counted(recogniser, range(1), ten)
+    tell(f"one scene: {counts.figures()}")
+    assert not counts.wrong
+    assert not counts.missed
+
+
+@pytest.mark.slow
+def test_known_objects_of_many_scenes_are_found(recogniser, ten, tell):
+    counts = counted(recogniser, range(60), ten)
+    tell(f"60 scenes of ten objects, up to 30 % hidden: {counts.figures()}")
+    tell(f"named and not there: {counts.wrong}; missed: {counts.missed}")
+    good(counts)
+
+
+@pytest.mark.slow
+def test_the_covariance_is_that_of_many_pictures_of_one_object(ten, tell):
+    """The scatter of what is found in pictures that differ in their noise alone."""
+    one = ten.objects["tee"]
+    part = next(part for part in PARTS if part.name == "tee")
+    alone = Recogniser(opencv(), Library({"tee": one}))
+    pose = laid(np.array([0.0, 30.0, 0.0]), np.array([20.0, 10.0]), 33.0)
+    found, told = [], []
+    for seed in range(40):
+        picture = taken(ABOVE, [surface(part, pose, (200, 180, 90))], seed, noise=6.0)
+        (seen,) = alone.see({"above": picture}, {"above": ABOVE}, EXACT).found
+        found.append(difference(seen, Truth(one, pose, 0.0))[[0, 1, 5]])
+        told.append(np.sqrt(np.diag(seen.estimate.covariance))[[0, 1, 5]])
+    scatter, said = np.std(found, axis=0), np.mean(told, axis=0)
+    tell(f"scatter of 40 pictures {scatter.round(4)} mm, mm, degrees; told {said.round(4)}")
+    assert (said > 0.8 * scatter).all()
+    assert (said < 5.0 * scatter).all()
+
+
+def test_several_of_one_kind_are_numbered(ten):
+    part, one = PARTS[0], ten.objects["bracket"]
+    alone = Recogniser(opencv(), Library({"bracket": one}))
+    middle = np.array([30.0, 25.0, 0.0])
+    poses = [
+        laid(middle, np.array(at), turn) for at, turn in (((-90, 10), 20.0), ((90, -20), 200.0))
+    ]
+    things = [surface(part, pose, (190, 200, 120)) for pose in poses]
+    things.append(surface(STRANGE[3], laid(middle, np.array([0.0, 120.0]), 0.0), (190, 200, 120)))
+    sight = alone.see({"above": taken(ABOVE, things, 3)}, {"above": ABOVE}, EXACT)
+    assert sorted(one.name for one in sight.found) == ["bracket", "bracket_2"]
+    counts = Counts()
+    add(counts, sight.found, [Truth(one, pose, 0.0) for pose in poses])
+    assert counts.right == 2
+    (unknown,) = sight.unknown
+    assert np.hypot(unknown.x, unknown.y - 120.0) < 15.0
+    assert [one.code for one in sight.findings] == ["VS344"]
+
+
+def test_two_cameras_locate_better_than_each_and_tell_when_they_disagree(ten, tell):
+    one = ten.objects["astronaut"]
+    alone = Recogniser(opencv(), Library({"astronaut": one}))
+    turn = rotations.canonical(
+        rotations.multiply(rotations.about((0, 0, 1), 25.0), rotations.about((1, 0, 0), 14.0))
+    )
+    pose = Pose.of(np.array([15.0, -10.0, 40.0]), turn)
+    things = [Thing(Card(one.texture.size, face_picture("astronaut.png")), pose)]
+    pictures = {"left": taken(LEFT, things, 1), "right": taken(RIGHT, things, 2)}
+    cameras = {"left": LEFT, "right": RIGHT}
+    off = {}
+    for names in (("left",), ("right",), ("left", "right")):
+        sight = alone.see(
+            {name: pictures[name] for name in names}, {name: cameras[name] for name in names}
+        )
+        (seen,) = sight.found
+        assert "VS345" in [finding.code for finding in sight.findings]  # it lies on no plane
+        off[names] = float(np.linalg.norm(difference(seen, Truth(one, pose, 0.0))[:3]))
+        assert seen.estimate.sigma_mm < 3.0
+    both = off["left", "right"]
+    tell(f"a card above the plane: {off['left',]:.2f}, {off['right',]:.2f}, by both {both:.2f} mm")
+    assert both < max(off["left",], off["right",])
+    assert both < 0.5
+    moved = {"left": LEFT, "right": replace(RIGHT, pose=RIGHT.pose @ Pose((12.0, 0.0, 0.0)))}
+    sight = alone.see(pictures, moved)
+    assert "VS342" in [finding.code for finding in sight.findings]
+
+
+def test_what_may_be_turned_in_two_ways_is_doubted(ten):
+    """Two teeth of a gear are covered, of which the only wide one may be either."""
+    part, one = PARTS[3], ten.objects["gear"]
+    pose = laid(np.zeros(3), np.array([0.0, 0.0]), 70.0)
+    turns = np.radians(np.linspace(-12.0, 92.0, 12))
+    rim = [(45.0 * float(np.cos(turn)), 45.0 * float(np.sin(turn))) for turn in turns]
+    over = surface(Flat("cover", [(14.0, 12.0), *rim], []), pose.offset(z=0.2), (30, 40, 160))
+    picture = taken(ABOVE, [surface(part, pose, (200, 190, 90)), over], 4)
+    alone = Recogniser(opencv(), Library({"gear": one}))
+    sight = alone.see({"above": picture}, {"above": ABOVE}, EXACT)
+    assert "VS347" in [finding.code for finding in sight.findings]
+
+
+def test_a_camera_that_does_not_see_the_plane_is_told(recogniser):
+    from assistant.program.diagnostics import Refused
+
+    below = replace(ABOVE, pose=looking_at((0.0, 0.0, -500.0), (0.0, 0.0, 0.0)))
+    with pytest.raises(Refused) as refused:
+        recogniser.see({"above": taken(ABOVE, [], 0)}, {"above": below}, Plane())
+    assert refused.value.findings[0].code == "VS336"
