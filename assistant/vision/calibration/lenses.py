@@ -65,6 +65,8 @@ def find_lens(board: Board, views: Sequence[View], size: tuple[int, int]) -> Len
         (float(matrix[0, 2]), float(matrix[1, 2])),
         (float(k[0]), float(k[1]), float(k[2]), float(k[3]), float(k[4])),
     )
+    if not lens.whole:
+        raise Refused(rules.ALIKE(what="they leave open what the lens does at the edges"))
     spread = np.asarray(sigma).ravel()[:4]
     percent = float(100.0 * spread[:2].max() / min(lens.focal))
     # OpenCV divides by corners; here it is the mean of u and v, as noise of pixels is told.

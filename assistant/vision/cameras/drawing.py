@@ -243,6 +243,8 @@ def _card(card: Card, eye: Floats, rays: Floats) -> tuple[Floats, Floats, Floats
 
 def _sampled(picture: Picture, places: Floats) -> Floats:
     """Colours (n, 3) of a picture between its pixels."""
+    if not len(places):
+        return np.zeros((0, 3))
     cv = opencv()
     rows = -(-len(places) // WIDE)
     maps = np.zeros((2, rows * WIDE), dtype=np.float32)

@@ -100,6 +100,26 @@ def test_a_hull_is_met_as_the_box_that_it_is() -> None:
     assert hull[1][hit] == pytest.approx(box[1][hit])
 
 
+@pytest.mark.filterwarnings("error")
+def test_whatever_stands_in_the_way_of_a_camera_is_drawn() -> None:
+    """Things about the camera, behind it, edge on to it, smaller than a pixel, at all places."""
+    rng = np.random.default_rng(3)
+    card = Card((80.0, 60.0), np.full((30, 40, 3), 200, dtype=np.uint8))
+    shapes = [card, Sphere(30.0), Capsule(5.0, 80.0), Cylinder(20.0, 0.5), Box((300.0, 0.1, 40.0))]
+    camera = Camera("small", Lens((64, 48), (60.0, 60.0), (31.0, 22.0), BENT.lens.distortion))
+    for _ in range(60):
+        q = rng.normal(size=4)
+        places = rng.normal(size=(5, 3)) * 10.0 ** rng.uniform(-1.0, 5.0, (5, 1))
+        things = [
+            Thing(shape, Pose.of(place, q / np.linalg.norm(q)))
+            for shape, place in zip(shapes, places, strict=True)
+        ]
+        assert draw(camera, things).shape == (48, 64, 3)
+    for turn in (0.0, 90.0, 180.0):
+        q = np.ravel(rotations.about(np.array([1.0, 0.0, 0.0]), turn))
+        draw(camera, [Thing(card, Pose.of(np.array([0.0, 0.0, 100.0]), q))])
+
+
 def test_the_same_seed_gives_the_same_picture() -> None:
     things = [ball(MIDDLE, 15.0, (200, 30, 30))]
     assert (draw(PLAIN, things, seed=4) == draw(PLAIN, things, seed=4)).all()
