@@ -23,6 +23,8 @@ TILT: Final = 10.0
 """Degrees between the most unlike views of a board below which depth and focal length are one."""
 UNSURE: Final = 1.0
 """Percent of the focal length, one sigma."""
+TOLD: Final = 3.0
+"""Times its sigma from which on the third coefficient of the distortion is one."""
 COARSE: Final = 1.0
 """Pixels that sharp views do not leave."""
 
@@ -45,37 +47,50 @@ def find_lens(board: Board, views: Sequence[View], size: tuple[int, int]) -> Len
     """Focal lengths, centre and distortion; raises Refused for views that do not tell them.
 
     By OpenCV's calibrateCamera (Zhang, A flexible new technique for camera calibration, 2000).
+    Distortion of high order is left out where the views do not tell it: it would bend the picture
+    wildly where there was no board.
     """
     if len(views) < LEAST:
         raise Refused(rules.FEW_VIEWS(count=len(views), least=LEAST))
     cv = opencv()
     objects = [board.corners[view.rows].astype(np.float32) for view in views]
     pixels = [view.pixels.astype(np.float32)[:, None] for view in views]
-    try:
-        found = cv.calibrateCameraExtended(objects, pixels, size, None, None)
-    except cv.error:
-        raise Refused(rules.ALIKE(what="no lens fits them")) from None
-    residual, matrix, distortion, turns, places, sigma = found[:6]
-    poses = tuple(pose_of(turn, place) for turn, place in zip(turns, places, strict=True))
-    _check(poses, np.asarray(sigma).ravel(), matrix)
-    k = np.ravel(distortion)
-    lens = Lens(
+    lens, found = _fitted(cv, objects, pixels, size)
+    sigma = np.ravel(found[5])
+    poses = tuple(pose_of(turn, place) for turn, place in zip(found[3], found[4], strict=True))
+    _check(poses, sigma, lens)
+    spread = sigma[:4]
+    percent = float(100.0 * spread[:2].max() / min(lens.focal))
+    # OpenCV divides by corners; here it is the mean of u and v, as noise of pixels is told.
+    share = 1.0 / np.sqrt(2.0)
+    left = float(found[0]) * share
+    unsure = percent > UNSURE or left > COARSE
+    findings = (rules.POOR(residual=left, percent=percent),) if unsure else ()
+    fx, fy, cx, cy = (float(value) for value in spread)
+    return LensFound(lens, left, np.ravel(found[7]) * share, poses, (fx, fy, cx, cy), findings)
+
+
+def _fitted(cv: Any, objects: Any, pixels: Any, size: tuple[int, int]) -> tuple[Lens, Any]:
+    """The lens with the most of distortion that is told, and what OpenCV answers with it."""
+    for flags in (0, cv.CALIB_FIX_K3, cv.CALIB_FIX_K3 | cv.CALIB_FIX_K2):
+        try:
+            found = cv.calibrateCameraExtended(objects, pixels, size, None, None, flags=flags)
+        except cv.error:
+            raise Refused(rules.ALIKE(what="no lens fits them")) from None
+        lens = _lens(size, found[1], np.ravel(found[2]))
+        told = flags or abs(lens.distortion[4]) > TOLD * float(np.ravel(found[5])[8])
+        if told and lens.whole:
+            break
+    return lens, found
+
+
+def _lens(size: tuple[int, int], matrix: Floats, k: Floats) -> Lens:
+    return Lens(
         size,
         (float(matrix[0, 0]), float(matrix[1, 1])),
         (float(matrix[0, 2]), float(matrix[1, 2])),
         (float(k[0]), float(k[1]), float(k[2]), float(k[3]), float(k[4])),
     )
-    if not lens.whole:
-        raise Refused(rules.ALIKE(what="they leave open what the lens does at the edges"))
-    spread = np.asarray(sigma).ravel()[:4]
-    percent = float(100.0 * spread[:2].max() / min(lens.focal))
-    # OpenCV divides by corners; here it is the mean of u and v, as noise of pixels is told.
-    share = 1.0 / np.sqrt(2.0)
-    left = float(residual) * share
-    unsure = percent > UNSURE or left > COARSE
-    findings = (rules.POOR(residual=left, percent=percent),) if unsure else ()
-    fx, fy, cx, cy = (float(value) for value in spread)
-    return LensFound(lens, left, np.ravel(found[7]) * share, poses, (fx, fy, cx, cy), findings)
 
 
 def pose_of(turn: Any, place: Any) -> Pose:
@@ -86,12 +101,14 @@ def pose_of(turn: Any, place: Any) -> Pose:
     return Pose.of(np.ravel(place), np.ravel(rotations.about(axis, np.degrees(angle))))
 
 
-def _check(poses: Sequence[Pose], sigma: Floats, matrix: Floats) -> None:
+def _check(poses: Sequence[Pose], sigma: Floats, lens: Lens) -> None:
     """Raises Refused where the views leave open what the lens is."""
     faces = np.array([rotations.to_matrix(np.array(p.quaternion))[:, 2] for p in poses])
     most = float(np.degrees(np.arccos(np.clip((faces @ faces.T).min(), -1.0, 1.0))))
     if most < TILT:
         raise Refused(rules.ALIKE(what=f"the board is tilted by {most:.1f} degrees between them"))
-    focal = float(matrix[0, 0])
+    focal = lens.focal[0]
     if not np.isfinite(sigma).all() or not 0.0 < focal < 1e6 or sigma[0] > 0.1 * focal:
         raise Refused(rules.ALIKE(what="they leave the focal length open"))
+    if not lens.whole:
+        raise Refused(rules.ALIKE(what="they leave open what the lens does at the edges"))
