@@ -116,7 +116,7 @@ def draw(
         str, typer.Option("--board", help="With --show board: which one.")
     ] = "charuco 7x5 40 30",
     noise: Annotated[float, typer.Option(help="Grey levels, one sigma.", min=0.0)] = 2.0,
-    seed: Annotated[int, typer.Option(help="Of the noise.")] = 0,
+    seed: Annotated[int, typer.Option(help="Of the noise.", min=0)] = 0,
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Draw what cameras would see: to try all of it without a camera."""

@@ -47,12 +47,14 @@ def run_calibrate(
     wanted = Board.parse(board)
     folders = _folders(pictures)
     looked = [look(wanted, name, folder) for name, folder in folders.items()]
+    told = [finding for one in looked for finding in one.findings]
+    print_findings(told)
     flanges = None if poses is None else poses_in(poses)
     how = cast("Mounting", mounting)
     found = calibrate(wanted, looked, flanges=flanges, mounting=how, flange=flange)
     sources = {name: _from(folder, output.parent) for name, folder in folders.items()}
     write_cameras(output, with_sources(found.rig, sources))
-    print_findings(found.findings)
+    print_findings([finding for finding in found.findings if finding not in told])
     if format is Format.JSON:
         print_json(_record(found))
     else:

@@ -19,6 +19,7 @@ MOST_PIXELS: Final = 100_000_000
 def opencv() -> Any:
     """The module; raises Refused where it is not installed."""
     os.environ.setdefault("OPENCV_IO_MAX_IMAGE_PIXELS", str(MOST_PIXELS))  # read when it is loaded
+    os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")  # of what it says itself, nothing
     try:
         import cv2
     except ImportError:

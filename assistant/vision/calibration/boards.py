@@ -18,7 +18,7 @@ from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.vision.calibration import rules
 from assistant.vision.cameras.drawing import Picture
-from assistant.vision.opencv import opencv
+from assistant.vision.opencv import opencv, silent
 
 DICTIONARY: Final = "5X5_100"
 BOARD: Final = re.compile(
@@ -115,7 +115,9 @@ class Board:
 
     def _opencv(self, cv: Any) -> Any:
         named = cv.aruco.getPredefinedDictionary(getattr(cv.aruco, f"DICT_{self.dictionary}"))
-        return cv.aruco.CharucoBoard((self.columns, self.rows), self.square, self.marker, named)
+        squares = self.columns, self.rows
+        with silent():  # it would say that markers are large for their squares
+            return cv.aruco.CharucoBoard(squares, self.square, self.marker, named)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

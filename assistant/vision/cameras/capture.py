@@ -62,6 +62,9 @@ def opened(camera: Camera, source: str, folder: FilePath = FilePath()) -> Iterat
     where the camera is lost.
     """
     if source.isascii() and source.isdigit():
+        if len(source) > 2:
+            cure = "devices are counted from 0"
+            raise Refused(_not_there(camera, source, "there is nothing", cure), exit_status=2)
         with _captured(camera, int(source), f"device {source}") as frames:
             yield frames
         return

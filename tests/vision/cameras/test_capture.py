@@ -104,7 +104,18 @@ def test_a_camera_that_is_carried_is_drawn_where_its_robot_is_at_home() -> None:
 
 
 @pytest.mark.parametrize(
-    "source", ["nowhere", "7", "rtsp://127.0.0.1:9/x", ".", "list.m3u8", "film.avi", "cell.txt"]
+    "source",
+    [
+        "nowhere",
+        "7",
+        "9" * 30,
+        "²",
+        "rtsp://127.0.0.1:9/x",
+        ".",
+        "list.m3u8",
+        "film.avi",
+        "cell.txt",
+    ],
 )
 def test_a_camera_that_is_not_there_is_told(tmp_path: Path, source: str) -> None:
     for name in ("list.m3u8", "film.avi", "cell.txt"):
