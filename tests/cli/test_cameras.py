@@ -107,7 +107,7 @@ def test_a_camera_in_the_hand_is_placed_by_the_arm_from_what_is_drawn(
     board = Pose((420.0, -60.0, 20.0), (0.0, 1.0, 0.0, 0.0))  # its face up
     rng = np.random.default_rng(8)
     charuco = Board.parse(BOARD)
-    seen = [shown(charuco, 300.0 + 12.0 * i, rng) for i in range(12)]
+    seen = [shown(charuco, 430.0 + 12.0 * i, rng) for i in range(12)]
     flanges = [board @ one.inverse() @ truth.inverse() for one in seen]
     table(cell / "board.csv", [board])
     table(cell / "flanges.csv", flanges)
