@@ -218,5 +218,5 @@ def _wrong_lens(lens: Lens) -> str | None:
     if not (-width <= lens.centre[0] <= 2 * width and -height <= lens.centre[1] <= 2 * height):
         return "has its axis far outside of the picture"
     if not lens.whole:
-        return "does not map directions one to one: its distortion is that of no lens"
+        return "shows two directions in one pixel: its distortion is that of no lens"
     return None

@@ -30,7 +30,7 @@ MOST_SATURATED: Final = 0.25
 MOST_BYTES: Final = 100_000_000
 PATIENCE: Final = 5000
 """Milliseconds until a stream that does not answer is given up."""
-FILMS: Final = (".avi", ".mp4", ".m4v", ".mov", ".mkv", ".webm", ".mpg", ".mpeg", ".mjpeg", ".mjpg")
+FILMS: Final = (".avi", ".mp4", ".m4v", ".mkv", ".webm", ".mpg", ".mpeg", ".mjpeg", ".mjpg")
 """What is handed to what decodes films; lists of other files and addresses are none."""
 SUFFIXES: Final = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff")
 STREAM: Final = re.compile(r"(?:rtsp|rtsps|http|https|udp|tcp)://", re.IGNORECASE)
