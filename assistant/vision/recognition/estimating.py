@@ -40,6 +40,8 @@ SIDES: Final = 6.0
 SURE: Final = 0.05
 """Pixels, one sigma, that a row counts wholly to which nothing else is unsure."""
 FEWEST: Final = 6
+AGREEING: Final = 0.3
+"""Part of all measurements that have to agree with a pose."""
 OVERLAP: Final = 1.4
 """Rows of keypoints that tell as much as one by itself: what they are told by overlaps, and all are
 off alike where they were learnt (measured on drawn scenes, tests/vision/recognition)."""
@@ -121,6 +123,8 @@ def fitted(
         if found is None:
             return None
         step, matrix, scatter, weights = found
+        if number == len(COARSE) and float((weights > 0.0).mean()) < AGREEING:
+            return None
         pose = moved(pose, step)
         small = np.abs(step[:3]).max() < CLOSE and np.abs(step[3:]).max() < CLOSE * 1e-2
         if small and number >= len(COARSE):

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 LEAST: Final = 0.45
 """Part of an outline that has to be supported by edges, less twice what speaks against it."""
+WORTH: Final = 0.4
+"""Part of an outline that is supported from which other turns of it are looked at as well."""
 MOST_WRONG: Final = 0.08
 """Part of an outline that a picture may contradict."""
 MOST_EMPTY: Final = 0.06
@@ -173,10 +175,14 @@ def _of_shape(
             return
         if share < ON_CONTOUR or any(_same(pose, one, shape) for one in tried):
             continue
-        turned = _turned_ways(shape, pose)
-        tried += turned
-        seen = (_looked_at(cv, photo, shape, one, region, plane) for one in turned)
-        found = sorted((one for one in seen if one is not None), key=lambda one: -one.confidence)
+        first, *others = _turned_ways(shape, pose)
+        tried += [first, *others]
+        seen = [_looked_at(cv, photo, shape, first, region, plane)]
+        if seen[0] is None or seen[0].judged.supported < WORTH:
+            continue
+        seen += [_looked_at(cv, photo, shape, one, region, plane) for one in others]
+        agreed = (one for one in seen if one is not None and _agrees(one.judged))
+        found = sorted(agreed, key=lambda one: -one.confidence)
         if found:
             close = len(found) > 1 and found[1].confidence > found[0].confidence - CLOSE
             yield replace(found[0], doubtful=close)
@@ -236,14 +242,17 @@ def _looked_at(
     if estimate is None:
         return None
     judged = judge(cv, photo, known.outline, samples, estimate.pose)
-    if (
-        confidence_of(judged) < LEAST
-        or judged.contradicted > MOST_WRONG
-        or judged.empty > MOST_EMPTY
-        or judged.inside < LEAST_INSIDE
-    ):
-        return None
     return OutlineFound(known, estimate, judged, samples)
+
+
+def _agrees(judged: Judged) -> bool:
+    """Whether a picture shows enough of an outline, and little that speaks against it."""
+    return (
+        confidence_of(judged) >= LEAST
+        and judged.contradicted <= MOST_WRONG
+        and judged.empty <= MOST_EMPTY
+        and judged.inside >= LEAST_INSIDE
+    )
 
 
 def _apart(possible: list[OutlineFound]) -> list[OutlineFound]:
@@ -257,10 +266,24 @@ def _apart(possible: list[OutlineFound]) -> list[OutlineFound]:
             away = np.sqrt(((own[:, None] - taken[None]) ** 2).sum(axis=2).min(axis=1))
         free = float((away > 2.0).mean())
         if free * one.judged.supported < LEAST * OWN or free < OWN - 0.2:
+            kept = [replace(k, doubtful=k.doubtful or _rivals(k, one)) for k in kept]
             continue
         kept.append(one)
         taken = np.concatenate([taken, own])
     return kept
+
+
+def _rivals(kept: OutlineFound, other: OutlineFound) -> bool:
+    """Whether another pose of the same object at the same place is about as likely."""
+    if kept.object is not other.object or kept.object.symmetry != 1:
+        return False
+    if other.confidence < kept.confidence - CLOSE:
+        return False
+    points = kept.samples.points[::8]
+    one, two = kept.estimate.pose.moved(points), other.estimate.pose.moved(points)
+    away = np.linalg.norm(one - two, axis=1)
+    size = float(np.ptp(points, axis=0).max())
+    return bool(away.max() > 0.03 * size and np.linalg.norm((one - two).mean(axis=0)) < 0.3 * size)
 
 
 def _worth(one: OutlineFound) -> float:

@@ -137,7 +137,9 @@ class Pairs:
 
     def _best(self, seen: Contour, votes: Ints, kept: int) -> list[Flat]:
         """The poses with most votes, those that are nearly the same counted together."""
-        most = np.argsort(votes, axis=None)[::-1][: 12 * kept]
+        flat = votes.ravel()
+        most = np.argpartition(flat, -min(12 * kept, len(flat)))[-12 * kept :]
+        most = most[np.argsort(flat[most])[::-1]]
         at, on = np.unravel_index(most, votes.shape)
         weight = votes.ravel()[most].astype(np.float64)
         angles = np.arctan2(*seen.normals[at].T[::-1]) - np.arctan2(

@@ -117,7 +117,10 @@ def background(lab: Singles) -> Singles:
         near = away < max(DIFFERENT, 3.0 * DIFFERENT * (1.0 - i / (ROUNDS - 2)))
         if near.sum() < 10 * some.shape[1]:
             break
-        fit = np.linalg.lstsq(some[near], colours[near], rcond=None)[0].astype(np.float32)
+        rows = some[near].astype(np.float64)
+        # A little towards none keeps terms small that the places of the background do not tell.
+        damped = rows.T @ rows + 1e-6 * len(rows) * np.eye(rows.shape[1])
+        fit = np.linalg.solve(damped, rows.T @ colours[near]).astype(np.float32)
     return np.asarray(terms @ fit)
 
 

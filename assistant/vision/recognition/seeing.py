@@ -53,6 +53,8 @@ SIGMAS: Final = 4.0
 DOUBTED: Final = 6.0
 """Sigmas, and mm below, from which cameras disagree."""
 LEAST_DOUBTED: Final = 0.5
+SURE: Final = 0.6
+"""Part of an object that is seen, and agrees, from which nobody doubts that it is this one."""
 COVERED: Final = 0.3
 """Part of a thing that known objects cover from which it is not unknown."""
 LEAST_UNKNOWN: Final = 0.1
@@ -62,8 +64,8 @@ LEAST_UNKNOWN: Final = 0.1
 @dataclass(frozen=True, slots=True, eq=False)
 class Found:
     """An object that was found. name: NAME, NAME_2 … where several are there. estimate: its pose in
-    the world with what is known of it. cameras: that see it. rim: (n, 2) pixels about it in the
-    picture of the first of them.
+    the world with what is known of it. confidence: 0 to 1, that it is this object. cameras: that
+    see it. rim: (n, 2) pixels about it in the picture of the first of them.
     """
 
     name: str
@@ -323,7 +325,8 @@ def _named(kept: Sequence[tuple[Estimate, _Joined]], photos: Mapping[str, Photo]
         settled = replace(estimate, pose=_settled(estimate.pose, known))
         photo = photos[joined.cameras[0]]
         rim = photo.camera.project(settled.pose.moved(rim_of(known)))
-        found.append(Found(name, known, settled, joined.confidence, joined.cameras, rim))
+        confidence = min(joined.confidence / SURE, 1.0)
+        found.append(Found(name, known, settled, confidence, joined.cameras, rim))
     return found
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterable, Iterator
 from typing import Final
 
 import numpy as np
@@ -32,27 +32,30 @@ def middle_of(outline: Outline) -> Floats:
 
 def symmetry_of(outline: Outline) -> int:
     """The ways, 1 for none but itself, 0 for a disc, which can be turned by any angle."""
-    return _ways(outline, lambda off: float(off.max()) < ALIKE)
+    if all(off.max() < ALIKE for off in _offs(outline, PRIMES)):
+        return 0
+    ways = range(MOST, 1, -1)
+    alike = (k for k, off in zip(ways, _offs(outline, ways), strict=True) if off.max() < ALIKE)
+    return next(alike, 1)
 
 
 def near_symmetry_of(outline: Outline) -> int:
-    """In how many ways it looks nearly the same, but for something small."""
-    return _ways(outline, lambda off: float(off.mean()) < NEARLY)
+    """In how many ways it looks nearly the same, but for something small; 1 for none."""
+    ways = range(2, MOST + 1)
+    means = [float(off.mean()) for off in _offs(outline, ways)]
+    least = min(means)
+    if least > NEARLY:
+        return 1
+    return max(k for k, off in zip(ways, means, strict=True) if off <= 1.5 * least + ALIKE / 2.0)
 
 
-def _ways(outline: Outline, alike: Callable[[Floats], bool]) -> int:
-    """alike: whether a turned outline is, by how far places on it are off, as parts of its size."""
+def _offs(outline: Outline, ways: Iterable[int]) -> Iterator[Floats]:
+    """How far places (n,) on an outline are off it as it is turned, in parts of its size."""
     middle, size = middle_of(outline), outline.diameter
     points = sampled(outline, size / 90.0).points[:, :2] - middle
     rings = [ring - middle for ring in outline.rings]
-
-    def same(ways: int) -> bool:
-        turn = 2.0 * np.pi / ways
+    for number in ways:
+        turn = 2.0 * np.pi / number
         c, s = np.cos(turn), np.sin(turn)
         turned = points @ np.array([[c, s], [-s, c]])
-        off = np.min([to_ring(ring, turned) for ring in rings], axis=0)
-        return alike(off / size)
-
-    if all(same(ways) for ways in PRIMES):
-        return 0
-    return next((ways for ways in range(MOST, 1, -1) if same(ways)), 1)
+        yield np.min([to_ring(ring, turned) for ring in rings], axis=0) / size

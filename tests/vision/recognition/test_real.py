@@ -67,6 +67,7 @@ def test_parts_of_one_picture_of_a_pair_are_found_in_the_other(tell):
     assert recall >= 0.9
 
 
+@pytest.mark.slow
 def test_real_pictures_of_other_things_have_no_names(recogniser):
     cv = opencv()
     for name in UNKNOWN:

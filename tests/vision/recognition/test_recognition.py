@@ -94,6 +94,7 @@ def test_several_of_one_kind_are_numbered(ten):
     assert [one.code for one in sight.findings] == ["VS344"]
 
 
+@pytest.mark.slow
 def test_two_cameras_locate_better_than_each_and_tell_when_they_disagree(ten, tell):
     one = ten.objects["astronaut"]
     alone = Recogniser(opencv(), Library({"astronaut": one}))
@@ -122,6 +123,7 @@ def test_two_cameras_locate_better_than_each_and_tell_when_they_disagree(ten, te
     assert "VS342" in [finding.code for finding in sight.findings]
 
 
+@pytest.mark.slow
 def test_what_may_be_turned_in_two_ways_is_doubted(ten):
     """Two teeth of a gear are covered, of which the only wide one may be either."""
     part, one = PARTS[3], ten.objects["gear"]
