@@ -192,6 +192,21 @@ def camera() -> bytes:
         return (folder / "seen.png").read_bytes()
 
 
+def objects() -> bytes:
+    """A bracket on a table, found though part of it is covered, with its glue line."""
+    with chdir(PROJECT), tempfile.TemporaryDirectory() as name:
+        folder, samples = Path(name), "samples/objects/"
+        rig, lib = samples + "cameras.toml", str(folder / "lib")
+        draw = ["camera", "draw", rig, "--cell", samples + "table.toml", "--noise", "0", "-o"]
+        add = ["objects", "add", lib, "bracket", samples + "bracket.dxf", "--line", "GLUE"]
+        taken, shown = str(folder / "above" / "0000.png"), str(folder / "seen.png")
+        see = ["see", taken, "--cameras", rig, "--objects", lib, "--plane", "200", "--draw", shown]
+        app([*draw, str(folder)], standalone_mode=False)
+        app([*add, "--height", "3"], standalone_mode=False)
+        app(see, standalone_mode=False)
+        return (folder / "seen.png").read_bytes()
+
+
 def pointing() -> bytes:
     """A wand as two synthetic cameras see it, with what is found of it and the place it shows."""
     import cv2
@@ -289,6 +304,7 @@ PICTURES: Final[dict[str, Callable[[], bytes]]] = {
     "seen": seen,
     "camera": camera,
     "pointing": pointing,
+    "objects": objects,
     "fmu": fmu,
 }
 """Each picture by the name of its file."""

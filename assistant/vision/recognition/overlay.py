@@ -16,7 +16,7 @@ from assistant.vision.recognition.seeing import Found, Sight, centre_of, rim_of
 FOUND: Final = (80, 220, 80)
 AXES: Final = ((60, 60, 240), (80, 200, 80), (240, 120, 60))
 """Of x, y and z; blue, green, red."""
-LINES: Final = (30, 190, 255)
+LINES: Final = (220, 50, 200)
 LENGTH: Final = 20.0
 """mm of an axis."""
 SHIFT: Final = 4
