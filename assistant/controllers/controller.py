@@ -135,6 +135,19 @@ class Controller(Programs, Protocol):
         """Looks at the controller again and again, each `interval` seconds; needs no right."""
 
 
+@runtime_checkable
+class JogsJoints(Protocol):
+    """A controller that jogs several joints at once."""
+
+    def position(self) -> Position: ...
+
+    def jog_joints(self, joints: Mapping[str, float], speed: float) -> None:
+        """Moves joints by hand, and comes back when they stand; speed: percent of the override.
+
+        joints: J1 … with the degrees (mm) to go to; the others stay.
+        """
+
+
 class Restoring(Protocol):
     """A restore that has not happened yet.
 

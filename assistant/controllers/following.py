@@ -132,8 +132,6 @@ def _limits(led: Led) -> Limits:
 # ------------------------------------------------------------------------------------- ABB
 
 NOTHING_SENT: Final = "nothing that moves the robot was sent"
-EGM_CYCLE: Final = 0.004
-"""Seconds, of all controllers that know it."""
 
 
 def _exchange(session: Programs, led: Led, wishes: Wishes, progress: Progress) -> Done:  # noqa: ARG001
@@ -171,7 +169,7 @@ def _egm(session: Programs, led: Led, wishes: Wishes, progress: Progress) -> Don
         Trajectory.of_joints(led.numbered(led.joints, 0.0), led.seconds),
         _limits(led),
         port=wishes.port or guidance.PORT,
-        cycle=wishes.cycle or EGM_CYCLE,
+        cycle=wishes.cycle or guidance.CYCLE,
         watch=lambda now: progress(max(0.0, now.row) / max(1, now.rows)),
     )
     return Done(str(report), report.columns, report.findings)
@@ -187,7 +185,7 @@ STEP_MORE: Final = 0.1
 """Degrees that the arm may have moved since the points were worked out."""
 
 
-def _lines(session: Programs, wishes: Wishes) -> tuple[str, str]:
+def lines_of(session: Programs, wishes: Wishes) -> tuple[str, str]:
     """Targets of the control line and of the status line; raises Refused."""
     from assistant.controllers.mitsubishi.data_link.streams import stream_to
 
@@ -205,7 +203,7 @@ def _lines(session: Programs, wishes: Wishes) -> tuple[str, str]:
 
 
 def _has_lines(session: Programs, wishes: Wishes) -> None:
-    _lines(session, wishes)
+    lines_of(session, wishes)
 
 
 def _on_network(session: Programs, wishes: Wishes) -> None:  # noqa: ARG001 - as of each way
@@ -225,7 +223,7 @@ def _data_link(session: Programs, led: Led, wishes: Wishes, progress: Progress) 
     """Joint positions on one line, the status on another; the programs are installed."""
     from assistant.controllers.mitsubishi.control_mode import ControlMode
 
-    control, status = _lines(session, wishes)
+    control, status = lines_of(session, wishes)
     controller = _operated(session)
     limits = led.numbered(led.limits.T, np.nan).T
     limits[np.isnan(limits[:, 0])] = (-1.0, 1.0)
@@ -251,12 +249,10 @@ def _mxt(session: Programs, led: Led, wishes: Wishes, progress: Progress) -> Don
     """Joints cycle by cycle; the program that waits for them is installed and started."""
     from assistant.controllers.cyclic import Settings, Trajectory
     from assistant.controllers.mitsubishi.mxt import client
-    from assistant.controllers.mitsubishi.mxt.program import program
 
     _on_network(session, wishes)
     controller, host = _operated(session), session.address.host
-    text = program(_own_address(host)).encode("ascii")
-    _install(controller, MXT_PROGRAM, text, wishes.replace)
+    install_mxt(controller, wishes)
     joints = led.numbered(led.joints, 0.0)
     sliding = tuple(
         place + 1 for place, slides in zip(led.places, led.sliding, strict=True) if slides
@@ -283,6 +279,14 @@ def _mxt(session: Programs, led: Led, wishes: Wishes, progress: Progress) -> Don
         controller.stop()
         raise
     return Done(str(report), report.columns, report.findings)
+
+
+def install_mxt(controller: Controller, wishes: Wishes) -> None:
+    """Writes the program that waits for packets of this computer, if it is not there."""
+    from assistant.controllers.mitsubishi.mxt.program import program
+
+    text = program(_own_address(controller.address.host)).encode("ascii")
+    _install(controller, MXT_PROGRAM, text, wishes.replace)
 
 
 def _install(controller: Controller, name: str, text: bytes, replace: bool) -> None:

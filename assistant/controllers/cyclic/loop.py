@@ -11,22 +11,19 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
-import numpy as np
-
 from assistant.controllers.cyclic import rules
 from assistant.controllers.cyclic.link import Link, Measured
-from assistant.controllers.cyclic.settings import Settings
-from assistant.controllers.cyclic.space import Kind, Limits, names, sizes
-from assistant.controllers.cyclic.trajectory import Trajectory, resampled
+from assistant.controllers.cyclic.space import names
+from assistant.controllers.cyclic.ways import Failed, Job, Row, column_named, way_of
 from assistant.controllers.cyclic.wire import Wire
-from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Rule
 
-Row = tuple[float, ...]
 Tell = Callable[[float, float, Row], None]
 """Is told now and then: seconds since the first packet, the row, where the arm is."""
 TOLD_EACH: Final = 0.1
 """Seconds from telling to telling."""
+TOLD_OF_CORRECTED: Final = 0.01
+"""The same where others work out meanwhile how it goes on."""
 ENDINGS: Final = 2
 """Packets that end the control, if the first one is not answered."""
 WRAP: Final = 1 << 32
@@ -39,17 +36,6 @@ FIRST: Final = 1
 SECOND: Final = 2
 """What is under way: one packet; or, once it was asked again, perhaps two, of which the first, or
 the second is waited for. Two that were both answered for good would double the speed."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Job:
-    """What is to be done. rows: (n, c), resampled. speeds, rises: (k,) limits of its kind."""
-
-    kind: Kind
-    rows: Floats
-    speeds: tuple[float, ...]
-    rises: tuple[float, ...]
-    settings: Settings
 
 
 @dataclass(slots=True, eq=False)
@@ -65,15 +51,6 @@ class Done:
     missed: int = 0
     delays: list[float] = field(default_factory=list)
     samples: list[Row] = field(default_factory=list)
-
-
-class Failed(Exception):
-    """The loop cannot go on; what has to be said of it."""
-
-    def __init__(self, rule: Rule, **fields: str | float) -> None:
-        super().__init__(rule.code)
-        self.rule = rule
-        self.fields = fields
 
 
 class Stop:
@@ -99,13 +76,7 @@ class Loop:
         self._link, self._wire, self._job, self._stop, self._tell = link, wire, job, stop, tell
         self._settings = job.settings
         self.result = Done()
-        self._rows: list[Row] = []
-        self._lead = 0
-        """Rows of the soft start, before the first one of the trajectory."""
-        self._at = 0.0
-        self._rate = 1.0
-        self._gain = 1.0
-        self._told: Row = ()
+        self._way = way_of(job)
         self._count = 0
         self._last: int | None = None
         self._counts = False
@@ -117,7 +88,7 @@ class Loop:
         moved = False
         try:
             begin = self._opening(address)
-            self._prepare(begin.values)
+            self._way.begin(begin.values, self._link.cycle)
             moved = True
             self._follow()
         except Failed as failure:
@@ -128,7 +99,7 @@ class Loop:
             reason = error.strerror or str(error)
             self.result.fields = {"reason": reason} if moved else _unanswered(address, reason)
         finally:
-            if self._told and (self._settings.end or self.result.code):
+            if self._way.told and (self._settings.end or self.result.code):
                 self._end()
         return self.result
 
@@ -147,7 +118,7 @@ class Loop:
             self._wire.hush(HUSH * self._link.cycle)
         while left > 0.0:
             if (why := self._stop.look()) is not None:
-                raise Failed(why, done=0, rows=len(self._job.rows))
+                raise Failed(why, done=0, rows=self._way.rows)
             if not self._link.speaks_first:
                 self._send(self._link.hello(self._count))
             got = self._wire.receive(min(each, left))
@@ -192,34 +163,6 @@ class Loop:
         most = max(1.0, self._settings.timeout / self._link.cycle)
         return before is not None and 0 < (counter - before) % WRAP <= most
 
-    def _prepare(self, here: Row) -> None:
-        """The rows with a soft start before them; raises Failed if that would go too far."""
-        job, settings, cycle = self._job, self._settings, self._link.cycle
-        start, first = np.array([here]), job.rows[:1]
-        if job.kind == "poses" and float(start[0, 3:] @ first[0, 3:]) < 0.0:
-            start[0, 3:] *= -1.0
-        away = sizes(job.kind, first - start)[0]
-        worst = int(np.argmax(away))
-        if away[worst] > settings.approach:
-            raise Failed(
-                rules.NOT_SOFT,
-                distance=float(away[worst]),
-                most=settings.approach,
-                **_what(job.kind, worst),
-            )
-        parts = [job.rows]
-        if away[worst] > 1e-6:
-            soft = [tuple(settings.softness * v for v in some) for some in (job.speeds, job.rises)]
-            ramp = Trajectory(job.kind, np.concatenate([start, first]))
-            parts.insert(0, resampled(ramp, Limits(soft[0], soft[1]), cycle)[:-1])
-        self._lead = sum(map(len, parts)) - len(job.rows)
-        rows = np.concatenate(parts)
-        steps = sizes(job.kind, np.diff(rows, axis=0)) if len(rows) > 1 else np.zeros((1, 1))
-        fastest = np.maximum(steps.max(axis=0) / cycle, 1e-12)
-        self._gain = float(min(1.0, (np.array(job.rises) / (2.0 * fastest)).min() * cycle))
-        self._rows = list(map(tuple, rows.tolist()))
-        self._told = self._rows[0]
-
     def _check_silence(self, heard: float, cause: Failed | None) -> None:
         """Raises Failed if nothing new has come for too long."""
         silent = time.monotonic() - heard
@@ -235,21 +178,23 @@ class Loop:
 
     def _follow(self) -> None:
         link, wire, settings, result = self._link, self._wire, self._settings, self.result
+        way = self._way
         cycle, receive = link.cycle, wire.receive
         lapse, pause = settings.lapse * cycle, (settings.lapse + 1) * cycle
         most = [settings.lag * speed + settings.slack for speed in self._job.speeds]
         hold = 1 + round(settings.settle / cycle)
-        last, nonsense, cause = len(self._rows) - 1, 0, None
+        nonsense, cause = 0, None
+        each = TOLD_EACH if self._job.corrections is None else TOLD_OF_CORRECTED
         wire.hush(0.0 if link.speaks_first else cycle)  # what came meanwhile, or is still to come
         if not link.speaks_first:
-            self._send(link.command(self._told, self._count))
+            self._send(link.command(way.told, self._count))
         began = told = self._sent = wire.now()
         heard = answered = time.monotonic()  # which no one sets, as the clock of arrivals
         while hold:
             got = receive(lapse)
             if got is None:
                 self._check_silence(heard, cause)
-                self._rate = 0.0
+                way.stood()
                 self._ask_again()
                 continue
             packet, arrival = got
@@ -270,39 +215,25 @@ class Loop:
                 cause = Failed(why, **self._progress())
             heard, nonsense = time.monotonic(), 0
             if heard - answered > pause:
-                self._rate = 0.0  # the arm was left without a command, and stands by now
-            self._told = self._next(0.0 if cause else 1.0, last)
-            wire.send(link.command(self._told, self._count))
+                way.stood()  # without a command, the arm stands by now
+            row = way.next(cause is None)
+            wire.send(link.command(row, self._count))
             self._sent = wire.now()
             answered = heard
             self._count += 1
             result.delays.append(self._sent - arrival)
-            row = self._at - self._lead
-            result.samples.append((arrival, row, *measured.values, *self._told, *measured.extra))
+            result.samples.append((arrival, way.row, *measured.values, *row, *measured.extra))
             result.missed = max(result.missed, measured.missed)
-            if self._at >= last or (cause is not None and self._rate == 0.0):
+            if way.is_over or (cause is not None and way.stands):
                 hold -= 1
             if cause is None:
                 cause = self._astray(measured.values, most)
-            if self._sent - told > TOLD_EACH:
+            if self._sent - told > each:
                 told = self._sent
-                self._tell(arrival - began, row, measured.values)
+                self._tell(arrival - began, way.row, measured.values)
         if cause is not None:
             raise cause
-        result.done = len(self._job.rows)
-
-    def _next(self, target: float, last: int) -> Row:
-        """The row to command now; `_rate` goes towards the target as the limits let it."""
-        rate = self._rate
-        rate = min(target, rate + self._gain) if rate < target else max(target, rate - self._gain)
-        self._rate = rate
-        self._at = at = min(self._at + rate, float(last))
-        i = int(at)
-        part = at - i
-        if part == 0.0:
-            return self._rows[i]
-        between = zip(self._rows[i], self._rows[i + 1], strict=True)
-        return tuple(a + part * (b - a) for a, b in between)
+        result.done = self._way.rows
 
     def _is_repeated(self, measured: Measured, arrival: float) -> bool:
         """Whether a packet came before, or is one more than was asked for."""
@@ -324,25 +255,25 @@ class Loop:
         self.result.asked_again += 1
         if not self._link.speaks_first:
             self._extra = FIRST
-            self._send(self._link.command(self._told, self._count))
+            self._send(self._link.command(self._way.told, self._count))
 
     def _astray(self, values: Sequence[float], most: Sequence[float]) -> Failed | None:
         """That the arm is too far from where it was told to be."""
+        told = self._way.told
         if self._job.kind == "joints":
-            away = [abs(a - b) for a, b in zip(values, self._told, strict=True)]
+            away = [abs(a - b) for a, b in zip(values, told, strict=True)]
         else:
-            squares = [(a - b) ** 2 for a, b in zip(values[:3], self._told[:3], strict=True)]
+            squares = [(a - b) ** 2 for a, b in zip(values[:3], told[:3], strict=True)]
             away = [sum(squares) ** 0.5]
         for column, (distance, allowed) in enumerate(zip(away, most, strict=False)):
             if distance > allowed:
-                where = _what(self._job.kind, column)
+                where = column_named(self._job.kind, column)
                 return Failed(rules.NOT_THERE, distance=distance, **where, **self._progress())
         return None
 
     def _progress(self) -> dict[str, float]:
-        done = max(0, min(len(self._job.rows), int(self._at) - self._lead + 1))
-        self.result.done = done
-        return {"done": done, "rows": len(self._job.rows)}
+        self.result.done = done = self._way.done
+        return {"done": done, "rows": self._way.rows}
 
     def _send(self, packet: bytes) -> None:
         self._wire.send(packet)
@@ -352,7 +283,7 @@ class Loop:
     def _end(self) -> None:
         """Ends the control; a controller that does not answer gets the packet once more."""
         for _ in range(ENDINGS):
-            packet = self._link.end(self._told, self._count)
+            packet = self._link.end(self._way.told, self._count)
             if packet is None:
                 return
             try:
@@ -372,9 +303,3 @@ def _agree(one: Row, two: Row) -> bool:
 
 def _unanswered(address: str, reason: str) -> dict[str, str | float]:
     return {"address": address, "reason": reason}
-
-
-def _what(kind: Kind, column: int) -> dict[str, str]:
-    if kind == "joints":
-        return {"what": f"J{column + 1}", "unit": "deg"}
-    return {"what": ("position", "turning")[column], "unit": ("mm", "deg")[column]}

@@ -10,7 +10,7 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, is_dataclass
 from pathlib import Path as FilePath
@@ -25,6 +25,7 @@ from assistant.controllers.cyclic.report import Delays, Report
 from assistant.controllers.cyclic.settings import Settings
 from assistant.controllers.cyclic.space import Limits
 from assistant.controllers.cyclic.trajectory import Trajectory, resampled
+from assistant.controllers.cyclic.ways import line_of
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Diagnostic, Refused
 
@@ -79,27 +80,101 @@ def follow(
     speeds, rises = limits.columns(trajectory.kind, trajectory.rows.shape[1])
     rows = resampled(trajectory, limits, link.cycle)
     described = {
-        "link": [type(link).__module__, type(link).__qualname__],
-        "fields": asdict(link) if is_dataclass(link) else {},
-        "endpoint": asdict(endpoint),
-        "settings": asdict(settings),
+        **_described(link, endpoint, settings),
         "kind": trajectory.kind,
         "speeds": speeds.tolist(),
         "rises": rises.tolist(),
+        "corrected": False,
+        "lowest": (),
+        "highest": (),
     }
+    return _led(described, rows, settings, link.cycle, watch, stop, None)
+
+
+def follow_corrections(
+    link: Link,
+    endpoint: Endpoint,
+    width: int,
+    limits: Limits,
+    feed: Feed,
+    settings: Settings | None = None,
+    *,
+    watch: Callable[[Progress], None] | None = None,
+    stop: threading.Event | None = None,
+) -> Report:
+    """Leads joints (width) by what a feed gives, until `stop` is set, which ends it as CN715.
+
+    limits: with the range of the joints. Else as `follow`.
+    """
+    settings = settings or Settings()
+    speeds, rises = limits.columns("joints", width)
+    if limits.lowest is None or limits.highest is None:
+        raise Refused(rules.BAD_LIMITS(reason="the range of the joints is missing"), exit_status=2)
+    described = {
+        **_described(link, endpoint, settings),
+        "kind": "joints",
+        "speeds": speeds.tolist(),
+        "rises": rises.tolist(),
+        "corrected": True,
+        "lowest": limits.lowest,
+        "highest": limits.highest,
+    }
+    return _led(described, np.zeros((0, width)), settings, link.cycle, watch, stop, feed)
+
+
+class Feed:
+    """Corrections on their way to the process of a loop; `put` may be called at any time."""
+
+    def __init__(self) -> None:
+        self._guard = threading.Lock()
+        self._into: IO[str] | None = None
+
+    def put(self, row: Sequence[float], seconds: float) -> None:
+        """Has the arm be at a row in so many seconds; nothing happens when nobody listens."""
+        with self._guard, suppress(OSError):
+            if self._into is not None:
+                os.write(self._into.fileno(), line_of(row, seconds))
+
+    def leads_to(self, stdin: IO[str] | None) -> None:
+        """The process that takes them, None for none any more."""
+        with self._guard:
+            self._into = stdin
+
+
+def _described(link: Link, endpoint: Endpoint, settings: Settings) -> dict[str, object]:
+    return {
+        "link": [type(link).__module__, type(link).__qualname__],
+        "fields": asdict(link) if is_dataclass(link) and not isinstance(link, type) else {},
+        "endpoint": asdict(endpoint),
+        "settings": asdict(settings),
+    }
+
+
+def _led(
+    described: Mapping[str, object],
+    rows: Floats,
+    settings: Settings,
+    cycle: float,
+    watch: Callable[[Progress], None] | None,
+    stop: threading.Event | None,
+    feed: Feed | None,
+) -> Report:
+    """What came of a job in its process; raises Ended."""
     with tempfile.TemporaryDirectory(prefix="robot-assistant-", ignore_cleanup_errors=True) as name:
         folder = FilePath(name)
         np.save(folder / "rows.npy", rows)
         (folder / "job.json").write_text(json.dumps(described), encoding="utf-8")
         patience = settings.first + settings.timeout + PATIENCE
-        said, why = _run(folder, patience, watch, stop, len(rows))
+        said, why = _run(folder, patience, watch, stop, len(rows), feed)
         if "done" not in said:
             rule = rules.ERRORS.get(str(said.get("code")), rules.BROKEN)
             fields = said.get("fields") or {"reason": why}
             assert isinstance(fields, Mapping)
             raise Ended(rule(**fields), None)
         with np.load(folder / "samples.npz", allow_pickle=False) as saved:
-            report = _report(said, saved["table"], saved["delays"], len(rows), link.cycle)
+            count = len(rows) if feed is None else said["done"]
+            assert isinstance(count, int)
+            report = _report(said, saved["table"], saved["delays"], count, cycle)
     if said["code"]:
         fields = said["fields"]
         assert isinstance(fields, Mapping)
@@ -113,6 +188,7 @@ def _run(
     watch: Callable[[Progress], None] | None,
     stop: threading.Event | None,
     rows: int,
+    feed: Feed | None,
 ) -> tuple[dict[str, object], str]:
     """What the process said last, and what it died of if that tells nothing."""
     # -P: nothing is imported from the working folder, which may be anybody's.
@@ -136,6 +212,8 @@ def _run(
         quiet = threading.Event()
         beating = threading.Thread(target=_beat, args=(worker.stdin, quiet), daemon=True)
         beating.start()
+        if feed is not None:
+            feed.leads_to(worker.stdin)
         last: dict[str, object] = {}
         until, asked = time.monotonic() + patience, False
         try:
@@ -157,9 +235,9 @@ def _run(
                     break
                 if over or (stop is not None and stop.is_set() and not asked):
                     asked, until = True, time.monotonic() + GRACE
-                    _silence(worker, quiet, beating)
+                    _silence(worker, quiet, beating, feed)
         finally:
-            _silence(worker, quiet, beating)
+            _silence(worker, quiet, beating, feed)
             _close(worker)
             reader.join(GRACE)
             worker.stdout.close()
@@ -176,10 +254,15 @@ def _beat(stdin: IO[str], quiet: threading.Event) -> None:
 
 
 def _silence(
-    worker: subprocess.Popen[str], quiet: threading.Event, beating: threading.Thread
+    worker: subprocess.Popen[str],
+    quiet: threading.Event,
+    beating: threading.Thread,
+    feed: Feed | None,
 ) -> None:
     """Ends stdin of the process."""
     assert worker.stdin is not None
+    if feed is not None:
+        feed.leads_to(None)
     quiet.set()
     beating.join()
     worker.stdin.close()

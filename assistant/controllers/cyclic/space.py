@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
@@ -92,6 +93,18 @@ class Limits:
                 at = f"{rows[row, joint]:g} is {word} {bound[joint]:g}"
                 return f"J{joint + 1} of point {row + 1}: {at}"
         return ""
+
+
+def braked(room: float, rise: float, cycle: float) -> float:
+    """The greatest speed for a cycle from which an axis still comes to rest within its room.
+
+    With n more cycles of braking by `rise` behind it: v (n + 1) T - a T² n (n + 1) / 2 = room.
+    """
+    if not room > 0.0:
+        return 0.0
+    step = rise * cycle * cycle
+    n = math.floor((math.sqrt(1.0 + 8.0 * room / step) - 1.0) / 2.0)
+    return (room + step * n * (n + 1) / 2.0) / ((n + 1) * cycle)
 
 
 def _of(kind: Kind) -> str:

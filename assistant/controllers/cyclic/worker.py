@@ -3,7 +3,8 @@
 FOLDER holds `job.json` and `rows.npy`; `samples.npz` is written there. A line of JSON on stdout
 tells now and then where the arm is; the last one what came of it. When stdin ends, which it also
 does when the process that started this one is gone, or when nothing comes there for a while, as
-that one is stopped, the arm is brought to rest.
+that one is stopped, the arm is brought to rest. Where the job is led by corrections, they come as
+lines on stdin.
 """
 
 from __future__ import annotations
@@ -23,9 +24,10 @@ import numpy as np
 
 from assistant.controllers.cyclic import rules
 from assistant.controllers.cyclic.link import Endpoint, Link
-from assistant.controllers.cyclic.loop import Job, Loop, Row, Stop, columns
+from assistant.controllers.cyclic.loop import Loop, Stop, columns
 from assistant.controllers.cyclic.scheduling import real_time
 from assistant.controllers.cyclic.settings import Settings
+from assistant.controllers.cyclic.ways import Corrections, Job, Row
 from assistant.controllers.cyclic.wire import Wire
 from assistant.program.diagnostics import Rule
 
@@ -42,9 +44,11 @@ def main(folder: FilePath) -> None:
     settings = Settings(**described["settings"])
     rows = np.load(folder / "rows.npy", allow_pickle=False)
     limits = (tuple(described["speeds"]), tuple(described["rises"]))
-    job = Job(described["kind"], rows, limits[0], limits[1], settings)
+    corrections = Corrections() if described["corrected"] else None
+    bounds = (tuple(described["lowest"]), tuple(described["highest"]))
+    job = Job(described["kind"], rows, *limits, settings, corrections, *bounds)
     endpoint = Endpoint(**described["endpoint"])
-    stop = Watched(settings.alive)
+    stop = Watched(settings.alive, corrections)
     try:
         spin = {"block": 0.0, "mixed": link.cycle * SPUN, "spin": float("inf")}[settings.wait]
         wire = Wire(endpoint, spin=spin, cycle=link.cycle)
@@ -88,8 +92,9 @@ class Watched(Stop):
     priority of any other program. Where a pipe cannot be read so, a thread has to do.
     """
 
-    def __init__(self, alive: float) -> None:
+    def __init__(self, alive: float, corrections: Corrections | None = None) -> None:
         self._alive, self._heard, self._over = alive, time.monotonic(), False
+        self._corrections = corrections
         self._threaded = sys.platform == "win32"
         if self._threaded:
             threading.Thread(target=self._listen, daemon=True).start()
@@ -106,6 +111,8 @@ class Watched(Stop):
 
     def _take(self, said: bytes) -> bool:
         self._heard, self._over = time.monotonic(), not said
+        if self._corrections is not None:
+            self._corrections.take(said)
         return bool(said)
 
     def _listen(self) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path as FilePath
 from typing import Final, Self
 
@@ -187,6 +187,9 @@ class Cr:
 
     def jog(self, jog: Jog) -> None:
         jogging.jog(self.session, jog, self.check)
+
+    def jog_joints(self, joints: Mapping[str, float], speed: float) -> None:
+        jogging.jog_joints(self.session, joints, speed, self.check)
 
     def hand(self, number: int, *, open: bool) -> None:
         signals.hand(self.session, number, is_open=open)

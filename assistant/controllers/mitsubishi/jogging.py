@@ -79,12 +79,43 @@ def jog(session: Session, asked: Jog, check: Check | None) -> None:
             name, value = POSE, position.text(place, goal.pose)
         if check is not None:
             check(goal)
-        session.ask(f"EXECJOVRD {asked.speed:g}", doing=doing, shape=BARE)
-        session.ask(f"EXEC{name}={value}", doing=doing, shape=BARE)
-        with _stopping(session):
-            state = "the arm may have begun to move"
-            session.ask(f"EXECMOV {name}", doing=doing, state=state, shape=BARE)
-            _arrive(session, goal, doing)
+        _go(session, asked.speed, name, value, goal, doing)
+
+
+def jog_joints(
+    session: Session, joints: Mapping[str, float], speed: float, check: Check | None
+) -> None:
+    """Moves several joints at once, each by no more than one jog may; else as `jog`.
+
+    joints: J1 … with the degrees (mm) to go to; the others stay.
+    """
+    doing = f"jogging {', '.join(joints)}"
+    with session.right(doing):
+        _may_move(session, doing)
+        axes = position.joints(session)
+        there = {name: value for name, value in axes.values.items() if value is not None}
+        if unknown := set(joints) - set(there):
+            raise values.bad(min(unknown), "an axis", "the arm lacks it", ", ".join(there))
+        for axis, value in joints.items():
+            if not abs(value - there[axis]) <= MOST_STEP:
+                reason = f"one jog goes {MOST_STEP:g} mm or degrees at most"
+                raise values.bad(value, f"a place of {axis}", reason, "one that is nearer")
+        _within(session, joints, list(there))
+        _sensible_speed(speed)
+        goal = Goal(joints=there | dict(joints))
+        if check is not None:
+            check(goal)
+        _go(session, speed, JOINT, _joint_text(axes, goal), goal, doing)
+
+
+def _go(session: Session, speed: float, name: str, value: str, goal: Goal, doing: str) -> None:
+    """Moves to a variable that is given a value, and comes back when the arm stands there."""
+    session.ask(f"EXECJOVRD {speed:g}", doing=doing, shape=BARE)
+    session.ask(f"EXEC{name}={value}", doing=doing, shape=BARE)
+    with _stopping(session):
+        state = "the arm may have begun to move"
+        session.ask(f"EXECMOV {name}", doing=doing, state=state, shape=BARE)
+        _arrive(session, goal, doing)
 
 
 def _sensible(asked: Jog, axis: str) -> None:
@@ -95,8 +126,12 @@ def _sensible(asked: Jog, axis: str) -> None:
     if not math.isfinite(asked.by) or not LEAST_STEP <= abs(asked.by) <= MOST_STEP:
         reason = f"one jog goes {LEAST_STEP:g} to {MOST_STEP:g} mm or degrees"
         raise values.bad(asked.by, "a step", reason, "one of that size")
-    if not LEAST_SPEED <= asked.speed <= operating.MOST_PERCENT:
-        raise values.bad(asked.speed, "a speed", "it is a percentage", "1 to 100")
+    _sensible_speed(asked.speed)
+
+
+def _sensible_speed(speed: float) -> None:
+    if not LEAST_SPEED <= speed <= operating.MOST_PERCENT:
+        raise values.bad(speed, "a speed", "it is a percentage", "1 to 100")
 
 
 def _may_move(session: Session, doing: str) -> None:
@@ -116,17 +151,23 @@ def _joints(session: Session, asked: Jog, axis: str, axes: Shown) -> dict[str, f
     if axis not in there:
         raise values.bad(axis, "an axis", "the arm lacks it", ", ".join(there))
     target = there | {axis: there[axis] + asked.by}
-    least, most = _limits(session, axis, list(there))
-    if not least <= target[axis] <= most:
-        value = target[axis]
-        raise Refused(
-            rules.OUT_OF_LIMITS(place=axis, axis=axis, value=value, least=least, most=most)
-        )
+    _within(session, {axis: target[axis]}, list(there))
     return target
 
 
-def _limits(session: Session, axis: str, there: list[str]) -> tuple[float, float]:
-    """The least and the most of a joint, infinite where the controller does not tell them.
+def _within(session: Session, joints: Mapping[str, float], there: list[str]) -> None:
+    """Raises Refused for places of joints beyond their limits."""
+    limits = _limits(session, there)
+    for axis, value in joints.items():
+        least, most = limits.get(axis, (-math.inf, math.inf))
+        if not least <= value <= most:
+            raise Refused(
+                rules.OUT_OF_LIMITS(place=axis, axis=axis, value=value, least=least, most=most)
+            )
+
+
+def _limits(session: Session, there: list[str]) -> dict[str, tuple[float, float]]:
+    """The least and the most of each joint that the controller tells them of.
 
     It tells pairs, of the axes that there are or of J1 to J8.
     """
@@ -136,8 +177,7 @@ def _limits(session: Session, axis: str, there: list[str]) -> tuple[float, float
     pairs = list(zip(*[iter(map(float, numbers))] * 2, strict=False))
     names = there if len(pairs) == len(there) else [f"J{n}" for n in range(1, len(pairs) + 1)]
     known = dict(zip(names, pairs, strict=True)) if len(pairs) >= len(there) else {}
-    least, most = known.get(axis, (0.0, 0.0))
-    return (least, most) if least < most else (-math.inf, math.inf)
+    return {name: (least, most) for name, (least, most) in known.items() if least < most}
 
 
 def _joint_text(axes: Shown, goal: Goal) -> str:

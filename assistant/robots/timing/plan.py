@@ -111,7 +111,7 @@ class Places:
 
     def __init__(self, course: Course, step: Rows, gone: Floats) -> None:
         self.course, self.step, self.gone = course, step, gone
-        left = course.distance[step] - gone
+        left = np.maximum(course.distance[step] - gone, 0.0)  # rounding leads no step further
         behind = gone < course.room[step]  # in the bend where the step begins
         before = ~behind & (left < course.room[step + 1])
         self.other = np.where(behind, step - 1, np.where(before, step + 1, step))

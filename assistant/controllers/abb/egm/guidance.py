@@ -1,4 +1,4 @@
-"""Guiding an ABB arm along a trajectory by EGM."""
+"""Guiding an ABB arm by EGM: along a trajectory, or by corrections worked out meanwhile."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from assistant.controllers.abb.egm.link import Egm
 from assistant.controllers.cyclic import (
     Ended,
     Endpoint,
+    Leading,
     Limits,
     Progress,
     Report,
@@ -20,6 +21,8 @@ from assistant.controllers.cyclic import (
     rules,
 )
 
+CYCLE: Final = 0.004
+"""Seconds, of all controllers that know it."""
 PORT: Final = 6510
 """Of this computer, as the UdpUc device of a new system names it."""
 OPENING: Final = 60.0
@@ -64,6 +67,26 @@ def guide(
         if not _is_there(report, trajectory, chosen):
             raise
         return replace(report, done=report.rows)
+
+
+def leading(
+    host: str,
+    axes: int,
+    limits: Limits,
+    *,
+    port: int = PORT,
+    local_host: str = "",
+    cycle: float = 0.004,
+    settings: Settings | None = None,
+) -> Leading:
+    """The arm, to be led by corrections of its joints once the controller begins.
+
+    limits: with the range of the joints. Else as `guide`.
+    """
+    chosen = settings or Settings(opening=OPENING, settle=SETTLE)
+    return Leading(
+        Egm("joints", axes, cycle), Endpoint(host, 0, local_host, port), axes, limits, chosen
+    )
 
 
 def _is_there(report: Report, trajectory: Trajectory, settings: Settings) -> bool:

@@ -73,6 +73,8 @@ class ControlMode:
         self._control = _link(control_line, timeout)
         self._stream = StatusStream(_link(status_line, timeout), silence)
         self._sent = 0
+        self._last: Floats | None = None
+        """The point that was sent last, None before the first."""
         self._started = self._stopped = False
 
     @property
@@ -132,6 +134,27 @@ class ControlMode:
                 raise self._with(error, state) from None
             raise
 
+    def lead(self, joints: ArrayLike) -> None:
+        """Sends one more point once there is room for it, and does not wait for the arm.
+
+        joints: (k,) degrees, NaN for an axis that the arm lacks. For who works the next point out
+        meanwhile; the arm stands at the last one. Limits, and `most_step` from the point before,
+        are looked at before it is sent. Whatever fails, ^C too, stops the programs.
+        """
+        points = checked(np.atleast_2d(np.asarray(joints)), self.limits, None)
+        try:
+            if self.most_step is not None:
+                before = self._last if self._last is not None else self._commanded()
+                check_steps(np.vstack([before, points]), self.most_step, first=1)
+            self._until(lambda now: self._sent - now.taken < self.ahead, self._sent, 1)
+            self._control.send(Joints(tuple(points[0].tolist())))
+            self._sent, self._last = self._sent + 1, points[0]
+        except BaseException as error:
+            state = self.stop()
+            if isinstance(error, Refused):
+                raise self._with(error, state) from None
+            raise
+
     def stop(self) -> str:
         """Stops the arm and the programs; in words, what is known of them."""
         if self._stopped or not self._started:
@@ -158,7 +181,7 @@ class ControlMode:
         self._control.open()
         self._started = True
         self._stream.start()
-        self._sent = self.status.taken
+        self._sent, self._last = self.status.taken, None
 
     def _close(self) -> None:
         self._stream.close()
@@ -167,26 +190,40 @@ class ControlMode:
     def _follow(self, points: Floats, progress: Callable[[int, int], None]) -> None:
         before, count, told = self._sent, len(points), 0
         if self.most_step is not None:
-            here = np.array(self.status.commanded.values[: len(self.limits)])
-            check_steps(np.vstack([here, points[:1]]), self.most_step, first=1)
+            check_steps(np.vstack([self._commanded(), points[:1]]), self.most_step, first=1)
 
-        def until(enough: Callable[[Status], bool]) -> None:
-            """Waits as long as the arm moves or points are taken; raises Refused."""
+        def tell(taken: int) -> None:
             nonlocal told
-            while not enough(then := self.status):
-                if not self._stream.wait(partial(_moved, then), self.timeout):
-                    raise self._stalled(count - (then.taken - before), count)
-                if (taken := self.status.taken - before) > told:
-                    told = taken
-                    progress(taken, count)
+            if taken > told:
+                told = taken
+                progress(taken, count)
 
         for point in points:
-            until(lambda now: self._sent - now.taken < self.ahead)
+            self._until(lambda now: self._sent - now.taken < self.ahead, before, count, tell)
             self._control.send(Joints(tuple(point.tolist())))
-            self._sent += 1
-        until(lambda now: self._is_at(now, points[-1]))
+            self._sent, self._last = self._sent + 1, point
+        self._until(lambda now: self._is_at(now, points[-1]), before, count, tell)
         if told < count:
             progress(count, count)
+
+    def _until(
+        self,
+        enough: Callable[[Status], bool],
+        before: int,
+        count: int,
+        tell: Callable[[int], None] = lambda _taken: None,
+    ) -> None:
+        """Waits as long as the arm moves or points are taken; raises Refused.
+
+        before: points that were taken before the first of `count`.
+        """
+        while not enough(then := self.status):
+            if not self._stream.wait(partial(_moved, then), self.timeout):
+                raise self._stalled(count - (then.taken - before), count)
+            tell(self.status.taken - before)
+
+    def _commanded(self) -> Floats:
+        return np.array(self.status.commanded.values[: len(self.limits)])
 
     def _is_at(self, now: Status, goal: Floats) -> bool:
         there = np.array(now.commanded.values[: len(goal)])

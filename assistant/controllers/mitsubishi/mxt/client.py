@@ -195,6 +195,19 @@ class Mxt:
         self._told = tuple(map(float, told))
         return report
 
+    def leading(self, limits: Limits | None = None) -> cyclic.Leading:
+        """The arm, to be led by corrections of its joints; `Mxt` ends when that context does.
+
+        limits: with the range of the joints. Raises Refused.
+        """
+        bounds = limits or self._limits
+        if KINDS[self._link.mode] != "joints" or bounds is None:
+            wrong = WRONG_KIND(kind="joints", mode=self._link.mode)
+            none = BAD_SETTING(name="limits", value=None, reason="nothing moves without them")
+            raise Refused(none if bounds is None else wrong, exit_status=2)
+        settings = replace(self._settings, end=True)
+        return cyclic.Leading(self._link, self._endpoint, self._link.axes, bounds, settings)
+
     def end(self) -> bool:
         """Ends `Mxt`, so that the program goes on behind it; whether the controller answered."""
         self._open = False

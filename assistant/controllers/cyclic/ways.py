@@ -1,0 +1,285 @@
+"""What an arm is told, cycle by cycle: rows that are known before, or corrections worked out
+meanwhile.
+
+Both begin where the arm is, keep speeds and accelerations, and come to rest on their way when they
+are not to go on.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Final, Protocol
+
+import numpy as np
+
+from assistant.controllers.cyclic import rules
+from assistant.controllers.cyclic.settings import Settings
+from assistant.controllers.cyclic.space import Kind, Limits, braked, sizes
+from assistant.controllers.cyclic.trajectory import Trajectory, resampled
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Rule
+
+Row = tuple[float, ...]
+SLACK: Final = 1e-9
+"""Degrees or mm a second that are none."""
+
+
+class Failed(Exception):
+    """The loop cannot go on; what has to be said of it."""
+
+    def __init__(self, rule: Rule, **fields: str | float) -> None:
+        super().__init__(rule.code)
+        self.rule = rule
+        self.fields = fields
+
+
+@dataclass(slots=True)
+class Corrections:
+    """Where the arm is to be, and in how many seconds; the newest one counts.
+
+    said: what came of a line so far. count: corrections that came.
+    """
+
+    count: int = 0
+    newest: tuple[float, Row] | None = None
+    said: bytes = b""
+
+    def take(self, said: bytes) -> None:
+        """Text as it comes: a line of seconds and a row each; empty ones say nothing."""
+        *lines, self.said = (self.said + said).split(b"\n")
+        for line in filter(None, lines):
+            seconds, *row = map(float, line.split())
+            if all(map(math.isfinite, (seconds, *row))):
+                self.newest, self.count = (seconds, tuple(row)), self.count + 1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Job:
+    """What is to be done. rows: (n, c), resampled; of corrections (0, c). speeds, rises: (k,) its
+    limits. corrections: by which joints are led instead, lowest, highest: their range.
+    """
+
+    kind: Kind
+    rows: Floats
+    speeds: tuple[float, ...]
+    rises: tuple[float, ...]
+    settings: Settings
+    corrections: Corrections | None = None
+    lowest: tuple[float, ...] = ()
+    highest: tuple[float, ...] = ()
+
+
+class Way(Protocol):
+    """told: the row that was commanded last, () before `begin`."""
+
+    told: Row
+
+    @property
+    def row(self) -> float:
+        """Where it is, below 0 in a soft start."""
+
+    @property
+    def rows(self) -> int: ...
+
+    @property
+    def done(self) -> int:
+        """Rows that were commanded."""
+
+    @property
+    def is_over(self) -> bool:
+        """Whether its last row was commanded."""
+
+    @property
+    def stands(self) -> bool: ...
+
+    def begin(self, here: Row, cycle: float) -> None:
+        """From where the arm is; raises Failed if that is too far away."""
+
+    def next(self, going: bool) -> Row:
+        """The row to command now. going: else it comes to rest."""
+
+    def stood(self) -> None:
+        """The arm was left without a command, and stands."""
+
+
+@dataclass(slots=True, eq=False)
+class Known:
+    """The rows of a job, with a soft start before them."""
+
+    job: Job
+    told: Row = ()
+    _rows: list[Row] = field(default_factory=list)
+    _lead: int = 0
+    """Rows of the soft start, before the first one of the trajectory."""
+    _at: float = 0.0
+    _rate: float = 1.0
+    _gain: float = 1.0
+
+    @property
+    def row(self) -> float:
+        return self._at - self._lead
+
+    @property
+    def rows(self) -> int:
+        return len(self.job.rows)
+
+    @property
+    def done(self) -> int:
+        return max(0, min(self.rows, int(self._at) - self._lead + 1))
+
+    @property
+    def is_over(self) -> bool:
+        return self._at >= len(self._rows) - 1
+
+    @property
+    def stands(self) -> bool:
+        return self._rate == 0.0
+
+    def begin(self, here: Row, cycle: float) -> None:
+        job, settings = self.job, self.job.settings
+        start, first = np.array([here]), job.rows[:1]
+        if job.kind == "poses" and float(start[0, 3:] @ first[0, 3:]) < 0.0:
+            start[0, 3:] *= -1.0
+        away = sizes(job.kind, first - start)[0]
+        worst = int(np.argmax(away))
+        if away[worst] > settings.approach:
+            raise Failed(
+                rules.NOT_SOFT,
+                distance=float(away[worst]),
+                most=settings.approach,
+                **column_named(job.kind, worst),
+            )
+        parts = [job.rows]
+        if away[worst] > 1e-6:
+            soft = [tuple(settings.softness * v for v in some) for some in (job.speeds, job.rises)]
+            ramp = Trajectory(job.kind, np.concatenate([start, first]))
+            parts.insert(0, resampled(ramp, Limits(soft[0], soft[1]), cycle)[:-1])
+        self._lead = sum(map(len, parts)) - len(job.rows)
+        rows = np.concatenate(parts)
+        steps = sizes(job.kind, np.diff(rows, axis=0)) if len(rows) > 1 else np.zeros((1, 1))
+        fastest = np.maximum(steps.max(axis=0) / cycle, 1e-12)
+        self._gain = float(min(1.0, (np.array(job.rises) / (2.0 * fastest)).min() * cycle))
+        self._rows = list(map(tuple, rows.tolist()))
+        self.told = self._rows[0]
+
+    def next(self, going: bool) -> Row:
+        """`_rate` goes towards all or nothing as the limits let it."""
+        rate, target = self._rate, float(going)
+        rate = min(target, rate + self._gain) if rate < target else max(target, rate - self._gain)
+        self._rate = rate
+        self._at = at = min(self._at + rate, float(len(self._rows) - 1))
+        i = int(at)
+        part = at - i
+        if part == 0.0:
+            self.told = self._rows[i]
+        else:
+            between = zip(self._rows[i], self._rows[i + 1], strict=True)
+            self.told = tuple(a + part * (b - a) for a, b in between)
+        return self.told
+
+    def stood(self) -> None:
+        self._rate = 0.0
+
+
+@dataclass(slots=True, eq=False)
+class Corrected:
+    """Joints that go from where they should be by now to where the newest correction wants them in
+    its time, and come to rest there when no other follows.
+
+    What they are behind is caught up with no faster than it can be braked for; so are the ends of
+    the range. A correction without time has them come to rest at once.
+    """
+
+    job: Job
+    told: Row = ()
+    _speed: list[float] = field(default_factory=list)
+    _from: Row = ()
+    _goal: Row = ()
+    _seconds: float = 0.0
+    _gone: float = 0.0
+    _taken: int = 0
+    _cycle: float = 0.0
+
+    @property
+    def row(self) -> float:
+        return float(self.done)
+
+    @property
+    def rows(self) -> int:
+        return self.done
+
+    @property
+    def done(self) -> int:
+        return self.corrections.count
+
+    @property
+    def corrections(self) -> Corrections:
+        assert self.job.corrections is not None
+        return self.job.corrections
+
+    @property
+    def is_over(self) -> bool:
+        return False
+
+    @property
+    def stands(self) -> bool:
+        return all(abs(speed) <= SLACK for speed in self._speed)
+
+    def begin(self, here: Row, cycle: float) -> None:
+        self.told = self._from = self._goal = here
+        self._speed, self._cycle = [0.0] * len(here), cycle
+
+    def next(self, going: bool) -> Row:
+        corrections = self.corrections
+        if corrections.count != self._taken and corrections.newest is not None:
+            self._taken = corrections.count
+            self._take(*corrections.newest)
+        moves = going and self._seconds > 0.0
+        self._gone += self._cycle
+        part = min(1.0, self._gone / self._seconds) if moves else 1.0
+        self._speed = [self._risen(i, part, moves) for i in range(len(self.told))]
+        cycle = self._cycle
+        self.told = tuple(a + v * cycle for a, v in zip(self.told, self._speed, strict=True))
+        return self.told
+
+    def stood(self) -> None:
+        self._speed = [0.0] * len(self.told)
+
+    def _take(self, seconds: float, goal: Row) -> None:
+        if len(goal) != len(self.told):
+            return
+        stood = self._seconds <= 0.0
+        self._from = self.told if stood else self._goal
+        self._goal, self._seconds, self._gone = goal, seconds, 0.0
+
+    def _risen(self, i: int, part: float, moves: bool) -> float:
+        """The speed of an axis in this cycle."""
+        job, cycle, at, before = self.job, self._cycle, self.told[i], self._speed[i]
+        most, rise = job.speeds[i], job.rises[i]
+        wanted = 0.0
+        if moves:
+            way = self._goal[i] - self._from[i]
+            behind = self._from[i] + part * way - at
+            along = way / self._seconds if part < 1.0 else 0.0
+            wanted = max(-most, min(most, along + behind * rise / most))
+        speed = before + max(-rise * cycle, min(rise * cycle, wanted - before))
+        room = job.highest[i] - at if speed > 0.0 else at - job.lowest[i]
+        bound = braked(room, rise, cycle)
+        return max(-bound, min(bound, speed))
+
+
+def column_named(kind: Kind, column: int) -> dict[str, str]:
+    if kind == "joints":
+        return {"what": f"J{column + 1}", "unit": "deg"}
+    return {"what": ("position", "turning")[column], "unit": ("mm", "deg")[column]}
+
+
+def way_of(job: Job) -> Way:
+    return Known(job) if job.corrections is None else Corrected(job)
+
+
+def line_of(row: Sequence[float], seconds: float) -> bytes:
+    """A correction as `Corrections.take` reads it."""
+    return (" ".join(map(repr, map(float, (seconds, *row)))) + "\n").encode("ascii")

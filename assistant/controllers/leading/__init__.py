@@ -1,0 +1,96 @@
+"""Leading an arm step by step, by each of the ways that controllers know.
+
+MODES lists them: each makes a `Carrier` of a session with the controller. A new way is a file here
+and a row.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from assistant.controllers.controller import Controller, JogsJoints, Programs
+from assistant.controllers.following import MODES as FOLLOWING
+from assistant.controllers.following import MXT_PROGRAM, Check, Wishes, install_mxt, lines_of
+from assistant.controllers.leading.carrier import Arm, Carrier
+from assistant.controllers.rules import NOT_HERE
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Refused
+
+__all__ = ["MODES", "Arm", "Carrier", "Mode"]
+
+Make = Callable[[Programs, Arm, Wishes, Floats], Carrier]
+"""Of a session, the arm, what is wished, and joints (a,) near to which the arm is."""
+
+
+@dataclass(frozen=True, slots=True)
+class Mode:
+    """title: in words. make: a carrier that is not entered. operates: whether the session must be
+    one that operates the controller. check: is asked before anybody confirms. unbegun: codes of
+    refusals after which nothing has been sent or started.
+    """
+
+    title: str
+    make: Make
+    operates: bool
+    check: Check
+    unbegun: frozenset[str] = frozenset()
+
+
+def _jog(session: Programs, arm: Arm, wishes: Wishes, near: Floats) -> Carrier:  # noqa: ARG001
+    from assistant.controllers.leading.jogs import JogCarrier
+
+    assert isinstance(session, JogsJoints)
+    return JogCarrier(session, arm)
+
+
+def _jogs_joints(session: Programs, wishes: Wishes) -> None:  # noqa: ARG001 - as of each way
+    """Raises Refused for a controller that cannot."""
+    if not isinstance(session, JogsJoints):
+        place, what = str(session.address), "jog several joints at once"
+        reason, cure = "its protocol has no such command", "choose another way by --by"
+        finding = NOT_HERE(place=place, address=place, what=what, reason=reason, cure=cure)
+        raise Refused(finding, exit_status=2)
+
+
+def _data_link(session: Programs, arm: Arm, wishes: Wishes, near: Floats) -> Carrier:  # noqa: ARG001
+    from assistant.controllers.leading.data_link import DataLinkCarrier
+
+    assert isinstance(session, Controller)
+    return DataLinkCarrier(session, *lines_of(session, wishes), arm, replace=wishes.replace)
+
+
+def _mxt(session: Programs, arm: Arm, wishes: Wishes, near: Floats) -> Carrier:  # noqa: ARG001
+    from assistant.controllers.leading.cycles import by_mxt
+
+    assert isinstance(session, Controller)
+    install_mxt(session, wishes)
+    return by_mxt(session, MXT_PROGRAM, arm, wishes.port, wishes.cycle)
+
+
+def _egm(session: Programs, arm: Arm, wishes: Wishes, near: Floats) -> Carrier:  # noqa: ARG001
+    from assistant.controllers.leading.cycles import by_egm
+
+    return by_egm(session.address.host, arm, wishes.port, wishes.cycle)
+
+
+def _exchange(session: Programs, arm: Arm, wishes: Wishes, near: Floats) -> Carrier:  # noqa: ARG001
+    from assistant.controllers.leading.poses import PoseCarrier
+
+    return PoseCarrier(session, arm, near)
+
+
+def _mode(name: str, title: str, make: Make) -> Mode:
+    """Needs what following a trajectory by the same way does."""
+    other = FOLLOWING[name]
+    return Mode(title, make, other.operates, other.check, other.unbegun)
+
+
+MODES: Final[Mapping[str, Mode]] = {
+    "jog": Mode("jogs of all joints, one after the other", _jog, True, _jogs_joints),
+    "data-link": _mode("data-link", "joint positions on a line of data", _data_link),
+    "mxt": _mode("mxt", "joints cycle by cycle", _mxt),
+    "egm": _mode("egm", "joints cycle by cycle, as a program asks for them", _egm),
+    "exchange": _mode("exchange", "poses by files, one after the other", _exchange),
+}

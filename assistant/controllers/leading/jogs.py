@@ -1,0 +1,54 @@
+"""Small steps as jogs: each ends before the next one begins."""
+
+from __future__ import annotations
+
+from types import TracebackType
+from typing import Final, Self
+
+import numpy as np
+
+from assistant.controllers.controller import JogsJoints
+from assistant.controllers.leading.carrier import Arm
+from assistant.program.arrays import Floats
+
+PERIOD: Final = 0.3
+"""Seconds of a step, as most of it is asking where the arm is."""
+LEAST: Final = 0.01
+"""Degrees or mm of a step: places are written with two decimals."""
+
+
+class JogCarrier:
+    """controller: is connected, has its motors on, and jogs several joints at once."""
+
+    waits = True
+
+    def __init__(self, controller: JogsJoints, arm: Arm, period: float = PERIOD) -> None:
+        self.period, self.speeds = period, arm.slow
+        self._controller, self._arm = controller, arm
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Each step has ended before."""
+
+    def joints(self) -> Floats:
+        there = self._controller.position().joints
+        return np.array([there[place] for place in self._arm.places], dtype=np.float64)
+
+    def told(self) -> Floats:
+        return self.joints()
+
+    def move(self, to: Floats, seconds: float) -> None:  # noqa: ARG002 - the percentage tells
+        if float(np.abs(to - self.joints()).max()) < LEAST:
+            return
+        goal = dict(zip(self._arm.axes, to.tolist(), strict=True))
+        self._controller.jog_joints(goal, float(self._arm.percent))
+
+    def rest(self) -> None:
+        """It stands."""

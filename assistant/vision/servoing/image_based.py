@@ -1,0 +1,145 @@
+"""Image-based servoing: pixels are brought to where they are when the tool is at its goal.
+
+The errors are of tangents (x / z, y / z of the camera), so that lenses bend nothing. Depths come
+from where the thing is estimated to be; a wrong one makes the way longer, not the goal another one.
+The slopes are the mean of those here and at the goal (Malis, Improving vision-based control using
+efficient second-order minimization techniques, ICRA 2004), which stays well conditioned far away.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+
+from assistant.program.arrays import Floats, Truths, all_of
+from assistant.program.geometry import Pose
+from assistant.vision.cameras.camera import Camera
+from assistant.vision.servoing.estimating import Estimate
+from assistant.vision.servoing.interaction import carried_twist, interaction_matrix
+from assistant.vision.servoing.law import Moment, Task
+from assistant.vision.servoing.things import Thing
+from assistant.vision.servoing.tracked import Tracked, left
+
+SIX: Final = 6
+"""Directions in which a tool moves; a point in a picture tells two."""
+FEW: Final = 4
+"""Points of which none may be hidden."""
+
+
+@dataclass(slots=True)
+class ImageInHand:
+    """The camera is in the hand and sees the target.
+
+    target: what is seen. goal: the flange in the frame of the target.
+    """
+
+    target: Thing
+    goal: Pose
+    tracked: Tracked = field(default_factory=Tracked)
+
+    def task(self, moment: Moment) -> Task | str:
+        (camera,) = moment.cameras
+        if not _enough(all_of(np.isfinite(moment.sight.target[camera.name]))):
+            return "the target is not seen"
+        now = self.tracked.pose_of(moment.cameras, moment.sight.target, self.target.points)
+        return now if isinstance(now, str) else in_image(moment, self.target, self.goal, now)
+
+    def forget(self) -> None:
+        self.tracked.forget()
+
+
+def in_image(moment: Moment, target: Thing, goal: Pose, now: Estimate | None) -> Task:
+    """What is wrong in the picture of a camera in the hand.
+
+    now: where the target is, None where its few points do not tell how far it is: about as far as
+    at the goal.
+    """
+    (camera,) = moment.cameras
+    pixels = moment.sight.target[camera.name]
+    good = all_of(np.isfinite(pixels))
+    mount = moment.flange.inverse() @ camera.pose
+    wanted = (mount.inverse() @ goal.inverse()).moved(target.points)[good]
+    depths, rest = wanted[:, 2], (np.nan, np.nan)
+    if now is not None:
+        depths = camera.seen_by(now.pose.moved(target.points))[good, 2]
+        rest = left(moment.flange, now.pose @ goal)
+    tangents, goals = camera.lens.tangents(pixels[good]), wanted[:, :2] / wanted[:, 2:]
+    mean = _mean(tangents, depths, goals, wanted[:, 2])
+    slopes = mean @ carried_twist(camera.pose, moment.flange)
+    off = float(np.sqrt(_squares(camera, tangents, goals).mean()))
+    return Task((tangents - goals).ravel(), slopes, min(SIX, 2 * len(goals)), off, *rest)
+
+
+@dataclass(slots=True)
+class ImageToHand:
+    """Cameras stand still and see a mark that the tool carries.
+
+    mark: what is seen of the tool. mount: the frame of the mark on the flange. goal: the flange in
+    the base, or in the frame of the target, which is seen by the same cameras.
+    """
+
+    mark: Thing
+    mount: Pose
+    goal: Pose
+    target: Thing | None = None
+    tracked: Tracked = field(default_factory=Tracked)
+
+    def task(self, moment: Moment) -> Task | str:
+        goal = self.goal
+        if self.target is not None:
+            at = self.tracked.pose_of(moment.cameras, moment.sight.target, self.target.points)
+            if at is None or isinstance(at, str):
+                return at or "the target is not seen"
+            goal = at.pose @ self.goal
+        points = self.mark.points
+        placed, wanted = ((one @ self.mount).moved(points) for one in (moment.flange, goal))
+        parts = [
+            part
+            for camera in moment.cameras
+            if (part := self._of(camera, moment, placed, wanted)) is not None
+        ]
+        if not parts:
+            return "the mark on the tool is not seen"
+        errors, slopes, squares = zip(*parts, strict=True)
+        error, off = np.concatenate(errors), float(np.sqrt(np.concatenate(squares).mean()))
+        # One point in any number of cameras tells a place, two tell all but one turn.
+        rank = min(len(error), (3, 5)[len(points) - 1] if len(points) < 3 else SIX)
+        return Task(error, np.concatenate(slopes), rank, off)
+
+    def _of(
+        self, camera: Camera, moment: Moment, placed: Floats, wanted: Floats
+    ) -> tuple[Floats, Floats, Floats] | None:
+        pixels = moment.sight.mark.get(camera.name)
+        if pixels is None:
+            return None
+        good = all_of(np.isfinite(pixels))
+        if not _enough(good):
+            return None
+        tangents = camera.lens.tangents(pixels[good])
+        there, depths = camera.seen_by(wanted)[good], camera.seen_by(placed)[good, 2]
+        goals = there[:, :2] / there[:, 2:]
+        # What moves are the points: as they have it, the camera moves the other way.
+        slopes = -_mean(tangents, depths, goals, there[:, 2])
+        slopes = slopes @ carried_twist(camera.pose, moment.flange)
+        return (tangents - goals).ravel(), slopes, _squares(camera, tangents, goals)
+
+    def forget(self) -> None:
+        self.tracked.forget()
+
+
+def _mean(tangents: Floats, depths: Floats, goals: Floats, goal_depths: Floats) -> Floats:
+    here, there = interaction_matrix(tangents, depths), interaction_matrix(goals, goal_depths)
+    return (here + there) / 2.0
+
+
+def _enough(good: Truths) -> bool:
+    """Of a few points all must be seen; of many, one may be hidden."""
+    return bool(good.all()) or (len(good) > FEW and int(good.sum()) >= FEW)
+
+
+def _squares(camera: Camera, tangents: Floats, goals: Floats) -> Floats:
+    """(n,) of the pixels between places, by the lens without distortion."""
+    off = (tangents - goals) * np.array(camera.lens.focal)
+    return np.asarray((off**2).sum(axis=1))

@@ -1,0 +1,360 @@
+"""The loop of servoing: looks, asks the law, keeps the limits, takes a step; again and again.
+
+It ends when the goal is reached, and stops for all else: what is lost from sight within two
+pictures, pictures that are late, an error that grows, a matrix that tells nothing, a limit in the
+way, and the time.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path as FilePath
+from typing import Any, Final, Protocol
+
+import numpy as np
+
+from assistant.controllers.leading.carrier import Carrier
+from assistant.controllers.recording import Recording, save_columns
+from assistant.program.arrays import Floats, Truths
+from assistant.program.diagnostics import Diagnostic, Refused, Rule
+from assistant.program.geometry import Pose
+from assistant.vision.cameras.camera import WORLD, Camera
+from assistant.vision.servoing import rules
+from assistant.vision.servoing.bounds import Guard
+from assistant.vision.servoing.interaction import flange_of, jacobian
+from assistant.vision.servoing.law import Law, Moment, Sight, Task
+
+LOST_AFTER: Final = 2
+"""Pictures in a row without a sight; at the first one the arm is brought to rest, at this one it is
+over."""
+DAMPING: Final = 1e-3
+"""Part of the best direction by which others are damped, so that none asks for endless speed."""
+WORSE: Final = 2.0
+"""How many times its first value an error may have."""
+GROWING: Final = 5
+"""Pictures in a row with such an error."""
+BARRED: Final = 15
+"""Pictures in a row in which a limit lets nothing be done."""
+HARDLY: Final = 0.02
+"""Part of what is wanted that is as good as nothing."""
+SHORTEST: Final = 0.004
+"""Seconds of a step at least."""
+LONGEST: Final = 0.5
+"""Seconds of a step at most, however long a picture was waited for."""
+
+
+class Eyes(Protocol):
+    """Who looks. cameras: as their file has them, in the world or on the flange."""
+
+    @property
+    def cameras(self) -> Sequence[Camera]: ...
+
+    def look(self, after: float, patience: float) -> Sight | None:
+        """The latest sight that was taken after a time of the loop's clock; None if none comes
+        within so many seconds. Raises Refused where there will be no more.
+        """
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """gain: part of the error that is taken away in a second. share: part of it at most with one
+    step. pixels, distance, turn: px, mm and degrees at which the goal is reached; turn inf where it
+    does not matter. hold: pictures in a row for which that must be so; before the first step as
+    many must be sure. stale: seconds from a picture to its use from which on it counts as lost.
+    timeout: seconds for all of it. condition: of the interaction matrix at most. opening: seconds
+    in which it must be seen first. Raises Refused for what cannot be.
+    """
+
+    gain: float = 2.0
+    share: float = 0.4
+    pixels: float = 0.5
+    distance: float = 0.5
+    turn: float = 0.5
+    hold: int = 3
+    stale: float = 0.3
+    timeout: float = 60.0
+    condition: float = 5000.0
+    opening: float = 3.0
+
+    def __post_init__(self) -> None:
+        ranges = {
+            "gain": (0.01, 20.0),
+            "share": (0.01, 1.0),
+            "pixels": (0.01, 100.0),
+            "distance": (0.01, 100.0),
+            "turn": (0.01, float("inf")),
+            "hold": (1, 100),
+            "stale": (0.01, 10.0),
+            "timeout": (0.1, 3600.0),
+            "condition": (1.0, 1e9),
+            "opening": (0.05, 600.0),
+        }
+        for name, (least, most) in ranges.items():
+            value = getattr(self, name)
+            if not least <= value <= most:
+                reason = f"it is a number from {least:g} to {most:g}"
+                finding = rules.NO_SETTING(name=name, value=value, reason=reason)
+                raise Refused(finding, exit_status=2)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Served:
+    """joints: (a,) and pose: of the tip in the base, where the arm stands. pictures: that were
+    looked at. pixels, distance, turn: that are left as it is seen, NaN where that is not told.
+    """
+
+    joints: Floats
+    pose: Pose
+    pictures: int
+    seconds: float
+    pixels: float
+    distance: float
+    turn: float
+    recording: Recording
+
+    @property
+    def columns(self) -> Mapping[str, Floats]:
+        return dict(zip(self.recording.labels, self.recording.rows().T, strict=True))
+
+    def save(self, path: FilePath) -> None:
+        """Writes the log as .csv or .npz; raises Refused."""
+        save_columns(path, self.columns)
+
+    @property
+    def left(self) -> str:
+        return _left(self.pixels, self.distance, self.turn)
+
+    def __str__(self) -> str:
+        return f"{self.left} left after {self.pictures} pictures, {self.seconds:.1f} s"
+
+
+class Broken(Refused):
+    """A servoing that did not come to its goal; `served` is what came of it, None if nothing."""
+
+    def __init__(self, finding: Diagnostic, served: Served | None) -> None:
+        super().__init__(finding)
+        self.served = served
+
+
+def servo(
+    eyes: Eyes,
+    law: Law,
+    carrier: Carrier,
+    guard: Guard,
+    settings: Settings | None = None,
+    *,
+    clock: Callable[[], float] = time.monotonic,
+    progress: Callable[[float], None] | None = None,
+) -> Served:
+    """Leads the arm of a carrier, which is entered, until the law has nothing left to do.
+
+    clock: that the eyes have, too. progress: is told what part of the first error is gone.
+    Raises Broken, and Refused of the eyes and the carrier; the arm is brought to rest by then.
+    """
+    slowed = guard.slowed(carrier.speeds)
+    loop = _Loop(eyes, law, carrier, slowed, settings or Settings(), clock)
+    try:
+        return loop.run(progress or (lambda _: None))
+    except BaseException:
+        carrier.rest()
+        raise
+
+
+@dataclass(slots=True, eq=False)
+class _Loop:
+    eyes: Eyes
+    law: Law
+    carrier: Carrier
+    guard: Guard
+    settings: Settings
+    clock: Callable[[], float]
+    recording: Recording = field(init=False)
+    began: float = 0.0
+    after: float = -np.inf
+    before: float = 0.0
+    """When the picture before was taken."""
+    velocity: Floats = field(init=False)
+    task: Task | None = None
+    number: int = 0
+
+    def __post_init__(self) -> None:
+        axes = self.guard.robot.axes
+        self.velocity = np.zeros(len(axes))
+        self.recording = Recording(
+            {
+                **dict.fromkeys(("seconds", "picture", "age", "seen"), ()),
+                **dict.fromkeys(("pixels", "distance", "turn", "condition"), ()),
+                **dict.fromkeys(("joints", "told", "velocity"), axes),
+                "tip": ("x", "y", "z"),
+            }
+        )
+
+    def run(self, progress: Callable[[float], None]) -> Served:
+        self.began = self.before = self.clock()
+        self.law.forget()
+        if what := self.guard.outside(self.carrier.joints()):
+            raise Broken(rules.OUTSIDE(what=what), None)
+        first = self._first_sight()
+        lost = good = growing = barred = 0
+        while True:
+            sight, joints, task = self._look()
+            if isinstance(task, str):
+                lost, good = lost + 1, 0
+                self._rest()
+                self._record(sight, joints, None)
+                if lost >= LOST_AFTER:
+                    raise self._lost(sight, task)
+                continue
+            assert sight is not None
+            lost, self.task = 0, task
+            size = float(np.linalg.norm(task.error))
+            if not task.condition <= self.settings.condition:
+                self._record(sight, joints, task)
+                raise self._broken(rules.SINGULAR, condition=task.condition)
+            good = good + 1 if self._is_there(task) else 0
+            growing = growing + 1 if size > WORSE * first else 0
+            if growing >= GROWING:
+                self._record(sight, joints, task)
+                raise self._broken(rules.DIVERGED, first=first, now=size)
+            if good >= self.settings.hold:
+                self._rest()
+                self._record(sight, joints, task)
+                return self._served()
+            held_back = self._step(task, sight)
+            barred = barred + 1 if held_back else 0
+            self._record(sight, joints, task)
+            if barred >= BARRED:
+                raise self._broken(rules.AT_LIMIT, what=self.guard.barred)
+            if self.clock() - self.began > self.settings.timeout:
+                raise self._broken(rules.TIMEOUT, seconds=self.settings.timeout)
+            progress(float(np.clip(1.0 - size / first, 0.0, 1.0)))
+
+    # ------------------------------------------------------------------------------- looking
+
+    def _first_sight(self) -> float:
+        """Size of the first error, once so many pictures in a row are sure; nothing moves."""
+        seen, why = 0, ""
+        while seen < self.settings.hold:
+            sight, joints, task = self._look()
+            self._record(sight, joints, None if isinstance(task, str) else task)
+            if not isinstance(task, str):
+                seen, self.task = seen + 1, task
+                continue
+            seen, why = 0, task
+            if self.clock() - self.began > self.settings.opening:
+                raise Broken(rules.NOT_SEEN(reason=why), self._served())
+        assert self.task is not None
+        return max(float(np.linalg.norm(self.task.error)), 1e-6)
+
+    def _look(self) -> tuple[Sight | None, Floats, Task | str]:
+        """What is seen, where the arm is, and what is to be done, or in words why nobody knows."""
+        sight = self.eyes.look(self.after, self.settings.stale)
+        joints = self.carrier.joints()
+        if sight is None:
+            return None, joints, f"no picture came within {self.settings.stale:g} s"
+        self.after, self.number = sight.seconds, sight.number
+        if (age := self.clock() - sight.seconds) > self.settings.stale:
+            return sight, joints, f"its picture was {age:.2f} s old"
+        flange = flange_of(self.guard.robot, joints)
+        cameras = [c if c.parent == WORLD else c.carried(flange) for c in self.eyes.cameras]
+        return sight, joints, self.law.task(Moment(cameras, sight, flange))
+
+    def _is_there(self, task: Task) -> bool:
+        wanted = self.settings
+        if np.isfinite(task.pixels):
+            return task.pixels <= wanted.pixels
+        turn = 0.0 if np.isnan(task.turn) else task.turn
+        return task.distance <= wanted.distance and turn <= wanted.turn
+
+    # ------------------------------------------------------------------------------- stepping
+
+    def _step(self, task: Task, sight: Sight) -> bool:
+        """Takes one; whether a limit lets nothing be done."""
+        since = sight.seconds - self.before
+        seconds = float(np.clip(since, max(self.carrier.period, SHORTEST), LONGEST))
+        self.before = sight.seconds
+        told = self.carrier.told()
+        wanted = self._wanted(task, told, seconds)
+        self.velocity = self.guard.limited(wanted, self.velocity, told, seconds)
+        self.carrier.move(told + self.velocity * seconds, seconds)
+        if self.carrier.waits:  # the arm stood before, and stands now
+            self.velocity = np.zeros_like(self.velocity)
+            self.before = self.after = self.clock()
+        if not self.guard.barred:
+            return False
+        speed = float(np.abs(self.velocity).max())
+        return speed <= HARDLY * float(np.abs(wanted).max())
+
+    def _wanted(self, task: Task, joints: Floats, seconds: float) -> Floats:
+        """(a,) velocities that take the error away; axes that are at their ends stay out of it."""
+        slopes = task.slopes @ jacobian(self.guard.robot, joints)
+        gain = min(self.settings.gain, self.settings.share / seconds)
+        free: Truths = np.ones(len(joints), dtype=bool)
+        velocity = np.zeros(len(joints))
+        for _ in range(len(joints)):
+            velocity = np.zeros(len(joints))
+            velocity[free] = -gain * _solved(slopes[:, free], task.error)
+            ends = self.guard.at_end(joints, velocity)
+            if not ends.any():
+                break
+            free = free & ~ends
+        return velocity
+
+    def _rest(self) -> None:
+        self.carrier.rest()
+        self.velocity = np.zeros_like(self.velocity)
+
+    # ------------------------------------------------------------------------------- telling
+
+    def _record(self, sight: Sight | None, joints: Floats, task: Task | None) -> None:
+        """task: None for a picture in which it was not seen."""
+        now = self.clock()
+        seen = (np.nan,) * 4
+        if task is not None:
+            seen = (task.pixels, task.distance, task.turn, task.condition)
+        self.recording.add(
+            now - self.began,
+            np.nan if sight is None else float(sight.number),
+            np.nan if sight is None else now - sight.seconds,
+            float(task is not None),
+            *seen,
+            joints.tolist(),
+            self.carrier.told().tolist(),
+            self.velocity.tolist(),
+            (flange_of(self.guard.robot, joints) @ self.guard.tip).position,
+        )
+
+    def _served(self) -> Served:
+        joints, task = self.carrier.joints(), self.task
+        left = (np.nan,) * 3 if task is None else (task.pixels, task.distance, task.turn)
+        pose = flange_of(self.guard.robot, joints) @ self.guard.tip
+        seconds = self.clock() - self.began
+        return Served(joints, pose, len(self.recording), seconds, *left, self.recording)
+
+    def _lost(self, sight: Sight | None, why: str) -> Broken:
+        if sight is not None and (age := self.clock() - sight.seconds) > self.settings.stale:
+            return self._broken(rules.STALE, age=age)
+        return self._broken(rules.LOST, reason=why)
+
+    def _broken(self, rule: Rule, **fields: Any) -> Broken:
+        self._rest()
+        served = self._served()
+        return Broken(rule(number=self.number, left=served.left, **fields), served)
+
+
+def _solved(slopes: Floats, error: Floats) -> Floats:
+    """Least squares, damped (Wampler 1986): short where a direction is hardly told."""
+    left, values, right = np.linalg.svd(slopes, full_matrices=False)
+    if not values.size or not values[0] > 0.0:
+        return np.zeros(slopes.shape[1])
+    damped = values / (values**2 + (DAMPING * values[0]) ** 2)
+    return np.asarray(right.T @ (damped * (left.T @ error)))
+
+
+def _left(pixels: float, distance: float, turn: float) -> str:
+    parts = [f"{pixels:.2f} px"] if np.isfinite(pixels) else []
+    parts += [f"{distance:.2f} mm"] if np.isfinite(distance) else []
+    parts += [f"{turn:.2f} degrees"] if np.isfinite(turn) else []
+    return ", ".join(parts) or "an unknown way"

@@ -1,0 +1,159 @@
+"""Eyes without a camera: what is there is projected, or drawn and looked for, where the arm is now.
+
+With them servoing is tried against virtual controllers: their arm moves, and the pictures follow.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Final
+
+import numpy as np
+
+from assistant.program.arrays import Floats
+from assistant.program.geometry import IDENTITY, Pose
+from assistant.robots import Robot
+from assistant.vision.cameras.camera import WORLD, Camera
+from assistant.vision.cameras.drawing import CLEAR, Optics, Thing, draw
+from assistant.vision.servoing.interaction import flange_of
+from assistant.vision.servoing.law import Sight
+from assistant.vision.servoing.things import Thing as Sought
+
+RATE: Final = 30.0
+"""Pictures a second."""
+
+
+@dataclass(frozen=True, slots=True)
+class Clock:
+    """Seconds that only rise; pace: of them in each real one, as a virtual controller may have."""
+
+    pace: float = 1.0
+
+    def __call__(self) -> float:
+        return self.pace * time.monotonic()
+
+    def wait(self, seconds: float) -> None:
+        time.sleep(max(0.0, seconds) / self.pace)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class World:
+    """What is there.
+
+    robot, joints: the arm, and where it is (a,) when it is asked. target: with its pose in the
+    base. mark: what the tool carries, with its frame on the flange.
+    """
+
+    robot: Robot
+    joints: Callable[[], Floats]
+    target: tuple[Sought, Pose] | None = None
+    mark: tuple[Sought, Pose] | None = None
+
+    def placed(self, cameras: Sequence[Camera]) -> tuple[list[Camera], Pose]:
+        """The cameras in the base, and the flange, now."""
+        flange = flange_of(self.robot, self.joints())
+        return [c if c.parent == WORLD else c.carried(flange) for c in cameras], flange
+
+
+@dataclass(slots=True, eq=False)
+class Projected:
+    """Exact projections with noise of normal distribution, in pixels; nothing hides anything.
+
+    hidden: number of a picture → whether nothing is seen in it. delay: number → seconds by which
+    it comes late.
+    """
+
+    cameras: Sequence[Camera]
+    world: World
+    clock: Clock = field(default_factory=Clock)
+    noise: float = 0.2
+    rate: float = RATE
+    seed: int = 0
+    hidden: Callable[[int], bool] = lambda _: False
+    delay: Callable[[int], float] = lambda _: 0.0
+    _number: int = -1
+    _due: float = -np.inf
+
+    def look(self, after: float, patience: float) -> Sight | None:
+        taken = _next(self, after)
+        placed, flange = self.world.placed(self.cameras)
+        self.clock.wait(min(self.delay(self._number), 2.0 * patience))
+        return Sight(
+            taken,
+            self._number,
+            self._seen(placed, self.world.target, IDENTITY, 1),
+            self._seen(placed, self.world.mark, flange, 2),
+        )
+
+    def _seen(
+        self, cameras: Sequence[Camera], thing: tuple[Sought, Pose] | None, on: Pose, salt: int
+    ) -> Mapping[str, Floats]:
+        if thing is None:
+            return {}
+        sought, pose = thing
+        points, found = (on @ pose).moved(sought.points), {}
+        for place, camera in enumerate(cameras):
+            chance = np.random.default_rng([self.seed, self._number, place, salt])
+            pixels = camera.project(points) + chance.normal(0.0, self.noise, (len(points), 2))
+            pixels[~camera.within(np.nan_to_num(pixels, nan=-1e6), 2.0)] = np.nan
+            found[camera.name] = (
+                np.full_like(pixels, np.nan) if self.hidden(self._number) else pixels
+            )
+        return found
+
+
+@dataclass(slots=True, eq=False)
+class Drawn:
+    """Pictures that are drawn, in which things are looked for as in those of a real camera.
+
+    still: what is there beside the target. on_target, on_mark: what stands for them, in their own
+    frames. hidden: number of a picture → whether a hand is before the lens.
+    """
+
+    cameras: Sequence[Camera]
+    world: World
+    on_target: Sequence[Thing] = ()
+    on_mark: Sequence[Thing] = ()
+    still: Callable[[Floats], Sequence[Thing]] = lambda _: ()
+    clock: Clock = field(default_factory=Clock)
+    optics: Optics = CLEAR
+    rate: float = RATE
+    seed: int = 0
+    hidden: Callable[[int], bool] = lambda _: False
+    _number: int = -1
+    _due: float = -np.inf
+
+    def look(self, after: float, patience: float) -> Sight | None:  # noqa: ARG002 - one always comes
+        taken = _next(self, after)
+        placed, flange = self.world.placed(self.cameras)
+        things = list(self.still(self.world.joints()))
+        if self.world.target is not None:
+            things += [_at(self.world.target[1], thing) for thing in self.on_target]
+        if self.world.mark is not None:
+            things += [_at(flange @ self.world.mark[1], thing) for thing in self.on_mark]
+        if self.hidden(self._number):
+            things = []
+        target: dict[str, Floats] = {}
+        mark: dict[str, Floats] = {}
+        for place, camera in enumerate(placed):
+            seed = self.seed + 1000 * self._number + place
+            picture = draw(camera, things, self.optics, seed=seed)
+            for found, thing in ((target, self.world.target), (mark, self.world.mark)):
+                if thing is not None:
+                    found[camera.name] = thing[0].find(picture, camera)
+        return Sight(taken, self._number, target, mark)
+
+
+def _next(eyes: Projected | Drawn, after: float) -> float:
+    """Waits for the next picture that is taken after a time; when it was."""
+    now, each = eyes.clock(), 1.0 / eyes.rate
+    eyes._due = max(eyes._due + each, now, after + 1e-6)
+    eyes.clock.wait(eyes._due - now)
+    eyes._number += 1
+    return eyes.clock()
+
+
+def _at(pose: Pose, thing: Thing) -> Thing:
+    return replace(thing, pose=pose @ thing.pose)
