@@ -19,6 +19,7 @@ from assistant.cli import (
     projects,
 )
 from assistant.cli.answering_sights import answer
+from assistant.cli.calibrations import calibrate, poses
 from assistant.cli.camera_commands import camera
 from assistant.cli.exchanges import exchange
 from assistant.cli.explorations import explore
@@ -39,7 +40,7 @@ app: Final = typer.Typer(
 )
 app.add_typer(virtual, name="virtual")
 robots: Final = typer.Typer(
-    help="List the robots there are; `show` tells all of one.",
+    help="List the robots there are; `show` tells all of one, `calibrate` corrects one.",
     invoke_without_command=True,
     rich_markup_mode=None,
 )
@@ -110,6 +111,10 @@ def robots_list(context: typer.Context, format: FormatOption = Format.TEXT) -> N
 
     if context.invoked_subcommand is None:
         raise typer.Exit(run_list(format))
+
+
+robots.command("calibrate")(calibrate)
+robots.command("poses")(poses)
 
 
 @robots.command("show")

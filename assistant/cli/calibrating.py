@@ -1,0 +1,153 @@
+"""`robots calibrate` and `robots poses`: an arm corrected by measured poses, and poses for it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Final, Literal
+
+import numpy as np
+
+from assistant.cli.presentation import Format, print_findings, print_json, say
+from assistant.program.diagnostics import Refused, error
+
+if TYPE_CHECKING:
+    from assistant.learning.calibration.problem import Known
+    from assistant.vision.cameras.camera import Camera
+
+NO_TOML: Final = error("CL540", "`{name}` is no file of a robot", "name it as FILE.toml")
+NO_NUMBERS: Final = error(
+    "CL541", "`{given}` is not {wanted}", "write numbers with commas between, in mm"
+)
+NO_NOISE: Final = error("CL542", "a noise of {given:g} mm is none", "state one above 0")
+FEW_POSES: Final = error("CL543", "{count} poses are not enough to look for", "ask for {least}")
+LEAST: Final = 6
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """tool: x,y,z of the measured point in the flange, if it is known. in_base: whether the points
+    are measured in the base of the arm. noise: mm, one sigma, None to take it from the residuals.
+    """
+
+    output: Path
+    estimate: Literal["zeros", "lengths", "chain"]
+    tool: str | None
+    in_base: bool
+    noise: float | None
+    cameras: Path | None
+    format: Format
+
+
+def run_calibrate(robot: str, measured: Path, options: Options) -> int:
+    """1 if something is doubtful: rows that do not fit, too large errors, over-fitting."""
+    from assistant.compiler.arms import robot_of
+    from assistant.learning.calibration import telling
+    from assistant.learning.calibration.calibrating import calibrate
+    from assistant.learning.calibration.corrected_file import corrected_files
+    from assistant.learning.calibration.measured import read_measured
+    from assistant.program.diagnostics import Severity
+    from assistant.program.system.writing import write_files
+
+    output = options.output
+    if output.suffix.lower() != ".toml" or not output.stem:
+        raise Refused(NO_TOML(name=output.name), exit_status=2)
+    if options.noise is not None and not options.noise > 0.0:
+        raise Refused(NO_NOISE(given=options.noise), exit_status=2)
+    known = _known(options.tool, in_base=options.in_base)
+    arm = robot_of(robot)
+    assert arm is not None
+    poses = read_measured(measured, arm, _cameras(options.cameras))
+    done = calibrate(arm, poses, estimate=options.estimate, known=known, noise=options.noise)
+    written = write_files(corrected_files(done, output.stem), output.parent)
+    print_findings(done.findings)
+    if options.format is Format.JSON:
+        print_json(telling.record(done) | {"files": [str(file) for file in written]})
+    else:
+        for line in telling.lines(done):
+            say(line)
+        say(f"corrected robot: {', '.join(str(file) for file in written)}")
+    return 1 if any(one.severity is not Severity.INFO for one in done.findings) else 0
+
+
+@dataclass(frozen=True, slots=True)
+class PoseOptions:
+    """box: x0,x1,y0,y1,z0,z1 mm of the base, None for no bounds."""
+
+    output: Path
+    count: int
+    estimate: Literal["zeros", "lengths", "chain"]
+    tool: str | None
+    in_base: bool
+    box: str | None
+    cameras: Path | None
+    format: Format
+
+
+def run_poses(robot: str, options: PoseOptions) -> int:
+    from assistant.compiler.arms import robot_of
+    from assistant.learning.calibration import telling
+    from assistant.learning.calibration.poses import suggested
+    from assistant.program.system.writing import write_files
+
+    if options.count < LEAST:
+        raise Refused(FEW_POSES(count=options.count, least=LEAST), exit_status=2)
+    arm = robot_of(robot)
+    assert arm is not None
+    a, b, c = _numbers(options.tool or "0,0,0", 3, "x,y,z")
+    box = None
+    if options.box is not None:
+        box = np.array(_numbers(options.box, 6, "x0,x1,y0,y1,z0,z1")).reshape(3, 2)
+    seen = tuple((_cameras(options.cameras) or {}).values())
+    found = suggested(
+        arm,
+        options.count,
+        estimate=options.estimate,
+        tool=(a, b, c),
+        known=_known(None, in_base=options.in_base),
+        box=box,
+        cameras=seen,
+    )
+    units = ("mm" if slides else "deg" for slides in arm.sliding)
+    header = [f"{axis.lower()}_{unit}" for axis, unit in zip(arm.axes, units, strict=True)]
+    rows = [",".join(f"{value:.2f}" for value in row) for row in found.joints]
+    text = "\n".join([",".join(header), *rows]) + "\n"
+    (written,) = write_files({options.output.name: text.encode()}, options.output.parent)
+    if options.format is Format.JSON:
+        names = [one.name for one in found.parameters]
+        sigmas = dict(zip(names, found.sigmas.tolist(), strict=True))
+        print_json({"poses": str(written), "count": options.count, "sigmas": sigmas})
+        return 0
+    for line in telling.suggestion(found):
+        say(line)
+    say(f"poses: {written}")
+    return 0
+
+
+def _known(tool: str | None, *, in_base: bool) -> Known:
+    from assistant.learning.calibration.problem import Known
+    from assistant.program.geometry import IDENTITY
+
+    base = IDENTITY if in_base else None
+    if tool is None:
+        return Known(base)
+    a, b, c = _numbers(tool, 3, "x,y,z")
+    return Known(base, (a, b, c))
+
+
+def _cameras(file: Path | None) -> dict[str, Camera] | None:
+    if file is None:
+        return None
+    from assistant.vision.cameras.camera_file import read_cameras
+
+    return dict(read_cameras(file).cameras)
+
+
+def _numbers(given: str, count: int, wanted: str) -> list[float]:
+    try:
+        found = [float(part) for part in given.split(",")]
+    except ValueError:
+        found = []
+    if len(found) != count or not np.isfinite(found).all():
+        raise Refused(NO_NUMBERS(given=given, wanted=wanted), exit_status=2)
+    return found

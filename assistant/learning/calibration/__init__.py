@@ -1,0 +1,1 @@
+"""Arms are calibrated: small errors of lengths, zeros and base out of measured poses."""

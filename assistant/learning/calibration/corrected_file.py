@@ -1,0 +1,142 @@
+"""The corrected robot as a file that reads back: TOML, and a URDF beside it for a free chain."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from typing import Final
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+
+from assistant.learning.calibration.calibrating import Calibration
+from assistant.learning.calibration.models import LengthsModel
+from assistant.program import rotations
+from assistant.program.geometry import Pose
+from assistant.robots import Robot
+from assistant.robots.arms import FiveAxis, Scara, SixAxis
+from assistant.robots.arms.chain import METRE, Chain
+from assistant.robots.robot_file import LENGTHS, NAME
+
+DIGITS: Final = 9
+"""Decimals of mm and degrees; the flange of the file is that of the fit within 1e-6 mm."""
+
+
+def corrected_files(done: Calibration, stem: str) -> dict[str, bytes]:
+    """`STEM.toml`, and `STEM.urdf` if the axes of the arm lie otherwise than its kind has them."""
+    model, values = done.fit.problem.model, done.fit.state.values
+    zero = [round(float(value), DIGITS) + 0.0 for value in model.zero(values)]
+    arm = model.arm(values) if isinstance(model, LengthsModel) else None
+    head = _head(done, stem)
+    if isinstance(arm, SixAxis | FiveAxis | Scara):
+        has = arm if isinstance(arm, Scara) else arm.lengths
+        lengths = {name: round(float(getattr(has, name)), DIGITS) for name in LENGTHS[arm.kind]}
+        kind = [f"arm = {_text(arm.kind)}"]
+        table = ["[lengths_mm]", *(f"{key} = {value}" for key, value in lengths.items()), ""]
+        body = [*_axes(done.robot, done.robot.axes, zero), *_radii(done.robot, done.robot.axes)]
+        return {f"{stem}.toml": _joined([*head, *kind, "", *table, *body])}
+    chain = model.chain(values)
+    names = [f"J{i}" for i in range(1, len(done.robot.axes) + 1)]
+    link = [f"urdf = {_text(f'{stem}.urdf')}", ""]
+    body = [*_axes(done.robot, names, zero), *_radii(done.robot, names)]
+    return {
+        f"{stem}.toml": _joined([*head, *link, *body]),
+        f"{stem}.urdf": _joined(_urdf(done.robot, chain, zero)),
+    }
+
+
+def _head(done: Calibration, stem: str) -> Iterator[str]:
+    robot = done.robot
+    name = stem if NAME.fullmatch(stem) else f"{robot.name[:53]}-calibrated"
+    count = int(done.fit.used.sum())
+    how = f"calibrated by {count} poses of {done.measured.path or 'a program'}"
+    left = f"{done.out.point:.3g} mm left in poses held out"
+    yield "# Corrected by measured poses. Lengths in mm, angles in degrees."
+    yield ""
+    yield f"name = {_text(name)}"
+    yield f"title = {_text(f'{robot.title} (calibrated)')}"
+    yield f"maker = {_text(robot.maker)}"
+    yield f"controller = {_text(robot.controller)}"
+    yield f"languages = [{', '.join(map(_text, robot.languages))}]"
+    yield f"configuration = {_text(robot.counts)}"
+    yield f"reach_mm = {float(robot.reach)!r}"
+    figures = {
+        "payload_kg": robot.payload,
+        "tcp_speed_mm_s": robot.tcp_speed,
+        "repeatability_mm": robot.repeatability,
+        "time_to_speed_s": robot.time_to_speed,
+        "time_to_speed_kg": robot.light or None,
+        "coupling": robot.coupling or None,
+    }
+    yield from (f"{key} = {float(v)!r}" for key, v in figures.items() if v is not None)
+    yield f"source = {_text(f'{how}, {left}; else: {robot.source}')}"
+    yield f"unconfirmed = [{', '.join(map(_text, robot.unconfirmed))}]"
+
+
+def _axes(robot: Robot, names: Sequence[str], zero: Sequence[float]) -> Iterator[str]:
+    for table, slides in (("axes_deg", False), ("axes_mm", True)):
+        which = [i for i, sliding in enumerate(robot.sliding) if bool(sliding) == slides]
+        if not which:
+            continue
+        yield f"[{table}]"
+        for i in which:
+            low, high = (float(v) for v in robot.limits[i])
+            fields = [f"limits = [{low!r}, {high!r}]", f"speed = {float(robot.speeds[i])!r}"]
+            if robot.accelerations is not None:
+                fields.append(f"acceleration = {float(robot.accelerations[i])!r}")
+            fields += [f"zero = {zero[i]!r}", f"home = {float(robot.home[i])!r}"]
+            yield f"{names[i]} = {{ {', '.join(fields)} }}"
+        yield ""
+
+
+def _radii(robot: Robot, names: Sequence[str]) -> Iterator[str]:
+    yield "[radii_mm]"
+    for name, radius in zip(("base", *names), robot.radii, strict=True):
+        yield f"{name} = {float(radius)!r}"
+
+
+def _urdf(robot: Robot, chain: Chain, zero: Sequence[float]) -> Iterator[str]:
+    count = len(chain.joints)
+    links = ["base_link", *(f"link_{i}" for i in range(1, count + 1)), "tool0"]
+    yield '<?xml version="1.0"?>'
+    yield f"<robot name={quoteattr(robot.name)}>"
+    yield from (f'  <link name="{name}"/>' for name in links)
+    for i, joint in enumerate(chain.joints):
+        low, high = robot.limits[i] + zero[i]
+        speed = float(robot.speeds[i])
+        if joint.sliding:
+            low, high, speed = low / METRE, high / METRE, speed / METRE
+        else:
+            low, high, speed = np.radians(low), np.radians(high), float(np.radians(speed))
+        kind = "prismatic" if joint.sliding else "revolute"
+        yield f'  <joint name="joint_{i + 1}" type="{kind}">'
+        yield from _between(joint.pose, links[i], links[i + 1])
+        yield f'    <axis xyz="{_numbers(joint.axis)}"/>'
+        limit = f'lower="{float(low)!r}" upper="{float(high)!r}" velocity="{speed!r}"'
+        yield f'    <limit {limit} effort="0"/>'
+        yield "  </joint>"
+    yield '  <joint name="flange" type="fixed">'
+    yield from _between(chain.flange, links[-2], links[-1])
+    yield "  </joint>"
+    yield "</robot>"
+
+
+def _between(pose: Pose, parent: str, child: str) -> Iterator[str]:
+    yaw, pitch, roll = np.radians(rotations.to_euler(np.array(pose.quaternion))).tolist()
+    place = _numbers([value / METRE for value in pose.position])
+    yield f'    <parent link="{parent}"/>'
+    yield f'    <child link="{child}"/>'
+    yield f'    <origin xyz="{place}" rpy="{_numbers([roll, pitch, yaw])}"/>'
+
+
+def _numbers(values: Sequence[float]) -> str:
+    """All their digits: an angle with few of them may be read as the quarter turn beside it."""
+    return " ".join(repr(float(value) + 0.0) for value in values)
+
+
+def _text(text: str) -> str:
+    return json.dumps(text, ensure_ascii=False)
+
+
+def _joined(lines: Iterator[str] | Sequence[str]) -> bytes:
+    return ("\n".join(lines) + "\n").encode()

@@ -1,0 +1,53 @@
+"""Residuals, and those of poses that took no part in the fit, by which over-fitting is seen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from assistant.learning.calibration.fitting import least_squares
+from assistant.learning.calibration.problem import Problem, State
+from assistant.program.arrays import Floats, Rows, Truths, norms
+
+FOLDS: Final = 5
+FEW: Final = 15
+"""Poses below which each is held out by itself."""
+
+
+@dataclass(frozen=True, slots=True)
+class Residual:
+    """point: mm, root mean square. worst: mm. turn: degrees, None where no turns are measured."""
+
+    point: float
+    worst: float
+    turn: float | None = None
+
+    @staticmethod
+    def of(points: Floats, turns: Floats | None) -> Residual:
+        """Of errors (n, 3) mm and (n, 3) radians."""
+        off = norms(points)
+        turn = None if turns is None else float(np.degrees(np.sqrt((norms(turns) ** 2).mean())))
+        return Residual(float(np.sqrt((off**2).mean())), float(off.max()), turn)
+
+
+def residual(problem: Problem, state: State, rows: Rows) -> Residual:
+    some = problem.of(rows)
+    points, turns = some.errors(state)
+    return Residual.of(points, None if some.measured.turns is None else turns)
+
+
+def held_out(problem: Problem, state: State, free: Truths, rows: Rows) -> Residual:
+    """Of each of some rows by a fit of the others, that begins at a state."""
+    count = FOLDS if len(rows) >= FEW else len(rows)
+    order = np.random.default_rng(0).permutation(rows)
+    points, turns = [], []
+    for fold in np.array_split(order, count):
+        others = problem.of(np.setdiff1d(rows, fold))
+        found = least_squares(others, state, free, np.ones(len(others.measured)))
+        off, turned = problem.of(fold).errors(found)
+        points.append(off)
+        turns.append(turned)
+    told = None if problem.measured.turns is None else np.vstack(turns)
+    return Residual.of(np.vstack(points), told)
