@@ -21,8 +21,8 @@ from assistant.program.geometry import IDENTITY, Pose
 from assistant.vision.cameras.camera import Camera
 
 ROUNDS: Final = 12
-CLOSE: Final = 1e-3
-"""mm, and hundredths of it in radians, of a step at which they end."""
+CLOSE: Final = 0.02
+"""Sigmas of a step at which they end."""
 TUKEY: Final = 4.685
 """Sigmas beyond which a measurement counts nothing: 95 % of the efficiency of least squares for
 Gaussian noise (Huber, Robust Statistics, 1981)."""
@@ -126,7 +126,7 @@ def fitted(
         if number == len(COARSE) and float((weights > 0.0).mean()) < AGREEING:
             return None
         pose = moved(pose, step)
-        small = np.abs(step[:3]).max() < CLOSE and np.abs(step[3:]).max() < CLOSE * 1e-2
+        small = float(step @ matrix @ step) < CLOSE**2
         if small and number >= len(COARSE):
             break
     units = np.array([1.0, 1.0, 1.0, *[180.0 / np.pi] * 3])

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 NEAR: Final = 1.6
 """Pixels that an edge of the picture is at most from the outline that it supports."""
+UNLIKE: Final = 30.0
+"""Units of L*a*b* from which no two colours are of one plain thing, however mottled."""
 GRID: Final = 28
 """Places along the longer side of an outline at which its inside is looked at."""
 
@@ -42,34 +44,55 @@ class Judged:
     held: Truths
 
 
-def judge(cv: ModuleType, photo: Photo, outline: Outline, samples: Samples, pose: Pose) -> Judged:
-    """What a picture says to an outline at a pose of it."""
+@dataclass(frozen=True, slots=True, eq=False)
+class Face:
+    """What a picture shows where a face is said to be. colour: (3,) L*a*b* of most of it, NaN where
+    nothing is. close: how far colours of one thing may be from it. alike, empty: parts of the face
+    that have that colour, and where nothing is.
+    """
+
+    colour: Floats
+    close: float
+    alike: float
+    empty: float
+
+
+def face_of(photo: Photo, inner: Floats, pose: Pose) -> Face:
+    """inner: places (n, 3) inside of the outline, see `inner_points`."""
+    grid = photo.camera.project(pose.moved(inner))
+    there = photo.is_foreground(grid)
+    colours = photo.colours(grid)[there]
+    visible = photo.camera.within(grid)
+    empty = float((~there & visible).mean())
+    if len(colours) < 5:
+        return Face(np.full(3, np.nan), photo.different, 0.0, empty)
+    own = np.median(colours, axis=0)
+    away = np.linalg.norm(colours - own, axis=1)
+    spread = 2.0 * 1.4826 * float(np.median(away))
+    close = min(max(photo.different * 1.25, spread), UNLIKE)
+    return Face(own, close, float((away < close).sum()) / len(inner), empty)
+
+
+def judge(cv: ModuleType, photo: Photo, inner: Floats, samples: Samples, pose: Pose) -> Judged:
+    """What a picture says to an outline at a pose of it; inner: as of `face_of`."""
     found = edges_near(cv, photo, samples, pose, 3.0, along=True)
     held = np.isfinite(found.offs) & (np.abs(found.offs) <= NEAR)
-    grid = photo.camera.project(pose.moved(inner_points(outline)))
-    there = photo.is_foreground(grid)
-    colours = photo.colours(grid)
-    seen = there & np.isfinite(colours).all(axis=1)
-    own = np.median(colours[seen], axis=0) if seen.sum() >= 5 else np.full(3, np.nan)
-    spread = 1.4826 * np.median(np.linalg.norm(colours[seen] - own, axis=1)) if seen.any() else 0.0
-    close = max(photo.different * 1.25, 2.0 * float(spread))
-    inner, outer = (found.pixels + side * BESIDE * found.normals for side in (-1.0, 1.0))
-    like_in = _like(photo, inner, own, close) & photo.is_foreground(inner)
-    like_out = _like(photo, outer, own, close) & photo.is_foreground(outer)
-    nothing = ~photo.is_foreground(inner) & photo.camera.within(inner)
+    face = face_of(photo, inner, pose)
+    own, close = face.colour, face.close
+    inside, outside = (found.pixels + side * BESIDE * found.normals for side in (-1.0, 1.0))
+    like_in = _like(photo, inside, own, close) & photo.is_foreground(inside)
+    like_out = _like(photo, outside, own, close) & photo.is_foreground(outside)
+    nothing = ~photo.is_foreground(inside) & photo.camera.within(inside)
     wrong = (~held & like_in & like_out) | nothing
     held &= like_in
-    with np.errstate(invalid="ignore"):
-        alike = np.linalg.norm(colours - own, axis=1) < close
-    visible = photo.camera.within(grid)
     return Judged(
-        float(held.mean()),
-        float((~held & ~wrong).mean()),
-        float(wrong.mean()),
-        float((alike & there).sum() / max(len(grid), 1)),
-        float((~there & visible).sum() / max(len(grid), 1)),
-        found,
-        held,
+        supported=float(held.mean()),
+        hidden=float((~held & ~wrong).mean()),
+        contradicted=float(wrong.mean()),
+        inside=face.alike,
+        empty=face.empty,
+        edges=found,
+        held=held,
     )
 
 

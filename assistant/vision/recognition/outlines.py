@@ -14,7 +14,7 @@ from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.recognition.edges import APART, CORNERS, Samples, of_edges, sampled
 from assistant.vision.recognition.estimating import Estimate, Plane, fitted
-from assistant.vision.recognition.judging import Judged, judge, within
+from assistant.vision.recognition.judging import Judged, face_of, inner_points, judge, within
 from assistant.vision.recognition.moments import Moments, moments
 from assistant.vision.recognition.objects import KnownObject, Outline
 from assistant.vision.recognition.pairs import Contour, Flat, Pairs, contour_of
@@ -34,6 +34,8 @@ MOST_EMPTY: Final = 0.06
 """Part of the face at which there may be nothing."""
 LEAST_INSIDE: Final = 0.5
 """Part of the face that shows one colour."""
+BEGUN: Final = 0.4
+"""The same, before an outline is brought onto its edges."""
 ON_CONTOUR: Final = 0.36
 """Part of an outline that lies on a contour of the picture before it is looked at closer."""
 REACH: Final = 6.0
@@ -75,7 +77,7 @@ def confidence_of(judged: Judged) -> float:
 @dataclass(frozen=True, slots=True, eq=False)
 class Shape:
     """What is worked out once of an object with an outline. nearly: in how many ways it looks
-    nearly the same.
+    nearly the same. inner: (n, 3) places inside of it.
     """
 
     object: KnownObject
@@ -83,6 +85,7 @@ class Shape:
     pairs: Pairs
     moments: Moments
     nearly: int
+    inner: Floats
 
     @staticmethod
     def of(cv: ModuleType, known: KnownObject) -> Shape:
@@ -92,7 +95,8 @@ class Shape:
         nearly = near_symmetry_of(known.outline)
         if known.symmetry == nearly:
             nearly = 1
-        return Shape(known, known.outline, Pairs.of(known.outline), found, max(nearly, 1))
+        pairs, inner = Pairs.of(known.outline), inner_points(known.outline)
+        return Shape(known, known.outline, pairs, found, max(nearly, 1), inner)
 
 
 def outlines_in(
@@ -229,6 +233,9 @@ def _looked_at(
     assert known.outline is not None
     turn = rotations.about((0.0, 0.0, 1.0), np.degrees(flat.turn))
     pose = plane.pose @ Pose.of(np.array([flat.x, flat.y, known.height]), rotations.canonical(turn))
+    face = face_of(photo, shape.inner, pose)
+    if face.alike < BEGUN or face.empty > 3.0 * MOST_EMPTY:
+        return None
     samples = sampled(known.outline, APART * region.scale, CORNERS * region.scale)
     if len(samples) < FEWEST:
         return None
@@ -241,7 +248,7 @@ def _looked_at(
     )
     if estimate is None:
         return None
-    judged = judge(cv, photo, known.outline, samples, estimate.pose)
+    judged = judge(cv, photo, shape.inner, samples, estimate.pose)
     return OutlineFound(known, estimate, judged, samples)
 
 

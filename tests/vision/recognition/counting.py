@@ -61,10 +61,12 @@ class Counts:
         return "; ".join(said)
 
 
-def counted(recogniser: Recogniser, seeds: Sequence[int], lib) -> Counts:
+def counted(
+    recogniser: Recogniser, seeds: Sequence[int], lib, known: int = 6, strange: int = 3
+) -> Counts:
     counts = Counts()
     for seed in seeds:
-        drawn = scene(seed, lib)
+        drawn = scene(seed, lib, known, strange)
         sight = recogniser.see({"above": taken(ABOVE, drawn, seed)}, {"above": ABOVE}, EXACT)
         doubted = {
             one.name

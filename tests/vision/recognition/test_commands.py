@@ -97,6 +97,7 @@ def test_a_part_is_seen_and_its_glue_line_lands_on_it(here, capsys, tell):
     assert max(off) < 0.3
 
 
+@pytest.mark.slow
 def test_what_is_found_fills_frames_that_are_seen(here, capsys):
     assert run(capsys, *SEE, "above=shown/above/0000.png", "--found", "found.toml")[0] == 0
     sight = read_sights("found.toml")["bracket"]
@@ -181,6 +182,7 @@ def picture(name: str, data: np.ndarray) -> str:
 def test_bad_pictures_and_words_are_told(here, capsys):
     whole = opencv().imread("shown/above/0000.png")
     Path("text.png").write_text("no picture")
+    Path("empty.toml").write_text("[bodies.block]\nbox = [10, 10, 10]\n")
     for words, code, wanted in (
         ((picture("small.png", whole[:300]),), "VS021", 2),
         ((picture("dark.png", whole // 12),), "VS022", 1),
@@ -193,7 +195,7 @@ def test_bad_pictures_and_words_are_told(here, capsys):
         ((), "CL554", 2),
         (("plain.png", "--to", "targets.csv"), "CL550", 2),
         (("plain.png", "--draw", "seen.txt"), "CL551", 2),
-        (("plain.png", "--cell", "table.toml"), "CL553", 2),
+        (("plain.png", "--cell", "empty.toml"), "CL553", 2),
     ):
         status, _, err = run(capsys, *SEE, *words)
         assert (status, code in err) == (wanted, True), (words, err)

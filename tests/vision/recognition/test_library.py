@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import pickle
+import shutil
 import zipfile
 
 import ezdxf
@@ -20,14 +21,20 @@ from assistant.vision.recognition.symmetry import symmetry_of
 from tests.vision.recognition.scenes import PARTS, drawing, face_picture
 
 
-@pytest.fixture
-def lib(tmp_path):
-    part = drawing(PARTS[0], tmp_path, glue=[(5, 5), (70, 12)], grasp=True)
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("library")
+    part = drawing(PARTS[0], folder, glue=[(5, 5), (70, 12)], grasp=True)
     one = read_part(part, "bracket", contour="part", lines=["GLUE"], height=2.5).object
     view = View("coffee.png", face_picture("coffee.png", 200))
     card = learn_face(opencv(), "card", [view], 80.0).object
-    add_objects(tmp_path / "lib", [one, card])
-    return tmp_path / "lib"
+    add_objects(folder / "lib", [one, card])
+    return folder / "lib"
+
+
+@pytest.fixture
+def lib(written, tmp_path):
+    return shutil.copytree(written, tmp_path / "lib")
 
 
 def codes(refused: pytest.ExceptionInfo[Refused]) -> list[str]:

@@ -42,7 +42,7 @@ def good(counts: Counts) -> None:
 
 
 def test_known_objects_are_found_and_unknown_ones_are_not_named(recogniser, ten, tell):
-    counts = counted(recogniser, range(1), ten)
+    counts = counted(recogniser, [4], ten, known=5, strange=2)
     tell(f"one scene: {counts.figures()}")
     assert not counts.wrong
     assert not counts.missed
