@@ -289,6 +289,50 @@ def fmu() -> bytes:
     return out.getvalue()
 
 
+def calibrated() -> bytes:
+    """Residuals of measured poses by the nominal and the corrected arm, and its corrections."""
+    import matplotlib as mpl
+
+    mpl.use("Agg")
+    import matplotlib.pyplot as plt
+    import numpy as np
+
+    from assistant import robots
+    from assistant.learning.calibration.calibrating import calibrate
+    from assistant.learning.calibration.measured import read_measured
+
+    arm = robots.get("rv-2aj")
+    poses = read_measured(PROJECT / "samples/calibration/rv-2aj.csv", arm)
+    done = calibrate(arm, poses)
+    figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.4), width_ratios=(3, 2))
+    for state, colour, name in (
+        (done.start, "C3", "nominal arm"),
+        (done.fit.state, "C0", "corrected"),
+    ):
+        off = np.linalg.norm(done.fit.problem.errors(state)[0], axis=1)
+        root = float(np.sqrt((off**2).mean()))
+        left.semilogy(poses.rows, off, "o", color=colour, ms=4, label=f"{name}, {root:.3g} mm")
+        left.axhline(root, color=colour, lw=0.8)
+    left.axhline(done.out.point, color="0.4", lw=0.8, ls="--")
+    left.plot([], [], color="0.4", lw=0.8, ls="--", label=f"held out, {done.out.point:.3g} mm")
+    left.set(xlabel="row of the file", ylabel="residual, mm", ylim=(0.008, 500.0))
+    left.legend(fontsize=8, loc="upper right")
+    names = [f"{one.parameter.name}, {one.parameter.unit}" for one in done.corrections]
+    values = [one.value for one in done.corrections]
+    sigmas = [3.0 * one.sigma for one in done.corrections]
+    right.errorbar(values, names, xerr=sigmas, fmt="o", ms=4, capsize=3)
+    right.axvline(0.0, color="0.6", lw=0.8)
+    right.invert_yaxis()
+    right.set_xlabel("correction, bars of three sigmas")
+    for axes in (left, right):
+        axes.grid(alpha=0.3)
+    figure.tight_layout()
+    out = io.BytesIO()
+    figure.savefig(out, dpi=100)
+    plt.close(figure)
+    return out.getvalue()
+
+
 PICTURES: Final[dict[str, Callable[[], bytes]]] = {
     "demo": demo,
     "contact": contact,
@@ -306,6 +350,7 @@ PICTURES: Final[dict[str, Callable[[], bytes]]] = {
     "pointing": pointing,
     "objects": objects,
     "fmu": fmu,
+    "calibrated": calibrated,
 }
 """Each picture by the name of its file."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, Literal
@@ -21,6 +22,9 @@ NO_NUMBERS: Final = error(
 )
 NO_NOISE: Final = error("CL542", "a noise of {given:g} mm is none", "state one above 0")
 FEW_POSES: Final = error("CL543", "{count} poses are not enough to look for", "ask for {least}")
+OWN_FILE: Final = error(
+    "CL544", "`{name}` is a file of the robot that was measured", "name another one"
+)
 LEAST: Final = 6
 
 
@@ -59,7 +63,9 @@ def run_calibrate(robot: str, measured: Path, options: Options) -> int:
     assert arm is not None
     poses = read_measured(measured, arm, _cameras(options.cameras))
     done = calibrate(arm, poses, estimate=options.estimate, known=known, noise=options.noise)
-    written = write_files(corrected_files(done, output.stem), output.parent)
+    files = corrected_files(done, output.stem)
+    _spared(robot, [output.parent / name for name in files])
+    written = write_files(files, output.parent)
     print_findings(done.findings)
     if options.format is Format.JSON:
         print_json(telling.record(done) | {"files": [str(file) for file in written]})
@@ -122,6 +128,19 @@ def run_poses(robot: str, options: PoseOptions) -> int:
         say(line)
     say(f"poses: {written}")
     return 0
+
+
+def _spared(robot: str, files: Iterable[Path]) -> None:
+    """Raises Refused for what would take the place of the measured robot, or of a URDF beside it,
+    which may be its own.
+    """
+    own = Path(robot)
+    if own.suffix.lower() not in (".toml", ".urdf") or not own.exists():
+        return
+    for file in files:
+        beside = file.suffix == ".urdf" and file.parent.resolve() == own.parent.resolve()
+        if file.exists() and (file.samefile(own) or beside):
+            raise Refused(OWN_FILE(name=file.name), exit_status=2)
 
 
 def _known(tool: str | None, *, in_base: bool) -> Known:

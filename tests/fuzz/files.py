@@ -14,6 +14,7 @@ from typing import Final
 import numpy as np
 
 import assistant
+from assistant import robots
 from assistant.cell.reading.cell_file import read_scene
 from assistant.cell.reading.links import drawn_links
 from assistant.cell.writing.cell_text import cell_files
@@ -24,6 +25,8 @@ from assistant.controllers.named import controllers_of
 from assistant.deploy.journal import read_journal, steps_of
 from assistant.deploy.record import Record, read_record
 from assistant.findings.severity import severities_for
+from assistant.learning.calibration.calibrating import calibrate
+from assistant.learning.calibration.measured import read_measured
 from assistant.program import pseudo
 from assistant.program.text import decode
 from assistant.project import project_of
@@ -98,6 +101,18 @@ def robot(data: bytes) -> None:
         promise(bool(arm.name), "a robot without a name")
         if arm.outlines is not None:
             drawn_links("arm", arm, {})
+
+
+def measured_poses(data: bytes) -> None:
+    """Joints beside measured points, few enough to be calibrated by."""
+    path = file("measured.csv", data)
+    with refusing():
+        poses = read_measured(path, robots.get("rv-2aj"))
+        sound(poses.findings)
+        if len(poses) < 60:
+            done = calibrate(robots.get("rv-2aj"), poses)
+            sound(done.findings)
+            promise(bool(np.isfinite(done.fit.state.values).all()), "a correction is no number")
 
 
 def script(data: bytes) -> None:
@@ -233,6 +248,7 @@ _TOML: Final = (
 
 TARGETS: Final = (
     Target("csv", source("input.csv"), files_of("samples/*.csv", "tests/fuzz/seeds/csv/*")),
+    Target("measured", measured_poses, files_of("samples/calibration/*.csv")),
     Target("taught", source("input.toml"), files_of("tests/fuzz/seeds/taught/*"), lambda: _TOML),
     Target("npy", source("input.npy"), _npy),
     Target("npz", npz, _npz),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Final
 
 NAMES: Final = ("one", "two", "three")
@@ -85,6 +86,9 @@ LISTINGS: Final = {f"{STORE}/{name.upper()}.prg": LISTING for name in NAMES}
 BUILD: Final = ("build", "--jobs", "1")
 TEACH: Final = ("teach", "cell1", "--now", "--into", "points.toml")
 GET: Final = ("get", "cell1", "ONE", "TWO", "THREE", "-o", "out", "--replace")
+MEASURED: Final = (
+    Path(__file__).parents[2].joinpath("samples/calibration/rv-2aj.csv").read_text("utf-8")
+)
 SIMULATED: Final = ("out/one.csv", "out/one.npz", "out/one.moves.csv")
 
 COMMANDS: Final[Mapping[str, Command]] = {
@@ -121,6 +125,11 @@ COMMANDS: Final[Mapping[str, Command]] = {
         together=False,
         books=frozenset({"one.npz"}),
     ),
+    "calibrate": Command(
+        ("robots", "calibrate", "rv-2aj", "one.csv", "--estimate", "chain", "-o", "out/one.toml"),
+        {"one.csv": MEASURED},
+    ),
+    "poses": Command(("robots", "poses", "rv-2aj", "--count", "6", "-o", "out/one.csv"), {}),
     "exchange": Command(("exchange", "module", "-o", "exchange.mod"), {}),
     "explore": Command(
         ("explore", "merge", "one.npz", "-o", "all.npz"), {"one.toml": ROBOT_CELL}, (WANDER,)

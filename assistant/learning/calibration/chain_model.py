@@ -19,6 +19,7 @@ from assistant.learning.calibration.models import (
     LengthsModel,
     Model,
     Parameter,
+    Slopes,
     Unit,
     of_zeros,
 )
@@ -77,7 +78,7 @@ class ChainModel:
         found = self._along(joints, values)
         return found.origins[:, -1], found.turns
 
-    def slopes(self, joints: Floats, values: Floats) -> tuple[Floats, Floats]:
+    def slopes(self, joints: Floats, values: Floats) -> Slopes:
         found = self._along(joints, values)
         moved: list[Floats] = []
         turned: list[Floats] = []
@@ -104,7 +105,8 @@ class ChainModel:
                     turns(frame[:, :, 0] if name == "alpha" else y, at)
         first, second = of_zeros(found, self.robot.sliding)
         both = np.concatenate([first, np.stack(moved, axis=2)], axis=2)
-        return both, np.concatenate([second, np.stack(turned, axis=2)], axis=2)
+        spun = np.concatenate([second, np.stack(turned, axis=2)], axis=2)
+        return Slopes(found.origins[:, -1], found.turns, both, spun)
 
     def chain(self, values: Floats) -> Chain:
         nominal = self.robot.arm.whole_chain

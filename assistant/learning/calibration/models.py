@@ -34,6 +34,18 @@ class Parameter:
     nominal: float = 0.0
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Slopes:
+    """Positions (n, 3) and rotations (n, 3, 3) of the flange, and their change by each parameter, a
+    mm or degree: moved (n, 3, k) mm, turned (n, 3, k) radians about the axes of the base.
+    """
+
+    positions: Floats
+    rotations: Floats
+    moved: Floats
+    turned: Floats
+
+
 class Model(Protocol):
     """An arm with k parameters, all of them 0 for the arm as its file says it."""
 
@@ -47,10 +59,8 @@ class Model(Protocol):
         """Joints (n, a) and corrections (k,) → positions (n, 3), rotations (n, 3, 3)."""
         ...
 
-    def slopes(self, joints: Floats, values: Floats) -> tuple[Floats, Floats]:
-        """Change of the flange by each parameter, a mm or degree: positions (n, 3, k) mm and small
-        turns (n, 3, k) radians about the axes of the base.
-        """
+    def slopes(self, joints: Floats, values: Floats) -> Slopes:
+        """The same with the change by each correction."""
         ...
 
     def chain(self, values: Floats) -> Chain:
@@ -106,18 +116,18 @@ class LengthsModel:
         p, q = replace(self.robot, arm=self.arm(values), zero=self.zero(values)).fk(joints)
         return p, rotations.to_matrix(q)
 
-    def slopes(self, joints: Floats, values: Floats) -> tuple[Floats, Floats]:
+    def slopes(self, joints: Floats, values: Floats) -> Slopes:
         n, k, count = len(joints), len(self.parameters), len(self.robot.axes)
         moved, turned = np.zeros((n, 3, k)), np.zeros((n, 3, k))
         robot = replace(self.robot, zero=self.zero(values))
         found = self.chain(values).along(robot.chained(joints))
         moved[:, :, :count], turned[:, :, :count] = of_zeros(found, self.robot.sliding)
-        p, _ = self.flange(joints, values)
+        p = found.origins[:, -1]
         for i in range(count, k):  # the flange shifts as much as a length grows, and does not turn
             longer = values.copy()
             longer[i] += 1.0
             moved[:, :, i] = self.flange(joints, longer)[0] - p
-        return moved, turned
+        return Slopes(p, found.turns, moved, turned)
 
     def chain(self, values: Floats) -> Chain:
         return self.arm(values).whole_chain

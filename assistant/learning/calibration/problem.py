@@ -119,10 +119,11 @@ class Problem:
         """(n, parts, 12 + k): change of `missing` by each correction. arm: whether those of the arm
         are wanted; 0 if not.
         """
-        p, r = self.model.flange(self.measured.joints, state.values)
         if arm:
-            moved, turned = self.model.slopes(self.measured.joints, state.values)
+            found = self.model.slopes(self.measured.joints, state.values)
+            p, r, moved, turned = found.positions, found.rotations, found.moved, found.turned
         else:
+            p, r = self.model.flange(self.measured.joints, state.values)
             moved = turned = np.zeros((len(p), 3, len(state.values)))
         base = rotations.to_matrix(np.array(state.base.quaternion))
         tool = rotations.to_matrix(np.array(state.tool.quaternion))

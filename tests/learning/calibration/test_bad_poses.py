@@ -119,8 +119,8 @@ def test_the_poses_of_another_robot_name_it(truth, joints):
 
 
 def test_points_that_no_arm_explains(joints):
-    points = np.random.default_rng(0).uniform(-500.0, 500.0, (len(joints), 3))
-    assert refused(measured(joints, points)).code in ("LN109", "LN111")
+    points = np.random.default_rng(0).uniform(-500.0, 500.0, (20, 3))
+    assert refused(measured(joints[:20], points)).code in ("LN109", "LN111")
 
 
 def test_more_rows_are_wild_than_a_fit_bears(truth, joints):

@@ -24,6 +24,7 @@ from tests.learning.calibration.truth import (
 )
 
 ARMS = tuple(NOMINAL)
+BOTH = [ARMS[0], pytest.param(ARMS[1], marks=pytest.mark.slow)]
 NOISE = 0.05
 
 
@@ -74,7 +75,7 @@ def test_forty_poses_tell_zeros_and_lengths(name, tell):
     )
 
 
-@pytest.mark.parametrize("name", ARMS)
+@pytest.mark.parametrize("name", BOTH)
 def test_what_only_sums_tell_is_held_and_said(name):
     robot, truth, joints = robots.get(name), drawn(name, 4), joints_of(name, 40, 4)
     done = calibrate(robot, measured(joints, points_of(truth, joints)))
@@ -86,7 +87,7 @@ def test_what_only_sums_tell_is_held_and_said(name):
     assert codes(done).count("LN112") == 4
 
 
-@pytest.mark.parametrize("name", ARMS)
+@pytest.mark.parametrize("name", BOTH)
 def test_sums_are_told_apart_where_base_and_tool_are_known(name):
     robot, joints = robots.get(name), joints_of(name, 40, 5)
     tool = np.eye(4)
@@ -100,7 +101,7 @@ def test_sums_are_told_apart_where_base_and_tool_are_known(name):
     assert max(map(abs, wrong.values())) < 4.0
 
 
-@pytest.mark.parametrize("name", ARMS)
+@pytest.mark.parametrize("name", BOTH)
 def test_the_base_and_the_tool_come_back(name):
     robot, joints = robots.get(name), joints_of(name, 60, 6)
     truth = replace(drawn(name, 6), lengths={}, zeros=np.zeros(6))
@@ -114,7 +115,7 @@ def test_the_base_and_the_tool_come_back(name):
     assert done.after.turn < 0.03
 
 
-@pytest.mark.parametrize("name", ARMS)
+@pytest.mark.parametrize("name", BOTH)
 def test_rows_that_do_not_fit_are_told_and_left_out(name):
     robot, truth, joints = robots.get(name), drawn(name, 7), joints_of(name, 40, 7)
     points = points_of(truth, joints)
@@ -128,7 +129,7 @@ def test_rows_that_do_not_fit_are_told_and_left_out(name):
     assert max(map(abs, sigmas_off(done, truth).values())) < 4.0
 
 
-@pytest.mark.parametrize("name", ARMS)
+@pytest.mark.parametrize("name", BOTH)
 def test_axes_that_are_not_parallel_are_told_and_a_chain_has_them(name, tell):
     robot, joints = robots.get(name), joints_of(name, 60, 8)
     truth = drawn(name, 8, tilts=0.2)
@@ -145,7 +146,7 @@ def test_axes_that_are_not_parallel_are_told_and_a_chain_has_them(name, tell):
 
 
 @pytest.mark.parametrize("estimate", ["lengths", "chain", "zeros"])
-@pytest.mark.parametrize("name", ARMS)
+@pytest.mark.parametrize("name", BOTH)
 def test_the_corrected_file_reads_back_and_agrees_with_the_true_arm(name, estimate, tmp_path):
     robot, joints = robots.get(name), joints_of(name, 60, 9)
     truth = drawn(name, 9, tilts=0.1 if estimate == "chain" else 0.0)
