@@ -5,8 +5,11 @@ from __future__ import annotations
 import datetime
 import math
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Frame, Pose
@@ -75,6 +78,20 @@ def test_a_text_is_a_date_too_and_a_date_without_a_zone_is_of_this_computer(tmp_
 )
 def test_what_is_wrong_in_it_is_a_finding(tmp_path: Path, text: str, code: str):
     assert code in refused(written(tmp_path, text))
+
+
+@given(st.integers(0, len(FOUND)), st.integers(0, 8), st.text(max_size=6))
+def test_any_text_is_read_or_refused(at: int, count: int, text: str):
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "found.toml"
+        file.write_bytes((FOUND[:at] + text + FOUND[at + count :]).encode("utf-8", "replace"))
+        try:
+            sights = read_sights(file)
+        except Refused as caught:
+            assert caught.exit_status == 2 and caught.findings
+            return
+    for one in sights.values():
+        list(doubts(one, now=NOW))
 
 
 def test_what_is_no_toml_cannot_be_read(tmp_path: Path):

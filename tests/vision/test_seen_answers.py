@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 from assistant import robots
-from assistant.compiler import compile
+from assistant.compiler import compile, translate
 from assistant.compiler.running import programs
 from assistant.controllers.mitsubishi.data_link import DataLink
 from assistant.controllers.rules import Lost
@@ -76,6 +76,13 @@ class Asked:
         (self.file,) = made.write(folder)
         self.link = DataLink(f"listen:127.0.0.1:{self.port}", timeout=20.0)
 
+    def translated(self, to: str, robot: str, process: Path | None = None) -> None:
+        """The same in another language, for another arm."""
+        done = translate(self.file, to=to, robot=robot, from_robot=self.robot, process=process)
+        assert done.ok, [f"{one.code} {one.message}" for one in done.findings]
+        (self.file,) = done.write(self.file.parent / "other")
+        self.robot = robot
+
     def run(self, look: Callable[[str], Sight | None]) -> tuple[list[Answer], Run]:
         self.link.prepare()
         with ThreadPoolExecutor(1) as aside:
@@ -129,15 +136,41 @@ def turned(*angles: float) -> tuple[float, float, float, float]:
 
 def test_the_arm_goes_to_the_place_that_was_answered(asked: Asked, tell: Callable[[str], None]):
     pose = Pose((320.5, 15.25, 190.0), turned(25.0, -4.0, 3.0))
+    off, turn = astray(asked, pose)
+    tell(f"seen frames, {asked.file.name}: {off:.5f} mm, {turn:.6f} degrees off")
+    assert off < 0.01 and turn < 0.01
+
+
+@pytest.mark.parametrize(
+    ("arm", "to", "robot"),
+    [(ARMS[0], "melfa-basic-5", "rv-4frl"), (ARMS[1], "rapid", "irb1200-7-0.7")],
+    ids=["from rapid", "to rapid"],
+)
+def test_it_does_so_in_the_other_language_too(
+    tmp_path: Path, arm: tuple[str, str], to: str, robot: str
+):
+    asked = Asked(tmp_path, *arm)
+    line = f'[lines.line_3]\nrole = "client"\nport = {asked.port}\naddress = "127.0.0.1"\n'
+    (tmp_path / "line.toml").write_text(f"joint_speed = 100\n{line}", "ascii")
+    asked.translated(to, robot, tmp_path / "line.toml" if to == "rapid" else None)
+    off, turn = astray(asked, Pose((310.0, 20.0, 205.0), turned(15.0, 0.0, 0.0)), at_once=True)
+    assert off < 0.01 and turn < 0.01
+
+
+def astray(asked: Asked, pose: Pose, *, at_once: bool = False) -> tuple[float, float]:
+    """mm and degrees by which an arm comes to another place than the one that was answered.
+
+    at_once: the program goes round and round, of which the first cycle is looked at.
+    """
     answers, run = asked.run(lambda name: sight(pose, name))
-    assert [(one.name, one.state) for one in answers] == [("bracket", 1)]
-    went = [homogeneous(flange) for flange in flanges(run)]
+    assert {(one.name, one.state) for one in answers} == {("bracket", 1)}
+    went = [homogeneous(flange) for flange in flanges(run)][: len(TARGETS) if at_once else None]
     due = [homogeneous(pose) @ homogeneous(Pose(at, (0.0, 0.0, 1.0, 0.0))) for at in TARGETS]
     assert len(went) == len(due)
-    off = max(float(np.abs(a[:3, 3] - b[:3, 3]).max()) for a, b in zip(went, due, strict=True))
-    turn = max(float(np.abs(a[:3, :3] - b[:3, :3]).max()) for a, b in zip(went, due, strict=True))
-    tell(f"seen frames, {asked.file.name}: {off:.5f} mm, {math.degrees(turn):.6f} degrees off")
-    assert off < 0.01 and math.degrees(turn) < 0.01
+    pairs = list(zip(went, due, strict=True))
+    off = max(float(np.abs(a[:3, 3] - b[:3, 3]).max()) for a, b in pairs)
+    turn = max(float(np.abs(a[:3, :3] - b[:3, :3]).max()) for a, b in pairs)
+    return off, math.degrees(turn)
 
 
 @pytest.mark.parametrize(

@@ -40,6 +40,7 @@ from assistant.languages.rapid.lift.plain.traps import with_traps
 from assistant.languages.rapid.lift.plain.unread import Unread, without_unread
 from assistant.languages.rapid.lift.plain.unused_parameters import without_unused_parameters
 from assistant.languages.rapid.lift.plain.values import Values
+from assistant.languages.rapid.lift.plain.whole_texts import with_whole_texts
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.program import Signal
@@ -78,7 +79,7 @@ def plain(files: Sequence[s.File]) -> Plain | None:
 def _plain(files: Sequence[s.File], apart: frozenset[str]) -> Plain | None:
     """apart: see `Layouts`."""
     there = with_own_names([module for file in files for module in file.modules])
-    short, of_numbers = with_long_numbers(there, files)
+    short, of_numbers = with_long_numbers(with_whole_texts(there), files)
     named, of_calls = with_named_calls(*with_own_routines(short))
     still, of_axes = with_still_axes(without_unused_parameters(with_process_data(named)))
     standing, of_units = with_standing_units(still)
