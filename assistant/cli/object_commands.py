@@ -49,6 +49,9 @@ def add(
     ] = None,
     cameras: CamerasOption = None,
     plane: PlaneOption = 0.0,
+    solid: Annotated[
+        bool, typer.Option("--solid", help="It is not flat: marks in space, by two cameras.")
+    ] = False,
     unit: UnitOption = None,
     again: Annotated[bool, typer.Option("--again", help="Replace one of that name.")] = False,
     format: FormatOption = Format.TEXT,
@@ -58,7 +61,7 @@ def add(
 
     asked = Learning(
         *(library, name, tuple(files), contour, tuple(line or ()), width, height),
-        *(cameras, plane, unit, again),
+        *(cameras, plane, solid, unit, again),
     )
     raise typer.Exit(run_add(asked, format))
 

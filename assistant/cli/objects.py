@@ -51,6 +51,7 @@ class Learning:
     height: float | None
     cameras: Path | None
     plane: float
+    solid: bool
     unit: str | None
     again: bool
 
@@ -100,6 +101,7 @@ def _shown(asked: Learning) -> tuple[KnownObject, tuple[Diagnostic, ...]]:
     from assistant.vision.recognition import rules
     from assistant.vision.recognition.pictures import camera_of, picture_of
     from assistant.vision.recognition.shown import View, learn_face, learn_lying
+    from assistant.vision.recognition.solid import learn_solid
 
     cv, height = opencv(), asked.height or 0.0
     if asked.cameras is None:
@@ -114,6 +116,9 @@ def _shown(asked: Learning) -> tuple[KnownObject, tuple[Diagnostic, ...]]:
         name, file = camera_of(given, cameras, alone=True)
         views.append(View(file, picture_of(file, cameras[name]), cameras[name]))
     plane, findings = _plane(asked.plane), list[Diagnostic]()
+    if asked.solid:
+        learnt = learn_solid(cv, asked.name, views, plane)
+        return learnt.object, learnt.findings
     if asked.height is None and len({view.camera.name for view in views if view.camera}) > 1:
         height = _height(asked.name, views, plane, findings)
     learnt = learn_lying(cv, asked.name, views, plane, height)

@@ -66,6 +66,11 @@ NO_HEIGHT = warning(
     "two pictures do not tell how high the face of `{name}` is, so it is taken to lie in the plane",
     "give its height in mm by --height, or pictures of cameras that stand nearer together",
 )
+NO_PAIR = error(
+    "VS327",
+    "a solid is learnt by pictures of two cameras, and this is of one",
+    "name a picture of each of them, as CAMERA=FILE",
+)
 NOTHING_SHOWN = error(
     "VS325",
     "the picture shows nothing that differs from its background",

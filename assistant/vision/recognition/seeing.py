@@ -41,7 +41,7 @@ from assistant.vision.recognition.rules import (
     UNKNOWN,
 )
 from assistant.vision.recognition.symmetry import middle_of
-from assistant.vision.recognition.textures import Marks, textures_in
+from assistant.vision.recognition.textures import Marks, lies, textures_in
 
 LEVEL: Final = Plane()
 """x and y of the world."""
@@ -351,7 +351,7 @@ def _settled(pose: Pose, known: KnownObject) -> Pose:
 def _doubts(found: Found, one: _One, plane: Plane) -> list[Diagnostic]:
     if one.doubtful:
         return [(TURNED if one.object.texture is None else TILTED)(name=found.name)]
-    if one.lying:
+    if one.lying or lies(found.estimate, plane, found.object.height):
         return []
     local = plane.pose.inverse() @ found.pose
     up = rotations.rotate(np.array(local.quaternion), np.array([0.0, 0.0, 1.0]))

@@ -34,6 +34,8 @@ PLAIN: Final = 4.0
 """Grey levels, one sigma, below which a cell has no texture to compare."""
 LEAST: Final = 0.45
 """Part of the cells that have to be the same."""
+PLENTY: Final = 30.0
+"""Keypoints that agree on the pose of what is not flat, from which nobody doubts it."""
 MOST_OF_KIND: Final = 6
 """Objects of one kind that are looked for in a picture."""
 LIES: Final = 4.0
@@ -46,8 +48,8 @@ FLIPPED: Final = 1.5
 @dataclass(frozen=True, slots=True, eq=False)
 class TextureFound:
     """An object where a picture shows its texture. confidence: part of the face that looks like
-    it, of what is not flat the part of its keypoints. lying: on the plane. doubtful: a pose that is
-    tilted the other way fits about as well.
+    it; of what is not flat, by how many keypoints agree. lying: on the plane. doubtful: a pose
+    that is tilted the other way fits about as well.
     """
 
     object: KnownObject
@@ -221,7 +223,7 @@ def _looked_at(
         )
         if plane is not None:
             for start in (free, *others):
-                if start is not None and _lies(start, plane, known.height):
+                if start is not None and lies(start, plane, known.height):
                     laid = fitted(start.pose, [measure], plane, known.height)
                     if laid is not None:
                         free, lying, doubtful = laid, True, False
@@ -231,7 +233,7 @@ def _looked_at(
     if texture.flat:
         confidence = alike(cv, photo, texture, free.pose)
     else:
-        confidence = min(1.0, float((free.used > 0.2).mean()))
+        confidence = min(1.0, len(points) / PLENTY)
     if confidence < LEAST or _from_behind(photo.camera, texture, free.pose):
         return None
     return TextureFound(known, free, confidence, points, pixels, lying, doubtful)
@@ -247,7 +249,7 @@ def _from_behind(camera: Camera, texture: Texture, pose: Pose) -> bool:
     return texture.flat and float(out @ (np.array(camera.pose.position) - pose.position)) <= 0.0
 
 
-def _lies(found: Estimate, plane: Plane, height: float) -> bool:
+def lies(found: Estimate, plane: Plane, height: float) -> bool:
     """Whether a pose that was found without the plane may be one on it."""
     local = plane.pose.inverse() @ found.pose
     up = rotations.rotate(np.array(local.quaternion), np.array([0.0, 0.0, 1.0]))

@@ -208,6 +208,12 @@ def test_drawings_that_are_no_part_are_told(tmp_path, shapes, asked, code):
     assert codes(refused) == [code]
 
 
+def test_a_layer_that_is_named_is_the_outline(tmp_path):
+    path = layered(tmp_path / "part.dxf", ("A", SQUARE), ("B", BESIDE))
+    one = read_part(path, "part", contour="b").object
+    assert len(one.outline.rings[0]) == 3
+
+
 def test_an_outline_drawn_at_a_height_has_its_frame_there(tmp_path):
     path = layered(tmp_path / "part.dxf", ("A", SQUARE), ("GLUE", BESIDE), level=7.0)
     one = read_part(path, "part", contour="A", lines=["GLUE"]).object

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from assistant.program import rotations
+from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import looking_at
 from assistant.vision.cameras.drawing import Card, Thing
@@ -15,6 +16,8 @@ from assistant.vision.opencv import opencv
 from assistant.vision.recognition.estimating import Plane
 from assistant.vision.recognition.library import Library
 from assistant.vision.recognition.seeing import Recogniser
+from assistant.vision.recognition.shown import View
+from assistant.vision.recognition.solid import learn_solid
 from tests.vision.recognition.counting import EXACT, Counts, add, counted, difference
 from tests.vision.recognition.scenes import (
     ABOVE,
@@ -138,9 +141,58 @@ def test_what_may_be_turned_in_two_ways_is_doubted(ten):
 
 
 def test_a_camera_that_does_not_see_the_plane_is_told(recogniser):
-    from assistant.program.diagnostics import Refused
-
     below = replace(ABOVE, pose=looking_at((0.0, 0.0, -500.0), (0.0, 0.0, 0.0)))
     with pytest.raises(Refused) as refused:
         recogniser.see({"above": taken(ABOVE, [], 0)}, {"above": below}, Plane())
     assert refused.value.findings[0].code == "VS336"
+
+
+def boxed(pose: Pose) -> list[Thing]:
+    """A box of 90 × 70 × 50 mm with real pictures on its top and two of its sides."""
+    across = rotations.from_matrix(np.array([[1.0, 0, 0], [0, 0, -1.0], [0, 1.0, 0]]))
+    along = rotations.from_matrix(np.array([[0, 0, 1.0], [1.0, 0, 0], [0, 1.0, 0]]))
+    sides = (
+        ("astronaut.png", (90.0, 70.0), Pose((0.0, 0.0, 50.0))),
+        ("coffee.png", (90.0, 50.0), Pose.of(np.array([0.0, -35.0, 25.0]), across)),
+        ("chelsea.png", (70.0, 50.0), Pose.of(np.array([45.0, 0.0, 25.0]), along)),
+    )
+    return [Thing(Card(size, face_picture(file)), pose @ on) for file, size, on in sides]
+
+
+@pytest.mark.slow
+def test_a_box_is_learnt_by_two_cameras_and_found_by_one_and_by_both(tell):
+    """Nothing of it is flat, so that its marks have places in space."""
+    cv = opencv()
+    one = replace(LEFT, pose=looking_at((150.0, -330.0, 420.0), (0.0, 0.0, 20.0)))
+    two = replace(RIGHT, pose=looking_at((230.0, -270.0, 430.0), (0.0, 0.0, 20.0)))
+    cameras = {"left": one, "right": two}
+    shown = [
+        View(name, taken(camera, boxed(Pose()), seed), camera)
+        for seed, (name, camera) in enumerate(cameras.items())
+    ]
+    box = learn_solid(cv, "box", shown, EXACT).object
+    assert not box.texture.flat
+    by = Pose.of(
+        np.array([25.0, -15.0, 30.0]),
+        rotations.canonical(
+            rotations.multiply(
+                rotations.about((0.0, 0.0, 1.0), 12.0), rotations.about((1.0, 0.0, 0.0), 9.0)
+            )
+        ),
+    )
+    pictures = {n: taken(c, boxed(by), 7 + i) for i, (n, c) in enumerate(cameras.items())}
+    middle = np.median(box.texture.points, axis=0)
+    alone = Recogniser(cv, Library({"box": box}))
+    stood = alone.see({v.name: v.picture for v in shown}, cameras, EXACT).found[0].pose
+    for names in (("left",), ("left", "right")):
+        sight = alone.see({n: pictures[n] for n in names}, {n: cameras[n] for n in names}, EXACT)
+        (seen,) = sight.found
+        off = np.linalg.norm(seen.pose.moved(middle[None]) - (by @ stood).moved(middle[None]))
+        turn = float(rotations.angle_between(seen.pose.quaternion, (by @ stood).quaternion))
+        tell(f"a box by {' and '.join(names)}: {off:.2f} mm and {turn:.2f} degrees off")
+        assert off < 1.0
+        assert turn < 1.5
+    plain = replace(shown[0], name="again")
+    with pytest.raises(Refused) as refused:
+        learn_solid(cv, "box", [shown[0], plain], EXACT)
+    assert refused.value.findings[0].code == "VS327"
