@@ -73,7 +73,7 @@ def run_follow(cell: str, trajectory: str, options: Options) -> int:
         confirmed(there.one, f"leads the arm along {trajectory}: {way}", options.yes)
         motion.began = True
         try:
-            with _shown(f"following {trajectory}", options.format) as progress:
+            with shown(f"following {trajectory}", options.format) as progress:
                 done = mode.run(session, led, options.wishes, progress)
         except Refused as refused:
             motion.began = not {finding.code for finding in refused.findings} <= mode.unbegun
@@ -109,7 +109,7 @@ def _mode(options: Options) -> Mode:
 
 
 @contextmanager
-def _shown(what: str, format: Format) -> Iterator[Progress]:
+def shown(what: str, format: Format) -> Iterator[Progress]:
     """A bar on the terminal, nothing elsewhere."""
     if format is Format.JSON or not sys.stderr.isatty():
         yield lambda _: None

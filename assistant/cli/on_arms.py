@@ -147,6 +147,46 @@ def follow(
     raise typer.Exit(run_follow(cell, trajectory, options))
 
 
-COMMANDS: Final[tuple[Callable[..., None], ...]] = (motors, jog, start, hand, follow)
+def complete_leading(incomplete: str) -> list[str]:
+    from assistant.controllers.leading import MODES
+
+    return [name for name in MODES if name.startswith(incomplete)]
+
+
+def servo(
+    cell: CellArgument,
+    task: Annotated[Path, typer.Argument(help="File of what is led where.", metavar="SERVO.toml")],
+    cameras: Annotated[Path, typer.Option(help="File of the cameras.", metavar="CAMERAS.toml")],
+    by: Annotated[
+        str, typer.Option(help="Way to lead it: see the docs.", autocompletion=complete_leading)
+    ],
+    log: Annotated[
+        Path | None, typer.Option(help="Write what was recorded.", metavar="FILE.csv|.npz")
+    ] = None,
+    port: Annotated[
+        int | None, typer.Option(help="UDP port; default the usual one.", min=1, max=65535)
+    ] = None,
+    lines: Annotated[
+        list[str] | None,
+        typer.Option("--line", help="HOST:PORT or serial port of a line; repeatable, in order."),
+    ] = None,
+    cycle: Annotated[
+        float | None, typer.Option(help="Seconds of a cycle.", min=0.0005, max=1.0)
+    ] = None,
+    replace: Annotated[
+        bool, typer.Option("--replace", help="Our programs replace others of their names.")
+    ] = False,
+    yes: YesOption = False,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Lead an arm by what cameras see, to its goal. Asks before; Ctrl-C stops the arm."""
+    from assistant.cli.servoing import Options, run_servo
+    from assistant.controllers.following import Wishes
+
+    wishes = Wishes(port, tuple(lines or ()), cycle, replace)
+    raise typer.Exit(run_servo(cell, task, Options(cameras, by, log, wishes, yes, format)))
+
+
+COMMANDS: Final[tuple[Callable[..., None], ...]] = (motors, jog, start, hand, follow, servo)
 NUMBERS: Final = frozenset({"jog"})
 """Commands with an argument that may begin with a minus."""

@@ -88,7 +88,7 @@ def _mode(name: str, title: str, make: Make) -> Mode:
 
 
 MODES: Final[Mapping[str, Mode]] = {
-    "jog": Mode("jogs of all joints, one after the other", _jog, True, _jogs_joints),
+    "jog": Mode("jogs of its joints, step by step", _jog, True, _jogs_joints),
     "data-link": _mode("data-link", "joint positions on a line of data", _data_link),
     "mxt": _mode("mxt", "joints cycle by cycle", _mxt),
     "egm": _mode("egm", "joints cycle by cycle, as a program asks for them", _egm),

@@ -65,7 +65,11 @@ class DataLinkCarrier:
     def __enter__(self) -> Self:
         self._override = self._controller.state().override
         self._controller.set_override(self._arm.percent)
-        self._mode.__enter__()
+        try:
+            self._mode.__enter__()
+        except BaseException:
+            self._set_back()
+            raise
         self._told = None
         return self
 
@@ -78,8 +82,7 @@ class DataLinkCarrier:
         try:
             self._mode.__exit__(kind, error, trace)
         finally:
-            if self._override is not None:
-                self._controller.set_override(self._override)
+            self._set_back()
 
     def joints(self) -> Floats:
         return self._own(self._mode.status.feedback.values)
@@ -93,6 +96,10 @@ class DataLinkCarrier:
 
     def rest(self) -> None:
         """Nothing: the arm stands at what it was told last, which is near."""
+
+    def _set_back(self) -> None:
+        if self._override is not None:
+            self._controller.set_override(self._override)
 
     def _own(self, values: tuple[float, ...]) -> Floats:
         return np.array(values, dtype=np.float64)[self._arm.places]

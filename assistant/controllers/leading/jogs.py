@@ -11,8 +11,8 @@ from assistant.controllers.controller import JogsJoints
 from assistant.controllers.leading.carrier import Arm
 from assistant.program.arrays import Floats
 
-PERIOD: Final = 0.3
-"""Seconds of a step, as most of it is asking where the arm is."""
+PERIOD: Final = 1.0
+"""Seconds of a step at most: nothing is looked at meanwhile, but much of each is asking."""
 LEAST: Final = 0.01
 """Degrees or mm of a step: places are written with two decimals."""
 

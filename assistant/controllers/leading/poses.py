@@ -15,8 +15,8 @@ from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
 
-PERIOD: Final = 0.3
-"""Seconds of a step, as most of it is the way of the files."""
+PERIOD: Final = 0.5
+"""Seconds of a step at most: nothing is looked at meanwhile, but much of each are the files."""
 
 
 class PoseCarrier:

@@ -171,7 +171,10 @@ def _region(camera: Camera, thing: Thing) -> Region:
     width, height = camera.lens.size
     low, high = _extent(thing.shape)
     corners = (np.indices((2, 2, 2)).reshape(3, -1).T) * (high - low) + low
-    pixels = camera.project(thing.pose.moved(corners))
+    corners = thing.pose.moved(corners)
+    if (camera.seen_by(corners)[:, 2] <= 0.0).all():
+        return 0, 0, 0, 0
+    pixels = camera.project(corners)
     if not np.isfinite(pixels).all():
         return 0, width, 0, height
     first, last = pixels.min(axis=0), pixels.max(axis=0)

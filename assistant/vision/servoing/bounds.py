@@ -25,6 +25,8 @@ RESERVE: Final = 0.95
 """Part of the speed of the tool that is asked for: on its way an arm gets into postures in which
 the same speeds of its axes make more of it.
 """
+ROUNDING: Final = 0.02
+"""Degrees or mm by which what a controller tells of an axis at its end may be beyond."""
 PLACES: Final = (0.25, 0.5, 0.75, 1.0)
 """On the way to a stop, at which it is looked whether the tip is in the box."""
 
@@ -100,8 +102,9 @@ class Guard:
 
     def outside(self, joints: Floats) -> str:
         """What joints (a,) leave, in words; "" for nothing."""
+        low, high = self.robot.limits.T
         for i, axis in enumerate(self.robot.axes):
-            if not self.robot.limits[i, 0] - 1e-6 <= joints[i] <= self.robot.limits[i, 1] + 1e-6:
+            if not low[i] - ROUNDING <= joints[i] <= high[i] + ROUNDING:
                 return f"{axis} is at {joints[i]:.2f}"
         if not self._in_box(joints):
             x, y, z = self._tip(joints)

@@ -49,8 +49,8 @@ class Task:
     """error: (m,) what is to become 0. slopes: (m, 6) its change by the twist of the flange, of its
     point in the axes of the base, mm/s and rad/s. rank: how many of the six it tells.
 
-    pixels: of the error, root mean square, NaN for a law that knows none. distance, turn: mm and
-    degrees that are left, NaN where that is not told.
+    pixels: of the error, root mean square, NaN for a law that does not go by them. distance, turn:
+    mm and degrees that are left, NaN where that is not told.
     """
 
     error: Floats
@@ -59,6 +59,14 @@ class Task:
     pixels: float = np.nan
     distance: float = np.nan
     turn: float = np.nan
+
+    @property
+    def size(self) -> float:
+        """Of what is left, in a unit that stays the same for a law: to see whether it grows."""
+        if np.isfinite(self.pixels):
+            return self.pixels
+        turn = 0.0 if np.isnan(self.turn) else np.radians(self.turn)
+        return float(self.distance + ARM_LENGTH * turn)
 
     @property
     def condition(self) -> float:

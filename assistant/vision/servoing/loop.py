@@ -41,7 +41,7 @@ HARDLY: Final = 0.02
 """Part of what is wanted that is as good as nothing."""
 SHORTEST: Final = 0.004
 """Seconds of a step at least."""
-LONGEST: Final = 0.5
+LONGEST: Final = 1.0
 """Seconds of a step at most, however long a picture was waited for."""
 
 
@@ -209,7 +209,7 @@ class _Loop:
                 continue
             assert sight is not None
             lost, self.task = 0, task
-            size = float(np.linalg.norm(task.error))
+            size = task.size
             if not task.condition <= self.settings.condition:
                 self._record(sight, joints, task)
                 raise self._broken(rules.SINGULAR, condition=task.condition)
@@ -246,7 +246,7 @@ class _Loop:
             if self.clock() - self.began > self.settings.opening:
                 raise Broken(rules.NOT_SEEN(reason=why), self._served())
         assert self.task is not None
-        return max(float(np.linalg.norm(self.task.error)), 1e-6)
+        return max(self.task.size, 1e-6)
 
     def _look(self) -> tuple[Sight | None, Floats, Task | str]:
         """What is seen, where the arm is, and what is to be done, or in words why nobody knows."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -43,7 +43,7 @@ class PoseInHand:
         if found is None or isinstance(found, str):
             return found or "the target is not seen"
         if not camera.within(moment.sight.target[camera.name], EDGE).all():
-            return in_image(moment, self.target, self.goal, found)
+            return replace(in_image(moment, self.target, self.goal, found), pixels=np.nan)
         mount = moment.flange.inverse() @ camera.pose
         now, wanted = camera.pose.inverse() @ found.pose, (self.goal @ mount).inverse()
         place = np.array(now.position)

@@ -16,6 +16,12 @@ from assistant.vision.pointing.finding import spots
 
 MARGIN: Final = 2.0
 """Pixels from the edge of a picture within which a corner is not measured as it is."""
+BORDER: Final = 6
+"""Part of its edge, 1 in so many, that a marker has white around it."""
+APART: Final = 0.05
+"""Part of its outline by which two squares are apart at least: at more than this, the edge of the
+paper around a small marker is taken for the marker.
+"""
 LIKE: Final = 0.9
 """Part of the confidence of the surest spot that another one must not have."""
 
@@ -52,6 +58,7 @@ class Marker:
         cv = opencv()
         settings = cv.aruco.DetectorParameters()
         settings.cornerRefinementMethod = cv.aruco.CORNER_REFINE_SUBPIX
+        settings.minMarkerDistanceRate = APART
         detector = cv.aruco.ArucoDetector(self._dictionary(cv), settings)
         corners, numbers, _ = detector.detectMarkers(cv.cvtColor(picture, cv.COLOR_BGR2GRAY))
         none = np.full((4, 2), np.nan)
@@ -61,11 +68,16 @@ class Marker:
         pixels = np.asarray(corners[int(found[0])], dtype=np.float64).reshape(4, 2)
         return pixels if camera.within(pixels, MARGIN).all() else none
 
+    @property
+    def edge(self) -> float:
+        """Of `picture`, in mm."""
+        return self.size * (1.0 + 2.0 / BORDER)
+
     def picture(self, dots: int = 240) -> Picture:
         """The marker with a white border of a sixth of its edge, to print or to draw."""
         cv = opencv()
         inner = np.asarray(cv.aruco.generateImageMarker(self._dictionary(cv), self.number, dots))
-        return np.repeat(np.pad(inner, dots // 6, constant_values=255)[..., None], 3, axis=2)
+        return np.repeat(np.pad(inner, dots // BORDER, constant_values=255)[..., None], 3, axis=2)
 
     def _dictionary(self, cv: Any) -> Any:
         return cv.aruco.getPredefinedDictionary(getattr(cv.aruco, f"DICT_{self.dictionary}"))

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import socket
+import threading
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from assistant import robots
 from assistant.controllers import connect
+from assistant.controllers.following import Wishes
+from assistant.controllers.leading import MODES
 from assistant.controllers.leading.cycles import by_egm
-from assistant.controllers.leading.data_link import DataLinkCarrier
 from assistant.program import rotations
 from assistant.program.geometry import Pose
 from assistant.virtual.cr import VirtualCr
@@ -135,11 +138,28 @@ class Kept:
     def joints(self):
         return np.array(self.rows)
 
+    @contextmanager
+    def looking(self, joints, each=0.02):
+        """Looks all the time in between."""
+        over = threading.Event()
+
+        def look():
+            while not over.wait(each):
+                self.looked(joints())
+
+        thread = threading.Thread(target=look, daemon=True)
+        thread.start()
+        try:
+            yield
+        finally:
+            over.set()
+            thread.join()
+
 
 @contextmanager
-def over_data_link(scene, **settings):
-    """A virtual CR controller, a carrier over its lines of data, and where its arm is."""
-    virtual = VirtualCr(scene.robot.name, servo_time=0.02, **settings)
+def five_axes_controller():
+    """A virtual CR controller with its motors on, and a client."""
+    virtual = VirtualCr("rv-2aj", servo_time=0.02)
     devices = ", ".join(f"OPT{i}" for i in range(12, 19))
     virtual.state.parameters.write("COMDEV", f"{devices}, ", all_levels=True)
     with virtual, connect(virtual.address, timeout=10) as controller:
@@ -147,9 +167,18 @@ def over_data_link(scene, **settings):
         controller.motors(True)
         while not controller.state().motors:
             pass
-        lines = [f"{host}:{port}" for host, port in virtual.data_ports.values()][:2]
+        yield virtual, controller
+
+
+@contextmanager
+def by_controller(scene, name):
+    """A carrier of a way to a CR controller, and where its arm is."""
+    with five_axes_controller() as (virtual, controller):
+        lines = tuple(f"{host}:{port}" for host, port in virtual.data_ports.values())[:2]
+        wishes = Wishes(port=virtual.mxt_port, lines=lines)
+        made = MODES[name].make(controller, scene.guard.arm(), wishes, scene.robot.home)
         kept = Kept()
-        with DataLinkCarrier(controller, *lines, scene.guard.arm()) as carrier:
+        with made as carrier, kept.looking(lambda: virtual.state.joints):
             yield carrier, lambda: kept.looked(virtual.state.joints), kept
 
 
@@ -164,3 +193,27 @@ def over_egm(scene, begin):
         kept = Kept()
         kept.rows = virtual.track
         yield carrier, lambda: np.array(arm.values), kept
+
+
+@contextmanager
+def over_exchange(scene, folder):
+    """A robot that exchanges poses by files; it tells itself where it stands."""
+    from assistant.controllers.abb.exchange import Module, Tool
+    from tests.controllers.abb.exchanging import RunningRobot
+
+    tool = Tool(TIP.position, mass=0.9, centre=(0.0, 0.0, 52.0))
+    module = Module(tool="GRIPPER", tool_data=tool, longest=60.0)
+    with RunningRobot(folder, module) as robot, robot.client() as programs:
+        arm = scene.guard.arm()
+        with MODES["exchange"].make(programs, arm, Wishes(), scene.goal_joints) as carrier:
+            kept = Kept()
+            yield carrier, lambda: kept.looked(carrier.joints()), kept
+
+
+MODES_BY_NAME = {
+    **{
+        name: (five_axes, partial(by_controller, name=name)) for name in ("jog", "data-link", "mxt")
+    },
+    "egm": (six_axes, lambda scene: over_egm(scene, scene.goal_joints)),
+    "exchange": (six_axes, over_exchange),
+}

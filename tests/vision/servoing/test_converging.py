@@ -13,7 +13,7 @@ from assistant.vision.servoing.going import lead_to
 from assistant.vision.servoing.interaction import flange_of
 from assistant.vision.servoing.loop import servo
 from assistant.vision.servoing.synthetic import Clock
-from tests.vision.servoing.scenes import TIP, five_axes, over_data_link, over_egm, six_axes
+from tests.vision.servoing.scenes import TIP, by_controller, five_axes, over_egm, six_axes
 
 LAWS = ("image in hand", "pose in hand", "image to hand", "pose to hand")
 
@@ -64,7 +64,7 @@ def runs(scene, carrier, joints, kept, count, seed):
 
 def test_an_arm_of_five_axes_comes_to_its_goal_over_data_link(tell):
     scene = five_axes()
-    with over_data_link(scene) as (carrier, joints, kept):
+    with by_controller(scene, "data-link") as (carrier, joints, kept):
         tell(told("RV-2AJ, data link control", runs(scene, carrier, joints, kept, 2, 1)))
 
 
@@ -77,7 +77,7 @@ def test_an_arm_of_six_axes_comes_to_its_goal_by_egm(tell):
 @pytest.mark.slow
 def test_a_hundred_random_starts_over_data_link(tell):
     scene = five_axes()
-    with over_data_link(scene) as (carrier, joints, kept):
+    with by_controller(scene, "data-link") as (carrier, joints, kept):
         tell(told("RV-2AJ, data link control", runs(scene, carrier, joints, kept, 100, 3)))
 
 

@@ -1,0 +1,137 @@
+"""`servo`: an arm that is led by what cameras see, until its tool is at its goal."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from assistant.cli.cells import record, robot_of_cell
+from assistant.cli.confirming import confirmed
+from assistant.cli.following import NO_RECORDING, WRITERS, shown
+from assistant.cli.moving import moving
+from assistant.cli.presentation import Format, print_json, say
+from assistant.program.diagnostics import Refused, error
+
+if TYPE_CHECKING:
+    from assistant.controllers import Programs
+    from assistant.controllers.following import Wishes
+    from assistant.controllers.leading import Mode
+    from assistant.program.arrays import Floats
+    from assistant.robots import Robot
+    from assistant.vision.servoing.loop import Served
+
+NO_WAY: Final = error("CL530", "no arm is led step by step by `{by}`", "choose one of {known}")
+NO_ROBOT: Final = error(
+    "CL531",
+    "no project says which robot `{name}` moves, so it cannot be led",
+    "write robot = NAME into its table in assistant.toml",
+)
+UNMOVED: Final = frozenset({"VS201", "VS208"})
+"""What servoing ends with before the first step."""
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """cameras: their file. by: name of a mode. log: file of what was recorded, or None."""
+
+    cameras: Path
+    by: str
+    log: Path | None
+    wishes: Wishes
+    yes: bool
+    format: Format
+
+
+def run_servo(cell: str, task: Path, options: Options) -> int:
+    """Sets it up, asks, and leads the arm; what was recorded is written however it ends."""
+    from assistant.vision.cameras.camera_file import read_cameras
+    from assistant.vision.servoing.loop import Broken, servo
+    from assistant.vision.servoing.setting_up import eyes_of, set_up
+    from assistant.vision.servoing.task_file import read_servo
+
+    mode = _mode(options)
+    file, rig = read_servo(task), read_cameras(options.cameras)
+    with moving(cell, "servo") as motion:
+        there = motion.cell
+        robot = robot_of_cell(there.one)
+        if robot is None:
+            raise Refused(NO_ROBOT(name=there.one.name), exit_status=2)
+        session: Programs = there.controller if mode.operates else there.session
+        mode.check(session, options.wishes)
+        setting = set_up(file, rig, robot)
+        near = _near(session, robot)
+        carrier = mode.make(session, setting.guard.arm(), options.wishes, near)
+        with ExitStack() as open_:
+            eyes = open_.enter_context(eyes_of(setting, carrier.joints))
+            names = ", ".join(camera.name for camera in setting.cameras)
+            what = f"leads the arm by what camera {names} sees"
+            confirmed(there.one, f"{what}: {setting.title}, {mode.title}", options.yes)
+            motion.began = True
+            try:
+                open_.enter_context(carrier)
+                progress = open_.enter_context(shown(f"servoing {task}", options.format))
+                parts = (eyes, setting.law, carrier, setting.guard, file.settings)
+                done = servo(*parts, progress=progress)
+            except Broken as broken:
+                motion.began = not {finding.code for finding in broken.findings} <= UNMOVED
+                _save(broken.served, options)
+                raise
+            except Refused as refused:
+                motion.began = not {finding.code for finding in refused.findings} <= mode.unbegun
+                raise
+    _save(done, options)
+    _tell(there.one.name, str(there.one.address), done, options)
+    return 0
+
+
+def _mode(options: Options) -> Mode:
+    from assistant.controllers.leading import MODES
+
+    if options.by not in MODES:
+        raise Refused(NO_WAY(by=options.by, known=", ".join(MODES)), exit_status=2)
+    if options.log is not None and options.log.suffix.lower() not in WRITERS:
+        raise Refused(NO_RECORDING(name=options.log), exit_status=2)
+    return MODES[options.by]
+
+
+def _near(session: Programs, robot: Robot) -> Floats:
+    """Joints near to which the arm is, where the controller tells them."""
+    from assistant.compiler.teaching import own_joints
+    from assistant.controllers import Controller
+
+    if isinstance(session, Controller):
+        return np.array(own_joints(session.position(), robot))
+    return robot.home
+
+
+def _save(served: Served | None, options: Options) -> None:
+    if options.log is not None and served is not None:
+        served.save(options.log)
+
+
+def _tell(name: str, address: str, done: Served, options: Options) -> None:
+    if options.format is Format.JSON:
+        print_json(record(_answer(address, done)))
+        return
+    x, y, z = done.pose.position
+    say(f"{name}: at its goal, {done}")
+    say(f"the tip is at ({x:.2f}, {y:.2f}, {z:.2f}) mm")
+    if options.log is not None:
+        say(f"wrote {options.log}")
+
+
+def _answer(address: str, done: Served) -> dict[str, Any]:
+    left = {"pixels": done.pixels, "mm": done.distance, "degrees": done.turn}
+    return {
+        "address": address,
+        "joints": done.joints.tolist(),
+        "position": list(done.pose.position),
+        "quaternion": list(done.pose.quaternion),
+        "left": {key: value for key, value in left.items() if np.isfinite(value)},
+        "pictures": done.pictures,
+        "seconds": done.seconds,
+    }

@@ -1,0 +1,192 @@
+"""Files of servoing: what is led where, by which cameras, and what the arm may do meanwhile.
+
+law = "image"                     # or "pose"
+cameras = ["hand"]                # of the file of cameras; without it, all of them
+
+[target]                          # what is led to: a marker, a device of balls, or a place
+marker = 7                        # number; size: mm of its black edge
+size = 60
+# device = "balls.toml"           # or: coloured balls
+# position = [300, 0, 100]        # or: a place in the base of the robot, with its quaternion
+
+[mark]                            # what cameras that stand see of the tool: marker or device,
+device = "ball"                   # with its position and quaternion on the flange
+
+[tool]                            # the tip on the flange
+position = [0, 0, 100]
+
+[goal]                            # of the tip in the frame of the target
+position = [0, 0, 120]
+quaternion = [0, 1, 0, 0]
+
+[limits]                          # speed mm/s, turning degrees/s, part of each axis' speed, …
+box = [[100, -200, 50], [450, 200, 600]]   # in which the tip stays
+
+[servo]                           # gain, tolerances, times
+[base]                            # where the base of the robot stands in the world of the cameras
+[drawn]                           # where the target is drawn, if pictures of a cell are
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path as FilePath
+from typing import Any, Final, Literal
+
+from assistant.cell.reading.bodies import pose_of
+from assistant.cell.reading.keys import PLACE
+from assistant.program.diagnostics import Refused, has_errors
+from assistant.program.geometry import IDENTITY, Pose
+from assistant.program.system.budgets import SETTINGS_FILE
+from assistant.program.text import SourceText, decode, read_bytes
+from assistant.sources.process import values
+from assistant.sources.process.file import ENCODINGS, read_toml
+from assistant.sources.process.table import Table
+from assistant.sources.process.values import Wrong, kind_of
+from assistant.vision.pointing.device_file import device_of
+from assistant.vision.servoing import rules
+from assistant.vision.servoing.bounds import Bounds
+from assistant.vision.servoing.loop import Settings
+from assistant.vision.servoing.things import Marker, Marks, Thing
+
+SIZES: Final = (50, 100, 250, 1000)
+DICTIONARIES: Final = tuple(f"{n}X{n}_{count}" for n in (4, 5, 6, 7) for count in SIZES)
+"""Of markers, as OpenCV names them."""
+
+
+@dataclass(frozen=True, slots=True)
+class ServoFile:
+    """law: by what is led. cameras: names, () for all of them. target: what is seen and led to, or
+    place: where it is in the base. mark: what is seen of the tool; mount: its frame on the flange.
+    tip: on the flange. goal: the tip in the frame of the target. base: of the robot in the world.
+    drawn: the target in the world, where pictures are drawn; None if it is not.
+    """
+
+    law: Literal["image", "pose"] = "image"
+    cameras: tuple[str, ...] = ()
+    target: Thing | None = None
+    place: Pose = IDENTITY
+    mark: Thing | None = None
+    mount: Pose = IDENTITY
+    tip: Pose = IDENTITY
+    goal: Pose = IDENTITY
+    base: Pose = IDENTITY
+    drawn: Pose | None = None
+    bounds: Bounds = field(default_factory=Bounds)
+    settings: Settings = field(default_factory=Settings)
+
+
+def read_servo(path: str | FilePath) -> ServoFile:
+    """A file of servoing; raises Unreadable, or Refused with a finding for each wrong key."""
+    data = read_bytes(path, most=SETTINGS_FILE)
+    return servo_in(decode(data, str(path), ENCODINGS), FilePath(path).parent)
+
+
+def servo_in(source: SourceText, folder: FilePath = FilePath()) -> ServoFile:
+    """folder: in which files of devices stand."""
+    top = read_toml(source)
+    said = top.read(KEYS)
+    tables = {name: top.table(name) for name in TABLES}
+    read = {name: tables[name].read(keys) for name, keys in TABLES.items()}
+    if not read["target"]:
+        top.say(rules.BAD_TASK, what="has no [target]", cure="write what is led to, or a place")
+    target = _thing(tables["target"], read["target"], folder)
+    mark = _thing(tables["mark"], read["mark"], folder)
+    if read["mark"] and mark is None:
+        what, cure = "has a [mark] that nobody sees", "write marker, or device"
+        tables["mark"].say(rules.BAD_TASK, what=what, cure=cure)
+    if not read["goal"]:
+        top.say(rules.BAD_TASK, what="has no [goal]", cure="write where the tip goes to")
+    limits = dict(read["limits"])
+    if has_errors(top.page.findings):
+        raise Refused(*top.page.findings, exit_status=2)
+    return ServoFile(
+        law=said.get("law", "image"),
+        cameras=said.get("cameras", ()),
+        target=target,
+        place=_pose(read["target"]),
+        mark=mark,
+        mount=_pose(read["mark"]),
+        tip=_pose(read["tool"]),
+        goal=_pose(read["goal"]),
+        base=_pose(read["base"]),
+        drawn=_pose(read["drawn"]) if read["drawn"] else None,
+        bounds=Bounds(**limits),
+        settings=Settings(**read["servo"]),
+    )
+
+
+def _pose(said: Mapping[str, Any]) -> Pose:
+    return pose_of(said) if any(key in said for key in PLACE) else IDENTITY
+
+
+def _thing(table: Table, said: Mapping[str, Any], folder: FilePath) -> Thing | None:
+    """What is looked for, None if the table names nothing that is."""
+    if "marker" in said and "device" in said:
+        what, cure = "has a marker and a device in one table", "keep one of them"
+        table.say(rules.BAD_TASK, what=what, cure=cure)
+    if "device" in said:
+        name = said["device"]
+        return Marks(device_of(str(folder / name) if name.endswith(".toml") else name))
+    if "marker" not in said:
+        return None
+    if "size" not in said:
+        table.say(rules.BAD_TASK, what="has a marker without a size", cure="write mm of its edge")
+        return None
+    dictionary = said.get("dictionary", DICTIONARIES[0])
+    if said["marker"] >= int(dictionary.partition("_")[2]):
+        what = f"has marker {said['marker']}, which {dictionary} has not"
+        table.say(rules.BAD_TASK, what=what, cure="name its dictionary, or another marker")
+        return None
+    return Marker(said["marker"], said["size"], dictionary)
+
+
+def _box(value: Any) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    if not isinstance(value, list) or len(value) != 2:
+        raise Wrong(f"is {kind_of(value)} and no box", "write two corners: [[x, y, z], [x, y, z]]")
+    least, most = map(values.position, value)
+    return least, most
+
+
+def _positive(unit: str) -> values.Read:
+    return values.number(unit, above=0.0)
+
+
+SEEN: Final[Mapping[str, values.Read]] = {
+    "marker": values.whole(0, 999),
+    "size": values.number("mm", least=1.0, most=2000.0),
+    "dictionary": values.choice(*DICTIONARIES),
+    "device": values.text,
+    **PLACE,
+}
+TABLES: Final[Mapping[str, Mapping[str, values.Read]]] = {
+    "target": SEEN,
+    "mark": SEEN,
+    **dict.fromkeys(("tool", "goal", "base", "drawn"), PLACE),
+    "limits": {
+        "speed": _positive("mm/s"),
+        "turning": _positive("degrees/s"),
+        "part": _positive(""),
+        "to_speed": _positive("seconds"),
+        "margin": values.number("degrees", least=0.0),
+        "box": _box,
+    },
+    "servo": {
+        "gain": _positive(""),
+        "share": _positive(""),
+        "pixels": _positive("pixels"),
+        "distance": _positive("mm"),
+        "turn": _positive("degrees"),
+        "hold": values.whole(1, 100),
+        "stale": _positive("seconds"),
+        "timeout": _positive("seconds"),
+        "condition": _positive(""),
+        "opening": _positive("seconds"),
+    },
+}
+KEYS: Final[Mapping[str, values.Read]] = {
+    "law": values.choice("image", "pose"),
+    "cameras": values.texts,
+    **dict.fromkeys(TABLES, lambda value: value),
+}
