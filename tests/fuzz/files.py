@@ -248,7 +248,7 @@ _TOML: Final = (
 
 TARGETS: Final = (
     Target("csv", source("input.csv"), files_of("samples/*.csv", "tests/fuzz/seeds/csv/*")),
-    Target("measured", measured_poses, files_of("samples/calibration/*.csv")),
+    Target("measured", measured_poses, files_of("samples/calibration/*.csv"), tried=6),
     Target("taught", source("input.toml"), files_of("tests/fuzz/seeds/taught/*"), lambda: _TOML),
     Target("npy", source("input.npy"), _npy),
     Target("npz", npz, _npz),

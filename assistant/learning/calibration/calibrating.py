@@ -34,6 +34,8 @@ OVER: Final = 2.0
 """Times the residual of the fit from which on that of poses held out tells of over-fitting."""
 LESS: Final = 0.75
 """Of what remains, that a free chain leaves at most to be worth telling."""
+FAR: Final = 0.25
+"""Of the reach, that the nominal arm may miss the middle one of the points by."""
 SURE: Final = 22.0
 """Of the statistic of two samples, that chance gives one set of poses in some thousand."""
 TINY: Final = 1e-12
@@ -164,6 +166,7 @@ def calibrate(
     findings += moving(robot, measured)
     read_rightly(robot, measured, known)
     start, _ = aligned(problem, known)
+    _near(problem, start)
     found, held = _fitted(problem, start, known, stated=noise is not None)
     findings += _fitting(found, robot)
     rows = np.flatnonzero(found.used)
@@ -206,6 +209,13 @@ def _enough(problem: Problem, known: Known) -> None:
             "needed": needed,
         }
         raise Refused(rules.TOO_FEW(path=problem.measured.path, **fields))
+
+
+def _near(problem: Problem, start: State) -> None:
+    """Raises Refused for poses that the nominal arm misses by more than any small error."""
+    left, robot = float(np.median(norms(problem.errors(start)[0]))), problem.model.robot
+    if left > FAR * robot.reach:
+        raise Refused(rules.NO_FIT(path=problem.measured.path, robot=robot.name, left=left))
 
 
 def _fitted(

@@ -18,6 +18,8 @@ from assistant.program.arrays import Floats, Truths
 ROUNDS: Final = 60
 DONE: Final = 1e-9
 """Of the cost, by which a step must make it less to go on."""
+NEARLY: Final = 1e-4
+"""The same while rows are weighed anew, and for poses that are only predicted."""
 TUKEY: Final = 6.0
 """Robust sigmas of a row from which on it counts nothing while the others are fitted."""
 BEYOND: Final = {3: 4.6, 6: 5.3}
@@ -55,8 +57,12 @@ class Fit:
         return np.asarray(inverse @ inverse.T)
 
 
-def least_squares(problem: Problem, start: State, free: Truths, weights: Floats) -> State:
-    """The state with the least squares of what is missing. weights: (n,) of the rows."""
+def least_squares(
+    problem: Problem, start: State, free: Truths, weights: Floats, done: float = DONE
+) -> State:
+    """The state with the least squares of what is missing. weights: (n,) of the rows. done: part
+    of the cost by which a step must make it less to go on.
+    """
     state, root = start, np.sqrt(weights)[:, None]
     here = problem.missing(state) * root
     cost, damping = float((here**2).sum()), 1e-4
@@ -79,7 +85,7 @@ def least_squares(problem: Problem, start: State, free: Truths, weights: Floats)
         if not better:
             break
         state, here, cost = tried, there, cost - less
-        if less < DONE * (cost + 1e-12):
+        if less < done * (cost + 1e-12):
             break
     return state
 
@@ -90,7 +96,7 @@ def robust(problem: Problem, start: State, free: Truths) -> tuple[State, Truths]
     weights = _weights(problem.missing(state), problem.parts, np.inf)
     for _ in range(12):
         before = weights
-        state = least_squares(problem, state, free, weights)
+        state = least_squares(problem, state, free, weights, NEARLY)
         weights = _weights(problem.missing(state), problem.parts, TUKEY)
         if np.abs(weights - before).max() < 1e-2:
             break

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.learning.calibration.fitting import least_squares
+from assistant.learning.calibration.fitting import NEARLY, least_squares
 from assistant.learning.calibration.problem import Problem, State
 from assistant.program.arrays import Floats, Rows, Truths, norms
 
@@ -45,7 +45,7 @@ def held_out(problem: Problem, state: State, free: Truths, rows: Rows) -> Residu
     points, turns = [], []
     for fold in np.array_split(order, count):
         others = problem.of(np.setdiff1d(rows, fold))
-        found = least_squares(others, state, free, np.ones(len(others.measured)))
+        found = least_squares(others, state, free, np.ones(len(others.measured)), NEARLY)
         off, turned = problem.of(fold).errors(found)
         points.append(off)
         turns.append(turned)

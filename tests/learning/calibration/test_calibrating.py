@@ -101,7 +101,8 @@ def test_sums_are_told_apart_where_base_and_tool_are_known(name):
     assert max(map(abs, wrong.values())) < 4.0
 
 
-@pytest.mark.parametrize("name", BOTH)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ARMS)
 def test_the_base_and_the_tool_come_back(name):
     robot, joints = robots.get(name), joints_of(name, 60, 6)
     truth = replace(drawn(name, 6), lengths={}, zeros=np.zeros(6))
@@ -145,7 +146,9 @@ def test_axes_that_are_not_parallel_are_told_and_a_chain_has_them(name, tell):
     )
 
 
-@pytest.mark.parametrize("estimate", ["lengths", "chain", "zeros"])
+@pytest.mark.parametrize(
+    "estimate", ["lengths", "chain", pytest.param("zeros", marks=pytest.mark.slow)]
+)
 @pytest.mark.parametrize("name", BOTH)
 def test_the_corrected_file_reads_back_and_agrees_with_the_true_arm(name, estimate, tmp_path):
     robot, joints = robots.get(name), joints_of(name, 60, 9)
