@@ -10,11 +10,12 @@ from typing import Final
 import numpy as np
 
 from assistant.program import rotations
-from assistant.program.arrays import Floats
+from assistant.program.arrays import Floats, Truths
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.recognition.estimating import Plane
+from assistant.vision.recognition.judging import to_ring, within
 from assistant.vision.recognition.keypoints import Keypoints, keypoints, matched, of_face
 from assistant.vision.recognition.objects import KnownObject, Outline, Texture
 from assistant.vision.recognition.outlines import on_plane
@@ -29,6 +30,8 @@ AGREE: Final = 15
 """Keypoints of another view that agree with the first one."""
 SAME: Final = 1.0
 """Grey levels that two views differ by, on average, if they are one picture."""
+RIM: Final = 0.04
+"""Part of the length of a thing from its edge within which marks are of what it lies on, too."""
 MOST_MARKS: Final = 6000
 
 
@@ -106,14 +109,25 @@ def learn_lying(
     grey = _straight(cv, view.camera, view.picture, pose, wide, tall)
     marks = of_face(cv, grey)
     texture = None
-    if len(marks) >= FEWEST_MARKS:
-        places = _on_face(marks.pixels, grey, wide, tall)
-        texture = Texture(places, marks.descriptors, grey, (wide, tall))
+    places = _on_face(marks.pixels, grey, wide, tall)
+    own = _inside(outline, places, RIM * wide)
+    if own.sum() >= FEWEST_MARKS:
+        texture = Texture(places[own], marks.descriptors[own], grey, (wide, tall))
         for other in views[1:]:
             texture = _with_view(cv, texture, other)
     known = KnownObject(name, outline, texture, height, symmetry_of(outline))
     source = f"shown by {len(views)} view{'s' * (len(views) > 1)} on the plane"
     return Learnt(replace(known, source=source), _alike(views))
+
+
+def _inside(outline: Outline, places: Floats, clear: float) -> Truths:
+    """(n,) which places are inside of an outline, so far from its edge: marks there are of it."""
+    flat = places[:, :2]
+    found = np.zeros(len(flat), dtype=np.bool_)
+    for ring in outline.rings:
+        found ^= within(ring, flat)
+    away = np.min([to_ring(ring, flat) for ring in outline.rings], axis=0)
+    return np.asarray(found & (away > clear))
 
 
 def _scaled(cv: ModuleType, grey: Picture) -> Picture:

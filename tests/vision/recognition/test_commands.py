@@ -259,3 +259,30 @@ def test_the_picture_shows_what_was_found(here, capsys):
     drawn, whole = (opencv().imread(name) for name in ("seen.png", "shown/above/0000.png"))
     assert drawn.shape == whole.shape
     assert 500 < (drawn != whole).any(axis=2).sum() < 30_000
+
+
+def test_what_shows_nothing_or_tells_no_height_or_is_not_worked_on_is_told(here, capsys):
+    """A plain part has no depth that two pictures tell; it is learnt by its outline alone."""
+    whole = opencv().imread("shown/above/0000.png")
+    bare = np.full_like(whole, 90)
+    add = ("objects", "add", "plain", "part", "--cameras", "cameras.toml", "--plane", 200)
+    assert "VS325" in run(capsys, *add, picture("above.png", bare))[2]
+    shown = bare.copy()
+    opencv().fillPoly(
+        shown, [np.array([[300, 250], [420, 230], [450, 330], [330, 340]])], (200,) * 3
+    )
+    rig = read_cameras("cameras.toml").cameras["above"]
+    moved = Camera("beside", rig.lens, rig.pose @ Pose((60.0, 0.0, 0.0)))
+    write_cameras("two.toml", Rig({"above": rig, "beside": moved}))
+    two = ("--cameras", "two.toml", "--plane", 200)
+    files = (picture("above.png", shown), picture("beside.png", np.roll(shown, -90, axis=1)))
+    status, _, err = run(capsys, "objects", "add", "plain", "part", *files, *two)
+    assert (status, "VS326" in err) == (0, True), err
+    status, _, err = run(
+        capsys, "objects", "add", "plain", "part", *files, *two, "--height", 2, "--again"
+    )
+    assert (status, "VS326" in err) == (0, False)
+    see = ("see", "above.png", *two, "--objects", "plain", "--to", "targets.toml")
+    status, _, err = run(capsys, *see)
+    assert (status, "VS350" in err) == (0, True), err
+    assert not Path("targets.toml").exists()
