@@ -130,6 +130,7 @@ COMMANDS: Final[Mapping[str, Command]] = {
         {"one.csv": MEASURED},
     ),
     "poses": Command(("robots", "poses", "rv-2aj", "--count", "6", "-o", "out/one.csv"), {}),
+    "kinematics": Command(("kinematics", "rv-2aj", "-o", "out"), {}),
     "exchange": Command(("exchange", "module", "-o", "exchange.mod"), {}),
     "explore": Command(
         ("explore", "merge", "one.npz", "-o", "all.npz"), {"one.toml": ROBOT_CELL}, (WANDER,)

@@ -46,6 +46,7 @@ _PACKED: dict[str, bytes] = {}
 
 def packed(model: Model) -> bytes:
     """The FMU of a model, compiled once a process."""
+    compiler()
     if model.guid not in _PACKED:
         data, findings = compiled(model)
         assert findings == ()
@@ -57,7 +58,6 @@ class Hosted:
     """An FMU whose library is loaded by a program without Python."""
 
     def __init__(self, model: Model, folder: Path) -> None:
-        compiler()
         self.model, self.folder = model, folder
         self.file = folder / "model.fmu"
         data = packed(model)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import importlib.util
+import io
 import shutil
 import subprocess
 import zipfile
@@ -16,6 +17,7 @@ from assistant.blocks.fmu import Model, arm_model, compiled, compilers, live_mod
 from assistant.blocks.playback import Motion
 from assistant.program.diagnostics import Refused
 from tests.blocks.code.compiled import compiled as built
+from tests.blocks.code.compiled import compiler
 from tests.blocks.fmu.hosting import packed
 from tests.blocks.fmu.test_program import simulated
 
@@ -87,6 +89,7 @@ def test_cross_compilers_that_are_not_there_are_told(
 ) -> None:
     if importlib.util.find_spec("ziglang") is not None or compilers.here() != "linux64":
         pytest.skip("this machine compiles for others")
+    compiler()
     for name in ("cc", "as", "ld"):
         (tmp_path / name).symlink_to(shutil.which(name) or name)
     monkeypatch.setenv("PATH", str(tmp_path))
@@ -104,3 +107,18 @@ def test_a_compiler_that_fails_is_told(tmp_path: Path, monkeypatch: pytest.Monke
         compiled(arm_model(robots.get("rv-2aj")))
     assert [one.code for one in refused.value.findings] == ["BL403"]
     assert compilers.here() in compilers.PLATFORMS
+
+
+@pytest.mark.slow
+def test_libraries_for_other_systems_are_made_where_a_compiler_is() -> None:
+    if importlib.util.find_spec("ziglang") is None:
+        pytest.skip("the Python package ziglang is not here")
+    begins = {"linux64": b"\x7fELF", "win64": b"MZ", "darwin64": b"\xcf\xfa\xed\xfe"}
+    for model in (arm_model(robots.get("rv-2aj")), live_model(robots.get("rv-2aj"))):
+        data, findings = compiled(model, everywhere=True)
+        assert findings == ()
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            made = [name for name in archive.namelist() if name.startswith("binaries/")]
+            found = {name.split("/")[1]: archive.read(name) for name in made}
+        assert found.keys() == begins.keys()
+        assert all(found[name].startswith(begin) for name, begin in begins.items())
