@@ -24,6 +24,14 @@ from assistant.vision.servoing.tracked import Tracked, left
 
 SIX: Final = 6
 """Directions in which a tool moves; a point in a picture tells two."""
+EDGE: Final = 60.0
+"""Pixels from the edge of a picture from which on it is looked whether a point will leave it."""
+SAFE: Final = 15.0
+"""Pixels from the edge that it must keep."""
+AHEAD: Final = 0.4
+"""Part of the error of whose way that is looked at."""
+SHRUNK: Final = 0.8
+"""How far what is seen is from the middle, and how large, once it has gone towards that."""
 FEW: Final = 4
 """Points of which none may be hidden."""
 
@@ -66,10 +74,30 @@ def in_image(moment: Moment, target: Thing, goal: Pose, now: Estimate | None) ->
         depths = camera.seen_by(now.pose.moved(target.points))[good, 2]
         rest = left(moment.flange, now.pose @ goal)
     tangents, goals = camera.lens.tangents(pixels[good]), wanted[:, :2] / wanted[:, 2:]
-    mean = _mean(tangents, depths, goals, wanted[:, 2])
-    slopes = mean @ carried_twist(camera.pose, moment.flange)
+    error, slopes = (tangents - goals).ravel(), _mean(tangents, depths, goals, wanted[:, 2])
+    if not camera.within(pixels[good], EDGE).all():
+        slopes, error = _kept_in(camera, tangents, depths, slopes, error)
+    slopes = slopes @ carried_twist(camera.pose, moment.flange)
     off = float(np.sqrt(_squares(camera, tangents, goals).mean()))
-    return Task((tangents - goals).ravel(), slopes, min(SIX, 2 * len(goals)), off, *rest)
+    return Task(error, slopes, min(SIX, 2 * len(goals)), off, *rest)
+
+
+def _kept_in(
+    camera: Camera, tangents: Floats, depths: Floats, mean: Floats, error: Floats
+) -> tuple[Floats, Floats]:
+    """Slopes and errors that keep points in the picture that are near to its edge.
+
+    The slopes at the goal have a part in bending the way of a point: where that leads out of the
+    picture, those here alone lead it in a line, as far as all of them can go in one. Where that
+    does not either, all of them go towards the middle of the picture, and shrink.
+    """
+    here = interaction_matrix(tangents, depths)
+    middle = ((1.0 - SHRUNK) * tangents).ravel()
+    for slopes, wrong in ((mean, error), (here, error), (here, middle)):
+        step = -AHEAD * np.linalg.lstsq(slopes, wrong, rcond=1e-6)[0]
+        if camera.within(camera.lens.pixels(tangents + (here @ step).reshape(-1, 2)), SAFE).all():
+            return slopes, wrong
+    return here, middle
 
 
 @dataclass(slots=True)

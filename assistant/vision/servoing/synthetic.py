@@ -25,7 +25,7 @@ RATE: Final = 30.0
 """Pictures a second."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class Clock:
     """Seconds that only rise; pace: of them in each real one, as a virtual controller may have."""
 

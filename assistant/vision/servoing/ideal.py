@@ -1,0 +1,65 @@
+"""An arm that is at once where it is told to be, in a time that nobody waits for: to try laws."""
+
+from __future__ import annotations
+
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+
+from assistant.program.arrays import Floats
+from assistant.vision.servoing.synthetic import Clock
+
+
+class Ticks(Clock):
+    """A clock that only waiting moves on."""
+
+    __slots__ = ("now",)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.now = 0.0
+
+    def __call__(self) -> float:
+        return self.now
+
+    def wait(self, seconds: float) -> None:
+        self.now += max(0.0, seconds)
+
+
+class Ideal:
+    """A `Carrier`. at: (a,) where it stands. speeds: (a,) that steps may have.
+
+    rows: where it was told to be, one after the other. rested: how often it was brought to rest.
+    """
+
+    waits = False
+
+    def __init__(self, at: Floats, speeds: Floats, period: float = 0.02) -> None:
+        self.at, self.speeds, self.period = np.array(at, dtype=np.float64), speeds, period
+        self.rows: list[Floats] = [self.at]
+        self.rested = 0
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Nothing is open."""
+
+    def joints(self) -> Floats:
+        return self.at
+
+    def told(self) -> Floats:
+        return self.at
+
+    def move(self, to: Floats, seconds: float) -> None:  # noqa: ARG002 - it takes no time
+        self.at = np.array(to)
+        self.rows.append(self.at)
+
+    def rest(self) -> None:
+        self.rested += 1
