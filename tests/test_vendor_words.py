@@ -28,12 +28,12 @@ SHARED = re.compile(r"languages/(?:(?:checks|recovery|runs|texts)/)?\w+\.py")
 
 COMMON: Final = frozenset(
     """
-    abs acos add and as asin atan atan2 base bitand bitor bitxor break case clock close com cos
-    default deg dim distance div do double else elseif end error exit exp false fine float fn
-    for from goto high if inout input is left ln load local log long low max min mod module next
-    not off on open or pose present print rad record remove return right round save set sin sqrt
-    step stop string switch tan task then title to tool true trunc type wait while with work write
-    xor zone
+    abs acos add and as asin atan atan2 base bitand bitor bitxor break calibrate case clock close
+    com cos default deg dim distance div do double edge else elseif end error exit exp false fine
+    float fn for from goto high if inout input is left ln load local log long low map max min mod
+    module next not off on open or pose present print rad record remove return right round save
+    servo set sin sqrt step stop string switch tan task then title to tool true trunc type wait
+    while with work write xor zone
     """.split()  # noqa: SIM905
 )
 """Words of vendors that are also English, mathematics, or the pseudo-program's own."""

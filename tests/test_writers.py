@@ -25,6 +25,7 @@ KNOWN = {
     "controllers/cyclic/process.py": "for a process of its own, in a folder for the moment",
     "controllers/cyclic/worker.py": "for the process that started it, in the same folder",
     "controllers/cyclic/scheduling.py": "no file, but a device",
+    "learning/maps/map_file.py": "into memory",
     "languages/grammar.py": "kept like bytecode, and made anew where it is damaged",
     "project/checking.py": "in a folder for the moment",
     "virtual/irc5/backup.py": "in a folder that appears whole, on the disk of a virtual controller",
@@ -32,6 +33,7 @@ KNOWN = {
     "virtual/irc5/rws/resources/files.py": "folders, on the disk of a virtual controller",
     "virtual/proving/sides.py": "modules that a run loads, on a disk for the moment",
     "virtual/tracing.py": "into memory",
+    "vision/recognition/library.py": "into memory",
 }
 
 

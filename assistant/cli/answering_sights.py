@@ -28,8 +28,7 @@ def answer(
     at: Annotated[
         str,
         typer.Option(
-            help="listen:ADDRESS:PORT for programs that connect to here, or HOST:PORT of one that "
-            "waits.",
+            help="listen:ADDRESS:PORT for programs that come here, or HOST:PORT of one that waits.",
         ),
     ],
     process: Annotated[

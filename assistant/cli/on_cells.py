@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Final
 
@@ -154,5 +155,5 @@ def scene(
     raise typer.Exit(run_scene(file, unit, output, format))
 
 
-COMMANDS: Final = (simulate, view, info, scene)
+COMMANDS: Final[tuple[Callable[..., None], ...]] = (simulate, view, info, scene)
 """In the order of the help."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Final
 
@@ -317,5 +318,13 @@ def coverage(
     raise typer.Exit(run_coverage(programs, from_language, format))
 
 
-COMMANDS: Final = (compile, translate, show, check, explain, fmt, coverage)
+COMMANDS: Final[tuple[Callable[..., None], ...]] = (
+    compile,
+    translate,
+    show,
+    check,
+    explain,
+    fmt,
+    coverage,
+)
 """In the order of the help."""
