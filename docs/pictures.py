@@ -13,6 +13,7 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import chdir
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -289,6 +290,60 @@ def fmu() -> bytes:
     return out.getvalue()
 
 
+def servoing() -> bytes:
+    """The way of a marker through the picture of a camera in the hand, by both laws."""
+    import matplotlib as mpl
+
+    mpl.use("Agg")
+    import matplotlib.pyplot as plt
+    import numpy as np
+
+    from assistant import robots
+    from assistant.vision.cameras.camera_file import read_cameras
+    from assistant.vision.servoing.ideal import Ideal, Ticks
+    from assistant.vision.servoing.interaction import flange_of
+    from assistant.vision.servoing.loop import servo
+    from assistant.vision.servoing.setting_up import eyes_of, set_up
+    from assistant.vision.servoing.synthetic import Drawn, Projected, World
+    from assistant.vision.servoing.task_file import read_servo
+
+    samples = PROJECT / "samples/servoing"
+    file, rig = read_servo(samples / "marker.toml"), read_cameras(samples / "cameras.toml")
+    assert file.drawn is not None and file.target is not None
+    robot = robots.get("rv-2aj")
+    begin = np.array([-2.0, 1.0, 78.0, 87.0, -60.0])
+    figure, (seen, left) = plt.subplots(1, 2, figsize=(9, 3.4))
+    image, pose = replace(file, law="image"), replace(file, law="pose")
+    for task, colour, name in ((image, "C1", "image-based"), (pose, "C0", "position-based")):
+        setting = set_up(task, rig, robot)
+        arm, clock = Ideal(begin, setting.guard.speeds), Ticks()
+        world = World(robot, arm.joints, (file.target, file.drawn))
+        eyes = Projected(setting.cameras, world, clock, noise=0.1)
+        done = servo(eyes, setting.law, arm, setting.guard, clock=clock)
+        placed = [setting.cameras[0].carried(flange_of(robot, row)) for row in arm.rows]
+        points = file.drawn.moved(file.target.points)
+        ways = np.array([camera.project(points) for camera in placed])
+        seen.plot(ways[..., 0], ways[..., 1], color=colour, lw=1.4)
+        seen.plot(*ways[-1].T, "o", color=colour, ms=4, label=name)
+        columns = done.columns
+        left.semilogy(columns["seconds"], columns["distance"], color=colour, label=f"{name}, mm")
+        left.semilogy(columns["seconds"], columns["turn"], color=colour, ls="--")
+    with eyes_of(setting, lambda: begin) as drawn:
+        assert isinstance(drawn, Drawn)
+        seen.imshow(drawn.pictures()[0][..., ::-1])
+    seen.set(xticks=(), yticks=(), title="from the first picture on")
+    seen.legend(fontsize=8, loc="lower left")
+    left.plot([], [], color="0.4", ls="--", label="degrees")
+    left.set(xlabel="seconds", ylabel="left to the goal, as it is seen")
+    left.grid(alpha=0.3)
+    left.legend(fontsize=8)
+    figure.tight_layout()
+    out = io.BytesIO()
+    figure.savefig(out, dpi=100)
+    plt.close(figure)
+    return out.getvalue()
+
+
 def calibrated() -> bytes:
     """Residuals of measured poses by the nominal and the corrected arm, and its corrections."""
     import matplotlib as mpl
@@ -348,6 +403,7 @@ PICTURES: Final[dict[str, Callable[[], bytes]]] = {
     "seen": seen,
     "camera": camera,
     "pointing": pointing,
+    "servoing": servoing,
     "objects": objects,
     "fmu": fmu,
     "calibrated": calibrated,

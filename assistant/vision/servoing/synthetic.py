@@ -16,7 +16,7 @@ from assistant.program.arrays import Floats
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots import Robot
 from assistant.vision.cameras.camera import WORLD, Camera
-from assistant.vision.cameras.drawing import CLEAR, Optics, Thing, draw
+from assistant.vision.cameras.drawing import CLEAR, Optics, Picture, Thing, draw
 from assistant.vision.servoing.interaction import flange_of
 from assistant.vision.servoing.law import Sight
 from assistant.vision.servoing.things import Thing as Sought
@@ -127,6 +127,20 @@ class Drawn:
 
     def look(self, after: float, patience: float) -> Sight | None:  # noqa: ARG002 - one always comes
         taken = _next(self, after)
+        pictures = self.pictures()
+        target, mark = (
+            {
+                camera.name: thing[0].find(picture, camera)
+                for camera, picture in zip(self.cameras, pictures, strict=True)
+            }
+            if thing is not None
+            else {}
+            for thing in (self.world.target, self.world.mark)
+        )
+        return Sight(taken, self._number, target, mark)
+
+    def pictures(self) -> list[Picture]:
+        """What each camera sees now."""
         placed, flange = self.world.placed(self.cameras)
         things = list(self.still(self.world.joints()))
         if self.world.target is not None:
@@ -135,15 +149,11 @@ class Drawn:
             things += [_at(flange @ self.world.mark[1], thing) for thing in self.on_mark]
         if self.hidden(self._number):
             things = []
-        target: dict[str, Floats] = {}
-        mark: dict[str, Floats] = {}
-        for place, camera in enumerate(placed):
-            seed = self.seed + 1000 * self._number + place
-            picture = draw(camera, things, self.optics, seed=seed)
-            for found, thing in ((target, self.world.target), (mark, self.world.mark)):
-                if thing is not None:
-                    found[camera.name] = thing[0].find(picture, camera)
-        return Sight(taken, self._number, target, mark)
+        seeds = (self.seed + 1000 * self._number + place for place in range(len(placed)))
+        return [
+            draw(camera, things, self.optics, seed=max(seed, 0))
+            for camera, seed in zip(placed, seeds, strict=True)
+        ]
 
 
 def _next(eyes: Projected | Drawn, after: float) -> float:
