@@ -83,8 +83,14 @@ class CyclicCarrier:
         self._told = None
 
 
-def by_egm(host: str, arm: Arm, port: int | None, cycle: float | None) -> CyclicCarrier:
-    """A program on the controller is to come and ask for joints."""
+def by_egm(
+    host: str,
+    arm: Arm,
+    port: int | None = None,
+    cycle: float | None = None,
+    settings: Settings | None = None,
+) -> CyclicCarrier:
+    """A program on the controller is to come and ask for joints. settings: None for the usual."""
     from assistant.controllers.abb.egm import guidance
 
     def made(limits: Limits, opening: ExitStack) -> Leading:  # noqa: ARG001
@@ -94,6 +100,7 @@ def by_egm(host: str, arm: Arm, port: int | None, cycle: float | None) -> Cyclic
             limits,
             port=port or guidance.PORT,
             cycle=cycle or guidance.CYCLE,
+            settings=settings,
         )
 
     return CyclicCarrier(arm, made)

@@ -69,5 +69,5 @@ class PoseCarrier:
         found = self._arm.joints_of(pose, self._near)
         if found is None:
             x, y, z = pose.position
-            raise Refused(rules.NO_JOINTS(place=f"({x:.1f}, {y:.1f}, {z:.1f}) mm"))
+            raise Refused(rules.NO_JOINTS(point=f"({x:.1f}, {y:.1f}, {z:.1f}) mm"))
         self._near = found

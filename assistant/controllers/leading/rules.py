@@ -8,6 +8,6 @@ from assistant.program.diagnostics import error
 
 NO_JOINTS: Final = error(
     "CN651",
-    "the controller says that its tool is at {place}, where the arm has no joints for it",
+    "the controller says that its tool is at {point}, where the arm has no joints for it",
     "state the tool that the program on the controller has, and the robot that it moves",
 )

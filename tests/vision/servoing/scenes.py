@@ -12,6 +12,7 @@ import numpy as np
 
 from assistant import robots
 from assistant.controllers import connect
+from assistant.controllers.cyclic import Settings
 from assistant.controllers.following import Wishes
 from assistant.controllers.leading import MODES
 from assistant.controllers.leading.cycles import by_egm
@@ -34,6 +35,8 @@ IN_HAND = Camera("hand", LENS, MOUNT, "arm.flange")
 MARKER = Marker(7, 60.0)
 ON_TOOL = Pose((30.0, 0.0, 60.0), tuple(rotations.about([0.0, 1.0, 0.0], 180.0)))
 """A marker on the tool, that looks back along the flange."""
+PATIENT = Settings(opening=60.0, timeout=20.0, settle=0.1, alive=20.0, lag=2.0)
+"""No time-out that a busy computer could reach."""
 MARGIN = 25.0
 """Pixels from the edge within which all of the marker is at a start."""
 
@@ -188,7 +191,7 @@ def over_egm(scene, begin):
     port = free_port()
     speeds = tuple(scene.robot.speeds)
     arm = Guidance("joints", tuple(begin), speeds, comm_timeout=60.0, cond_time=600.0, waiting=None)
-    made = by_egm("127.0.0.1", scene.guard.arm(), port, None)
+    made = by_egm("127.0.0.1", scene.guard.arm(), port, settings=PATIENT)
     with VirtualEgm(arm, ("127.0.0.1", port)) as virtual, made as carrier:
         kept = Kept()
         kept.rows = virtual.track
