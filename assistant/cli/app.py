@@ -24,6 +24,7 @@ from assistant.cli.camera_commands import camera
 from assistant.cli.exchanges import exchange
 from assistant.cli.explorations import explore
 from assistant.cli.gateways import gateway
+from assistant.cli.learning_commands import learn
 from assistant.cli.object_commands import objects, see
 from assistant.cli.options import FormatOption, complete_robot
 from assistant.cli.presentation import Format, answer_as
@@ -90,6 +91,7 @@ def options(
 for command in (*on_programs.COMMANDS, *on_cells.COMMANDS, *on_blocks.COMMANDS):
     app.command()(command)
 app.command("see")(see)
+app.command()(learn)
 app.command()(run)
 app.command()(debug)
 app.command()(gateway)

@@ -77,7 +77,7 @@ def over_box(arm: SeenArm, space: InBox) -> Experiment:
         around = float(np.linalg.norm(arm.points - arm.points[0], axis=1).max())
         wider = space.box + np.array([-around, around])
         seen = arm.watched(pair_for(corners(wider)))
-    turned = space.turn[0] < space.turn[1]
+    turned = space.rule != "any" and space.turn[0] < space.turn[1]
     return Experiment(seen, space, ranges_for(seen, space), 4 if turned else 3)
 
 

@@ -10,8 +10,9 @@ import numpy as np
 
 from assistant.learning.maps.rules import BAD_BOX, BAD_RANGE, NOT_REACHED
 from assistant.learning.maps.seen_arm import SeenArm
+from assistant.learning.maps.solving import solve
 from assistant.program import rotations
-from assistant.program.arrays import Floats, Truths
+from assistant.program.arrays import Floats, Truths, norms
 from assistant.program.diagnostics import Refused
 from assistant.robots import Robot
 
@@ -25,6 +26,8 @@ HELD: Final[dict[Rule, tuple[float, float, float, float]]] = {
 TRIED: Final = 2000
 """Poses by which it is asked how much of a box an arm reaches."""
 ENOUGH: Final = 0.999
+CLOSE: Final = 0.01
+"""Mm within which a place is reached."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -133,19 +136,28 @@ def checked_box(box: Floats) -> Floats:
 
 
 def ranges_for(arm: SeenArm, space: InBox, seed: int = 0) -> Floats:
-    """(a, 2) between which joints reach every pose of a box, a twentieth wider, inside the limits.
+    """(a, 2) between which joints reach all of a box, a twentieth wider, inside the limits.
 
-    Raises Refused if the arm does not reach the box in one of its branches.
+    Raises Refused if the arm does not reach the box in one of its branches, without a rule from its
+    home on.
     """
-    joints, reached = space.joints(arm, TRIED, np.random.default_rng(seed))
+    draw = np.random.default_rng(seed)
+    limits = arm.robot.limits[arm.columns]
+    if space.rule == "any":
+        points = _between(draw, space.box, TRIED)[:, None]
+        home = np.tile(arm.robot.home[arm.columns], (TRIED, 1))
+        joints = solve(arm, points, home, limits)
+        reached = norms(arm.tool(joints)[0][:, 0] - points[:, 0]) < CLOSE
+    else:
+        joints, reached = space.joints(arm, TRIED, draw)
     share = float(reached.mean())
     if share < ENOUGH:
-        title = arm.robot.title
-        raise Refused(NOT_REACHED(share=share, robot=title, rule=space.rule), exit_status=1)
-    found = joints[reached][:, arm.columns]
-    low, high = found.min(axis=0), found.max(axis=0)
+        held = "anyhow" if space.rule == "any" else space.rule
+        finding = NOT_REACHED(share=share, robot=arm.robot.title, rule=held)
+        raise Refused(finding, exit_status=1)
+    low, high = joints[reached].min(axis=0), joints[reached].max(axis=0)
     more = 0.05 * (high - low) + 1.0
-    least, most = arm.robot.limits[arm.columns].T
+    least, most = limits.T
     return np.column_stack([np.maximum(low - more, least), np.minimum(high + more, most)])
 
 

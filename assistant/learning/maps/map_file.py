@@ -6,6 +6,7 @@ import io
 import math
 import zipfile
 import zlib
+from collections.abc import Mapping
 from pathlib import Path as FilePath
 from typing import Any, Final
 
@@ -36,8 +37,13 @@ BROKEN: Final = (
 """What readers of archives and of headers raise for damaged and foreign content."""
 
 
-def save(net: ExtendedMap, path: str | FilePath) -> None:
-    """Writes a map; the file appears whole or not at all. Raises Refused if it cannot be."""
+def save(
+    net: ExtendedMap, path: str | FilePath, beside: Mapping[FilePath, bytes] | None = None
+) -> None:
+    """Writes a map; the file appears whole or not at all. Raises Refused if it cannot be.
+
+    beside: other files, which appear with it.
+    """
     buffer, task, scale = io.BytesIO(), net.task, net.scale
     columns: dict[str, Any] = {
         "kind": np.array(KIND),
@@ -50,7 +56,7 @@ def save(net: ExtendedMap, path: str | FilePath) -> None:
         **{name: getattr(net, name) for name in ("places", "answers", "wins", "missed")},
     }
     np.savez_compressed(buffer, **columns)
-    write_all({FilePath(path): buffer.getvalue()})
+    write_all({FilePath(path): buffer.getvalue(), **(beside or {})})
 
 
 def load(path: str | FilePath) -> ExtendedMap:

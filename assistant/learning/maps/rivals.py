@@ -15,6 +15,7 @@ import numpy as np
 
 from assistant.learning.maps.goals import Goals
 from assistant.learning.maps.seen_arm import SeenArm
+from assistant.learning.maps.solving import solve
 from assistant.learning.maps.training import Errors
 from assistant.program import rotations
 from assistant.program.arrays import Floats, Rows, norms
@@ -23,10 +24,6 @@ from assistant.vision.cameras.triangulating import triangulate
 
 NEIGHBOURS: Final = 3
 """Times the numbers that a plane has: how many of the nearest pictures it is laid through."""
-STEP: Final = 1e-4
-"""Degrees (mm) by which slopes of forward kinematics are taken."""
-ROUNDS: Final = 30
-"""Of Gauss and Newton."""
 AT_ONCE: Final = 200
 """Targets whose distances are computed together."""
 
@@ -45,8 +42,8 @@ class Rival(Protocol):
 class Calibrated:
     """model: the arm as its robot file has it, with the cameras as they were calibrated.
 
-    A whole pose of three points goes through `Robot.ik`; of fewer points joints are found by Gauss
-    and Newton over `Robot.fk` from the middle of the ranges (a, 2).
+    A whole pose, told by three points, goes through `Robot.ik`. For fewer points joints are found
+    by Gauss and Newton over `Robot.fk`, from the middle of the ranges (a, 2).
     """
 
     model: SeenArm
@@ -76,29 +73,8 @@ class Calibrated:
             away = np.where(valid, norms(np.nan_to_num(found - middle)), np.inf)
             best = found[np.arange(len(points)), away.argmin(axis=1)]
             return np.asarray(np.where(np.isfinite(best), best, middle))
-        joints = np.tile(middle, (len(points), 1)) if begin is None else begin.copy()
-        for _ in range(ROUNDS):
-            off = (points - self.model.tool(joints)[0]).reshape(len(points), -1)
-            slope = self._slope(joints)
-            square = np.einsum("mki,mkj->mij", slope, slope)
-            square += 1e-9 * np.eye(len(middle)) * np.trace(square, axis1=1, axis2=2)[:, None, None]
-            pull = np.einsum("mki,mk->mi", slope, off)
-            step = np.linalg.solve(square, pull[..., None])[..., 0]
-            joints = np.clip(joints + np.clip(step, -20.0, 20.0), *self.ranges.T)
-            if np.abs(step).max() < 1e-9:
-                break
-        return joints
-
-    def _slope(self, joints: Floats) -> Floats:
-        """(m, 3 k, a)."""
-        columns = []
-        for axis in range(joints.shape[1]):
-            more, less = joints.copy(), joints.copy()
-            more[:, axis] += STEP
-            less[:, axis] -= STEP
-            apart = self.model.tool(more)[0] - self.model.tool(less)[0]
-            columns.append(apart.reshape(len(joints), -1) / (2.0 * STEP))
-        return np.stack(columns, axis=-1)
+        first = np.tile(middle, (len(points), 1)) if begin is None else begin
+        return solve(self.model, points, first, self.ranges)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -83,3 +83,8 @@ BAD_BOX: Final = error(
 )
 NO_AXIS: Final = error("LN016", "{robot} has no joint `{axis}`", "choose among {known}")
 NO_LENGTH: Final = error("LN017", "{robot} has no length `{name}`", "choose among {known}")
+RULE_WITHOUT: Final = error(
+    "LN018",
+    "no tool is held {rule} {what}",
+    "name a box whose poses all joints of the arm reach, or one point that may be held anyhow",
+)

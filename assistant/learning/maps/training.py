@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -128,15 +128,39 @@ def train(
 
 
 def trained(
-    net: ExtendedMap, arm: SeenArm, space: Space, plan: Plan, tests: Goals | None = None
+    net: ExtendedMap,
+    arm: SeenArm,
+    space: Space,
+    plan: Plan,
+    tests: Goals | None = None,
+    watch: Callable[[Errors], None] = lambda _: None,
 ) -> tuple[Errors, ...]:
-    """Trains with goals that are drawn, and measures; tests: of the errors, drawn without any."""
-    draw = np.random.default_rng(plan.seed + 1)
-    goals = space.draw(arm, plan.steps, draw)
-    asked = tests or space.draw(arm.noisy(0.0), 500, np.random.default_rng(plan.seed + 2))
+    """Trains with goals that are drawn, and measures by the truth.
+
+    tests: goals by which it is measured, drawn if there are none. watch: called with each of the
+    errors that are given in the end.
+    """
+    goals = space.draw(arm, plan.steps, np.random.default_rng(plan.seed + 1))
+    asked = tests or tests_of(arm, space, plan.seed)
     curve: list[Errors] = []
-    train(net, arm, goals.pixels, plan, lambda spent: curve.append(errors(net, arm, asked, spent)))
+
+    def look(seconds: float) -> None:
+        curve.append(errors(net, arm, asked, seconds))
+        watch(curve[-1])
+
+    train(net, arm, goals.pixels, plan, look)
     return tuple(curve)
+
+
+def tests_of(arm: SeenArm, space: Space, seed: int = 0) -> Goals:
+    """500 goals that are not learnt from, as they are without noise."""
+    return space.draw(arm.noisy(0.0), 500, np.random.default_rng(seed + 2))
+
+
+def with_noise(goals: Goals, noise: float, seed: int = 0) -> Goals:
+    """The same goals as cameras with a noise of so many pixels see them."""
+    draw = np.random.default_rng(seed + 4)
+    return replace(goals, pixels=goals.pixels + draw.normal(0.0, noise, goals.pixels.shape))
 
 
 def errors(net: ExtendedMap, arm: SeenArm, goals: Goals, seconds: float = 0.0) -> Errors:

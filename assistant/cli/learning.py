@@ -1,0 +1,240 @@
+"""What `learn` does: a table of errors while a map learns, and the files that it writes."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from assistant.cli.compiling import keep_sources
+from assistant.cli.presentation import Format, print_findings, print_json, say
+from assistant.program.diagnostics import Refused, error
+
+if TYPE_CHECKING:
+    from assistant.cli.learning_words import Options
+    from assistant.learning.maps.experiments import Experiment
+    from assistant.learning.maps.extended_map import ExtendedMap
+    from assistant.learning.maps.goals import Goals
+    from assistant.learning.maps.seen_arm import SeenArm
+    from assistant.learning.maps.training import Errors, Plan
+    from assistant.report.learned_map import Stage
+
+NO_MAP_NAME: Final = error("CL520", "a map is not written as `{name}`", "end its name in .npz")
+NO_CURVE_NAME: Final = error(
+    "CL529", "a curve is not written as `{name}`", "end its name in .csv, .png or .svg"
+)
+STAGES: Final = 4
+"""Columns of the picture of the lattice."""
+MOST_LEFT: Final = 0.02
+"""Share of units that may never have won."""
+NOISE: Final = 0.2
+"""Pixels with which a map is measured as well that has learnt without."""
+
+
+@dataclass(frozen=True, slots=True)
+class Outputs:
+    """Files to write."""
+
+    map: Path
+    picture: Path | None
+    curve: Path | None
+
+
+def run_learn(options: Options, outputs: Outputs) -> int:
+    from assistant.cli.learning_words import asked, longer
+    from assistant.learning.maps.asked import experiment_of
+    from assistant.learning.maps.map_file import load, save
+    from assistant.learning.maps.training import tests_of, trained
+
+    _check_names(options, outputs)
+    known = None if options.go_on is None else load(options.go_on)
+    made = experiment_of(asked(options), known)
+    arm = made.arm
+    for name, factor in longer(options.longer):
+        arm = arm.longer(name, factor)
+    arm = arm.noisy(options.noise, options.seed)
+    net = _begun(made, options) if known is None else known
+    tests, begun = tests_of(arm, made.space, options.seed), net.steps
+    stages: list[Stage] = []
+    curve: list[Errors] = []
+
+    def watch(found: Errors) -> None:
+        stages.append(_stage(net, found))
+        curve.append(found)
+        rate = (found.steps - begun) / found.seconds if found.seconds else 0.0
+        _tell(options, _row(f"{found.steps:>9,} {rate:>9,.0f}", found))
+
+    for line in _head(net, arm, tests):
+        _tell(options, line)
+    watch(_now(net, arm, tests))
+    trained(net, arm, made.space, _plan(net, options), tests, watch)
+    beside = dict(_beside(made, net, arm, tests, options))
+    for name, found in beside.items():
+        _tell(options, _row(f"{name:>19}", found))
+    files = _files(net, arm.task.cameras, curve, stages, tests, outputs)
+    save(net, outputs.map, files)
+    _end(net, curve, beside, tests, [outputs.map, *files], options)
+    return 0
+
+
+def _now(net: ExtendedMap, arm: SeenArm, tests: Goals) -> Errors:
+    from assistant.learning.maps.training import errors
+
+    return errors(net, arm, tests)
+
+
+def _tell(options: Options, line: str) -> None:
+    """At once, as it takes its time."""
+    if options.format is Format.TEXT:
+        say(line)
+        sys.stdout.flush()
+
+
+def _head(net: ExtendedMap, arm: SeenArm, tests: Goals) -> Iterator[str]:
+    yield (
+        f"{arm.robot.title}: {', '.join(arm.moves)}; {net.units:,} units, {net.task.seen} numbers "
+        f"a picture, targets within {tests.diagonal:.0f} mm"
+    )
+    columns = ("steps", "a second", "mean mm", "worst mm", "mean deg", "worst deg")
+    yield " ".join(f"{column:>9}" for column in columns)
+
+
+def _end(
+    net: ExtendedMap,
+    curve: Sequence[Errors],
+    beside: Mapping[str, Errors],
+    tests: Goals,
+    written: Sequence[Path],
+    options: Options,
+) -> None:
+    from assistant.findings.formats import finding_record
+    from assistant.learning.maps.rules import NOT_LEARNT
+
+    left = float((net.wins == 0.0).mean())
+    findings = (NOT_LEARNT(share=left, path=str(written[0])),) if left > MOST_LEFT else ()
+    if options.format is Format.JSON:
+        answer: dict[str, object] = {"units": net.units, "workspace_mm": tests.diagonal}
+        answer |= {"curve": [_record(one) for one in curve]}
+        answer |= {"beside": {name: _record(found) for name, found in beside.items()}}
+        answer |= {"written": [str(one) for one in written]}
+        print_json(answer | {"findings": [finding_record(one) for one in findings]})
+        return
+    print_findings(findings)
+    say(f"wrote {', '.join(str(one) for one in written)}")
+
+
+def _check_names(options: Options, outputs: Outputs) -> None:
+    from assistant.report.figures import format_of
+
+    if outputs.map.suffix.lower() != ".npz" or not outputs.map.stem:
+        raise Refused(NO_MAP_NAME(name=outputs.map), exit_status=2)
+    if outputs.picture is not None:
+        format_of(outputs.picture.name)
+    if outputs.curve is not None and outputs.curve.suffix.lower() not in {".csv", ".png", ".svg"}:
+        raise Refused(NO_CURVE_NAME(name=outputs.curve), exit_status=2)
+    read = [str(one) for one in (options.cameras, Path(options.robot)) if one is not None]
+    keep_sources(read, [one for one in (outputs.map, outputs.picture, outputs.curve) if one])
+
+
+def _begun(made: Experiment, options: Options) -> ExtendedMap:
+    from assistant.cli.learning_words import lattice_of
+    from assistant.learning.maps.training import start_with
+
+    if options.lattice is None:
+        return made.start(options.seed)
+    shape = lattice_of(options.lattice)
+    return start_with(shape, made.arm, made.space, made.ranges, options.seed)
+
+
+def _plan(net: ExtendedMap, options: Options) -> Plan:
+    from assistant.learning.maps.cooling import learning, learning_again
+    from assistant.learning.maps.training import MARKS, Plan
+
+    again = options.go_on is not None
+    cooling = (learning_again if again else learning)(options.steps, options.noise)
+    marks = tuple(net.steps + mark for mark in MARKS if mark < options.steps)
+    return Plan(options.steps, cooling, marks=marks, seed=options.seed + net.steps)
+
+
+def _beside(
+    made: Experiment, net: ExtendedMap, arm: SeenArm, tests: Goals, options: Options
+) -> Iterable[tuple[str, Errors]]:
+    """The map with noise, and the rivals without and with it."""
+    from assistant.learning.maps.rivals import Calibrated, errors_of, pictures_of
+    from assistant.learning.maps.training import errors, with_noise
+
+    noise = options.noise or NOISE
+    blurred, seen = arm.noisy(noise, options.seed + 5), with_noise(tests, noise, options.seed)
+    yield f"{noise:g} px of noise", errors(net, blurred, seen)
+    if not options.rivals:
+        return
+    clear = arm.noisy(0.0)
+    calibrated = Calibrated(made.arm.noisy(0.0), made.ranges)
+    nearest = pictures_of(arm, made.ranges, 2 * options.steps, options.seed)
+    for name, rival in (("calibrated pair", calibrated), ("regression", nearest)):
+        yield name, errors_of(rival, clear, tests)
+        yield f"{name[:10]}, noise", errors_of(rival, blurred, seen)
+
+
+def _row(head: str, found: Errors) -> str:
+    mm = f"{_small(found.mm):>9} {_small(found.worst_mm):>9}"
+    if math.isnan(found.degrees):
+        return f"{head} {mm}"
+    return f"{head} {mm} {_small(found.degrees):>9} {_small(found.worst_degrees):>9}"
+
+
+def _small(value: float) -> str:
+    return f"{value:.3f}" if value < 100.0 else f"{value:.1f}"
+
+
+def _record(found: Errors) -> dict[str, float | int | None]:
+    return {
+        "steps": found.steps,
+        "seconds": found.seconds,
+        "mean_mm": found.mm,
+        "worst_mm": found.worst_mm,
+        "mean_deg": None if math.isnan(found.degrees) else found.degrees,
+        "worst_deg": None if math.isnan(found.worst_degrees) else found.worst_degrees,
+        "coarse_mm": found.coarse,
+    }
+
+
+def _stage(net: ExtendedMap, found: Errors) -> Stage:
+    from assistant.report.learned_map import Stage
+
+    return Stage(found.steps, net.scale.pixels(net.places), found.mm)
+
+
+def _files(
+    net: ExtendedMap,
+    cameras: Sequence[str],
+    curve: Sequence[Errors],
+    stages: Sequence[Stage],
+    tests: Goals,
+    outputs: Outputs,
+) -> dict[Path, bytes]:
+    """What is wanted beside the map."""
+    import numpy as np
+
+    from assistant.report import learned_map as report
+    from assistant.report.figures import format_of
+
+    files: dict[Path, bytes] = {}
+    if outputs.picture is not None:
+        chosen = np.unique(np.linspace(0, len(stages) - 1, STAGES).round().astype(int))
+        some, kind = [stages[at] for at in chosen], format_of(outputs.picture.name)
+        drawn = report.lattice_picture(some, net.shape, tests.pixels, cameras, kind)
+        files[outputs.picture] = drawn
+    if outputs.curve is not None:
+        steps = [one.steps for one in curve]
+        mm = np.array([(one.mm, one.worst_mm) for one in curve])
+        degrees = np.array([(one.degrees, one.worst_degrees) for one in curve])
+        if outputs.curve.suffix.lower() == ".csv":
+            files[outputs.curve] = report.curve_csv(steps, mm, degrees)
+        else:
+            kind = format_of(outputs.curve.name)
+            files[outputs.curve] = report.curve_picture(steps, mm, degrees, kind)
+    return files

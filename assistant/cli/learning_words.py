@@ -1,0 +1,145 @@
+"""The words of `learn` as what is asked for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Final, TypeVar, cast
+
+from assistant.cli.presentation import Format
+from assistant.program.diagnostics import Refused, Rule, error
+
+if TYPE_CHECKING:
+    from assistant.learning.maps.asked import Asked
+    from assistant.learning.maps.goals import Rule as Held
+    from assistant.vision.cameras.camera import Camera
+
+BAD_RANGE: Final = error(
+    "CL521", "`{given}` is no range of a joint", "write JOINT=LOW:HIGH, as J1=-50:50"
+)
+BAD_HOLD: Final = error("CL522", "`{given}` holds no joint", "write JOINT=DEGREES, as J5=0")
+BAD_BOX: Final = error(
+    "CL523", "`{given}` is no box", "write LOW:HIGH,LOW:HIGH,LOW:HIGH, mm of x, y and z"
+)
+BAD_POINT: Final = error("CL524", "`{given}` is no point", "write x,y,z in mm, as 0,0,60")
+BAD_LATTICE: Final = error("CL525", "`{given}` is no lattice", "write counts, as 7x12x4")
+BAD_FACTOR: Final = error(
+    "CL526", "`{given}` makes no link longer", "write LENGTH=FACTOR, as a2=1.1"
+)
+FEW_CAMERAS: Final = error(
+    "CL527",
+    "{count} of the cameras of {file} stand still, and two are needed",
+    "name a file with two that stand about the robot; those in its hand do not count",
+)
+BAD_TURN: Final = error("CL528", "`{given}` is no range of turns", "write LOW:HIGH in degrees")
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """The words of the command."""
+
+    robot: str
+    steps: int
+    hold: Sequence[str]
+    range: Sequence[str]
+    box: str | None
+    tool: str
+    turn: str
+    point: Sequence[str]
+    cameras: Path | None
+    lattice: str | None
+    noise: float
+    seed: int
+    go_on: Path | None
+    longer: Sequence[str]
+    rivals: bool
+    format: Format
+
+
+def asked(options: Options) -> Asked:
+    import numpy as np
+
+    from assistant.compiler.arms import robot_of
+    from assistant.learning.maps.asked import Asked
+
+    robot = robot_of(options.robot)
+    assert robot is not None
+    points = [_numbers(text, ",", 3, BAD_POINT) for text in options.point]
+    box = None
+    if options.box is not None:
+        sides = options.box.split(",")
+        if len(sides) != 3:
+            raise Refused(BAD_BOX(given=options.box), exit_status=2)
+        box = np.array([_numbers(side, ":", 2, BAD_BOX, options.box) for side in sides])
+    low, high = _numbers(options.turn, ":", 2, BAD_TURN)
+    return Asked(
+        robot,
+        dict(_named(text, _factor, BAD_HOLD) for text in options.hold),
+        np.array(points) if points else None,
+        dict(_named(text, _between, BAD_RANGE) for text in options.range),
+        box,
+        cast("Held", options.tool),
+        (low, high),
+        () if options.cameras is None else _cameras(options.cameras),
+    )
+
+
+def _cameras(file: Path) -> tuple[Camera, ...]:
+    """Those that stand still, in the frame of the base."""
+    from assistant.vision.cameras.camera import WORLD
+    from assistant.vision.cameras.camera_file import read_cameras
+
+    rig = read_cameras(file)
+    still = tuple(one for one in rig.cameras.values() if one.parent == WORLD)
+    if len(still) < 2:
+        raise Refused(FEW_CAMERAS(count=len(still), file=file), exit_status=2)
+    return still
+
+
+def lattice_of(text: str) -> tuple[int, ...]:
+    counts = text.lower().split("x")
+    if not all(count.isascii() and count.isdigit() for count in counts):
+        raise Refused(BAD_LATTICE(given=text), exit_status=2)
+    return tuple(int(count[:9]) for count in counts)
+
+
+def longer(texts: Sequence[str]) -> list[tuple[str, float]]:
+    """Names of lengths with their factors, above 0."""
+    found = [_named(text, _factor, BAD_FACTOR) for text in texts]
+    for text, (_, factor) in zip(texts, found, strict=True):
+        if not factor > 0.0:
+            raise Refused(BAD_FACTOR(given=text), exit_status=2)
+    return found
+
+
+def _named(text: str, value: Callable[[str], T | None], rule: Rule) -> tuple[str, T]:
+    """NAME=VALUE."""
+    name, equals, said = text.partition("=")
+    found = value(said) if equals and name else None
+    if found is None:
+        raise Refused(rule(given=text), exit_status=2)
+    return name, found
+
+
+def _factor(text: str) -> float | None:
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
+
+
+def _between(text: str) -> tuple[float, float] | None:
+    low, _, high = text.partition(":")
+    found = _factor(low), _factor(high)
+    return None if found[0] is None or found[1] is None else (found[0], found[1])
+
+
+def _numbers(text: str, mark: str, count: int, rule: Rule, whole: str = "") -> list[float]:
+    parts = [_factor(part) for part in text.split(mark)]
+    if len(parts) != count or any(part is None for part in parts):
+        raise Refused(rule(given=whole or text), exit_status=2)
+    return [part for part in parts if part is not None]

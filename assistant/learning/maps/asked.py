@@ -1,0 +1,112 @@
+"""What somebody wants learnt, as an experiment: robot, joints, points, cameras and space."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from assistant.learning.maps.experiments import MARKS, Experiment, over_box, over_ranges
+from assistant.learning.maps.extended_map import ExtendedMap, Task
+from assistant.learning.maps.goals import (
+    InBox,
+    InRanges,
+    Rule,
+    checked_box,
+    checked_ranges,
+    ranges_about_home,
+)
+from assistant.learning.maps.rules import NO_AXIS, OTHER_TASK, RULE_WITHOUT
+from assistant.learning.maps.seen_arm import seen_arm
+from assistant.learning.maps.training import TOLD_BY
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Refused
+from assistant.robots import Robot
+from assistant.vision.cameras.camera import Camera
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Asked:
+    """held: joints that stay where they are, degrees. points: (k, 3) mm of the tool on the flange,
+    None for as many of `MARKS` as tell the joints. ranges: of joints by name, instead of those
+    about home. box: (3, 2) mm, None for wherever the joints bring the tool. cameras: none for a
+    pair that is put up.
+    """
+
+    robot: Robot
+    held: Mapping[str, float] = field(default_factory=dict)
+    points: Floats | None = None
+    ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    box: Floats | None = None
+    rule: Rule = "any"
+    turn: tuple[float, float] = (0.0, 0.0)
+    cameras: tuple[Camera, ...] = ()
+
+
+def experiment_of(asked: Asked, net: ExtendedMap | None = None) -> Experiment:
+    """net: a map that goes on learning, in whose ranges targets are then drawn.
+
+    Raises Refused for what does not fit together.
+    """
+    robot = asked.robot
+    for name in (*asked.held, *asked.ranges):
+        if name not in robot.axes:
+            finding = NO_AXIS(robot=robot.title, axis=name, known=", ".join(robot.axes))
+            raise Refused(finding, exit_status=2)
+    moves = tuple(name for name in robot.axes if name not in asked.held)
+    rest = robot.home.copy()
+    for name, value in asked.held.items():
+        rest[robot.axes.index(name)] = value
+    count = 1 if asked.box is not None and asked.rule == "any" else _points_for(len(moves))
+    points = np.array(MARKS[:count]) if asked.points is None else asked.points
+    arm = seen_arm(robot, asked.cameras, points.tolist(), moves, rest)
+    if asked.rule != "any" and (asked.box is None or asked.held):
+        what = "without a box" if asked.box is None else f"while {', '.join(asked.held)} stays"
+        raise Refused(RULE_WITHOUT(rule=asked.rule, what=what), exit_status=2)
+    if asked.box is not None:
+        if asked.rule == "any" and len(points) != 1:
+            what = f"at {len(points)} points in a box"
+            raise Refused(RULE_WITHOUT(rule="anyhow", what=what), exit_status=2)
+        found = over_box(arm, InBox(checked_box(asked.box), asked.rule, asked.turn))
+        ranges = _stated(asked, moves, found.ranges)
+        made = Experiment(found.arm, found.space, ranges, found.dimensions)
+    else:
+        about = ranges_about_home(robot, moves)
+        if net is not None and net.task.axes == moves:
+            about = np.column_stack([net.scale.low, net.scale.high])
+        made = over_ranges(arm, checked_ranges(robot, moves, _stated(asked, moves, about)))
+    if net is not None:
+        _check_same(net, made)
+    return made
+
+
+def _points_for(joints: int) -> int:
+    return next((points for points, told in TOLD_BY.items() if joints <= told), 3)
+
+
+def _stated(asked: Asked, moves: tuple[str, ...], ranges: Floats) -> Floats:
+    out = ranges.copy()
+    for name, (low, high) in asked.ranges.items():
+        if name in moves:
+            out[moves.index(name)] = low, high
+    return checked_ranges(asked.robot, moves, out)
+
+
+def _check_same(net: ExtendedMap, made: Experiment) -> None:
+    """Raises Refused unless a map has learnt what is asked for."""
+    asked = made.arm.task
+    if net.task != asked:
+        raise Refused(OTHER_TASK(learnt=_words(net.task), asked=_words(asked)), exit_status=2)
+    if isinstance(made.space, InRanges):
+        inside = (made.ranges[:, 0] >= net.scale.low) & (made.ranges[:, 1] <= net.scale.high)
+        if not inside.all():
+            names = ", ".join(np.array(asked.axes)[~inside].tolist())
+            learnt = f"narrower ranges of {names}"
+            raise Refused(OTHER_TASK(learnt=learnt, asked="wider ones"), exit_status=2)
+
+
+def _words(task: Task) -> str:
+    cameras, points = ", ".join(task.cameras), "point" if task.points == 1 else "points"
+    axes = ", ".join(task.axes)
+    return f"{axes} of {task.robot} by {task.points} {points} in {cameras}"
