@@ -97,6 +97,7 @@ def table(file: Path, poses: list[Pose]) -> None:
     file.write_text("\n".join([HEADER, *rows]) + "\n")
 
 
+@pytest.mark.slow
 def test_a_camera_in_the_hand_is_placed_by_the_arm_from_what_is_drawn(
     cell: Path, forks, tell
 ) -> None:

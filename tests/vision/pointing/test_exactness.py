@@ -94,10 +94,8 @@ def hold_of(device: Device, take: Callable[[Camera], np.ndarray], frames: int) -
     return found
 
 
-@pytest.mark.parametrize(
-    ("name", "device"),
-    [pytest.param("ball", ball(), marks=pytest.mark.slow), ("wand", wand())],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "device"), [("ball", ball()), ("wand", wand())])
 def test_drawn_pictures(name: str, device: Device, tell: Callable[[str], None]) -> None:
     """Drawn by the tests themselves, with a bent lens, light from one side and noise."""
     rng, cameras = np.random.default_rng(4), pair(BENT)
