@@ -24,7 +24,9 @@ if TYPE_CHECKING:
 
 NO_MAP_NAME: Final = error("CL520", "a map is not written as `{name}`", "end its name in .npz")
 NO_CURVE_NAME: Final = error(
-    "CL529", "a curve is not written as `{name}`", "end its name in .csv, .png or .svg"
+    "CL529",
+    "a curve is not written as `{name}`",
+    "end its name in .csv, .png or .svg, and not in that of the picture",
 )
 STAGES: Final = 4
 """Columns of the picture of the lattice."""
@@ -94,9 +96,13 @@ def _tell(options: Options, line: str) -> None:
 
 
 def _head(net: ExtendedMap, arm: SeenArm, tests: Goals) -> Iterator[str]:
+    from assistant.learning.maps.training import TESTS
+
+    share = 1.0 - len(tests.pixels) / TESTS
+    hidden = f", {share:.0%} of them hidden" if share else ""
     yield (
         f"{arm.robot.title}: {', '.join(arm.moves)}; {net.units:,} units, {net.task.seen} numbers "
-        f"a picture, targets within {tests.diagonal:.0f} mm"
+        f"a picture, targets within {tests.diagonal:.0f} mm{hidden}"
     )
     columns = ("steps", "a second", "mean mm", "worst mm", "mean deg", "worst deg")
     yield " ".join(f"{column:>9}" for column in columns)
@@ -133,7 +139,9 @@ def _check_names(options: Options, outputs: Outputs) -> None:
         raise Refused(NO_MAP_NAME(name=outputs.map), exit_status=2)
     if outputs.picture is not None:
         format_of(outputs.picture.name)
-    if outputs.curve is not None and outputs.curve.suffix.lower() not in {".csv", ".png", ".svg"}:
+    curve, picture = outputs.curve, outputs.picture
+    same = curve is not None and picture is not None and curve.resolve() == picture.resolve()
+    if curve is not None and (same or curve.suffix.lower() not in {".csv", ".png", ".svg"}):
         raise Refused(NO_CURVE_NAME(name=outputs.curve), exit_status=2)
     read = [str(one) for one in (options.cameras, Path(options.robot)) if one is not None]
     keep_sources(read, [one for one in (outputs.map, outputs.picture, outputs.curve) if one])
@@ -173,7 +181,7 @@ def _beside(
         return
     clear = arm.noisy(0.0)
     calibrated = Calibrated(made.arm.noisy(0.0), made.ranges)
-    nearest = pictures_of(arm, made.ranges, 2 * options.steps, options.seed)
+    nearest = pictures_of(arm, made.ranges, 2 * options.steps, tests, options.seed)
     for name, rival in (("calibrated pair", calibrated), ("regression", nearest)):
         yield name, errors_of(rival, clear, tests)
         yield f"{name[:10]}, noise", errors_of(rival, blurred, seen)

@@ -27,7 +27,9 @@ def learn(
         ),
     ],
     output: Annotated[Path, typer.Option("--output", "-o", help="Map to write, .npz.")],
-    steps: Annotated[int, typer.Option(help="Targets that are tried.", min=1)] = 30_000,
+    steps: Annotated[
+        int, typer.Option(help="Targets that are tried.", min=1, max=1_000_000)
+    ] = 30_000,
     hold: Annotated[
         list[str] | None,
         typer.Option(metavar="JOINT=DEGREES", help="Joint that stays; repeatable."),
@@ -63,7 +65,9 @@ def learn(
     lattice: Annotated[
         str | None, typer.Option(metavar="7x12x4", help="Units along each axis of the lattice.")
     ] = None,
-    noise: Annotated[float, typer.Option(help="Pixels of noise, one sigma.", min=0.0)] = 0.0,
+    noise: Annotated[
+        float, typer.Option(help="Pixels of noise, one sigma.", min=0.0, max=100.0)
+    ] = 0.0,
     seed: Annotated[int, typer.Option(help="Of what is random.", min=0)] = 0,
     go_on: Annotated[
         Path | None, typer.Option("--go-on", help="Map that goes on learning, .npz.")

@@ -26,14 +26,19 @@ BAD_BOX: Final = error(
 BAD_POINT: Final = error("CL524", "`{given}` is no point", "write x,y,z in mm, as 0,0,60")
 BAD_LATTICE: Final = error("CL525", "`{given}` is no lattice", "write counts, as 7x12x4")
 BAD_FACTOR: Final = error(
-    "CL526", "`{given}` makes no link longer", "write LENGTH=FACTOR, as a2=1.1"
+    "CL526", "`{given}` makes no link longer", "write LENGTH=FACTOR, as a2=1.1, from 0.5 to 2"
 )
 FEW_CAMERAS: Final = error(
     "CL527",
     "{count} of the cameras of {file} stand still, and two are needed",
     "name a file with two that stand about the robot; those in its hand do not count",
 )
-BAD_TURN: Final = error("CL528", "`{given}` is no range of turns", "write LOW:HIGH in degrees")
+BAD_TURN: Final = error(
+    "CL528", "`{given}` is no range of turns", "write LOW:HIGH in degrees, the lower first"
+)
+SHORTEST: Final = 0.5
+LONGEST: Final = 2.0
+"""Times the length of a link."""
 T = TypeVar("T")
 
 
@@ -75,6 +80,8 @@ def asked(options: Options) -> Asked:
             raise Refused(BAD_BOX(given=options.box), exit_status=2)
         box = np.array([_numbers(side, ":", 2, BAD_BOX, options.box) for side in sides])
     low, high = _numbers(options.turn, ":", 2, BAD_TURN)
+    if not -360.0 <= low <= high <= 360.0:
+        raise Refused(BAD_TURN(given=options.turn), exit_status=2)
     return Asked(
         robot,
         dict(_named(text, _factor, BAD_HOLD) for text in options.hold),
@@ -107,10 +114,10 @@ def lattice_of(text: str) -> tuple[int, ...]:
 
 
 def longer(texts: Sequence[str]) -> list[tuple[str, float]]:
-    """Names of lengths with their factors, above 0."""
+    """Names of lengths with their factors."""
     found = [_named(text, _factor, BAD_FACTOR) for text in texts]
     for text, (_, factor) in zip(texts, found, strict=True):
-        if not factor > 0.0:
+        if not SHORTEST <= factor <= LONGEST:
             raise Refused(BAD_FACTOR(given=text), exit_status=2)
     return found
 

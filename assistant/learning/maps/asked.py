@@ -17,7 +17,7 @@ from assistant.learning.maps.goals import (
     checked_ranges,
     ranges_about_home,
 )
-from assistant.learning.maps.rules import NO_AXIS, OTHER_TASK, RULE_WITHOUT
+from assistant.learning.maps.rules import BAD_HELD, NO_AXIS, OTHER_TASK, RULE_WITHOUT
 from assistant.learning.maps.seen_arm import seen_arm
 from assistant.learning.maps.training import TOLD_BY
 from assistant.program.arrays import Floats
@@ -55,12 +55,12 @@ def experiment_of(asked: Asked, net: ExtendedMap | None = None) -> Experiment:
             finding = NO_AXIS(robot=robot.title, axis=name, known=", ".join(robot.axes))
             raise Refused(finding, exit_status=2)
     moves = tuple(name for name in robot.axes if name not in asked.held)
-    rest = robot.home.copy()
-    for name, value in asked.held.items():
-        rest[robot.axes.index(name)] = value
+    rest = _rest(asked)
     count = 1 if asked.box is not None and asked.rule == "any" else _points_for(len(moves))
     points = np.array(MARKS[:count]) if asked.points is None else asked.points
     arm = seen_arm(robot, asked.cameras, points.tolist(), moves, rest)
+    if asked.rule == "any" and any(asked.turn):
+        raise Refused(RULE_WITHOUT(rule="by", what="its turn alone"), exit_status=2)
     if asked.rule != "any" and (asked.box is None or asked.held):
         what = "without a box" if asked.box is None else f"while {', '.join(asked.held)} stays"
         raise Refused(RULE_WITHOUT(rule=asked.rule, what=what), exit_status=2)
@@ -79,6 +79,25 @@ def experiment_of(asked: Asked, net: ExtendedMap | None = None) -> Experiment:
     if net is not None:
         _check_same(net, made)
     return made
+
+
+def _rest(asked: Asked) -> Floats:
+    """Joints of the whole robot where it is at home, and held ones where they are to stay."""
+    robot, rest = asked.robot, asked.robot.home.copy()
+    for name, value in asked.held.items():
+        at = robot.axes.index(name)
+        least, most = robot.limits[at].tolist()
+        reason = ""
+        if not least <= value <= most:
+            reason = f"a {robot.title} has it between {least:g} and {most:g}"
+        elif name in asked.ranges:
+            reason = "it learns in a range as well"
+        elif len(asked.held) == len(robot.axes):
+            reason = "no joint is left that moves"
+        if reason:
+            raise Refused(BAD_HELD(axis=name, value=value, reason=reason), exit_status=2)
+        rest[at] = value
+    return rest
 
 
 def _points_for(joints: int) -> int:

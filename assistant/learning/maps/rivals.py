@@ -2,7 +2,7 @@
 
 `Calibrated`: the cameras are known, two pictures give points, points give joints by the kinematics
 of the robot file. `Nearest`: joints by a plane through the nearest of pictures that were taken of
-the arm anywhere, as many as the map has made movements. Both then correct once by what is seen, as
+the arm about the targets, as many as the map has made movements. Both then correct once by what is seen, as
 the map does.
 """
 
@@ -24,8 +24,14 @@ from assistant.vision.cameras.triangulating import triangulate
 
 NEIGHBOURS: Final = 3
 """Times the numbers that a plane has: how many of the nearest pictures it is laid through."""
-AT_ONCE: Final = 200
-"""Targets whose distances are computed together."""
+AT_ONCE: Final = 20_000_000
+"""Distances between targets and pictures that are computed together."""
+DOUBT: Final = 0.2
+"""Pixels: a plane has no slope along directions in which pictures differ by less."""
+TINY: Final = 1e-9
+"""Pixels, where all pictures are alike."""
+TRIES: Final = 20
+"""Times the pictures that are wanted, among which those about the targets are looked for."""
 
 
 class Rival(Protocol):
@@ -87,19 +93,22 @@ class Nearest:
     scale: Floats = field(init=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "scale", self.pictures.std(axis=0))
+        object.__setattr__(self, "scale", self.pictures.std(axis=0) + TINY)
 
     def joints(self, pixels: Floats) -> Floats:
-        out = [self._planes(pixels[at : at + AT_ONCE])[0] for at in range(0, len(pixels), AT_ONCE)]
+        out = [self._planes(pixels[rows])[0] for rows in self._parts(len(pixels))]
         return np.asarray(np.clip(np.concatenate(out), *self.ranges.T))
 
     def corrected(self, joints: Floats, target: Floats, seen: Floats) -> Floats:
         out = []
-        for at in range(0, len(target), AT_ONCE):
-            rows = slice(at, at + AT_ONCE)
+        for rows in self._parts(len(target)):
             slopes = self._planes(target[rows])[1]
             out.append(joints[rows] + np.einsum("mda,md->ma", slopes, target[rows] - seen[rows]))
         return np.asarray(np.clip(np.concatenate(out), *self.ranges.T))
+
+    def _parts(self, count: int) -> list[slice]:
+        size = max(AT_ONCE // len(self.pictures), 1)
+        return [slice(at, at + size) for at in range(0, count, size)]
 
     def _planes(self, pixels: Floats) -> tuple[Floats, Floats]:
         """Joints (m, a) of least squares near pictures, and their slopes (m, d, a)."""
@@ -107,7 +116,9 @@ class Nearest:
         pictures, joints = self.pictures[near], self.taken[near]
         middle, mean = pictures.mean(axis=1), joints.mean(axis=1)
         offsets = pictures - middle[:, None]
-        slopes = np.linalg.pinv(offsets, rcond=1e-3) @ (joints - mean[:, None])
+        squares = np.einsum("mnd,mne->mde", offsets, offsets)
+        squares += offsets.shape[1] * DOUBT**2 * np.eye(pixels.shape[1])
+        slopes = np.linalg.solve(squares, np.swapaxes(offsets, 1, 2) @ (joints - mean[:, None]))
         return mean + np.einsum("mda,md->ma", slopes, pixels - middle), slopes
 
     def _near(self, pixels: Floats) -> Rows:
@@ -117,14 +128,30 @@ class Nearest:
         return np.asarray(np.argpartition(distances, count - 1, axis=1)[:, :count])
 
 
-def pictures_of(arm: SeenArm, ranges: Floats, count: int, seed: int = 0) -> Nearest:
-    """So many pictures of an arm anywhere between ranges; those that are not seen are left out."""
-    joints = np.random.default_rng(seed + 3).uniform(
-        ranges[:, 0], ranges[:, 1], (count, len(ranges))
-    )
-    pixels = arm(joints)
-    there = np.isfinite(pixels).all(axis=1)
-    return Nearest(pixels[there], joints[there], ranges)
+def pictures_of(arm: SeenArm, ranges: Floats, count: int, goals: Goals, seed: int = 0) -> Nearest:
+    """So many pictures of an arm between ranges; fewer where it is rarely seen.
+
+    Those are taken whose numbers all lie between those of the goals, a tenth wider, as targets of a
+    map do; others only where there are too few of them.
+    """
+    draw, size = np.random.default_rng(seed + 3), (count, len(ranges))
+    low, high = goals.pixels.min(axis=0), goals.pixels.max(axis=0)
+    more = 0.1 * (high - low)
+    near: list[tuple[Floats, Floats]] = []
+    far: list[tuple[Floats, Floats]] = []
+    found = 0
+    for _ in range(TRIES):
+        joints = draw.uniform(ranges[:, 0], ranges[:, 1], size)
+        pixels = arm(joints)
+        like = ((pixels >= low - more) & (pixels <= high + more)).all(axis=1)
+        other = np.isfinite(pixels).all(axis=1) & ~like
+        near.append((pixels[like], joints[like]))
+        far.append((pixels[other][: count - found], joints[other][: count - found]))
+        found += int(like.sum())
+        if found >= count:
+            break
+    pixels, joints = (np.concatenate(columns)[:count] for columns in zip(*near, *far, strict=True))
+    return Nearest(pixels, joints, ranges)
 
 
 def errors_of(rival: Rival, arm: SeenArm, goals: Goals) -> Errors:

@@ -7,12 +7,12 @@ from typing import Final
 from assistant.program.diagnostics import error, warning
 
 NO_MAP: Final = error(
-    "LN001", "this is no learned map: {reason}", "write it with `robot-assistant learn -o`"
+    "LN001", "this is no learned map: {reason}", "learn one with `robot-assistant learn`"
 )
 OTHER_VERSION: Final = error(
     "LN002",
     "the map has version {version:g} of its format, and {known} is read",
-    "learn it again, or read it with the version of robot-assistant that wrote it",
+    "learn it again, or read it with the robot-assistant by which it was learnt",
 )
 OTHER_TASK: Final = error(
     "LN003",
@@ -48,8 +48,9 @@ BAD_RANGE: Final = error(
 )
 FEW_POINTS: Final = error(
     "LN009",
-    "{points} seen points of the tool do not tell {needed} joints",
-    "name more points: one tells 3, two tell 5, three tell 6 joints",
+    "what is seen of the tool, {points}, does not tell {needed} joints",
+    "name points apart from each other and aside of the last axis: one tells 3, two tell 5, three "
+    "tell 6 joints",
 )
 BAD_LATTICE: Final = error(
     "LN010",
@@ -86,5 +87,11 @@ NO_LENGTH: Final = error("LN017", "{robot} has no length `{name}`", "choose amon
 RULE_WITHOUT: Final = error(
     "LN018",
     "no tool is held {rule} {what}",
-    "name a box whose poses all joints of the arm reach, or one point that may be held anyhow",
+    "name a box and how the tool is held there, all joints free, or one point that may be held "
+    "anyhow",
+)
+BAD_HELD: Final = error(
+    "LN019",
+    "{axis} cannot stay at {value:g}: {reason}",
+    "hold joints inside their limits, and let one learn at least",
 )

@@ -25,7 +25,7 @@ def solve(arm: SeenArm, points: Floats, begin: Floats, ranges: Floats) -> Floats
     even = np.eye(joints.shape[1])
     for _ in range(ROUNDS):
         off = (points - arm.tool(joints)[0]).reshape(len(points), -1)
-        slope = _slope(arm, joints)
+        slope = slope_of(arm, joints)
         square = np.einsum("mri,mrj->mij", slope, slope)
         square += 1e-9 * even * np.trace(square, axis1=1, axis2=2)[:, None, None]
         pull = np.einsum("mri,mr->mi", slope, off)
@@ -37,8 +37,8 @@ def solve(arm: SeenArm, points: Floats, begin: Floats, ranges: Floats) -> Floats
     return joints
 
 
-def _slope(arm: SeenArm, joints: Floats) -> Floats:
-    """(m, 3 k, a) mm a degree."""
+def slope_of(arm: SeenArm, joints: Floats) -> Floats:
+    """(m, 3 k, a) mm a degree (mm) of the seen points at joints (m, a)."""
     columns = []
     for axis in range(joints.shape[1]):
         more, less = joints.copy(), joints.copy()

@@ -14,6 +14,7 @@ from assistant.learning.maps.extended_map import ExtendedMap, begun
 from assistant.learning.maps.goals import Goals, Space
 from assistant.learning.maps.rules import BAD_LATTICE, FEW_POINTS, UNSEEN
 from assistant.learning.maps.seen_arm import SeenArm
+from assistant.learning.maps.solving import slope_of
 from assistant.learning.maps.trials import Arm, learn, tried
 from assistant.program import rotations
 from assistant.program.arrays import Floats, norms
@@ -25,8 +26,14 @@ of them in one call.
 """
 SAMPLE: Final = 1000
 """Pictures by which a map that begins is scaled."""
+TESTS: Final = 500
+"""Goals by which errors are measured."""
 LEAST_SEEN: Final = 0.5
 """Share of them that the cameras must see."""
+SLOPES: Final = 50
+"""Places at which it is asked whether the seen points tell the joints."""
+LEAST_MOVED: Final = 0.01
+"""Mm a degree of what moves the seen points least."""
 MOST_UNITS: Final = 50_000
 LATTICES: Final[dict[int, tuple[int, ...]]] = {
     1: (30,),
@@ -88,14 +95,23 @@ def start_with(
         units = int(np.prod(shape))
         finding = BAD_LATTICE(units=units, dimensions=len(shape), most=MOST_UNITS)
         raise Refused(finding, exit_status=2)
-    points, needed = len(arm.points), len(arm.moves)
-    if needed > TOLD_BY.get(points, 6):
-        raise Refused(FEW_POINTS(points=points, needed=needed), exit_status=2)
+    _check_told(arm, ranges)
     sample = space.draw(arm, SAMPLE, np.random.default_rng(seed)).pixels
     sample = sample[np.isfinite(sample).all(axis=1)]
     if len(sample) < LEAST_SEEN * SAMPLE:
         raise Refused(UNSEEN(seen=len(sample), total=SAMPLE), exit_status=1)
     return begun(arm.task, shape, sample, ranges, seed)
+
+
+def _check_told(arm: SeenArm, ranges: Floats) -> None:
+    """Raises Refused where some joints move without any of the points that are seen."""
+    count, needed = len(arm.points), len(arm.moves)
+    joints = np.random.default_rng(0).uniform(ranges[:, 0], ranges[:, 1], (SLOPES, needed))
+    slopes = slope_of(arm, joints)
+    least = np.linalg.svd(slopes, compute_uv=False)[:, needed - 1 : needed]
+    if needed > TOLD_BY.get(count, 6) or float(np.median(least)) < LEAST_MOVED:
+        points = f"{count} point" if count == 1 else f"{count} points"
+        raise Refused(FEW_POINTS(points=points, needed=needed), exit_status=2)
 
 
 def train(
@@ -153,8 +169,16 @@ def trained(
 
 
 def tests_of(arm: SeenArm, space: Space, seed: int = 0) -> Goals:
-    """500 goals that are not learnt from, as they are without noise."""
-    return space.draw(arm.noisy(0.0), 500, np.random.default_rng(seed + 2))
+    """500 goals that are not learnt from, as they are without noise; fewer where some are hidden.
+
+    Raises Refused where all of them are.
+    """
+    goals = space.draw(arm.noisy(0.0), TESTS, np.random.default_rng(seed + 2))
+    there = np.isfinite(goals.pixels).all(axis=1)
+    if not there.any():
+        raise Refused(UNSEEN(seen=0, total=TESTS), exit_status=1)
+    turns = None if goals.turns is None else goals.turns[there]
+    return Goals(goals.pixels[there], goals.points[there], turns)
 
 
 def with_noise(goals: Goals, noise: float, seed: int = 0) -> Goals:

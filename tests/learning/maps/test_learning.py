@@ -97,7 +97,8 @@ def test_planes_through_near_pictures_do_better_with_more_of_them() -> None:
     joints = np.array([[-35.0, 35.0], [0.0, 70.0], [30.0, 110.0]])
     goals = made.space.draw(made.arm, 100, np.random.default_rng(7))
     few, many = (
-        errors_of(pictures_of(made.arm, joints, count), made.arm, goals).mm for count in (400, 8000)
+        errors_of(pictures_of(made.arm, joints, count, goals), made.arm, goals).mm
+        for count in (400, 8000)
     )
     assert many < few < 30.0
 
