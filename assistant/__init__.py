@@ -68,7 +68,11 @@ draw_by(
         "Check": ("assistant.api.notebook", "check_html"),
         "Compiled": ("assistant.api.notebook", "compiled_html"),
         "Diagnostic": ("assistant.api.notebook", "finding_html"),
+        "Path": ("assistant.api.notebook_columns", "path_html"),
         "Program": ("assistant.api.notebook", "program_html"),
+        "Recording": ("assistant.api.notebook_columns", "recording_html"),
+        "Robot": ("assistant.api.notebook_columns", "robot_html"),
+        "Samples": ("assistant.api.notebook_columns", "samples_html"),
         "Simulated": ("assistant.api.notebook", "simulated_html"),
         "Translation": ("assistant.api.notebook", "translation_html"),
     }

@@ -18,6 +18,7 @@ KNOWN = {
     "report/reach_map.py": "into memory",
     "report/swept_space.py": "into memory",
     "report/timing.py": "into memory",
+    "blocks/showing/pictures.py": "into memory",
     "blocks/fmu/compilers.py": "for a compiler, in a folder for the moment",
     "cli/monitoring.py": "a log, which grows by a row at a time",
     "controllers/abb/ftp_resuming.py": "a part that later runs go on with",

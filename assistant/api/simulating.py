@@ -52,6 +52,12 @@ class Simulated:
     def _repr_html_(self) -> str:
         return pictured(self)
 
+    def _repr_png_(self) -> bytes | None:
+        """Joints and speed of the tool over time; None without matplotlib."""
+        from assistant.api.motion_picture import motion_png
+
+        return motion_png(self.simulation)
+
 
 def simulate(
     source: Source,

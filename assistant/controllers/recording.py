@@ -15,6 +15,7 @@ from typing import Final
 
 import numpy as np
 
+from assistant.lazy import pictured
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Refused, error
 from assistant.program.system.writing import put
@@ -40,6 +41,12 @@ class Recording:
         self._widths = {name: max(1, len(parts)) for name, parts in self.fields.items()}
         self._width = sum(self._widths.values())
         self._numbers = array("d")
+
+    def __repr__(self) -> str:
+        return f"<Recording: {len(self)} row{'s' * (len(self) != 1)} of {', '.join(self.fields)}>"
+
+    def _repr_html_(self) -> str:
+        return pictured(self)
 
     def __len__(self) -> int:
         return len(self._numbers) // self._width

@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from assistant.lazy import pictured
 from assistant.program import rotations
 from assistant.program.arrays import Floats, Rows
 from assistant.program.expressions import Name
@@ -122,6 +123,9 @@ class Path:
 
     def __repr__(self) -> str:
         return f"<Path {self.name}: {len(self)} row{'s' * (len(self) != 1)}>"
+
+    def _repr_html_(self) -> str:
+        return pictured(self)
 
     def __eq__(self, other: object) -> bool:
         """Same rows in effect: tables may be ordered differently."""

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from assistant.lazy import pictured
 from assistant.program.arrays import Floats, Ints, Rows, Truths, all_of, norms
 from assistant.program.diagnostics import Diagnostic
 from assistant.program.path import UNSTATED
@@ -39,7 +40,7 @@ CHUNK: Final = 16384
 """Rows that are computed at once: the columns stay in the processor's cache."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Robot:
     """A robot of the catalogue, or one of the user's own.
 
@@ -86,6 +87,12 @@ class Robot:
     radii: Floats = field(default_factory=lambda: np.zeros(0))
     findings: tuple[Diagnostic, ...] = ()
     outlines: Outlines | None = None
+
+    def __repr__(self) -> str:
+        return f"<Robot {self.name}: {self.title}, {len(self.axes)} axes>"
+
+    def _repr_html_(self) -> str:
+        return pictured(self)
 
     @property
     def axes(self) -> tuple[str, ...]:

@@ -41,6 +41,15 @@ class Diagram:
         self.blocks: list[Block] = []
         self._wires: dict[tuple[Block, int], Place] = {}
 
+    def __repr__(self) -> str:
+        return f"<Diagram {self.name}: {len(self.blocks)} blocks, {len(self._wires)} wires>"
+
+    def _repr_png_(self) -> bytes | None:
+        """Its blocks and wires, for notebooks; None without matplotlib."""
+        from assistant.blocks.showing.pictures import diagram_png
+
+        return diagram_png(self)
+
     def add(self, block: B) -> B:
         """Puts a block in and gives it back; raises Refused for a name that is taken."""
         if any(one.name == block.name for one in self.blocks):

@@ -21,7 +21,7 @@ LATE: Final = 0.5
 """Part of a step by which one is late that counts as late."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Ran:
     """What a run gave.
 
@@ -34,6 +34,22 @@ class Ran:
     lateness: Floats
     late: int
     findings: tuple[Diagnostic, ...] = ()
+
+    def __repr__(self) -> str:
+        end = float(self.seconds[-1]) if len(self.seconds) else 0.0
+        told = f"{len(self.columns)} signals, {len(self.seconds)} steps to {end:g} s"
+        return f"<Ran {told}, {self.late} late>"
+
+    def _repr_html_(self) -> str:
+        from assistant.blocks.showing.columns import signals_html
+
+        return signals_html(self)
+
+    def _repr_png_(self) -> bytes | None:
+        """Signals over time; None without matplotlib."""
+        from assistant.blocks.showing.pictures import ran_png
+
+        return ran_png(self)
 
     def __getitem__(self, name: str) -> Floats:
         """The signal of a port, `block.port`, (n,) where it is a single number."""

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from assistant.lazy import pictured
 from assistant.program import rotations
 from assistant.program.arrays import Floats, Rows
 from assistant.robots.robot import Robot
@@ -16,7 +17,7 @@ Columns = dict[str, Floats]
 """The columns of `Moment` by name."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Samples:
     """k samples.
 
@@ -35,6 +36,13 @@ class Samples:
 
     def __len__(self) -> int:
         return len(self.t)
+
+    def __repr__(self) -> str:
+        end = float(self.t[-1]) if len(self.t) else 0.0
+        return f"<Samples: {len(self)} row{'s' * (len(self) != 1)}, to {end:.2f} s>"
+
+    def _repr_html_(self) -> str:
+        return pictured(self)
 
 
 def samples_of(

@@ -53,6 +53,8 @@ NOT_FOLLOWED: Final[Mapping[str, str]] = {
     "PR508": _TAUGHT,
     "RA333": "a gateway runs until it is ended: tests/virtual/test_translated_bytes.py",
     "RB009": "it is asked of Python: tests/robots/test_coupling.py",
+    "RB010": "it is asked of Python: tests/robots/test_from_toolbox.py",
+    "RB011": "it is asked of Python: tests/robots/test_from_toolbox.py",
 }
 """Rules whose cure names an option, a command or a key that is only looked up."""
 

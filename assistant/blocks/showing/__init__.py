@@ -1,0 +1,1 @@
+"""What notebooks and pages show of diagrams and of their runs."""

@@ -1,0 +1,150 @@
+"""Pictures of diagrams and of the signals of their runs, by matplotlib (extra `plot`)."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Final
+
+from assistant.blocks.showing.columns import Signals
+from assistant.blocks.showing.outline import Box, Outline, Wire, outline
+from assistant.program.visible import visible
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+DPI: Final = 80
+WIDE: Final = 1.0
+HIGH: Final = 0.62
+APART: Final = 1.75
+"""Width and height of a box, and from one column of them to the next; from row to row 1."""
+COLOUR: Final = "#1f5f8b"
+FILL: Final = "#eef4f8"
+MOST_SIGNALS: Final = 8
+MOST_ROWS: Final = 4000
+"""What is drawn of a run; of more rows every second, third …"""
+
+
+def diagram_png(diagram: Any) -> bytes | None:
+    """A diagram of ours or of bdsim; None without matplotlib."""
+    found = outline(diagram)
+    columns = max((box.column for box in found.boxes), default=0) + 1
+    figure = _figure(1.6 * columns, 0.9 * _height(found))
+    if figure is None:
+        return None
+    draw_diagram(figure.subplots(), found)
+    return _png(figure)
+
+
+def ran_png(ran: Signals) -> bytes | None:
+    """The first signals of a run over time, one below the other; None without matplotlib."""
+    names = list(ran.columns)[:MOST_SIGNALS]
+    figure = _figure(8.0, 1.1 * max(len(names), 1) + 0.5)
+    if figure is None:
+        return None
+    if names:
+        below = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
+        draw_signals(list(below), ran, names)
+    return _png(figure)
+
+
+def draw_diagram(axes: Axes, diagram: Any) -> None:
+    """Boxes and wires into axes. diagram: an `Outline`, or what `outline` takes."""
+    found = diagram if isinstance(diagram, Outline) else outline(diagram)
+    lowest = max((box.row for box in found.boxes), default=0.0)
+    for number, wire in enumerate(found.wires):
+        _wire(axes, found, wire, lowest + 0.55 + 0.09 * number)
+    for box in found.boxes:
+        _box(axes, box)
+    axes.set_aspect("equal")
+    axes.invert_yaxis()
+    axes.autoscale_view()
+    axes.axis("off")
+
+
+def draw_signals(all_axes: Sequence[Axes], ran: Signals, names: Sequence[str]) -> None:
+    """Each signal of a run over time into axes of its own."""
+    every = slice(None, None, max(1, len(ran.seconds) // MOST_ROWS))
+    for axes, name in zip(all_axes, names, strict=True):
+        axes.plot(ran.seconds[every], ran.columns[name][every], lw=1.1)
+        axes.set_title(_said(name), fontsize=8, loc="left", pad=2)
+        axes.tick_params(labelsize=7)
+        axes.grid(alpha=0.3)
+    if len(all_axes):
+        all_axes[-1].set_xlabel("seconds", fontsize=8)
+
+
+def _figure(width: float, height: float) -> Figure | None:
+    try:
+        from matplotlib.figure import Figure
+    except ImportError:
+        return None
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def _png(figure: Figure) -> bytes:
+    out = io.BytesIO()
+    figure.savefig(out, format="png", dpi=DPI, metadata={"Software": None})
+    return out.getvalue()
+
+
+def _said(name: str) -> str:
+    """A name as matplotlib shows it as it is: between dollars it would read a formula."""
+    return visible(name).replace("$", r"\$")
+
+
+def _height(found: Outline) -> float:
+    rows = [box.row for box in found.boxes] or [0.0]
+    back = sum(found.back(wire) for wire in found.wires)
+    return max(rows) - min(rows) + 1.2 + (0.4 if back else 0.0)
+
+
+def _box(axes: Axes, box: Box) -> None:
+    from matplotlib.patches import FancyBboxPatch
+
+    left, top = APART * box.column, box.row - HIGH / 2.0
+    style = "round,pad=0,rounding_size=0.06"
+    axes.add_patch(
+        FancyBboxPatch(
+            (left, top), WIDE, HIGH, boxstyle=style, fc=FILL, ec=COLOUR, lw=1.2, zorder=2
+        )
+    )
+    middle = left + WIDE / 2.0
+    axes.text(
+        middle, box.row - 0.07, _said(box.name), ha="center", va="center", fontsize=7, zorder=3
+    )
+    kind = "" if box.kind.lower() == box.name.lower() else _said(box.kind)
+    axes.text(
+        middle, box.row + 0.14, kind, ha="center", va="center", fontsize=5.5, color="0.4", zorder=3
+    )
+
+
+def _port(box: Box, number: int, *, output: bool) -> tuple[float, float]:
+    """Where a port is on the edge of its box."""
+    count = max(len(box.outputs if output else box.inputs), number + 1)
+    y = box.row + HIGH * ((number + 1) / (count + 1) - 0.5)
+    return APART * box.column + (WIDE if output else 0.0), y
+
+
+def _wire(axes: Axes, found: Outline, wire: Wire, below: float) -> None:
+    """Straight to the next box; one that leads back goes below all of them."""
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path
+
+    one, other = found.boxes[wire.start], found.boxes[wire.end]
+    (x, y), (u, v) = _port(one, wire.output, output=True), _port(other, wire.input, output=False)
+    if found.back(wire):
+        points = [(x, y), (x + 0.2, y), (x + 0.2, below), (u - 0.2, below), (u - 0.2, v), (u, v)]
+        path = Path(points)
+    else:
+        bend = 0.5 * min(u - x, 1.0)
+        codes = [Path.MOVETO, Path.CURVE4, Path.CURVE4, Path.CURVE4]
+        path = Path([(x, y), (x + bend, y), (u - bend, v), (u, v)], codes)
+    axes.add_patch(PathPatch(path, fill=False, ec="0.35", lw=0.9, zorder=1))
+    axes.plot([u], [v], marker=">", color="0.35", ms=3, zorder=3)
+    names = one.outputs
+    if len(names) > 1 and names[wire.output]:
+        axes.text(
+            x + 0.04, y - 0.03, _said(names[wire.output]), fontsize=5, color="0.35", va="bottom"
+        )

@@ -1,0 +1,54 @@
+"""Poses of spatialmath into columns and back; spatialmath itself says what they are."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from assistant.program.se3 import columns_of, pose_of, se3_of
+
+spatialmath = pytest.importorskip("spatialmath")
+SE3, UnitQuaternion = spatialmath.SE3, spatialmath.UnitQuaternion
+
+
+def some(count=20):
+    return [SE3.Rand() for _ in range(count)]
+
+
+@pytest.mark.parametrize(("unit", "scale"), [("m", 1000.0), ("mm", 1.0)])
+def test_positions_and_turns_are_those_of_spatialmath(unit, scale):
+    poses = some()
+    positions, turns = columns_of(poses, unit=unit)
+    assert positions == pytest.approx(scale * np.array([one.t for one in poses]), abs=1e-12)
+    theirs = np.array([UnitQuaternion(one.R).A for one in poses])
+    assert np.abs(np.einsum("ij,ij->i", turns, theirs)) == pytest.approx(1.0, abs=1e-12)
+    back = se3_of(positions, turns, unit=unit)
+    assert np.array(back.A) == pytest.approx(np.array([one.A for one in poses]), abs=1e-12)
+
+
+def test_one_pose_many_and_matrices_are_the_same():
+    poses = some(3)
+    many = SE3([one.A for one in poses], check=False)
+    stack = np.stack([one.A for one in poses])
+    wanted = columns_of(poses, unit="m")
+    for given in (many, [many], stack, list(stack)):
+        for one, other in zip(columns_of(given, unit="m"), wanted, strict=True):
+            assert np.array_equal(one, other)
+    single = pose_of(poses[0], unit="m")
+    assert single.position == pytest.approx(tuple(wanted[0][0]))
+    assert pose_of(poses[0].A, unit="m") == single
+    again = se3_of(single.position, single.quaternion, unit="m")
+    assert np.abs(again.A - poses[0].A).max() < 1e-12
+    with pytest.raises(ValueError, match="one pose"):
+        pose_of(poses, unit="m")
+
+
+@pytest.mark.parametrize("given", [[1.0, 2.0, 3.0], np.eye(3), np.full((4, 4), np.nan), "pose"])
+def test_what_is_no_pose_is_refused(given):
+    with pytest.raises(ValueError):
+        columns_of(given, unit="mm")
+
+
+def test_the_unit_is_never_guessed():
+    with pytest.raises(KeyError):
+        columns_of(SE3(), unit="cm")
