@@ -48,6 +48,7 @@ EXCEPTIONS: Final = {
     ("languages/__init__.py", "melfa"): "the table of languages",
     ("languages/__init__.py", "rapid"): "the table of languages",
     ("languages/texts/printed_blocks.py", "str"): "a type of Python",
+    ("learning/calibration/corrected_file.py", "tool0"): "what robot files call the flange",
     ("program/geometry.py", "tool0"): "the flange's own name in a pseudo-program",
     ("program/pseudo/findings.py", "tool0"): "the flange's own name in a pseudo-program",
     ("program/system/watchdog.py", "proc"): "where Linux tells of processes",

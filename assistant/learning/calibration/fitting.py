@@ -141,10 +141,11 @@ def _belonging(problem: Problem, state: State, free: Truths, used: Truths) -> Tr
     """(n,) rows that are no farther off than noise explains."""
     missing = problem.missing(state)
     slope = problem.slope(state, arm=bool(free[PLACED:].any()))[:, :, free]
-    own = slope[used].reshape(-1, slope.shape[2])
-    share = np.zeros(slope.shape[:2])
-    share[used] = leverage(own).reshape(-1, slope.shape[1])
-    length = np.linalg.norm(missing / np.sqrt(np.maximum(1.0 - share, LEAST)), axis=1)
+    _, triangle = np.linalg.qr(slope[used].reshape(-1, slope.shape[2]))
+    share = ((slope @ np.linalg.pinv(triangle)) ** 2).sum(axis=2)
+    # A row that takes part pulls the fit to itself; of another the fit is uncertain as well.
+    spread = np.where(used[:, None], np.maximum(1.0 - share, LEAST), 1.0 + share)
+    length = np.linalg.norm(missing / np.sqrt(spread), axis=1)
     scale = max(float(np.median(length[used])) / MEDIAN[problem.parts], TOO_FINE)
     return np.asarray(length < BEYOND[problem.parts] * scale)
 

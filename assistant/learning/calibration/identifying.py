@@ -23,6 +23,8 @@ SAME: Final = 1e-5
 """Of a column, what is left of it beside the others, below which it is a sum of them."""
 LOOSE: Final = {"mm": 2.0, "deg": 1.0}
 """Standard deviation from which on a correction is held: errors of assembly are smaller."""
+MOST_SAID: Final = 6
+"""Parts of a sum that are said."""
 TOLD: Final = 0.02
 """Share of a sum, by its effect on the points, from which on it is told."""
 
@@ -45,8 +47,11 @@ class Held:
             return f"these poses would tell it to {self.sigma:.2g} {unit} only"
         if not self.parts:
             return "it changes nothing that is measured"
-        said = " and ".join(f"{much:.3g} {unit} of {name}" for name, much, unit in self.parts)
-        return f"1 {self.parameter.unit} of it looks like {said}"
+        few = self.parts[:MOST_SAID]
+        said = " and ".join(f"{much:.3g} {unit} of {name}" for name, much, unit in few)
+        more = len(self.parts) - len(few)
+        rest = f" and a little of {more} more" if more else ""
+        return f"1 {self.parameter.unit} of it looks like {said}{rest}"
 
 
 def told_apart(

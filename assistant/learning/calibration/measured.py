@@ -24,6 +24,7 @@ from assistant.learning.calibration import rules
 from assistant.program import rotations
 from assistant.program.arrays import Floats, Rows, Truths, all_of
 from assistant.program.diagnostics import Diagnostic, Refused, Unreadable
+from assistant.program.lines import lines_of
 from assistant.program.text import decode, read_bytes
 from assistant.robots import Robot
 from assistant.vision.cameras.camera import WORLD, Camera
@@ -179,7 +180,7 @@ def _seen(
 
 def _cells(text: str, path: str) -> tuple[list[str], list[tuple[int, list[str]]]]:
     """The names of the header, and each row that is not empty with its line."""
-    first = next((line for line in text.splitlines() if line.strip()), "")
+    first = next((line for line in lines_of(text) if line.strip()), "")
     mark = max(",;\t", key=first.count)
     try:
         reader = csv.reader(io.StringIO(text), delimiter=mark)

@@ -12,6 +12,8 @@ from assistant.learning.calibration.problem import Problem, State
 from assistant.program.arrays import Floats, Rows, Truths, norms
 
 FOLDS: Final = 5
+SAME: Final = 0.5
+"""Degrees or mm of joints within which a pose is the same."""
 FEW: Final = 15
 """Poses below which each is held out by itself."""
 
@@ -38,12 +40,25 @@ def residual(problem: Problem, state: State, rows: Rows) -> Residual:
     return Residual.of(points, None if some.measured.turns is None else turns)
 
 
+def distinct(joints: Floats) -> Rows:
+    """(n,) numbers of joints (n, a): the same for a pose that was measured several times."""
+    numbers = np.full(len(joints), -1, dtype=np.intp)
+    count = 0
+    while (new := np.flatnonzero(numbers < 0)).size:
+        near = np.abs(joints[new] - joints[new[0]]).max(axis=1) <= SAME
+        numbers[new[near]] = count
+        count += 1
+    return numbers
+
+
 def held_out(problem: Problem, state: State, free: Truths, rows: Rows) -> Residual:
-    """Of each of some rows by a fit of the others, that begins at a state."""
-    count = FOLDS if len(rows) >= FEW else len(rows)
-    order = np.random.default_rng(0).permutation(rows)
+    """Of each of some rows by a fit of the other poses, that begins at a state."""
+    alike = distinct(problem.measured.joints[rows])
+    many = int(alike.max()) + 1
+    order = np.random.default_rng(0).permutation(many)
     points, turns = [], []
-    for fold in np.array_split(order, count):
+    for poses in np.array_split(order, FOLDS if many >= FEW else many):
+        fold = rows[np.isin(alike, poses)]
         others = problem.of(np.setdiff1d(rows, fold))
         found = least_squares(others, state, free, np.ones(len(others.measured)), NEARLY)
         off, turned = problem.of(fold).errors(found)

@@ -193,6 +193,16 @@ def test_few_poses_for_many_parameters_are_seen_by_those_held_out():
     assert done.out.point > 2.0 * done.after.point
 
 
+def test_poses_that_were_measured_several_times_do_not_stand_for_others():
+    """What is held out is no second look at a pose of the fit."""
+    robot, truth, joints = robots.get("rv-2aj"), drawn("rv-2aj", 2), joints_of("rv-2aj", 10, 2)
+    again = np.repeat(joints, 4, axis=0)
+    again += np.random.default_rng(3).uniform(-0.02, 0.02, again.shape)
+    done = calibrate(robot, measured(again, points_of(truth, again)), estimate="chain")
+    assert "LN114" in codes(done)
+    assert done.out.point > 2.0 * done.after.point
+
+
 def test_an_arm_without_errors_is_not_made_better():
     robot, joints = robots.get("rv-2aj"), joints_of("rv-2aj", 40, 1)
     done = calibrate(robot, measured(joints, points_of(Truth("rv-2aj"), joints, 0.3)))
