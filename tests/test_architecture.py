@@ -46,6 +46,12 @@ ROOMS: dict[str, frozenset[str]] = {
             *("virtual", "controllers", "deploy", "compiler", "findings"),
         }
     ),
+    "editing": frozenset(
+        {
+            *("program", "sources", "robots", "cell", "languages", "checks"),
+            *("compiler", "findings", "project"),
+        }
+    ),
     "report": frozenset({"program", "sources", "robots", "cell", "compiler", "findings"}),
     "view": frozenset({"program", "robots", "cell", "compiler", "findings", "report"}),
     "api": frozenset(
@@ -58,7 +64,7 @@ ROOMS: dict[str, frozenset[str]] = {
         {
             *("program", "sources", "robots", "cell", "languages", "checks"),
             *("virtual", "controllers", "deploy", "compiler", "findings", "report"),
-            *("project", "view", "vision", "learning", "blocks"),
+            *("project", "view", "vision", "learning", "blocks", "editing"),
         }
     ),
 }

@@ -45,6 +45,8 @@ EXCEPTIONS: Final = {
     ("cli/app.py", "melfa"): "help: what the program is for",
     ("cli/looking.py", "reset"): "the name of our own command",
     ("cli/options.py", "melfa"): "help: whose frames the option is about",
+    ("editing/answers.py", "function"): "a sort of word",
+    ("editing/answers.py", "readonly"): "what editors call it",
     ("languages/__init__.py", "melfa"): "the table of languages",
     ("languages/__init__.py", "rapid"): "the table of languages",
     ("languages/texts/printed_blocks.py", "str"): "a type of Python",

@@ -1,0 +1,1 @@
+"""What editors ask about programs that are being written; `service` names it all."""
