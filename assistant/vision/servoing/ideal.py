@@ -1,4 +1,4 @@
-"""An arm that is at once where it is told to be, in a time that nobody waits for: to try laws."""
+"""An arm that is where it is told to be, in a time that nobody waits for: to try laws."""
 
 from __future__ import annotations
 
@@ -28,17 +28,22 @@ class Ticks(Clock):
 
 
 class Ideal:
-    """A `Carrier`. at: (a,) where it stands. speeds: (a,) that steps may have.
+    """A `Carrier`. at: (a,) where it was told to be last. speeds: (a,) that steps may have. clock:
+    by which it gets there in the time of a step, None for at once.
 
     rows: where it was told to be, one after the other. rested: how often it was brought to rest.
     """
 
     waits = False
 
-    def __init__(self, at: Floats, speeds: Floats, period: float = 0.02) -> None:
+    def __init__(
+        self, at: Floats, speeds: Floats, period: float = 0.02, clock: Clock | None = None
+    ) -> None:
         self.at, self.speeds, self.period = np.array(at, dtype=np.float64), speeds, period
         self.rows: list[Floats] = [self.at]
         self.rested = 0
+        self._clock, self._left = clock, self.at
+        self._since, self._takes = 0.0, 0.0
 
     def __enter__(self) -> Self:
         return self
@@ -52,14 +57,21 @@ class Ideal:
         """Nothing is open."""
 
     def joints(self) -> Floats:
-        return self.at
+        if self._clock is None or self._takes <= 0.0:
+            return self.at
+        share = float(np.clip((self._clock() - self._since) / self._takes, 0.0, 1.0))
+        return np.asarray(self._left + share * (self.at - self._left))
 
     def told(self) -> Floats:
         return self.at
 
-    def move(self, to: Floats, seconds: float) -> None:  # noqa: ARG002 - it takes no time
+    def move(self, to: Floats, seconds: float) -> None:
+        if self._clock is not None:
+            self._left, self._since, self._takes = self.joints(), self._clock(), seconds
         self.at = np.array(to)
         self.rows.append(self.at)
 
     def rest(self) -> None:
+        """It stands where it is."""
+        self.at, self._takes = self.joints(), 0.0
         self.rested += 1

@@ -25,6 +25,7 @@ from assistant.vision.servoing import rules
 from assistant.vision.servoing.bounds import Guard
 from assistant.vision.servoing.interaction import flange_of, jacobian
 from assistant.vision.servoing.law import Law, Moment, Sight, Task
+from assistant.vision.servoing.past import Past
 
 LOST_AFTER: Final = 2
 """Pictures in a row without a sight; at the first one the arm is brought to rest, at this one it is
@@ -176,12 +177,15 @@ class _Loop:
     before: float = 0.0
     """When the picture before was taken."""
     velocity: Floats = field(init=False)
+    past: Past = field(default_factory=Past)
+    seen_at: Floats = field(init=False)
+    """(a,) where the arm was when the last picture was taken."""
     task: Task | None = None
     number: int = 0
 
     def __post_init__(self) -> None:
         axes = self.guard.robot.axes
-        self.velocity = np.zeros(len(axes))
+        self.velocity = self.seen_at = np.zeros(len(axes))
         self.recording = Recording(
             {
                 **dict.fromkeys(("seconds", "picture", "age", "seen"), ()),
@@ -250,14 +254,18 @@ class _Loop:
 
     def _look(self) -> tuple[Sight | None, Floats, Task | str]:
         """What is seen, where the arm is, and what is to be done, or in words why nobody knows."""
+        if not self.carrier.waits:  # or it stands where it stood behind the last step
+            self.past.add(self.clock(), self.carrier.joints())
         sight = self.eyes.look(self.after, self.settings.stale)
         joints = self.carrier.joints()
+        self.past.add(self.clock(), joints)
         if sight is None:
             return None, joints, f"no picture came within {self.settings.stale:g} s"
         self.after, self.number = sight.seconds, sight.number
         if (age := self.clock() - sight.seconds) > self.settings.stale:
             return sight, joints, f"its picture was {age:.2f} s old"
-        flange = flange_of(self.guard.robot, joints)
+        self.seen_at = self.past.at(sight.seconds)
+        flange = flange_of(self.guard.robot, self.seen_at)
         cameras = [c if c.parent == WORLD else c.carried(flange) for c in self.eyes.cameras]
         return sight, joints, self.law.task(Moment(cameras, sight, flange))
 
@@ -288,14 +296,18 @@ class _Loop:
         return speed <= HARDLY * float(np.abs(wanted).max())
 
     def _wanted(self, task: Task, joints: Floats, seconds: float) -> Floats:
-        """(a,) velocities that take the error away; axes that are at their ends stay out of it."""
+        """(a,) velocities that take the error away; axes that are at their ends stay out of it.
+
+        What the arm was told since the picture was taken has its part of the error already.
+        """
         slopes = task.slopes @ jacobian(self.guard.robot, joints)
+        error = task.error + slopes @ (joints - self.seen_at)
         gain = min(self.settings.gain, self.settings.share / seconds)
         free: Truths = np.ones(len(joints), dtype=bool)
         velocity = np.zeros(len(joints))
         for _ in range(len(joints)):
             velocity = np.zeros(len(joints))
-            velocity[free] = -gain * _solved(slopes[:, free], task.error)
+            velocity[free] = -gain * _solved(slopes[:, free], error)
             ends = self.guard.at_end(joints, velocity)
             if not ends.any():
                 break

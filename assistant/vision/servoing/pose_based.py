@@ -14,7 +14,7 @@ from assistant.vision.servoing.image_based import in_image
 from assistant.vision.servoing.interaction import carried_twist, cross, turned_by
 from assistant.vision.servoing.law import ARM_LENGTH, Moment, Task
 from assistant.vision.servoing.things import Thing
-from assistant.vision.servoing.tracked import Tracked, left
+from assistant.vision.servoing.tracked import Mean, Tracked, left
 
 EDGE: Final = 40.0
 """Pixels from the edge of a picture at which a point is about to leave it."""
@@ -66,7 +66,7 @@ class PoseInHand:
 @dataclass(slots=True)
 class PoseToHand:
     """Cameras stand still and see a mark that the tool carries: it is where they see it, whatever
-    the arm says.
+    the arm says. How far from there that is hardly changes: their mean of it is gone by.
 
     mark: what is seen of the tool. mount: the frame of the mark on the flange. goal: the flange in
     the base, or in the frame of the target, which is seen by the same cameras. tip: of the tool on
@@ -79,6 +79,7 @@ class PoseToHand:
     target: Thing | None = None
     tip: Pose = IDENTITY
     tracked: Tracked = field(default_factory=Tracked)
+    beside: Mean = field(default_factory=Mean)
 
     def task(self, moment: Moment) -> Task | str:
         goal = self.goal
@@ -91,12 +92,14 @@ class PoseToHand:
         seen = Tracked().pose_of(moment.cameras, moment.sight.mark, self.mark.points, near)
         if seen is None or isinstance(seen, str):
             return seen or "the mark on the tool is not seen"
+        mark = near @ self.beside.take(near.inverse() @ seen.pose)
         if len(self.mark.points) < TELL_TURNS:
-            return self._place_alone(moment.flange, seen.pose, goal)
-        return to_goal(moment.flange, seen.pose @ self.mount.inverse(), goal, self.tip)
+            return self._place_alone(moment.flange, mark, goal)
+        return to_goal(moment.flange, mark @ self.mount.inverse(), goal, self.tip)
 
     def forget(self) -> None:
         self.tracked.forget()
+        self.beside.forget()
 
     def _place_alone(self, flange: Pose, mark: Pose, goal: Pose) -> Task:
         """The place of the mark's own point; the turn stays what the arm makes of it."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
@@ -23,16 +23,35 @@ FLOOR: Final = 0.15
 """How much worse, and by how many pixels, the second pose must fit for the first to be taken."""
 
 
+MEMORY: Final = 0.2
+"""Part of what is seen anew that counts, once so many pictures were seen that their mean is no
+better: what stands still is known the better the longer it is seen.
+"""
+
+
 @dataclass(slots=True)
-class Tracked:
-    """pose: of the thing in the base when it was seen last, None before. memory: part of what is
-    seen anew that counts, once so many pictures were seen that their mean is no better; 1 to
-    believe each picture. A thing that stands still is known the better the longer it is seen.
-    """
+class Mean:
+    """A pose that hardly changes, as many pictures tell it. pose: None before the first one."""
 
     pose: Pose | None = None
-    memory: float = 0.2
     seen: int = 0
+
+    def take(self, pose: Pose) -> Pose:
+        """The mean with one more."""
+        self.seen += 1
+        part = max(MEMORY, 1.0 / self.seen)
+        self.pose = pose if self.pose is None else _between(self.pose, pose, part)
+        return self.pose
+
+    def forget(self) -> None:
+        self.pose, self.seen = None, 0
+
+
+@dataclass(slots=True)
+class Tracked:
+    """mean: of the thing in the base, which stands still."""
+
+    mean: Mean = field(default_factory=Mean)
 
     def pose_of(
         self,
@@ -46,7 +65,7 @@ class Tracked:
         guess: where it should be, None for where it was.
         """
         found = None
-        if (near := guess or self.pose) is not None:
+        if (near := guess or self.mean.pose) is not None:
             found = estimated(cameras, pixels, points, near)
         if found is None or not found.residual <= MOST_RESIDUAL:
             found = estimated(cameras, pixels, points)
@@ -57,13 +76,10 @@ class Tracked:
             return f"what is seen is {found.residual:.1f} pixels beside what it should be"
         if (angle := _in_doubt(found)) is not None:
             return f"two poses fit what is seen, {angle:.0f} degrees apart"
-        self.seen += 1
-        part = max(self.memory, 1.0 / self.seen)
-        self.pose = found.pose if self.pose is None else _between(self.pose, found.pose, part)
-        return Estimate(self.pose, found.residual)
+        return Estimate(self.mean.take(found.pose), found.residual)
 
     def forget(self) -> None:
-        self.pose, self.seen = None, 0
+        self.mean.forget()
 
 
 def _between(one: Pose, other: Pose, part: float) -> Pose:
