@@ -2,8 +2,8 @@
 
 `Calibrated`: the cameras are known, two pictures give points, points give joints by the kinematics
 of the robot file. `Nearest`: joints by a plane through the nearest of pictures that were taken of
-the arm about the targets, as many as the map has made movements. Both then correct once by what is seen, as
-the map does.
+the arm about the targets, as many as the map has made movements. Both then correct once by what is
+seen, as the map does.
 """
 
 from __future__ import annotations

@@ -95,3 +95,15 @@ BAD_HELD: Final = error(
     "{axis} cannot stay at {value:g}: {reason}",
     "hold joints inside their limits, and let one learn at least",
 )
+UNLIKE: Final = error(
+    "LN020",
+    "the target does not look like the tool: its picture is {times:.1f} times as far beside those "
+    "that were learnt as is explained",
+    "show the same points to all cameras; if one of them has moved, let the map go on learning",
+)
+STRANGE: Final = error(
+    "LN021",
+    "the tool is seen {seen:.3g} px from the target after movement {movement}, and {most:.3g} px "
+    "are explained at most; it has stopped",
+    "look at what has changed of tool, robot and cameras, and let the map go on learning",
+)

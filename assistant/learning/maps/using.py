@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
+from assistant.learning.maps.doubting import beside, surroundings
 from assistant.learning.maps.extended_map import ExtendedMap, Pace
-from assistant.learning.maps.lattice import pairs
-from assistant.learning.maps.rules import FAR, LOST, NO_TARGET, NOT_THERE
+from assistant.learning.maps.rules import FAR, LOST, NO_TARGET, NOT_THERE, STRANGE, UNLIKE
 from assistant.learning.maps.trials import Arm, Trials, learn, looked, times
 from assistant.program.arrays import Floats, Rows, Truths, norms
 from assistant.program.diagnostics import Diagnostic, Refused
 
-NEAR: Final = 2.0
+NEAR: Final = 1.5
 """Times the distance between neighbours up to which a target is like what was learnt."""
 MORE: Final = 5.0
 """Times what a unit usually misses by above which a movement is told of."""
+WORSE: Final = 2.0
+"""Times what the movement before missed by above which an arm stops."""
 LEAST: Final = 1.0
 """Pixels below which nothing is told of."""
 
@@ -28,7 +30,9 @@ class Proposal:
     """joints: (m, a) for m targets, inside their ranges. winners: (m,) units that answer.
 
     How sure they are: away: (m,) how far the target is from the winner, in distances between the
-    winner and its neighbours; above `NEAR` nothing like it was learnt. spread: (m,) degrees (mm of
+    winner and its neighbours; above `NEAR` nothing like it was learnt. beside: (m,) how far it is
+    from all pictures of the tool there; above 1 the cameras see something else, or have moved.
+    spread: (m,) degrees (mm of
     an axis that slides) by which the winner's neighbours would answer otherwise, root mean square.
     expected: (m,) pixels that the winner missed by lately after both movements, NaN if it never
     won.
@@ -37,12 +41,18 @@ class Proposal:
     joints: Floats
     winners: Rows
     away: Floats
+    beside: Floats
     spread: Floats
     expected: Floats
 
     @property
     def known(self) -> Truths:
         """(m,) whether something like the target was learnt."""
+        return np.asarray(self.near & (self.beside <= 1.0))
+
+    @property
+    def near(self) -> Truths:
+        """(m,) whether it is not far from a unit that has learnt."""
         return np.asarray((self.away <= NEAR) & np.isfinite(self.expected))
 
 
@@ -58,16 +68,11 @@ class Reached:
     findings: tuple[Diagnostic, ...] = ()
 
 
-@dataclass(slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False)
 class User:
     """A map in use."""
 
     net: ExtendedMap
-    _gaps: Floats | None = field(default=None, init=False)
-    _pairs: Rows = field(init=False)
-
-    def __post_init__(self) -> None:
-        self._pairs = pairs(self.net.shape)
 
     def proposed(self, targets: Floats) -> Proposal:
         """Targets (m, d) pixels; raises Refused for what is no picture. Nothing moves."""
@@ -75,9 +80,11 @@ class User:
         wanted = scale.pictures(checked(net, targets))
         winners = net.winners(wanted)
         joints = scale.joints(_answers(net, winners, wanted))
-        distance = norms(wanted - net.places[winners])
+        offsets, about = wanted - net.places[winners], surroundings(net, winners)
+        away = norms(offsets) / about.gap
         spread = self._spread(winners, wanted, joints)
-        return Proposal(joints, winners, distance / self.gaps[winners], spread, net.missed[winners])
+        off = beside(net, winners, offsets, about)
+        return Proposal(joints, winners, away, off, spread, net.missed[winners])
 
     def reach(
         self,
@@ -91,13 +98,13 @@ class User:
 
         pace: learn from them, by this (`cooling.in_use`). asks: called with the joints (a,) of the
         first movement before anything moves; False ends it with a Refused. Raises Refused, before
-        anything moves, for a target that is no picture or like nothing that was learnt, and where
-        the tool gets out of sight; then the arm stays where it is.
+        anything moves, for a target that is no picture or like nothing that was learnt; and where
+        the tool gets out of sight, or to where its map does not explain it: then the arm stays
+        where it is.
         """
         net, scale = self.net, self.net.scale
         proposal = self.proposed(target[None])
-        if not proposal.known[0]:
-            raise Refused(FAR(times=float(proposal.away[0])), exit_status=1)
+        _check_known(proposal)
         if not asks(proposal.joints[0]):
             raise Refused(exit_status=1)
         wanted, slopes = scale.pictures(target[None]), net.slopes[proposal.winners]
@@ -112,28 +119,30 @@ class User:
             if not np.isfinite(seen[-1]).all():
                 raise Refused(LOST(movement=movement + 1), exit_status=1)
             missed.append(float(np.sqrt(((seen[-1] - target) ** 2).mean())))
+            self._check_explained(proposal, wanted, seen[-1], missed)
         usual = float(proposal.expected[0])
         if pace is not None and corrections:
             done = Trials(proposal.winners, joints[0], seen[0], joints[1], seen[1])
             learn(net, target[None], done, pace)
-            self._gaps = None
         findings: tuple[Diagnostic, ...] = ()
         if missed[-1] > max(MORE * usual, LEAST):
             findings = (NOT_THERE(seen=missed[-1], movements=1 + corrections, usual=usual),)
         return Reached(joints[-1][0], seen[-1][0], tuple(missed), findings)
 
-    @property
-    def gaps(self) -> Floats:
-        """(n,) mean distance of each unit from its neighbours, in spreads."""
-        if self._gaps is None:
-            first, last = self._pairs.T
-            apart = norms(self.net.places[first] - self.net.places[last])
-            total, count = np.zeros(self.net.units), np.zeros(self.net.units)
-            for ends in (first, last):
-                np.add.at(total, ends, apart)
-                np.add.at(count, ends, 1.0)
-            self._gaps = total / np.maximum(count, 1.0)
-        return self._gaps
+    def _check_explained(
+        self, proposal: Proposal, wanted: Floats, seen: Floats, missed: list[float]
+    ) -> None:
+        """Raises Refused where a movement ended farther from the target than a line of the map
+        leads, or than the movement before it.
+        """
+        if len(missed) == 1:
+            gap = surroundings(self.net, proposal.winners).gap
+            times = float((norms(wanted - self.net.scale.pictures(seen)) / gap)[0]) / NEAR
+            most = missed[0] / times if times else missed[0]
+        else:
+            most = WORSE * missed[-2] + LEAST
+        if missed[-1] > most:
+            raise Refused(STRANGE(movement=len(missed), seen=missed[-1], most=most), exit_status=1)
 
     def _spread(self, winners: Rows, wanted: Floats, joints: Floats) -> Floats:
         net, squares, count = self.net, np.zeros(len(winners)), np.zeros(len(winners))
@@ -148,6 +157,13 @@ class User:
                 squares[rows] += ((other - joints[rows]) ** 2).mean(axis=1)
                 count[rows] += 1.0
         return np.asarray(np.sqrt(squares / np.maximum(count, 1.0)))
+
+
+def _check_known(proposal: Proposal) -> None:
+    if not proposal.near[0]:
+        raise Refused(FAR(times=float(proposal.away[0])), exit_status=1)
+    if not proposal.known[0]:
+        raise Refused(UNLIKE(times=float(proposal.beside[0])), exit_status=1)
 
 
 def checked(net: ExtendedMap, targets: Floats) -> Floats:
