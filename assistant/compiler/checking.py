@@ -170,9 +170,13 @@ def check_text(
     language: str | None = None,
     unit: str | None = None,
     cell: str | FilePath | InCell | None = None,
+    others: Sequence[SourceText] = (),
+    beside: FilePath | None = None,
     keep: bool = False,
 ) -> Checked:
-    """The same for a text that is no file: a robot language's if named, else pseudo text."""
+    """The same for a text that is no file: a robot language's if named, else pseudo text.
+
+    others: of the same program. beside: folder of files that they call."""
     stands = _stood(cell, robot)
     checked = Checked([] if isinstance(cell, InCell) else list(stands.findings), files=1)
     checked.looked = [] if keep else None
@@ -181,7 +185,8 @@ def check_text(
         if language is None:
             found = _check_pseudo(text, None, stands, process, checked)
         else:
-            found = _check_texts(language_of(language), [text], None, stands, process, checked)
+            texts = [text, *others]
+            found = _check_texts(language_of(language), texts, beside, stands, process, checked)
         if unit is not None:
             found.append(unit_stated(text.path or "standard input", unit))
         checked.findings += [f.within(text.path) for f in dict.fromkeys(found)]

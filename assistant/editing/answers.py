@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final, Literal
 
-from assistant.editing.places import Place, Range
+from assistant.editing.places import Range
 from assistant.program.diagnostics import Diagnostic
 
 if TYPE_CHECKING:
@@ -161,16 +161,11 @@ class Translation:
     """A program as another language says it.
 
     files: text by file name, empty if it could not be written. pairs: in the order of the source.
-    findings: of translating it.
+    findings: of translating it. draft: what cannot be said stands as a comment behind a stop.
     """
 
     language: str
     files: Mapping[str, str] = field(default_factory=dict)
     pairs: tuple[Pair, ...] = ()
     findings: tuple[Found, ...] = ()
-
-
-__all__ = [
-    "MARKS", "SORTS", "Change", "Changes", "Completion", "CompletionKind", "Fix", "Found", "Hover",
-    "Location", "OutlineItem", "OutlineKind", "Pair", "Place", "Range", "Tokens", "Translation",
-]  # fmt: skip
+    draft: bool = False

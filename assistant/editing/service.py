@@ -1,4 +1,3 @@
-# ruff: noqa: ARG001
 """What editors ask about programs that are being written, without any protocol.
 
     workspace = Workspace(Path("cell"))
@@ -18,6 +17,17 @@ findings.
 
 from __future__ import annotations
 
+from assistant.editing import (
+    colouring,
+    completing,
+    finding,
+    fixing,
+    formatting,
+    hovering,
+    naming,
+    outlining,
+    translating,
+)
 from assistant.editing.answers import (
     MARKS,
     SORTS,
@@ -51,7 +61,7 @@ def findings(document: Document) -> tuple[Found, ...]:
     the whole program was looked at. A damaged line has its own findings, and all others keep
     theirs meanwhile. `settled` looks at the whole program; call it when typing rests.
     """
-    return ()
+    return finding.findings(document, whole=False)
 
 
 def settled(document: Document) -> tuple[Found, ...]:
@@ -60,22 +70,25 @@ def settled(document: Document) -> tuple[Found, ...]:
     With the robot, cell and severities of the project, and the other files of its task. Takes a
     second for 5,000 lines. Known afterwards to `findings`.
     """
-    return ()
+    return finding.findings(document, whole=True)
 
 
 def fixes(document: Document, found: Found) -> tuple[Fix, ...]:
-    """Cures of a finding that are definite edits, the likeliest first; also one that ignores it."""
-    return ()
+    """Cures of a finding that are definite edits, the likeliest first; also one that ignores it.
+
+    Each was tried: the finding is gone with it, and no error is there that was not.
+    """
+    return fixing.fixes(document, found)
 
 
 def tokens(document: Document) -> Tokens:
     """The words of a document, each with its sort, in columns."""
-    raise NotImplementedError
+    return colouring.tokens(document)
 
 
 def completions(document: Document, place: Place) -> tuple[Completion, ...]:
     """Words that may stand at a place: declared names, instructions, keywords, values."""
-    return ()
+    return completing.completions(document, place)
 
 
 def hover(document: Document, place: Place) -> Hover | None:
@@ -83,12 +96,12 @@ def hover(document: Document, place: Place) -> Hover | None:
 
     Of a target also the joints of the project's robot, where there is one.
     """
-    return None
+    return hovering.hover(document, place)
 
 
 def definition(document: Document, place: Place) -> Location | None:
     """Where the name at a place is declared, in any file of the task."""
-    return None
+    return naming.definition(document, place)
 
 
 def references(document: Document, place: Place, declaration: bool = True) -> tuple[Location, ...]:
@@ -96,12 +109,12 @@ def references(document: Document, place: Place, declaration: bool = True) -> tu
 
     declaration: whether that counts.
     """
-    return ()
+    return naming.references(document, place, declaration)
 
 
 def renameable(document: Document, place: Place) -> Range | None:
     """The name at a place that can be changed, None where there is none."""
-    return None
+    return naming.renameable(document, place)
 
 
 def rename(document: Document, place: Place, name: str) -> Changes:
@@ -109,12 +122,12 @@ def rename(document: Document, place: Place, name: str) -> Changes:
 
     Raises Refused for what is no name there, is taken, or is not declared in the task.
     """
-    return {}
+    return naming.rename(document, place, name)
 
 
 def outline(document: Document) -> tuple[OutlineItem, ...]:
     """Modules, procedures, functions, records, data, labels, in their order and inside another."""
-    return ()
+    return outlining.outline(document)
 
 
 def formatted(document: Document) -> tuple[Change, ...]:
@@ -122,12 +135,13 @@ def formatted(document: Document) -> tuple[Change, ...]:
 
     Raises Refused if it cannot be laid out, with the reason.
     """
-    return ()
+    return formatting.formatted(document)
 
 
 def translation(document: Document, language: str) -> Translation:
     """The document's program in another language, its lines beside what they became.
 
-    With the files of its task and its project's robot. Raises Refused for an unknown language.
+    language: `pseudo` shows the pseudo-program. With the files of its task and its project's robot.
+    What cannot be read or said is in the findings. Raises Refused for an unknown language.
     """
-    raise NotImplementedError
+    return translating.translation(document, language)

@@ -2,15 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import threading
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Any, Final
 
+from assistant.compiler.scenes import InCell, in_cell
+from assistant.compiler.tasks import tasks_of
 from assistant.editing.answers import Change
+from assistant.editing.excerpts import excerpt
 from assistant.editing.places import Lines
+from assistant.editing.speaking import Spoken, name_of, spoken
+from assistant.editing.structure import Structure, structure
+from assistant.editing.watching import Watch
+from assistant.findings.project_severities import settle
+from assistant.program.diagnostics import Diagnostic, Refused, Unreadable
+from assistant.program.editing import Facts
+from assistant.program.failing import failure
+from assistant.program.text import SourceText, decode, read_bytes
+from assistant.project.layout import project_of
+from assistant.project.stated import Stated, completed
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+
+MOST_FILES: Final = 200
+"""Files of a task that are read beside an open one."""
+Stamps = tuple[tuple[str, int], ...]
+"""Files with the times of their last change."""
+LONGEST: Final = 4_000_000
+"""Characters of a document that is looked at while it is typed; a longer one has no findings."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Document:
     """One state of a text. path: of its file, or any other name. version: as the editor counts.
 
@@ -22,7 +48,44 @@ class Document:
     version: int
     language: str
     workspace: Workspace = field(repr=False)
-    lines: Lines = field(repr=False)
+
+    @cached_property
+    def lines(self) -> Lines:
+        return Lines(self.text)
+
+    @property
+    def spoken(self) -> Spoken | None:
+        return spoken(self.language)
+
+    @cached_property
+    def facts(self) -> list[Facts]:
+        """What each line says by itself; empty lines for a language that does not tell."""
+        speaks = self.spoken
+        lines = self.lines
+        said = [lines.line(number) for number in range(len(lines))]
+        if speaks is None or speaks.remembered is None:
+            return [Facts() for _ in said]
+        return speaks.remembered.all(said)
+
+    @cached_property
+    def made_of(self) -> Structure:
+        speaks = self.spoken
+        editable = None if speaks is None else speaks.editable
+        return structure(self.facts, str if editable is None else editable.folded)
+
+    @property
+    def source(self) -> SourceText:
+        return source_of(self.text, self.path)
+
+    def declared(self, names: frozenset[str]) -> str:
+        """The text with nothing but what declares some names, and what that needs."""
+        part = excerpt(self.text, self.lines.starts, self.facts, self.made_of, (), needed=names)
+        return part.text
+
+
+def source_of(text: str, path: str) -> SourceText:
+    newline = "\r\n" if "\r\n" in text or "\n" not in text else "\n"
+    return SourceText(text, path, "utf-8", newline)
 
 
 class Workspace:
@@ -35,20 +98,237 @@ class Workspace:
     def __init__(self, root: FilePath | None = None) -> None:
         self.root = root
         self.documents: dict[str, Document] = {}
+        self.lock: Final = threading.RLock()
+        self._watches: dict[str, Watch] = {}
+        self._groups: dict[FilePath, tuple[Stamps, Mapping[str, tuple[str, ...]]]] = {}
+        self._files: dict[str, tuple[tuple[int, int], Document]] = {}
 
     def open(self, path: str, text: str, version: int = 0, language: str = "") -> Document:
         """Takes a document's text instead of its file's.
 
         language: a name of `assistant.languages` or `pseudo`; told by suffix and text if empty.
         """
-        raise NotImplementedError
+        with self.lock:
+            name = language if spoken(language) is not None else name_of(path, text)
+            self._forget_others(path)
+            self._watches.pop(path, None)
+            made = Document(path, text, version, name, self)
+            self.documents[path] = made
+            return made
 
     def change(self, path: str, changes: Sequence[Change] | str, version: int) -> Document:
         """Makes changes one after the other, or takes a whole text; raises KeyError if not open."""
-        raise NotImplementedError
+        with self.lock:
+            document = self.documents[path]
+            text = document.text if not isinstance(changes, str) else changes
+            lines = document.lines
+            for change in () if isinstance(changes, str) else changes:
+                lines = lines if lines.text is text else Lines(text)
+                span = lines.span(change.range)
+                text = text[: span.start] + change.text + text[span.end :]
+            name = document.language or name_of(path, text)
+            made = Document(path, text, version, name, self)
+            self.documents[path] = made
+            return made
 
     def close(self, path: str) -> None:
         """The document's file counts again."""
+        with self.lock:
+            self.documents.pop(path, None)
+            self._watches.pop(path, None)
+            self._forget_others(path)
 
     def saved(self, path: str) -> None:
         """A file changed on the disk: what was known of its task is asked anew."""
+        with self.lock:
+            self._files.pop(path, None)
+            for watch in self._watches.values():
+                watch.forget()
+
+    def current(self, document: Document) -> Document:
+        """The open state of a document; itself if it is not open."""
+        return self.documents.get(document.path, document)
+
+    # ------------------------------------------------------------------------------- tasks
+
+    def task(self, document: Document) -> tuple[Document, ...]:
+        """The document, and the other files of its program: open ones as they are open."""
+        others = (self.document(path) for path in self._beside(document))
+        return (document, *(one for one in others if one is not None))
+
+    def document(self, path: str) -> Document | None:
+        """The open document of that path, else its file's; None for what cannot be read."""
+        if path in self.documents:
+            return self.documents[path]
+        try:
+            stat = FilePath(path).stat()
+            known = self._files.get(path)
+            stamp = stat.st_mtime_ns, stat.st_size
+            if known is not None and known[0] == stamp:
+                return known[1]
+            data = read_bytes(path, most=LONGEST)
+            text = _decoded(data, path)
+        except (OSError, ValueError):
+            return None
+        made = Document(path, text, 0, name_of(path, text), self)
+        self._files[path] = stamp, made
+        return made
+
+    def _beside(self, document: Document) -> list[str]:
+        """Other files of the same task, where a language loads several into one."""
+        speaks = document.spoken
+        if speaks is None:
+            return []
+        path = FilePath(document.path)
+        try:
+            room = speaks.program_of(path.absolute())
+            if room == path.absolute() or not room.is_dir():
+                return []
+            there = [
+                one
+                for one in sorted(room.rglob("*"))
+                if one.suffix.lower() in speaks.suffixes and speaks.program_of(one) == room
+            ][:MOST_FILES]
+            stamps = tuple((str(one), one.stat().st_mtime_ns) for one in there)
+        except (OSError, ValueError):
+            return []
+        if self._groups.get(room, ((), {}))[0] != stamps:
+            self._groups[room] = stamps, _grouped([name for name, _ in stamps])
+        group = self._groups[room][1].get(str(path.absolute()), ())
+        known = {str(FilePath(name).absolute()): name for name in self.documents}
+        listed = (known.get(one, one) for one in group)
+        return [one for one in listed if one != document.path]
+
+    # ---------------------------------------------------------------------------- findings
+
+    def found(self, document: Document, *, whole: bool) -> tuple[tuple[Diagnostic, ...], bool]:
+        """Findings of a document, and whether they are of the whole program."""
+        speaks = document.spoken
+        if speaks is None or len(document.text) > LONGEST:
+            return (), True
+        with self.lock:
+            if speaks.remembered is None:
+                return self._guarded(lambda: self._whole(document, document.text)), True
+            watch = self._watch(document, speaks)
+            look = watch.settled if whole else watch.findings
+            return self._guarded(lambda: look(document.text)), watch.is_settled(document.text)
+
+    def tried(self, document: Document, text: str) -> tuple[Diagnostic, ...] | None:
+        """What is found in a document if it had another text; None where that cannot be told."""
+        speaks = document.spoken
+        if speaks is None or speaks.remembered is None:
+            return None
+        with self.lock:
+            watch = self._watch(document, speaks)
+            watch.findings(document.text)
+            return self._guarded(lambda: watch.tried(text))
+
+    def _watch(self, document: Document, speaks: Spoken) -> Watch:
+        watch = self._watches.get(document.path)
+        if watch is None:
+            assert speaks.remembered is not None
+
+            def quick(text: str, names: frozenset[str]) -> Any:
+                return self._quick(document, speaks, text, names)
+
+            def whole(text: str) -> Sequence[Diagnostic]:
+                return self._whole(document, text)
+
+            watch = self._watches[document.path] = Watch(speaks.remembered, quick, whole)
+        return watch
+
+    def _quick(self, document: Document, speaks: Spoken, text: str, names: frozenset[str]) -> Any:
+        _, *others = self.task(document)
+        texts = [source_of(one.declared(names), one.path) for one in others]
+        source = source_of(text, document.path)
+        syntax, found = speaks.quick(source, texts)
+        return syntax, self._settled(document, speaks, source, found)
+
+    def _settled(
+        self, document: Document, speaks: Spoken, source: SourceText, found: Sequence[Diagnostic]
+    ) -> tuple[Diagnostic, ...]:
+        from assistant.compiler.checking import Text
+
+        text = Text(source, speaks.mark, complete=False)
+        placed = [one.within(document.path) for one in found]
+        left = settle(placed, {document.path: text}).left
+        return tuple(one for one in left if one.path == document.path)
+
+    def _whole(self, document: Document, text: str) -> tuple[Diagnostic, ...]:
+        """What `robot-assistant check` finds in a document that has this text."""
+        speaks = document.spoken
+        assert speaks is not None
+        _, *others = self.task(document)
+        texts = [source_of(one.text, one.path) for one in others]
+        stands, given, said = self._stated(document)
+        checked = speaks.whole(source_of(text, document.path), texts, **given, cell=stands)
+        left = settle(checked.findings, checked.texts).left
+        here = (one for one in left if one.path in (document.path, None))
+        return tuple(dict.fromkeys((*said, *(one.within(document.path) for one in here))))
+
+    def _stated(self, document: Document) -> tuple[InCell, dict[str, Any], tuple[Diagnostic, ...]]:
+        """Cell and robot of the project, what else it says, and what is wrong with it."""
+        try:
+            given = completed(document.path, Stated(), ("robot", "process", "cell"))
+            stands = in_cell(given.cell, given.robot)
+        except Refused as refused:
+            return InCell(), {}, tuple(one.within(document.path) for one in refused.findings[:1])
+        process = {} if given.process is None else {"process": given.process}
+        return stands, process, tuple(one for one in stands.findings if one.path == document.path)
+
+    def stands(self, document: Document) -> InCell:
+        """Cell and robot of the project; neither where that is wrong."""
+        return self._stated(document)[0]
+
+    def robot(self, document: Document) -> Robot | None:
+        """The robot of a document: its project says which, for it or for all of its programs."""
+        from assistant.compiler.arms import robot_of
+
+        stands = self.stands(document)
+        if stands.robot is not None:
+            return stands.robot
+        try:
+            project = project_of(self.root or FilePath(document.path).absolute().parent)
+            named = {recipe.robot for recipe in project.programs.values()} - {None}
+            return robot_of(named.pop()) if len(named) == 1 else None
+        except (Refused, OSError):
+            return None
+
+    def _guarded(self, look: Any) -> tuple[Diagnostic, ...]:
+        """What is refused, or fails, is a finding too: an editor goes on."""
+        try:
+            found: tuple[Diagnostic, ...] = look()
+        except Refused as refused:
+            return tuple(refused.findings)
+        except (OSError, MemoryError):
+            raise
+        except Exception as error:  # noqa: BLE001 - told as a finding
+            return (failure(error),)
+        return found
+
+    def _forget_others(self, path: str) -> None:
+        for other, watch in self._watches.items():
+            if other != path:
+                watch.forget()
+
+
+def _grouped(files: Sequence[str]) -> Mapping[str, tuple[str, ...]]:
+    """The other files of the task that each file is of."""
+    found: dict[str, tuple[str, ...]] = {}
+    for task in tasks_of(files) if len(files) > 1 else ():
+        for file in task.files:
+            found.setdefault(file, tuple(other for other in task.files if other != file))
+    return found
+
+
+def _decoded(data: bytes, path: str) -> str:
+    """The text of a file, in the encoding of its language, else in one that takes all bytes."""
+    from assistant import languages
+
+    language = languages.of_file(path, data)
+    try:
+        if language is not None:
+            return language.decode(data, path).text
+    except Unreadable:
+        pass
+    return decode(data, path, ("utf-8-sig", "utf-8", "latin-1")).text

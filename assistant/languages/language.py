@@ -31,6 +31,7 @@ from assistant.program.program import Origin, Program
 from assistant.program.text import SourceText, decode, encode, read_bytes
 
 if TYPE_CHECKING:
+    from assistant.program.editing import Editable
     from assistant.program.wanted import Supplied, Wanted, WantedKind
     from assistant.robots import Robot
 
@@ -285,6 +286,10 @@ class Language(abc.ABC, Generic[T]):
                 there = stands is not None and name.lower() in stands.there
                 if there and called(kind, "", name).lower() != name.lower():
                     yield name
+
+    def editable(self) -> Editable | None:
+        """What editors ask about its texts beside findings, None if it does not tell."""
+        return None
 
     def kept_secret(self, tree: T) -> str:  # noqa: ARG002
         """The word of a file which keeps controllers from showing its text, "" without one."""

@@ -30,6 +30,7 @@ from assistant.program.program import Program
 from assistant.program.text import SourceText
 
 if TYPE_CHECKING:
+    from assistant.languages.melfa_basic.reading.editing import EditableMelfaBasic
     from pathlib import Path as FilePath
 
     from assistant.languages.melfa_basic.tree import syntax
@@ -163,6 +164,11 @@ class MelfaBasic(Language["File"]):
             tree.dialect == other.dialect
             and tuple(gathered(tree.items)) == tuple(gathered(other.items))
         )
+
+    def editable(self) -> EditableMelfaBasic:
+        from assistant.languages.melfa_basic.reading.editing import EditableMelfaBasic
+
+        return EditableMelfaBasic(self.dialect)
 
     def parts(self, tree: File) -> Iterator[Part]:
         from assistant.languages.melfa_basic.tree.parts import parts

@@ -23,6 +23,7 @@ from assistant.program.program import Program
 from assistant.program.text import SourceText
 
 if TYPE_CHECKING:
+    from assistant.languages.rapid.reading.editing import EditableRapid
     from assistant.languages.rapid.tree import syntax
     from assistant.languages.rapid.tree.syntax import File
     from assistant.program.wanted import Supplied, Wanted
@@ -94,6 +95,11 @@ class Rapid(Language["File"]):
         from assistant.languages.rapid.text.layout.lines import lay_out
 
         return lay_out(text)
+
+    def editable(self) -> EditableRapid:
+        from assistant.languages.rapid.reading.editing import EditableRapid
+
+        return EditableRapid()
 
     def parts(self, tree: File) -> Iterator[Part]:
         from assistant.languages.rapid.tree.walk import data

@@ -1,0 +1,111 @@
+"""Where two states of a text differ, line by line, and findings that move with their lines."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from difflib import SequenceMatcher
+from typing import Final
+
+from assistant.program.diagnostics import Diagnostic, Span
+
+MOST_COMPARED: Final = 400
+"""Lines that are compared with each other; what differs in more counts as one change."""
+
+
+@dataclass(frozen=True, slots=True)
+class Hunk:
+    """Lines that differ: `first` up to `last` of the one text, `new_first` up to `new_last`."""
+
+    first: int
+    last: int
+    new_first: int
+    new_last: int
+
+
+def hunks(before: Sequence[str], after: Sequence[str]) -> tuple[Hunk, ...]:
+    """In the order of the lines; `last` and `new_last` are one behind."""
+    start, most = 0, min(len(before), len(after))
+    while start < most and before[start] == after[start]:
+        start += 1
+    end = 0
+    while end < most - start and before[-1 - end] == after[-1 - end]:
+        end += 1
+    old, new = len(before) - end, len(after) - end
+    if start == old and start == new:
+        return ()
+    if max(old, new) - start > MOST_COMPARED:
+        return (Hunk(start, old, start, new),)
+    matcher = SequenceMatcher(None, before[start:old], after[start:new], autojunk=False)
+    return tuple(
+        Hunk(start + a, start + b, start + c, start + d)
+        for what, a, b, c, d in matcher.get_opcodes()
+        if what != "equal"
+    )
+
+
+class Moves:
+    """Where lines of one text stand in the next one."""
+
+    def __init__(self, differing: Sequence[Hunk]) -> None:
+        self._hunks = differing
+
+    def line(self, number: int) -> int | None:
+        """The new number of a line, None if it was changed; both from 0."""
+        shift = 0
+        for hunk in self._hunks:
+            if number < hunk.first:
+                break
+            if number < hunk.last:
+                return None
+            shift = hunk.new_last - hunk.last
+        return number + shift
+
+    def back(self, number: int) -> int | None:
+        """The old number of a line that was not changed."""
+        shift = 0
+        for hunk in self._hunks:
+            if number < hunk.new_first:
+                break
+            if number < hunk.new_last:
+                return None
+            shift = hunk.last - hunk.new_last
+        return number + shift
+
+
+def reverted(
+    before: Sequence[str], after: Sequence[str], differing: Iterable[Hunk]
+) -> tuple[str, ...]:
+    """The lines after a change with some of the hunks as they were before."""
+    lines = list(after)
+    for hunk in sorted(differing, key=lambda one: -one.new_first):
+        lines[hunk.new_first : hunk.new_last] = before[hunk.first : hunk.last]
+    return tuple(lines)
+
+
+def moved(
+    findings: Iterable[Diagnostic], moves: Moves, starts: Sequence[int], new_starts: Sequence[int]
+) -> Iterator[Diagnostic]:
+    """Findings at the lines where they stand now; those of changed lines are left out."""
+    for finding in findings:
+        if finding.line is None:
+            yield finding
+            continue
+        line = moves.line(finding.line - 1)
+        if line is None or line >= len(new_starts):
+            continue
+        by = line - (finding.line - 1)
+        shift = new_starts[line] - starts[finding.line - 1]
+        if not (by or shift):
+            yield finding
+            continue
+        yield replace(
+            finding,
+            line=line + 1,
+            end_line=None if finding.end_line is None else finding.end_line + by,
+            span=None if finding.span is None else _moved(finding.span, shift),
+        )
+
+
+def _moved(span: Span, by: int) -> Span:
+    return Span(max(span.start + by, 0), max(span.end + by, 0))

@@ -1,0 +1,43 @@
+"""Findings with the places that they stand at."""
+
+from __future__ import annotations
+
+from assistant.editing.answers import Found
+from assistant.editing.places import Range
+from assistant.editing.workspace import Document
+from assistant.program.diagnostics import Diagnostic, Span
+
+
+def findings(document: Document, *, whole: bool) -> tuple[Found, ...]:
+    """In the order of the lines."""
+    found, settled = document.workspace.found(document, whole=whole)
+    placed = [found_at(document, one, settled=settled) for one in found]
+    return tuple(sorted(placed, key=lambda one: (one.range.start, one.diagnostic.code)))
+
+
+def found_at(document: Document, finding: Diagnostic, *, settled: bool) -> Found:
+    return Found(finding, _range(document, finding), settled)
+
+
+def _range(document: Document, finding: Diagnostic) -> Range:
+    """Line and column where they are known: offsets of a program of several texts count on."""
+    lines = document.lines
+    if finding.line is None:
+        return _line(document, 0)
+    line = min(max(finding.line - 1, 0), len(lines) - 1)
+    if finding.column is None:
+        return _line(document, line)
+    start = lines.starts[line] + min(finding.column - 1, len(lines.line(line)))
+    last = min(max((finding.end_line or finding.line) - 1, line), len(lines) - 1)
+    end = start + 1
+    if finding.end_column is not None:
+        end = lines.starts[last] + min(finding.end_column - 1, len(lines.line(last)))
+    return lines.range(Span(start, max(end, start)))
+
+
+def _line(document: Document, line: int) -> Range:
+    lines = document.lines
+    text = lines.line(line)
+    start = lines.starts[line]
+    begin = len(text) - len(text.lstrip())
+    return lines.range(Span(start + begin, start + max(len(text.rstrip()), begin)))

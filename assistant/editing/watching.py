@@ -1,0 +1,286 @@
+"""Findings of a text while it is typed: parts at once, the whole when there is time.
+
+Three states are known of a text: `base`, at which the whole program was looked at last; `last`, the
+last one that was sound; and the text now. What an excerpt of `base` shows more or less than the
+whole did, an excerpt of the text now does too: those of its rules that ask about the whole program.
+A damaged line is read as it stood in `last` for all that concerns other lines.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Final
+
+from assistant.editing.differing import Hunk, Moves, hunks, moved, reverted
+from assistant.editing.excerpts import Excerpt, excerpt
+from assistant.editing.places import Lines
+from assistant.editing.structure import Structure, declarations, structure
+from assistant.program.diagnostics import Diagnostic
+from assistant.program.editing import Facts, Remembered
+
+Quick = Callable[[str, frozenset[str]], tuple[Sequence[Diagnostic], Sequence[Diagnostic]]]
+"""Of an excerpt, and the names in it: errors of what cannot be read, and all findings."""
+Whole = Callable[[str], Sequence[Diagnostic]]
+SMALL: Final = 300
+"""Lines of a text that is always looked at as a whole by the quick look."""
+
+
+class State:
+    """A text, and what each of its lines says by itself."""
+
+    def __init__(self, text: str, remembered: Remembered) -> None:
+        self.text = text
+        self.lines = Lines(text)
+        self.said = tuple(self.lines.line(number) for number in range(len(self.lines)))
+        self._remembered = remembered
+
+    @cached_property
+    def facts(self) -> list[Facts]:
+        return self._remembered.all(self.said)
+
+    @cached_property
+    def made_of(self) -> Structure:
+        return structure(self.facts, self._remembered.language.folded)
+
+    def excerpt(self, changed: Iterable[int], names: frozenset[str] = frozenset()) -> Excerpt:
+        if len(self.said) <= SMALL:
+            return Excerpt(self.text, frozenset(range(len(self.said))), self.names)
+        starts = self.lines.starts
+        return excerpt(self.text, starts, self.facts, self.made_of, changed, names)
+
+    @cached_property
+    def names(self) -> frozenset[str]:
+        return frozenset().union(*(one.names for one in self.facts))
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """A state with its findings."""
+
+    state: State
+    findings: tuple[Diagnostic, ...]
+
+
+class Watch:
+    """One text that is typed."""
+
+    def __init__(self, remembered: Remembered, quick: Quick, whole: Whole) -> None:
+        self._remembered, self._quick, self._whole = remembered, quick, whole
+        self._base: Shown | None = None
+        self._last: Shown | None = None
+        self._differences: dict[frozenset[int], _Difference] = {}
+        self.current: State | None = None
+
+    def state(self, text: str) -> State:
+        if self.current is None or self.current.text != text:
+            self.current = State(text, self._remembered)
+        return self.current
+
+    def findings(self, text: str) -> tuple[Diagnostic, ...]:
+        """What is found now; looks at the whole if it never was."""
+        if self._base is None:
+            return self.settled(text)
+        return self._now(self.state(text))
+
+    def tried(self, text: str) -> tuple[Diagnostic, ...]:
+        """What would be found in another text; nothing is remembered of it."""
+        return self._looked(State(text, self._remembered))[0]
+
+    def settled(self, text: str) -> tuple[Diagnostic, ...]:
+        """What is found in the whole."""
+        state = self.state(text)
+        base = state if self._last is None else self._mended(state, self._last)
+        if self._base is None or self._base.state.text != base.text:
+            self._settle(base, tuple(self._whole(base.text)))
+        return self._now(state)
+
+    def is_settled(self, text: str) -> bool:
+        """Whether what is known of a text is known of the whole program."""
+        if self._base is None or self._last is None:
+            return False
+        sound = (self._base.state.text, self._last.state.text)
+        return text == sound[0] or sound[0] == sound[1] != text
+
+    def forget(self) -> None:
+        """Something else changed that matters to the findings."""
+        self._base, self._differences = None, {}
+
+    def _settle(self, state: State, findings: tuple[Diagnostic, ...]) -> None:
+        self._base = self._last = Shown(state, findings)
+        self._differences = {}
+
+    def _now(self, state: State) -> tuple[Diagnostic, ...]:
+        base, last = self._base, self._last
+        assert base is not None and last is not None
+        if state.text == base.state.text:
+            return base.findings
+        found, damage = self._looked(state)
+        if not damage:
+            self._last = Shown(state, found)
+            return found
+        mended = self._without(state, last, damage)
+        if mended.text != last.state.text:
+            found_there, still = self._looked(mended)
+            if not still:
+                self._last = last = Shown(mended, found_there)
+        return _in_order(self._damaged(state, last, found, damage))
+
+    def _damaged(
+        self,
+        state: State,
+        last: Shown,
+        found: Sequence[Diagnostic],
+        damage: Sequence[Diagnostic],
+    ) -> Iterator[Diagnostic]:
+        """Sound lines have what they had; others what is found, the damage on them first."""
+        differing = hunks(last.state.said, state.said)
+        moves = Moves(differing)
+        yield from moved(last.findings, moves, last.state.lines.starts, state.lines.starts)
+        marked = set(map(_key, damage))
+        for finding in found:
+            line = None if finding.line is None else finding.line - 1
+            changed = line is not None and moves.back(line) is None
+            if _key(finding) in marked:
+                yield finding if changed else _at_change(finding, differing, state)
+            elif changed:
+                yield finding
+
+    def _looked(self, state: State) -> tuple[tuple[Diagnostic, ...], list[Diagnostic]]:
+        """Findings by an excerpt, and the damage that was not there at the last sound state."""
+        base, last = self._base, self._last
+        assert base is not None and last is not None
+        differing = hunks(base.state.said, state.said)
+        if not differing:
+            return base.findings, []
+        moves = Moves(differing)
+        part = state.excerpt(_changed(differing, state), _redeclared(differing, base.state, state))
+        syntax, every = self._quick(part.text, part.names)
+        difference = self._difference(base, moves, differing, part.looked_at)
+        found = [
+            one
+            for one in every
+            if one.line is not None
+            and one.line - 1 in part.looked_at
+            and _what(one) not in difference.more
+        ]
+        for one in moved(base.findings, moves, base.state.lines.starts, state.lines.starts):
+            line = None if one.line is None else one.line - 1
+            if line not in part.looked_at or (_what(one), moves.back(line)) in difference.less:
+                found.append(one)
+        known = {_what(one) for one in last.findings}
+        damage = [one for one in syntax if _what(one) not in known]
+        return _in_order(found), damage
+
+    def _difference(
+        self, base: Shown, moves: Moves, differing: Sequence[Hunk], looked_at: frozenset[int]
+    ) -> _Difference:
+        """What the excerpt of `base` with the same lines shows more and less than the whole."""
+        old = {line for new in looked_at if (line := moves.back(new)) is not None}
+        old |= {line for hunk in differing for line in range(hunk.first, hunk.last)}
+        part = base.state.excerpt(old)
+        if part.looked_at not in self._differences:
+            _, every = self._quick(part.text, part.names)
+            self._differences[part.looked_at] = _compared(base.findings, every, part.looked_at)
+        return self._differences[part.looked_at]
+
+    def _mended(self, state: State, last: Shown) -> State:
+        """The text as it is to be looked at as a whole."""
+        syntax, _ = self._quick(state.text, frozenset())
+        known = {_what(one) for one in last.findings}
+        damage = [one for one in syntax if _what(one) not in known]
+        return state if not damage else self._without(state, last, damage)
+
+    def _without(self, state: State, last: Shown, damage: Sequence[Diagnostic]) -> State:
+        """The text with damaged changes as they were at the last sound state."""
+        before, now = last.state.said, state.said
+        differing = hunks(before, now)
+        lines = {one.line - 1 for one in damage if one.line is not None}
+        lines |= {one.end_line - 1 for one in damage if one.end_line is not None}
+        hurt = [h for h in differing if any(h.new_first - 1 <= x <= h.new_last for x in lines)]
+        if not hurt or len(hurt) == len(differing):
+            return last.state
+        end = "\r\n" if "\r\n" in state.text else "\n"
+        return State(end.join(reverted(before, now, hurt)), self._remembered)
+
+
+@dataclass(frozen=True, slots=True)
+class _Difference:
+    """more: code and message. less: the same, and the line in the base."""
+
+    more: frozenset[tuple[str, str]]
+    less: frozenset[tuple[tuple[str, str], int | None]]
+
+
+def _compared(
+    whole: Sequence[Diagnostic], part: Sequence[Diagnostic], looked_at: frozenset[int]
+) -> _Difference:
+    shown = [one for one in part if one.line is not None and one.line - 1 in looked_at]
+    there = {_what(one) for one in whole if (one.line or 0) - 1 in looked_at}
+    seen = {(_what(one), None if one.line is None else one.line - 1) for one in shown}
+    less = {(_what(one), None if one.line is None else one.line - 1) for one in whole} - seen
+    return _Difference(
+        frozenset(_what(one) for one in shown if _what(one) not in there), frozenset(less)
+    )
+
+
+def _what(finding: Diagnostic) -> tuple[str, str]:
+    return finding.code, finding.message
+
+
+def _key(finding: Diagnostic) -> tuple[str, str, int | None, int | None]:
+    return finding.code, finding.message, finding.line, finding.column
+
+
+def _in_order(findings: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
+    once = dict.fromkeys(findings)
+    return tuple(sorted(once, key=lambda one: (one.line or 0, one.column or 0)))
+
+
+def _changed(differing: Sequence[Hunk], state: State) -> set[int]:
+    """Lines that are new, and those beside a place where lines are gone."""
+    lines: set[int] = set()
+    for hunk in differing:
+        lines.update(range(hunk.new_first, hunk.new_last))
+        if hunk.new_first == hunk.new_last:
+            lines.update((hunk.new_first - 1, hunk.new_first))
+    return {line for line in lines if 0 <= line < len(state.said)}
+
+
+def _redeclared(differing: Sequence[Hunk], before: State, now: State) -> frozenset[str]:
+    """Names that are declared otherwise than before, or no longer."""
+    old = {
+        (one.name, one.kind, one.detail, one.scope)
+        for hunk in differing
+        for _, one in declarations(before.facts[hunk.first : hunk.last])
+        if not one.implied
+    }
+    new = {
+        (one.name, one.kind, one.detail, one.scope)
+        for hunk in differing
+        for _, one in declarations(now.facts[hunk.new_first : hunk.new_last])
+        if not one.implied
+    }
+    folded = now._remembered.language.folded
+    return frozenset(folded(name) for name, *_ in old ^ new)
+
+
+def _at_change(finding: Diagnostic, differing: Sequence[Hunk], state: State) -> Diagnostic:
+    """Damage that is told on a line that did not change, at the change that it follows."""
+    line = (finding.line or 1) - 1
+    before = [hunk for hunk in differing if hunk.new_first <= line]
+    hunk = max(before, key=lambda one: one.new_first, default=differing[0])
+    at = max(min(hunk.new_last - 1, len(state.said) - 1), 0)
+    text = state.said[at]
+    start = len(text) - len(text.lstrip())
+    end = max(len(text.rstrip()), start + 1)
+    return replace(
+        finding,
+        line=at + 1,
+        end_line=at + 1,
+        column=start + 1,
+        end_column=end + 1,
+        excerpt=text,
+        span=None,
+    )
