@@ -43,6 +43,11 @@ class Connection(Generic[T]):
         """Blocks that use it now."""
         return self._users
 
+    @property
+    def value(self) -> T | None:
+        """What is connected to, None while no block uses it."""
+        return self._value
+
     def take(self) -> T:
         """What is connected to, for one block more; raises what opening it raises."""
         if self._context is None:
@@ -73,6 +78,7 @@ class Operator:
             queue.SimpleQueue()
         )
         self._open: Future[Position] | None = None
+        self._asking = False
         self._thread = threading.Thread(target=self._run, name="operator", daemon=True)
         self._thread.start()
 
@@ -84,6 +90,13 @@ class Operator:
     def busy(self) -> bool:
         """Whether statements of some block are under way."""
         return self._open is not None and not self._open.done()
+
+    def settled(self, executing: Callable[[], bool]) -> bool:
+        """Whether nothing is on its way between it and the controller: in lock step with this one.
+
+        executing: whether the controller has a statement under way while its time stands.
+        """
+        return not self.busy or (self._asking and executing())
 
     def carry_out(self, statements: Sequence[str]) -> Future[Position]:
         """Begins with statements; what comes of it is where the arm stands then."""
@@ -110,9 +123,12 @@ class Operator:
             statements, done = job
             try:
                 for statement in statements:
+                    self._asking = True
                     self.session.execute(statement, wait=True)
+                    self._asking = False
                 done.set_result(self.session.position())
             except Exception as error:  # noqa: BLE001 - it is the block's, which raises it
+                self._asking = False
                 done.set_exception(error)
 
 

@@ -17,3 +17,8 @@ OUT_OF_LIMITS = error(
 NO_NUMBERS = error(
     "BL203", "block `{block}` is to go to a place of numbers that are none", "look at its source"
 )
+NOT_IN_STEP = error(
+    "BL204",
+    "a virtual controller does not keep step with the model: {reason}",
+    "look at its program, or run the model by `RealTime` instead of `LockStep`",
+)

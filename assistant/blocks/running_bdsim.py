@@ -20,14 +20,21 @@ if TYPE_CHECKING:
 
 
 def run_bdsim(
-    sim: BDSim, diagram: BlockDiagram, seconds: float, *, moving: Iterable[str] = (), **options: Any
+    sim: BDSim,
+    diagram: BlockDiagram,
+    seconds: float,
+    *,
+    clock: Clock | None = None,
+    moving: Iterable[str] = (),
+    **options: Any,
 ) -> Any:
     """What `sim.run` gives; blocks that hold connections are ended whatever happens.
 
-    moving: names of the controllers whose arms somebody confirmed that it moves. options: of
+    clock: is waited for before each moment that bdsim evaluates: `LockStep` has controllers keep
+    step. moving: names of the controllers whose arms somebody confirmed that it moves. options: of
     `BDSim.run`. Raises Refused for an arm that is not among them.
     """
-    with _confirmed(diagram, moving):
+    with _confirmed(diagram, moving), _in_time(diagram, clock):
         try:
             return sim.run(diagram, T=seconds, **options)
         finally:
@@ -92,6 +99,30 @@ def _confirmed(diagram: BlockDiagram, names: Iterable[str]) -> Iterator[None]:
         raise
     finally:
         CONFIRMED.reset(token)
+
+
+@contextlib.contextmanager
+def _in_time(diagram: BlockDiagram, clock: Clock | None) -> Iterator[None]:
+    """Has bdsim wait for each moment that it comes to; what it goes back to is over."""
+    if clock is None:
+        yield
+        return
+    evaluate, reached = diagram.evaluate, -1.0
+
+    def in_time(states: Any, t: float, *rest: Any, **more: Any) -> Any:
+        nonlocal reached
+        if t > reached:
+            if reached < 0.0:
+                clock.begin()
+            clock.reach(t)
+            reached = t
+        return evaluate(states, t, *rest, **more)
+
+    diagram.evaluate = in_time
+    try:
+        yield
+    finally:
+        diagram.evaluate = evaluate
 
 
 def _end(diagram: BlockDiagram) -> None:

@@ -61,6 +61,8 @@ class VirtualCr:
     are those of OPT12 and so on; 0 for any that are free (`data_ports`). mxt_port, monitor_port:
     UDP, of real-time control and of the monitor (MONMODE), 0 for any that are free. lines: what
     programs open beside the lines of the data link. commands: plug-ins of the interpreter.
+    lock_step: its time stands at 0 and passes only as far as `advance` lets it, with servos that
+    are on at once; packets of real-time control go by real time all the same.
     """
 
     def __init__(
@@ -86,6 +88,7 @@ class VirtualCr:
         monitor_port: int = 0,
         lines: Mapping[str, Line] | None = None,
         commands: Commands | None = None,
+        lock_step: bool = False,
     ) -> None:
         from assistant import robots
 
@@ -94,8 +97,9 @@ class VirtualCr:
         if spoken not in SUFFIXES:
             raise ValueError(f"a CR controller speaks {', '.join(SUFFIXES)}, not {spoken}")
         store = CrStore(FilePath(folder) if folder else None, capacity=capacity)
-        self.state = CrState(arm, spoken, store, clock, servo_time=servo_time, report=report)
-        self._equipment = Equipment(pace, dict(lines or {}), commands)
+        ready = 0.0 if lock_step else servo_time
+        self.state = CrState(arm, spoken, store, clock, servo_time=ready, report=report)
+        self._equipment = Equipment(pace, dict(lines or {}), commands, lock_step=lock_step)
         self._first_port = data_port
         self._data: DataLines | None = None
         self._real_time = RealTime(self.state, host, mxt_port, monitor_port)
@@ -222,6 +226,19 @@ class VirtualCr:
         """Presses or releases the emergency stop of the operating panel."""
         with self.state.lock:
             self.state.press_emergency(pressed)
+
+    def advance(self, moment: float) -> None:
+        """With `lock_step`: lets time pass to a moment; all until then has happened then."""
+        self.state.machinery.stepped.advance(moment)
+
+    def free(self) -> None:
+        """With `lock_step`: time passes as real time does until `advance` is called."""
+        self.state.machinery.stepped.free()
+
+    @property
+    def executing(self) -> bool:
+        """Whether a single statement is under way, or waits for its turn."""
+        return self.state.machinery.executing
 
     @property
     def data_ports(self) -> dict[str, tuple[str, int]]:

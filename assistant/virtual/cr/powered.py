@@ -19,6 +19,7 @@ from assistant.virtual.cr.library import Library
 from assistant.virtual.cr.stepping import Stepping
 from assistant.virtual.cr.store import CrProgram, CrRefusal
 from assistant.virtual.kernel import Board, Ending, Kernel, Live, Task
+from assistant.virtual.kernel.lock_step import Stepped
 from assistant.virtual.melfa.controller import Controller
 from assistant.virtual.melfa.options import Options
 from assistant.virtual.melfa.stops import Failed, Unknown
@@ -52,13 +53,15 @@ class Told(Protocol):
 @dataclass(slots=True)
 class Equipment:
     """What programs meet beside the controller itself. rate: simulated seconds for each real one.
-    lines, commands, options: see `melfa.Controller`.
+    lock_step: time passes only as far as it is let. lines, commands, options: see
+    `melfa.Controller`.
     """
 
     rate: float = 1.0
     lines: Mapping[str, Line] = field(default_factory=dict)
     commands: Commands | None = None
     options: Options = field(default_factory=Options)
+    lock_step: bool = False
 
 
 class Powered:
@@ -87,8 +90,11 @@ class Powered:
         self._first: dict[int, int] = {}
         self._servo_asked = False
         self._ends_cycle: set[int] = set()
-        self._live = Live(
-            self._make, rate=equipment.rate, ended=self._ended, name="virtual-cr-kernel"
+        name = "virtual-cr-kernel"
+        self._live = (
+            Stepped(self._make, ended=self._ended, name=name)
+            if equipment.lock_step
+            else Live(self._make, rate=equipment.rate, ended=self._ended, name=name)
         )
 
     def start(self) -> None:
@@ -96,6 +102,17 @@ class Powered:
 
     def stop(self) -> None:
         self._live.stop()
+
+    @property
+    def stepped(self) -> Stepped:
+        """Lets time pass; only with `lock_step`."""
+        assert isinstance(self._live, Stepped), "time passes as real time does"
+        return self._live
+
+    @property
+    def executing(self) -> bool:
+        """Whether a single statement is under way, or waits for its turn."""
+        return self.do(lambda: self.direct.running)
 
     def do(self, action: Callable[[], T]) -> T:
         """Has something done between two statements; raises OSError if the controller is off."""

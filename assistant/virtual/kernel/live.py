@@ -85,8 +85,12 @@ class Live:
         if self._over:
             raise RuntimeError("the controller is off")
         self._commands.append(act)
-        self._bell.set()
+        self._ring()
         return future.result(timeout)
+
+    def _ring(self) -> None:
+        """Somebody asks for something."""
+        self._bell.set()
 
     # -------------------------------------------------------------------- for the kernel
 

@@ -1,0 +1,104 @@
+"""Models in lock step with virtual controllers: their time passes with the model's, and no faster.
+
+    with VirtualCr("rv-2aj", lock_step=True) as cell:
+        cellar = operated("cell", cell.address)
+        ...
+        run(diagram, 5.0, 0.01, clock=LockStep(cell, connections=[cellar]), moving=["cell"])
+
+What blocks send at a step reaches the controller at the time of this step, over its real lines;
+the same model gives the same columns each time, and as fast as it can be computed.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from typing import Any, Final, Protocol
+
+from assistant.blocks.connections import Connection
+from assistant.blocks.rules import NOT_IN_STEP
+from assistant.program.diagnostics import Refused
+
+PATIENCE: Final = 10.0
+LOOK: Final = 2e-5
+"""Seconds between two looks whether it has."""
+
+
+class SteppedCell(Protocol):
+    """A virtual controller with `lock_step`."""
+
+    @property
+    def port(self) -> int: ...
+
+    @property
+    def executing(self) -> bool: ...
+
+    def advance(self, moment: float) -> None: ...
+
+    def free(self) -> None: ...
+
+
+class InStep(Protocol):
+    """What a connection leads to, if it can tell whether anything is on its way."""
+
+    def settled(self, executing: Callable[[], bool]) -> bool: ...
+
+
+class LockStep:
+    """The clock of a run in which virtual controllers keep step with the model.
+
+    cells: the controllers. connections: of the blocks that have them do something; what of these
+    cannot tell whether anything is on its way (`settled`) is not waited for. begins: seconds of the
+    controllers at which the model begins. With 0 their time stands while connections are opened;
+    programs that have to run for this need more, and time passes until then as real time does.
+    patience: real seconds in which what is on its way over a line has to arrive.
+    """
+
+    def __init__(
+        self,
+        *cells: SteppedCell,
+        connections: Sequence[Connection[Any]] = (),
+        begins: float = 0.0,
+        patience: float = PATIENCE,
+    ) -> None:
+        self.cells, self.connections, self.begins = cells, connections, begins
+        self.patience = patience
+        if begins > 0.0:
+            for cell in cells:
+                cell.free()
+
+    def begin(self) -> None:
+        """Raises Refused for a controller that does not come to the moment."""
+        self._to(self.begins)
+
+    def reach(self, moment: float) -> float:
+        """Comes back when all that happens until a moment has happened; never late."""
+        self._settle()
+        self._to(self.begins + moment)
+        return 0.0
+
+    def _to(self, moment: float) -> None:
+        for cell in self.cells:
+            try:
+                cell.advance(moment)
+            except TimeoutError as error:
+                raise Refused(NOT_IN_STEP(reason=str(error))) from None
+        self._settle()
+
+    def _settle(self) -> None:
+        """Until nothing is on its way, so that it is the same at each run."""
+        end = time.monotonic() + self.patience
+        for connection in self.connections:
+            one: Any = connection.value
+            if not hasattr(one, "settled"):
+                continue
+            while not one.settled(lambda one=one: self._executing(one)):
+                if time.monotonic() > end:
+                    reason = f"what `{connection.name}` was sent does not arrive"
+                    raise Refused(NOT_IN_STEP(reason=reason))
+                time.sleep(LOOK)
+
+    def _executing(self, one: Any) -> bool:
+        """Whether the controller that it leads to has a statement under way."""
+        port = getattr(getattr(one, "session", None), "address", None)
+        return any(cell.executing for cell in self.cells if cell.port == getattr(port, "port", 0))
