@@ -10,7 +10,7 @@ import subprocess
 import sys
 import time
 
-from benchmarks import exchanging, generated, planning, real_time, tasks
+from benchmarks import exchanging, generated, learning, planning, real_time, tasks
 from benchmarks.arms import ROBOTS
 from benchmarks.collision import COLLISION
 from benchmarks.collision import TITLE as CELL
@@ -49,6 +49,7 @@ def main() -> None:
             "generated",
             "exchange",
             "planning",
+            "learning",
             "real-time",
             "growth",
             "tasks",
@@ -83,6 +84,8 @@ def main() -> None:
         exchanging.report()
     if chosen.only in (None, "planning"):
         planning.report()
+    if chosen.only in (None, "learning"):
+        learning.report()
     if chosen.only in (None, "real-time"):
         real_time.report(chosen.seconds)
     _startup()

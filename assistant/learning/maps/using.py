@@ -15,7 +15,7 @@ from assistant.learning.maps.trials import Arm, Trials, learn, looked, times
 from assistant.program.arrays import Floats, Rows, Truths, norms
 from assistant.program.diagnostics import Diagnostic, Refused
 
-NEAR: Final = 1.5
+NEAR: Final = 1.4
 """Times the distance between neighbours up to which a target is like what was learnt."""
 MORE: Final = 5.0
 """Times what a unit usually misses by above which a movement is told of."""

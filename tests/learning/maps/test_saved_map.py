@@ -181,7 +181,7 @@ def test_it_goes_on_learning_in_use(net, tell, what: str) -> None:
 def test_targets_beside_the_space_that_was_learnt_move_nothing(net, side: int) -> None:
     box = EXPERIMENT.space.box.copy()
     axis, far = divmod(side, 2)
-    beyond = box[axis, far] + (70.0 if far else -70.0)
+    beyond = box[axis, far] + (80.0 if far else -80.0)
     box[axis] = beyond, beyond + 0.001
     points = InBox(box).draw(ARM, 100, np.random.default_rng(side)).points[:, 0]
     shown = np.concatenate([camera.project(points) for camera in ARM.cameras], axis=1)
