@@ -9,7 +9,7 @@ COMPILE := $(SUPPLY)/uv pip compile --quiet --upgrade --universal --generate-has
 # Every command that the tests start would compile all modules and grammars anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test test-slow sweep fuzz bench lint format pins audit sbom wheel viewer clean
+.PHONY: demo test test-slow sweep fuzz bench lint format pins audit sbom wheel viewer vscode vsix clean
 
 .venv/demo: pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -99,6 +99,23 @@ viewer:
 	  --format=iife --global-name=THREE --legal-comments=inline --target=es2020 \
 	  --alias:three=./node_modules/three --outfile=../../assistant/view/three/three.js
 	cp .venv/npm/node_modules/three/LICENSE assistant/view/three/LICENSE
+
+# What VS Code runs of its extension, made anew: needs npm and a network.
+CLIENT := vscode-languageclient@9.0.1 vscode-textmate@9.3.2 vscode-oniguruma@2.0.1 esbuild@0.28.2
+CLIENT_PARTS := vscode-languageclient vscode-languageserver-protocol vscode-languageserver-types \
+  vscode-jsonrpc minimatch balanced-match brace-expansion semver
+vscode:
+	mkdir -p .venv/npm && cd .venv/npm && npm install --no-save --prefix . $(CLIENT)
+	cd .venv/npm && NODE_PATH=$(CURDIR)/.venv/npm/node_modules node_modules/.bin/esbuild \
+	  ../../assistant/editing/vscode/client/entry.js --bundle --minify --platform=node --format=cjs \
+	  --external:vscode --legal-comments=inline --target=node18 \
+	  --outfile=../../assistant/editing/vscode/client/client.js
+	cd .venv/npm/node_modules && for part in $(CLIENT_PARTS); do echo "$$part"; echo; \
+	  cat $$part/[Ll][Ii][Cc]*; echo; done > ../../../assistant/editing/vscode/client/LICENSE
+
+# The extension for VS Code, of our own tables.
+vsix: .venv/test
+	mkdir -p dist && $(BIN)/robot-assistant lsp --extension dist/robot-assistant.vsix
 
 clean:
 	rm -rf .venv build dist out

@@ -21,6 +21,7 @@ from assistant.cli import (
 from assistant.cli.answering_sights import answer
 from assistant.cli.calibrations import calibrate, poses
 from assistant.cli.camera_commands import camera
+from assistant.cli.editors import lsp
 from assistant.cli.exchanges import exchange
 from assistant.cli.explorations import explore
 from assistant.cli.gateways import gateway
@@ -94,6 +95,7 @@ app.command("see")(see)
 app.command()(learn)
 app.command()(run)
 app.command()(debug)
+app.command()(lsp)
 app.command()(gateway)
 app.command()(answer)
 

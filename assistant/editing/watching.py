@@ -88,13 +88,35 @@ class Watch:
         """What would be found in another text; nothing is remembered of it."""
         return self._looked(State(text, self._remembered))[0]
 
-    def settled(self, text: str) -> tuple[Diagnostic, ...]:
-        """What is found in the whole."""
+    @property
+    def is_known(self) -> bool:
+        """Whether the whole was looked at, be it in another state."""
+        return self._base is not None
+
+    def to_settle(self, text: str) -> State | None:
+        """The state that is to be looked at as a whole for a text, None if that was done."""
         state = self.state(text)
         base = state if self._last is None else self._mended(state, self._last)
-        if self._base is None or self._base.state.text != base.text:
-            self._settle(base, tuple(self._whole(base.text)))
-        return self._now(state)
+        known = self._base is not None and self._base.state.text == base.text
+        return None if known else base
+
+    def settle(self, state: State, findings: Sequence[Diagnostic], at: Shown | None) -> None:
+        """Takes what was found in a whole. at: the last sound state when that was begun."""
+        self._base, self._differences = Shown(state, tuple(findings)), {}
+        if self._last is None or self._last is at:
+            self._last = self._base
+
+    @property
+    def last(self) -> Shown | None:
+        """The last sound state."""
+        return self._last
+
+    def settled(self, text: str) -> tuple[Diagnostic, ...]:
+        """What is found in the whole."""
+        state = self.to_settle(text)
+        if state is not None:
+            self.settle(state, self._whole(state.text), self._last)
+        return self._now(self.state(text))
 
     def is_settled(self, text: str) -> bool:
         """Whether what is known of a text is known of the whole program."""
@@ -106,10 +128,6 @@ class Watch:
     def forget(self) -> None:
         """Something else changed that matters to the findings."""
         self._base, self._differences = None, {}
-
-    def _settle(self, state: State, findings: tuple[Diagnostic, ...]) -> None:
-        self._base = self._last = Shown(state, findings)
-        self._differences = {}
 
     def _now(self, state: State) -> tuple[Diagnostic, ...]:
         base, last = self._base, self._last

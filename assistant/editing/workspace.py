@@ -192,9 +192,11 @@ class Workspace:
             stamps = tuple((str(one), one.stat().st_mtime_ns) for one in there)
         except (OSError, ValueError):
             return []
-        if self._groups.get(room, ((), {}))[0] != stamps:
-            self._groups[room] = stamps, _grouped([name for name, _ in stamps])
-        group = self._groups[room][1].get(str(path.absolute()), ())
+        known_group = self._groups.get(room)
+        if known_group is None or known_group[0] != stamps:
+            known_group = stamps, _grouped([name for name, _ in stamps])
+            self._groups[room] = known_group
+        group = known_group[1].get(str(path.absolute()), ())
         known = {str(FilePath(name).absolute()): name for name in self.documents}
         listed = (known.get(one, one) for one in group)
         return [one for one in listed if one != document.path]
@@ -206,12 +208,31 @@ class Workspace:
         speaks = document.spoken
         if speaks is None or len(document.text) > LONGEST:
             return (), True
+        if speaks.remembered is None:
+            return self._guarded(lambda: self._whole(document, document.text)), True
+        if whole:
+            self._settle(document, speaks)
         with self.lock:
-            if speaks.remembered is None:
-                return self._guarded(lambda: self._whole(document, document.text)), True
             watch = self._watch(document, speaks)
-            look = watch.settled if whole else watch.findings
-            return self._guarded(lambda: look(document.text)), watch.is_settled(document.text)
+            found = self._guarded(lambda: watch.findings(document.text))
+            return found, watch.is_settled(document.text)
+
+    def is_known(self, document: Document) -> bool:
+        """Whether its whole program was looked at, be it in another state."""
+        watch = self._watches.get(document.path)
+        return watch is not None and watch.is_known
+
+    def _settle(self, document: Document, speaks: Spoken) -> None:
+        """Looks at the whole; keys are answered meanwhile."""
+        with self.lock:
+            watch = self._watch(document, speaks)
+            state, last = watch.to_settle(document.text), watch.last
+        if state is None:
+            return
+        found = self._guarded(lambda: self._whole(document, state.text))
+        with self.lock:
+            if self._watches.get(document.path) is watch:
+                watch.settle(state, found, last)
 
     def tried(self, document: Document, text: str) -> tuple[Diagnostic, ...] | None:
         """What is found in a document if it had another text; None where that cannot be told."""

@@ -129,6 +129,7 @@ COMMANDS: Final[Mapping[str, Command]] = {
         ("robots", "calibrate", "rv-2aj", "one.csv", "--estimate", "chain", "-o", "out/one.toml"),
         {"one.csv": MEASURED},
     ),
+    "lsp": Command(("lsp", "--extension", "out/one.vsix"), {}),
     "poses": Command(("robots", "poses", "rv-2aj", "--count", "6", "-o", "out/one.csv"), {}),
     "kinematics": Command(("kinematics", "rv-2aj", "-o", "out"), {}),
     "exchange": Command(("exchange", "module", "-o", "exchange.mod"), {}),

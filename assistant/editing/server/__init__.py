@@ -1,0 +1,1 @@
+"""The service as a language server; its library is loaded with it."""

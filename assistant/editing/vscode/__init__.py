@@ -1,0 +1,1 @@
+"""The extension for VS Code: made of our tables, packed without any tool of its own."""
