@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path as FilePath
 from typing import Final
 
 from assistant.compiler.formatting import NOT_THE_SAME
@@ -15,11 +16,11 @@ INDENT: Final = "  "
 _DIVIDING: Final = ("else", "elseif", "case")
 
 
-def laid_out(source: SourceText) -> str:
-    """The text in its layout, proven to say the same; raises Refused where it cannot be read."""
-    from assistant.editing.speaking import beside
+def laid_out(source: SourceText, folder: FilePath | None) -> str:
+    """The text in its layout, proven to say the same; raises Refused where it cannot be read.
 
-    folder = beside(source)
+    folder: of tables that are files of their own.
+    """
     before = parse_pseudo(source, folder)
     text = _indented(source.text)
     if text != source.text:

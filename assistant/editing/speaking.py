@@ -18,6 +18,7 @@ from assistant.compiler.project import configured
 from assistant.compiler.scenes import InCell
 from assistant.compiler.source_map import Places, Trace, at_its_line
 from assistant.compiler.translating import translate
+from assistant.editing.laying_out_pseudo import laid_out
 from assistant.languages import Language
 from assistant.program import pseudo
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
@@ -150,9 +151,7 @@ class _Pseudo(Spoken):
         return check_text(text, **given)
 
     def laid_out(self, text: SourceText) -> str:
-        from assistant.editing.laying_out_pseudo import laid_out
-
-        return laid_out(text)
+        return laid_out(text, beside(text))
 
     def program(
         self,

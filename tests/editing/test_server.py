@@ -16,6 +16,8 @@ from pygls import uris
 from pygls.lsp.client import BaseLanguageClient
 from pytest_lsp import ClientServerConfig, LanguageClient, client_capabilities
 
+from tests.editing.typing import kept, lines_to_damage, made
+
 SAMPLES = Path(__file__).parent.parent.parent / "samples"
 COMMAND = [sys.executable, "-m", "assistant", "lsp"]
 MODULE = """MODULE Umlaute
@@ -49,12 +51,12 @@ async def opened(client, path, text, language=""):
     return uri
 
 
-async def told(client, uri):
-    """Waits for the next findings of a document."""
+async def told(client, uri, version=1):
+    """The findings of one state of a document."""
     while True:
-        await client.wait_for_notification(lsp.TEXT_DOCUMENT_PUBLISH_DIAGNOSTICS)
-        if uri in client.diagnostics:
-            return client.diagnostics[uri]
+        one = await client.wait_for_notification(lsp.TEXT_DOCUMENT_PUBLISH_DIAGNOSTICS)
+        if one.uri == uri and one.version == version:
+            return list(one.diagnostics)
 
 
 def replace(client, uri, version, range, text):
@@ -96,7 +98,7 @@ async def test_columns_are_counted_in_utf_16(client, tmp_path):
     assert ("macro", "MoveL") in words
 
     replace(client, uri, 2, between(6, 14, 20), "pOben")
-    assert not await told(client, uri)
+    assert not await told(client, uri, 2)
 
 
 def decoded(data, text):
@@ -129,7 +131,7 @@ async def test_a_finding_is_cured_by_its_quick_fix(client, tmp_path):
     first = next(one for one in actions if one.is_preferred)
     (edit,) = first.edit.changes[uri]
     replace(client, uri, 2, edit.range, edit.new_text)
-    assert not await told(client, uri)
+    assert not await told(client, uri, 2)
 
 
 @pytest.mark.asyncio
@@ -247,3 +249,41 @@ def test_a_port_in_use_is_a_finding():
         port = taken.getsockname()[1]
         done = subprocess.run([*COMMAND, "--tcp", str(port)], capture_output=True, text=True)
     assert done.returncode == 2 and "ED011" in done.stdout + done.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.asyncio
+async def test_twenty_files_are_open_and_damaged_and_no_finding_flickers(client, tmp_path, tell):
+    texts = {**kept(), **made()}
+    chosen = dict(sorted(texts.items(), key=lambda one: -len(one[1]))[:20])
+    open_ones = {}
+    for name, text in chosen.items():
+        folder = tmp_path / name.replace(".", "-")
+        folder.mkdir()
+        open_ones[name] = await opened(client, folder / name, text)
+    damaged = 0
+    for name, text in chosen.items():
+        uri, lines = open_ones[name], text.splitlines()
+        number = lines_to_damage(text, "!" if name.endswith(".mod") else "'")[1]
+        before = others_than(client.diagnostics[uri], number)
+        version, there = 1, lines[number]
+        for state in (there[: len(there) * 2 // 3] + " (", there + ' "', there[:-1] + "§", there):
+            version += 1
+            length = len(lines[number].encode("utf-16-le")) // 2
+            replace(client, uri, version, between(number, 0, length), state)
+            lines[number] = state
+            found = await told(client, uri, version)
+            if state != there:
+                assert [one for one in found if one.range.start.line == number], (name, state)
+                damaged += 1
+            assert others_than(found, number) == before, (name, state)
+    lines = sum(len(text.splitlines()) for text in chosen.values())
+    tell(f"20 files open, {lines:,} lines: {damaged} damaged states told, no finding flickered")
+
+
+def others_than(found, line):
+    return sorted(
+        (one.code, one.range.start.line, one.range.start.character, one.message)
+        for one in found
+        if one.range.start.line != line
+    )
