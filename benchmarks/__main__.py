@@ -10,7 +10,7 @@ import subprocess
 import sys
 import time
 
-from benchmarks import exchanging, generated, learning, planning, real_time, tasks
+from benchmarks import editing, exchanging, generated, learning, planning, real_time, tasks
 from benchmarks.arms import ROBOTS
 from benchmarks.collision import COLLISION
 from benchmarks.collision import TITLE as CELL
@@ -48,6 +48,7 @@ def main() -> None:
             *TABLES,
             "generated",
             "exchange",
+            "editing",
             "planning",
             "learning",
             "real-time",
@@ -82,6 +83,8 @@ def main() -> None:
         generated.report(chosen.runs)
     if chosen.only in (None, "exchange"):
         exchanging.report()
+    if chosen.only in (None, "editing"):
+        editing.report()
     if chosen.only in (None, "planning"):
         planning.report()
     if chosen.only in (None, "learning"):

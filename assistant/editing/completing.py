@@ -18,6 +18,8 @@ _DECLARED: Final = {
     "type": "type", "constant": "variable", "variable": "variable", "target": "target",
     "parameter": "parameter", "label": "label", "step": "label",
 }  # fmt: skip
+_LATER: Final = 1000
+"""Added to the rank of words that do not begin with what is written."""
 _STARTING: Final = ("instruction", "procedure", "keyword", "variable")
 _VALUES: Final = ("target", "variable", "parameter", "function", "label")
 
@@ -53,13 +55,14 @@ def _offered(
     last = before[-1].text if before else ""
     if last == "." and len(before) > 1:
         detail = _detail(document, speaks, line, before[-2].text)
-        for name, type in speaks.members(detail).items():
-            yield name, "property", type, "", 0
+        for rank, (name, type) in enumerate(speaks.members(detail).items()):
+            yield name, "property", type, "", rank
         return
     if last == "\\":
         called = next((word for word in before if word.kind == "name"), None)
-        for name, type in (speaks.options(called.text) if called else {}).items():
-            yield name, "property", type, "", 0
+        options = speaks.options(called.text) if called else {}
+        for rank, (name, type) in enumerate(options.items()):
+            yield name, "property", type, "", rank
         return
     begins = not any(word.kind != "number" for word in before)
     first = _STARTING if begins else _VALUES
@@ -69,7 +72,12 @@ def _offered(
         yield one.name, kind, one.detail, "", (0 if kind in first else 2) - own
     for known in speaks.known().values():
         kind = cast(CompletionKind, known.sort)
-        yield known.name, kind, known.detail, known.about, 3 if kind in first else 5
+        yield known.name, kind, known.detail, known.about, _rank(kind, first)
+
+
+def _rank(kind: str, first: tuple[str, ...]) -> int:
+    """Words of the language behind what is declared; those that begin a statement first."""
+    return 3 + first.index(kind) if kind in first else 9
 
 
 def _declared(document: Document, line: int) -> Iterator[Declaration]:
@@ -106,7 +114,7 @@ def _fitting(
         key = speaks.folded(offer[0])
         if not _fits(key, wanted):
             continue
-        rank = offer[4] * 2 + (not key.startswith(wanted))
+        rank = offer[4] + (0 if key.startswith(wanted) else _LATER)
         if key not in found or rank < found[key][0]:
             found[key] = rank, offer
     ranked = sorted(found.values(), key=lambda one: (one[0], one[1][0].lower()))

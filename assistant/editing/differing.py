@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from difflib import SequenceMatcher
 from typing import Final
 
-from assistant.program.diagnostics import Diagnostic, Span
+from assistant.program.diagnostics import Diagnostic
 
 MOST_COMPARED: Final = 400
 """Lines that are compared with each other; what differs in more counts as one change."""
@@ -83,29 +83,18 @@ def reverted(
     return tuple(lines)
 
 
-def moved(
-    findings: Iterable[Diagnostic], moves: Moves, starts: Sequence[int], new_starts: Sequence[int]
-) -> Iterator[Diagnostic]:
+def moved(findings: Iterable[Diagnostic], moves: Moves) -> Iterator[Diagnostic]:
     """Findings at the lines where they stand now; those of changed lines are left out."""
     for finding in findings:
         if finding.line is None:
             yield finding
             continue
         line = moves.line(finding.line - 1)
-        if line is None or line >= len(new_starts):
+        if line is None:
             continue
-        by = line - (finding.line - 1)
-        shift = new_starts[line] - starts[finding.line - 1]
-        if not (by or shift):
+        by = line + 1 - finding.line
+        if not by:
             yield finding
             continue
-        yield replace(
-            finding,
-            line=line + 1,
-            end_line=None if finding.end_line is None else finding.end_line + by,
-            span=None if finding.span is None else _moved(finding.span, shift),
-        )
-
-
-def _moved(span: Span, by: int) -> Span:
-    return Span(max(span.start + by, 0), max(span.end + by, 0))
+        end = None if finding.end_line is None else finding.end_line + by
+        yield replace(finding, line=line + 1, end_line=end)

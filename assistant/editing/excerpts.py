@@ -1,7 +1,7 @@
 """Excerpts: a text with only those pieces that a change may matter to, all else left blank.
 
-Every character that stays, stays where it is: what is found in an excerpt is found there in the
-text as well.
+Lines stay in their places: what is found in an excerpt is found in the text in the same line and
+column.
 """
 
 from __future__ import annotations
@@ -12,14 +12,15 @@ from typing import Final
 
 from assistant.editing.structure import Piece, Structure
 from assistant.program.editing import Facts
+from assistant.program.lines import line_end
 
-MOST_LINES: Final = 400
+MOST_LINES: Final = 200
 """That are kept for names on them; more are left to the look at the whole program."""
 
 
 @dataclass(frozen=True, slots=True)
 class Excerpt:
-    """text: as long as the whole. looked_at: lines whose findings count, from 0. names: in it."""
+    """text: of as many lines as the whole. looked_at: lines whose findings count. names: in it."""
 
     text: str
     looked_at: frozenset[int]
@@ -60,6 +61,7 @@ def excerpt(
         if any(one.first <= line <= one.head or line == one.last for line in wanted)
     }
     looked_at |= {line for number in routines for line in _frame(made_of, number) if line in wanted}
+    kept |= _beside(made_of, kept)
     kept |= _witnesses(facts, made_of, {n for line in wanted for n in facts[line].names}, kept)
     lines = _with_needed(facts, made_of, kept, routines, needed)
     there = frozenset().union(*(facts[line].names for line in lines))
@@ -81,6 +83,21 @@ def _using(
                 break
             found.add(index)
     return found
+
+
+def _beside(made_of: Structure, kept: set[int]) -> set[int]:
+    """The pieces before and behind, of the same routine: what leads there, and on."""
+    near = {index + step for index in kept for step in (-1, 1)}
+    pieces = made_of.pieces
+    return {
+        index
+        for index in near - kept
+        if 0 <= index < len(pieces)
+        and any(
+            other in kept and pieces[other].routine == pieces[index].routine
+            for other in (index - 1, index + 1)
+        )
+    }
 
 
 def _witnesses(
@@ -117,56 +134,53 @@ def _with_needed(
     needed: frozenset[str],
 ) -> set[int]:
     """Lines of the kept pieces, and of what declares the names on them, and on those again."""
-    declaring: dict[str, list[int]] = {}
-    for index, piece in enumerate(made_of.pieces):
-        for name in piece.declares:
-            declaring.setdefault(name, []).append(index)
+    declaring = _declaring(facts, made_of, kept, routines)
     called = {one.name: number for number, one in enumerate(made_of.routines)}
     inside = {line for piece in made_of.pieces for line in _lines(piece)}
-    framed = {line for one in made_of.routines for line in range(one.first, one.last + 1)}
-    stays = [line for line in range(len(facts)) if line not in inside and line not in framed]
-    lines = set(stays)
-    of_routine: dict[int, list[int]] = {}
-    for line in framed - inside:
-        number = _number_at(made_of, line)
-        of_routine.setdefault(number, []).append(line)
-    pending = [line for index in kept for line in _lines(made_of.pieces[index])]
-    pending += [line for number in routines for line in of_routine.get(number, ())]
-    pending += stays
-    lines.update(pending)
-    kept = set(kept)
-    asked = [needed, *(facts[line].names for line in pending)]
+    framed: dict[int, list[int]] = {}
+    for number, one in enumerate(made_of.routines):
+        framed[number] = [x for x in range(one.first, one.last + 1) if x not in inside]
+    outside = set(range(len(facts))) - inside - {x for own in framed.values() for x in own}
+    lines = {line for index in kept for line in _lines(made_of.pieces[index])} | outside
+    lines.update(line for number in routines for line in framed[number])
+    asked = [needed, *(facts[line].names for line in lines)]
     seen: set[str] = set()
     while asked:
         for name in asked.pop() - seen:
             seen.add(name)
-            for index in declaring.get(name, ()):
-                piece = made_of.pieces[index]
-                if index in kept or (piece.routine >= 0 and piece.routine not in routines):
-                    continue
-                kept.add(index)
-                new = [line for line in _lines(piece) if line not in lines]
-                lines.update(new)
-                asked += [facts[line].names for line in new]
-            called_there = called.get(name)
-            if called_there is not None:
-                new = [line for line in of_routine.get(called_there, ()) if line not in lines]
-                lines.update(new)
-                asked += [facts[line].names for line in new]
+            found = [*declaring.get(name, ()), *framed.get(called.get(name, -1), ())]
+            new = [line for line in found if line not in lines]
+            lines.update(new)
+            asked += [facts[line].names for line in new]
     return lines
 
 
-def _number_at(made_of: Structure, line: int) -> int:
-    return next(n for n, one in enumerate(made_of.routines) if one.first <= line <= one.last)
+def _declaring(
+    facts: Sequence[Facts], made_of: Structure, kept: set[int], routines: set[int]
+) -> dict[str, list[int]]:
+    """Lines that declare each name: a statement of one line by itself, else its whole piece."""
+    found: dict[str, list[int]] = {}
+    for index, piece in enumerate(made_of.pieces):
+        if index in kept or not piece.declares:
+            continue
+        if piece.routine >= 0 and piece.routine not in routines:
+            continue
+        for line in _lines(piece):
+            one, before = facts[line], line == piece.first or facts[line - 1].complete
+            alone = before and one.complete and not one.opens
+            for declared in one.declares:
+                if not declared.implied:
+                    part = [line] if alone else list(_lines(piece))
+                    found.setdefault(made_of.folded(declared.name), []).extend(part)
+    return found
 
 
 def _blanked(text: str, starts: Sequence[int], lines: set[int]) -> str:
-    parts, ends = [], [*starts[1:], len(text)]
+    """Lines that are left out keep their line ends alone."""
+    parts, ends, end_of_line = [], [*starts[1:], len(text)], line_end(text)
     for line, (start, end) in enumerate(zip(starts, ends, strict=True)):
-        whole = text[start:end]
         if line in lines:
-            parts.append(whole)
-        else:
-            said = whole.rstrip("\r\n")
-            parts.append(" " * len(said) + whole[len(said) :])
+            parts.append(text[start:end])
+        elif end > start and text[end - 1] in "\r\n":
+            parts.append(end_of_line)
     return "".join(parts)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from assistant.editing.answers import Found
-from assistant.editing.places import Range
+from assistant.editing.places import Place, Range
 from assistant.editing.workspace import Document
 from assistant.program.diagnostics import Diagnostic, Span
 
@@ -27,6 +27,11 @@ def _range(document: Document, finding: Diagnostic) -> Range:
     line = min(max(finding.line - 1, 0), len(lines) - 1)
     if finding.column is None:
         return _line(document, line)
+    if lines.narrow and finding.end_column is not None and finding.end_line == finding.line:
+        most = lines.length(line)
+        start_column = min(finding.column - 1, most)
+        end_column = max(min(finding.end_column - 1, most), start_column)
+        return Range(Place(line, start_column), Place(line, end_column))
     start = lines.starts[line] + min(finding.column - 1, len(lines.line(line)))
     last = min(max((finding.end_line or finding.line) - 1, line), len(lines) - 1)
     end = start + 1

@@ -39,7 +39,8 @@ class Lines:
         self.starts = [0, *(end for _, end in ends)]
         """Offset at which each line begins."""
         self._ends = [*(start for start, _ in ends), len(text)]
-        self._narrow = text.isascii() or _WIDE.search(text) is None
+        self.narrow = text.isascii() or _WIDE.search(text) is None
+        """Whether no character has two units."""
 
     def __len__(self) -> int:
         return len(self.starts)
@@ -48,13 +49,17 @@ class Lines:
         """A line without its line end."""
         return self.text[self.starts[number] : self._ends[number]]
 
+    def length(self, number: int) -> int:
+        """Characters of a line without its line end."""
+        return self._ends[number] - self.starts[number]
+
     def place(self, offset: int) -> Place:
         """The place of a character offset; the end of the text for what lies behind it."""
         offset = min(max(offset, 0), len(self.text))
         line = bisect_right(self.starts, offset) - 1
         start = self.starts[line]
         column = offset - start
-        if not self._narrow:
+        if not self.narrow:
             column += len(_WIDE.findall(self.text, start, offset))
         return Place(line, column)
 
@@ -68,7 +73,7 @@ class Lines:
         if place.line >= len(self.starts):
             return len(self.text)
         start, end = self.starts[place.line], self._ends[place.line]
-        if self._narrow:
+        if self.narrow:
             return min(start + max(place.column, 0), end)
         units, at = 0, start
         while at < end:

@@ -19,6 +19,7 @@ from assistant.compiler.scenes import InCell
 from assistant.compiler.source_map import Places, Trace, at_its_line
 from assistant.compiler.translating import translate
 from assistant.editing.laying_out_pseudo import laid_out
+from assistant.editing.places import LINE_END
 from assistant.languages import Language
 from assistant.program import pseudo
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
@@ -69,6 +70,11 @@ class Spoken(abc.ABC):
     @abc.abstractmethod
     def program(self, text: SourceText, others: Sequence[SourceText]) -> Program:
         """What it says; raises Refused for what cannot be read."""
+
+    def warm(self, text: str) -> None:
+        """Loads what the first damaged line would have to wait for. text: any program."""
+        begin = "\n".join(LINE_END.split(text, 20)[:20])
+        self.quick(SourceText(f"{begin} (\n", None, "utf-8", "\n"), ())
 
     def program_of(self, path: FilePath) -> FilePath:
         return path

@@ -41,6 +41,7 @@ class Piece:
 class Structure:
     routines: tuple[Routine, ...]
     pieces: tuple[Piece, ...]
+    folded: Fold
 
     def routine_at(self, line: int) -> Routine | None:
         return next((one for one in self.routines if one.first <= line <= one.last), None)
@@ -82,7 +83,7 @@ class _Building:
                 self._piece(line, facts)
         self._close(len(self._facts))
         self._end(len(self._facts) - 1)
-        return Structure(tuple(self._routines), tuple(self._pieces))
+        return Structure(tuple(self._routines), tuple(self._pieces), self._folded)
 
     def _piece(self, line: int, facts: Facts) -> None:
         if self._first < 0:

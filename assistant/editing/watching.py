@@ -44,6 +44,10 @@ class State:
     def made_of(self) -> Structure:
         return structure(self.facts, self._remembered.language.folded)
 
+    def prepare(self) -> None:
+        """Looks at all lines, so that no key has to wait for that."""
+        assert self.made_of is not None
+
     def excerpt(self, changed: Iterable[int], names: frozenset[str] = frozenset()) -> Excerpt:
         if len(self.said) <= SMALL:
             return Excerpt(self.text, frozenset(range(len(self.said))), self.names)
@@ -102,7 +106,7 @@ class Watch:
 
     def settle(self, state: State, findings: Sequence[Diagnostic], at: Shown | None) -> None:
         """Takes what was found in a whole. at: the last sound state when that was begun."""
-        self._base, self._differences = Shown(state, tuple(findings)), {}
+        self._base, self._differences = Shown(state, tuple(map(_placed, findings))), {}
         if self._last is None or self._last is at:
             self._last = self._base
 
@@ -155,7 +159,7 @@ class Watch:
         """Sound lines have what they had; others what is found, the damage on them first."""
         differing = hunks(last.state.said, state.said)
         moves = Moves(differing)
-        yield from moved(last.findings, moves, last.state.lines.starts, state.lines.starts)
+        yield from moved(last.findings, moves)
         marked = set(map(_key, damage))
         for finding in found:
             line = None if finding.line is None else finding.line - 1
@@ -177,18 +181,18 @@ class Watch:
         syntax, every = self._quick(part.text, part.names)
         difference = self._difference(base, moves, differing, part.looked_at)
         found = [
-            one
+            _placed(one)
             for one in every
             if one.line is not None
             and one.line - 1 in part.looked_at
             and _what(one) not in difference.more
         ]
-        for one in moved(base.findings, moves, base.state.lines.starts, state.lines.starts):
+        for one in moved(base.findings, moves):
             line = None if one.line is None else one.line - 1
             if line not in part.looked_at or (_what(one), moves.back(line)) in difference.less:
                 found.append(one)
         known = {_what(one) for one in last.findings}
-        damage = [one for one in syntax if _what(one) not in known]
+        damage = [_placed(one) for one in syntax if _what(one) not in known]
         return _in_order(found), damage
 
     def _difference(
@@ -241,6 +245,11 @@ def _compared(
     return _Difference(
         frozenset(_what(one) for one in shown if _what(one) not in there), frozenset(less)
     )
+
+
+def _placed(finding: Diagnostic) -> Diagnostic:
+    """A finding by its line and column alone: offsets in an excerpt are others."""
+    return finding if finding.line is None else replace(finding, span=None)
 
 
 def _what(finding: Diagnostic) -> tuple[str, str]:

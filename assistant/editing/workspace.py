@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path as FilePath
@@ -22,6 +23,7 @@ from assistant.program.diagnostics import Diagnostic, Refused, Unreadable
 from assistant.program.editing import Facts
 from assistant.program.failing import failure
 from assistant.program.text import SourceText, decode, read_bytes
+from assistant.program.without_gc import uncollected
 from assistant.project.layout import project_of
 from assistant.project.stated import Stated, completed
 
@@ -100,6 +102,7 @@ class Workspace:
         self.documents: dict[str, Document] = {}
         self.lock: Final = threading.RLock()
         self._watches: dict[str, Watch] = {}
+        self._warm: set[str] = set()
         self._groups: dict[FilePath, tuple[Stamps, Mapping[str, tuple[str, ...]]]] = {}
         self._files: dict[str, tuple[tuple[int, int], Document]] = {}
 
@@ -212,7 +215,7 @@ class Workspace:
             return self._guarded(lambda: self._whole(document, document.text)), True
         if whole:
             self._settle(document, speaks)
-        with self.lock:
+        with self.lock, uncollected():
             watch = self._watch(document, speaks)
             found = self._guarded(lambda: watch.findings(document.text))
             return found, watch.is_settled(document.text)
@@ -230,6 +233,11 @@ class Workspace:
         if state is None:
             return
         found = self._guarded(lambda: self._whole(document, state.text))
+        state.prepare()
+        if speaks.name not in self._warm:
+            self._warm.add(speaks.name)
+            with suppress(Exception):
+                speaks.warm(document.text)
         with self.lock:
             if self._watches.get(document.path) is watch:
                 watch.settle(state, found, last)

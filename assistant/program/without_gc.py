@@ -1,4 +1,4 @@
-"""Building large trees without the cycle collector."""
+"""Building large trees, and answering keys, without the cycle collector."""
 
 from __future__ import annotations
 
@@ -20,3 +20,13 @@ def uncollected() -> Iterator[None]:
     finally:
         if enabled:
             gc.enable()
+
+
+def keep_what_is_there() -> None:
+    """Has the cycle collector leave alone what is there now: tables, grammars, whole programs.
+
+    It would look through all of that again and again in the middle of an answer. For processes
+    that go on answering, and that own what they have loaded.
+    """
+    gc.collect()
+    gc.freeze()

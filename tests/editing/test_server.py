@@ -16,6 +16,8 @@ from pygls import uris
 from pygls.lsp.client import BaseLanguageClient
 from pytest_lsp import ClientServerConfig, LanguageClient, client_capabilities
 
+from assistant.cli.editors import run_lsp
+from assistant.program.diagnostics import Refused
 from tests.editing.typing import kept, lines_to_damage, made
 
 SAMPLES = Path(__file__).parent.parent.parent / "samples"
@@ -32,7 +34,7 @@ ENDMODULE
 """
 
 
-@pytest_lsp.fixture(config=ClientServerConfig(server_command=COMMAND))
+@pytest_lsp.fixture(scope="module", config=ClientServerConfig(server_command=COMMAND))
 async def client(lsp_client: LanguageClient):
     """An editor that is told findings, and does not ask for them."""
     await lsp_client.initialize_session(
@@ -72,7 +74,7 @@ def between(line, start, end):
     return lsp.Range(lsp.Position(line, start), lsp.Position(line, end))
 
 
-@pytest.mark.asyncio
+@pytest.mark.asyncio(loop_scope="module")
 async def test_columns_are_counted_in_utf_16(client, tmp_path):
     uri = await opened(client, tmp_path / "Umlaute.mod", MODULE)
     document = lsp.TextDocumentIdentifier(uri)
@@ -116,7 +118,7 @@ def decoded(data, text):
     return found
 
 
-@pytest.mark.asyncio
+@pytest.mark.asyncio(loop_scope="module")
 async def test_a_finding_is_cured_by_its_quick_fix(client, tmp_path):
     uri = await opened(client, tmp_path / "Umlaute.mod", MODULE)
     found = client.diagnostics[uri]
@@ -134,7 +136,7 @@ async def test_a_finding_is_cured_by_its_quick_fix(client, tmp_path):
     assert not await told(client, uri, 2)
 
 
-@pytest.mark.asyncio
+@pytest.mark.asyncio(loop_scope="module")
 async def test_words_names_outline_and_layout_are_there(client, tmp_path):
     text = (SAMPLES / "rapid" / "palletising.mod").read_text("utf-8")
     uri = await opened(client, tmp_path / "palletising.mod", text)
@@ -174,7 +176,7 @@ def place_of(text, word):
     return lsp.Position(before.count("\n"), at - before.rfind("\n") - 1 + 1)
 
 
-@pytest.mark.asyncio
+@pytest.mark.asyncio(loop_scope="module")
 async def test_findings_and_tokens_can_be_asked_for(client, tmp_path):
     uri = await opened(client, tmp_path / "Umlaute.mod", MODULE)
     document = lsp.TextDocumentIdentifier(uri)
@@ -198,7 +200,7 @@ async def test_findings_and_tokens_can_be_asked_for(client, tmp_path):
     assert 0 < len(some.data) < len(full.data)
 
 
-@pytest.mark.asyncio
+@pytest.mark.asyncio(loop_scope="module")
 async def test_a_text_without_a_file_is_told_by_its_language(client):
     uri = await opened(
         client, "untitled:Untitled-1", "program p\n\nprocedure main\n  wait 1\nend\n", "pseudo"
@@ -247,12 +249,12 @@ def test_a_port_in_use_is_a_finding():
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         port = taken.getsockname()[1]
-        done = subprocess.run([*COMMAND, "--tcp", str(port)], capture_output=True, text=True)
-    assert done.returncode == 2 and "ED011" in done.stdout + done.stderr
+        with pytest.raises(Refused, match="ED011"):
+            run_lsp(port)
 
 
 @pytest.mark.slow
-@pytest.mark.asyncio
+@pytest.mark.asyncio(loop_scope="module")
 async def test_twenty_files_are_open_and_damaged_and_no_finding_flickers(client, tmp_path, tell):
     texts = {**kept(), **made()}
     chosen = dict(sorted(texts.items(), key=lambda one: -len(one[1]))[:20])

@@ -18,6 +18,7 @@ from assistant.editing import service
 from assistant.editing.server import words
 from assistant.editing.service import Change, Changes, Document, Workspace
 from assistant.program.diagnostics import Refused
+from assistant.program.without_gc import keep_what_is_there
 
 REST: Final = 0.4
 """Seconds without a key after which the whole program is looked at."""
@@ -47,6 +48,7 @@ class Server(LanguageServer):
         self._pending: dict[str, asyncio.Task[None]] = {}
         self._resting: dict[str, asyncio.Task[None]] = {}
         self._tokens: dict[str, tuple[str, list[int]]] = {}
+        self._kept: set[str] = set()
         self._count = 0
 
     # ---------------------------------------------------------------------------- documents
@@ -121,6 +123,9 @@ class Server(LanguageServer):
         if document is None:
             return
         found = await asyncio.to_thread(service.settled, document)
+        if document.language not in self._kept:
+            self._kept.add(document.language)
+            keep_what_is_there()
         now = self.documents.documents.get(document.path)
         if now is document:
             self._tell(uri, document, found)

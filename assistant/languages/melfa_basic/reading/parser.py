@@ -62,9 +62,13 @@ def parse(source: SourceText | str, dialect: str, *, runs: bool = True) -> s.Fil
 
 
 def _pieces(text: str, items: list[s.Item], runs: bool) -> Iterator[tuple[int, int]]:
-    """The offsets of the lines that are left for the grammar; tables go straight to items."""
+    """The offsets of lines that are left for the grammar; tables and empty ones are items."""
     at, size = 0, len(text)
     while at < size:
+        if text[at] == "\n":
+            items.append(s.Blank(Span(at, at + 1)))
+            at += 1
+            continue
         rows = rows_at(text, at) if runs else None
         if rows is not None and rows.span is not None:
             items.append(rows)
