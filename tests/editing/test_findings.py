@@ -62,7 +62,7 @@ def is_unreadable(document):
     return bool(document.spoken.syntax(document.source))
 
 
-@pytest.mark.parametrize("name", ["code450.mod", "code450.mb5"])
+@pytest.mark.parametrize("name", ["code450.mod"])
 def test_no_finding_flickers_on_sound_lines(name):
     check_no_flicker(name, made()[name], most=1)
 

@@ -43,6 +43,7 @@ NOT_FOLLOWED: Final[Mapping[str, str]] = {
     ),
     "DP229": _LIVE.format("cli/test_deployments.py"),
     "DP234": "a controller needs two tasks with one module: tests/deploy/test_memory.py",
+    "ED011": "a port has to be taken meanwhile: tests/editing/test_server.py takes one",
     "LM001": "how long it takes is up to the computer: tests/program/system/test_budgets.py",
     "LM002": "it would be the memory of the test: tests/program/system/test_budgets.py",
     "PR203": _RUN.format("the system kills a process that builds", "tests/cli/test_projects.py"),
