@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import islice
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
@@ -34,6 +35,8 @@ MOST_FILES: Final = 200
 """Files of a task that are read beside an open one."""
 Stamps = tuple[tuple[str, int], ...]
 """Files with the times of their last change."""
+MOST_ENTRIES: Final = 5000
+"""Names in a folder that are looked at."""
 LONGEST: Final = 4_000_000
 """Characters of a document that is looked at while it is typed; a longer one has no findings."""
 
@@ -187,11 +190,7 @@ class Workspace:
             room = speaks.program_of(path.absolute())
             if room == path.absolute() or not room.is_dir():
                 return []
-            there = [
-                one
-                for one in sorted(room.rglob("*"))
-                if one.suffix.lower() in speaks.suffixes and speaks.program_of(one) == room
-            ][:MOST_FILES]
+            there = sorted(_of_room(room, speaks))[:MOST_FILES]
             stamps = tuple((str(one), one.stat().st_mtime_ns) for one in there)
         except (OSError, ValueError):
             return []
@@ -339,6 +338,16 @@ class Workspace:
         for other, watch in self._watches.items():
             if other != path:
                 watch.forget()
+
+
+def _of_room(room: FilePath, speaks: Spoken) -> Iterator[FilePath]:
+    """The files of one program: of a folder, and of folders in it that are parts of one."""
+    for one in islice(room.iterdir(), MOST_ENTRIES):
+        if one.suffix.lower() in speaks.suffixes and speaks.program_of(one) == room:
+            yield one
+        elif not one.suffix and speaks.program_of(one / f"any{speaks.suffixes[0]}") == room:
+            inner = islice(one.iterdir(), MOST_ENTRIES) if one.is_dir() else ()
+            yield from (two for two in inner if two.suffix.lower() in speaks.suffixes)
 
 
 def _grouped(files: Sequence[str]) -> Mapping[str, tuple[str, ...]]:

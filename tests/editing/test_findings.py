@@ -181,3 +181,17 @@ def test_a_task_is_looked_at_with_what_is_open(tmp_path):
     assert [one.diagnostic.code for one in service.settled(document)] == ["RA402"]
     workspace.close(beside.path)
     assert service.settled(document) == ()
+
+
+def test_a_backup_keeps_a_task_in_two_folders(tmp_path):
+    for folder in ("PROGMOD", "SYSMOD", "HOME"):
+        (tmp_path / "RAPID" / "TASK1" / folder).mkdir(parents=True)
+    one = tmp_path / "RAPID" / "TASK1" / "PROGMOD" / "one.mod"
+    other = tmp_path / "RAPID" / "TASK1" / "SYSMOD" / "other.sys"
+    one.write_text("MODULE one\n    PROC main()\n        help;\n    ENDPROC\nENDMODULE\n")
+    other.write_text(
+        "MODULE other(SYSMODULE)\n    PROC help()\n        Stop;\n    ENDPROC\nENDMODULE\n"
+    )
+    document = Workspace().open(str(one), one.read_text())
+    assert service.definition(document, Place(2, 9)).path == str(other)
+    assert service.settled(document) == ()
