@@ -13,7 +13,14 @@ from collections.abc import Iterator, Sequence
 from assistant.learning.maps.experiments import Experiment, five_joints, three_joints
 from assistant.learning.maps.goals import Goals
 from assistant.learning.maps.rivals import Calibrated, errors_of, pictures_of
-from assistant.learning.maps.training import Errors, errors, tests_of, trained, usual, with_noise
+from assistant.learning.maps.training import (
+    Errors,
+    errors,
+    measured_goals,
+    trained,
+    usual,
+    with_noise,
+)
 
 STEPS = (1_000, 10_000, 30_000)
 NOISE = 0.2
@@ -27,7 +34,7 @@ EXPERIMENTS = {
 def report(steps: Sequence[int] = STEPS) -> None:
     for title, experiment in EXPERIMENTS.items():
         made = experiment()
-        tests = tests_of(made.arm, made.space)
+        tests = measured_goals(made.arm, made.space)
         print(f"\n{title}; targets within {tests.diagonal:.0f} mm\n")
         head = f"{'steps':>8}{'a second':>10}{'mean mm':>10}{'worst mm':>10}{'degrees':>10}"
         print(f"{'':<36}{head}{f'mm, {NOISE:g} px':>13}")

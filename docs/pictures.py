@@ -388,6 +388,16 @@ def calibrated() -> bytes:
     return out.getvalue()
 
 
+def learned() -> bytes:
+    """The lattice of a map at several stages, as two cameras see it."""
+    with tempfile.TemporaryDirectory() as folder:
+        picture = Path(folder) / "learned.png"
+        made = ("learn", "rv-2aj", "--hold", "J5=60", "--hold", "J6=0", "-o", f"{folder}/map.npz")
+        made = (*made, "--lattice", "4x8x3")
+        app([*made, "--picture", str(picture)], standalone_mode=False)
+        return picture.read_bytes()
+
+
 PICTURES: Final[dict[str, Callable[[], bytes]]] = {
     "demo": demo,
     "contact": contact,
@@ -405,6 +415,7 @@ PICTURES: Final[dict[str, Callable[[], bytes]]] = {
     "pointing": pointing,
     "servoing": servoing,
     "objects": objects,
+    "learned": learned,
     "fmu": fmu,
     "calibrated": calibrated,
 }

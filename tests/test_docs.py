@@ -27,6 +27,7 @@ from assistant.virtual.melfa import Options
 from assistant.virtual.melfa.choosing import choose
 from assistant.vision.cameras.camera_file import read_cameras
 from assistant.vision.pointing.device_file import read_device
+from assistant.vision.servoing.task_file import read_servo
 from docs import api, findings, house, limits, pictures
 from tests.forks import Forks
 
@@ -176,6 +177,9 @@ def test_the_files_of_a_page_are_read(page, text, tmp_path):
         return
     if text.startswith("kind = "):
         assert read_device(file).marks
+        return
+    if text.startswith("law = "):
+        assert read_servo(file).target is not None
         return
     if text.startswith("urdf = "):
         (tmp_path / "arm.urdf").write_text(six_joints(), encoding="utf-8")

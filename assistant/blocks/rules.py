@@ -7,7 +7,7 @@ from assistant.program.diagnostics import error
 NO_STATEMENTS = error(
     "BL201",
     "`{name}` at {address} carries out no single statements",
-    "name a controller of Mitsubishi's CR family, by an address with melfa:// or melfa-serial://",
+    "name a controller of Mitsubishi's CR family, by the address of its controller link",
 )
 OUT_OF_LIMITS = error(
     "BL202",
@@ -20,5 +20,5 @@ NO_NUMBERS = error(
 NOT_IN_STEP = error(
     "BL204",
     "a virtual controller does not keep step with the model: {reason}",
-    "look at its program, or run the model by `RealTime` instead of `LockStep`",
+    "look at its program, or run the model in real time",
 )

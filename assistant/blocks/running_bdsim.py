@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import contextlib
+import io
+import sys
 from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING, Any
 
@@ -60,7 +62,7 @@ def run_paced(
     count = steps_of(seconds, step)
     clock = clock or Simulated()
     if not diagram.compiled:
-        diagram.compile(verbose=False)
+        _compile(diagram)
     stepping = _Stepping(sim, diagram, step)
     with _confirmed(diagram, moving), contextlib.ExitStack() as left:
         left.callback(_end, diagram)
@@ -74,6 +76,18 @@ def run_paced(
             if not stepping.step(number, now, late):
                 break
     return stepping.ran()
+
+
+def _compile(diagram: BlockDiagram) -> None:
+    """Without what bdsim prints of outputs that nobody asks for."""
+    said = io.StringIO()
+    try:
+        with contextlib.redirect_stdout(said):
+            diagram.compile(verbose=False)
+    finally:
+        lines = said.getvalue().splitlines(keepends=True)
+        told = (line for line in lines if not line.lstrip().startswith("INFORMATION"))
+        sys.stdout.write("".join(told))
 
 
 @contextlib.contextmanager

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 NOT_NAMED: Final = error(
     "CL500", "`{given}` names no camera and folder", "write NAME=FOLDER, as left=pictures/left"
 )
+TWICE_NAMED: Final = error("CL506", "two cameras are named `{name}`", "give each a name of its own")
 NO_SOURCE: Final = error(
     "CL501",
     "the file does not say where pictures of camera `{name}` come from",
@@ -116,8 +117,10 @@ def _folders(given: Sequence[str]) -> dict[str, str]:
     found: dict[str, str] = {}
     for one in given:
         name, equals, folder = one.partition("=")
-        if not (equals and folder and IDENTIFIER.fullmatch(name)) or name in found:
+        if not (equals and folder and IDENTIFIER.fullmatch(name)):
             raise Refused(NOT_NAMED(given=one), exit_status=2)
+        if name.lower() in {other.lower() for other in found}:
+            raise Refused(TWICE_NAMED(name=name), exit_status=2)
         found[name] = folder
     return found
 

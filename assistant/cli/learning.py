@@ -49,7 +49,7 @@ def run_learn(options: Options, outputs: Outputs) -> int:
     from assistant.cli.learning_words import asked, longer
     from assistant.learning.maps.asked import experiment_of
     from assistant.learning.maps.map_file import load, save
-    from assistant.learning.maps.training import tests_of, trained
+    from assistant.learning.maps.training import measured_goals, trained
 
     _check_names(options, outputs)
     known = None if options.go_on is None else load(options.go_on)
@@ -59,7 +59,7 @@ def run_learn(options: Options, outputs: Outputs) -> int:
         arm = arm.longer(name, factor)
     arm = arm.noisy(options.noise, options.seed)
     net = _begun(made, options) if known is None else known
-    tests, begun = tests_of(arm, made.space, options.seed), net.steps
+    tests, begun = measured_goals(arm, made.space, options.seed), net.steps
     stages: list[Stage] = []
     curve: list[Errors] = []
 

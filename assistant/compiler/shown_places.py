@@ -31,7 +31,7 @@ from assistant.program.geometry import Pose, Target
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Move
 from assistant.sources.reading import Reading
-from assistant.sources.tables.teaching import TaughtTarget
+from assistant.sources.tables.teaching import THERE, TaughtTarget
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
@@ -138,7 +138,12 @@ def placed(
 
 
 def check_names(file: FilePath, names: Sequence[str], robot: Robot | None, wanted: Wanted) -> None:
-    """Raises Refused and Unreadable for names that the file would not take."""
+    """Raises Refused and Unreadable for names that the file would not take, or not all of them."""
+    once: set[str] = set()
+    for name in names:
+        if name.lower() in once:
+            raise Refused(THERE(path=str(file), name=name))
+        once.add(name.lower())
     arm = None if robot is None else robot.name
     for name in names:
         taught_text(file, TaughtTarget(name, _pose_values(Pose()), more_keys(wanted), arm), wanted)

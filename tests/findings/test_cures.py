@@ -10,13 +10,16 @@ import pytest
 import assistant
 from assistant.findings.rulebook import rules
 from tests.findings.cures import (
+    calibrating,
     cells,
     controllers,
     drawings,
     following,
     keeping,
+    leading,
     placing,
     programs,
+    seeing,
     shaping,
     standing,
     tables,
@@ -31,7 +34,8 @@ OTHER_PROGRAMS = ("deploy/repository.py", "virtual/cr/mxt_process.py")
 SENTENCES = {"robot-assistant itself failed"}
 MODULES = (
     *(drawings, following, cells, programs, tables, controllers),
-    *(placing, shaping, standing, keeping),
+    *(placing, shaping, standing, keeping, seeing, calibrating),
+    leading,
 )
 CASES: tuple[Case, ...] = tuple(one for module in MODULES for one in module.CASES)
 

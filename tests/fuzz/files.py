@@ -9,6 +9,7 @@ import os
 import shutil
 import zipfile
 from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -27,6 +28,12 @@ from assistant.deploy.record import Record, read_record
 from assistant.findings.severity import severities_for
 from assistant.learning.calibration.calibrating import calibrate
 from assistant.learning.calibration.measured import read_measured
+from assistant.learning.maps.experiments import three_joints
+from assistant.learning.maps.map_file import COLUMNS
+from assistant.learning.maps.map_file import load as load_map
+from assistant.learning.maps.map_file import save as save_map
+from assistant.learning.maps.training import start_with, trained, usual
+from assistant.learning.maps.using import User
 from assistant.program import pseudo
 from assistant.program.text import decode
 from assistant.project import project_of
@@ -101,6 +108,18 @@ def robot(data: bytes) -> None:
         promise(bool(arm.name), "a robot without a name")
         if arm.outlines is not None:
             drawn_links("arm", arm, {})
+
+
+def learned_map(data: bytes) -> None:
+    """A map answers inside the ranges of its joints, whatever it is shown."""
+    path = file("input.npz", data if data.startswith(b"PK") else _archive(data, COLUMNS))
+    with refusing():
+        net = load_map(path)
+        shown = net.scale.middle + np.linspace(-200.0, 200.0, 9)[:, None] * np.ones(net.task.seen)
+        found = User(net).proposed(shown)
+        low, high = net.scale.low, net.scale.high
+        inside = (found.joints >= low) & (found.joints <= high)
+        promise(bool((inside.all(axis=1) | ~found.known).all()), "joints outside their ranges")
 
 
 def measured_poses(data: bytes) -> None:
@@ -181,13 +200,16 @@ _PARTS: Final = ("record.json", "programs.json", "journal.jsonl", "after/1-a.mod
 def npz(data: bytes) -> None:
     """An archive, or the arrays of one by turns with their names: their sums fit then."""
     if not data.startswith(b"PK"):
-        made = io.BytesIO()
-        names = (f"{name}.npy" for name in ("positions", "quaternions", "unit", "../a", ""))
-        with zipfile.ZipFile(made, "w") as archive:
-            for name, part in zip(names, data.split(_CUT), strict=False):
-                archive.writestr(name, part)
-        data = made.getvalue()
+        data = _archive(data, ("positions", "quaternions", "unit", "../a", ""))
     source("input.npz")(data)
+
+
+def _archive(data: bytes, names: Iterable[str]) -> bytes:
+    made = io.BytesIO()
+    with zipfile.ZipFile(made, "w") as archive:
+        for name, part in zip(names, data.split(_CUT), strict=False):
+            archive.writestr(f"{name}.npy", part)
+    return made.getvalue()
 
 
 def array(values: object) -> bytes:
@@ -216,6 +238,18 @@ def _npz() -> Iterable[bytes]:
     np.savez_compressed(packed, a=np.array(POSES))
     parts = (array(np.ones((2, 3))), array(np.eye(4)[:2]), array("mm"))
     return [whole.getvalue(), packed.getvalue(), _CUT.join(parts), _CUT.join([array(POSES)])]
+
+
+def _learned() -> Iterable[bytes]:
+    """A small map as its archive, and as its arrays by turns."""
+    made = three_joints()
+    net = start_with((2, 3, 2), made.arm, made.space, made.ranges)
+    trained(net, made.arm, made.space, usual(50))
+    path = str(folder() / "seed.npz")
+    save_map(net, path)
+    with np.load(path) as archive:
+        arrays = [array(archive[name]) for name in COLUMNS]
+    return [Path(path).read_bytes(), _CUT.join(arrays)]
 
 
 def _record() -> Iterable[bytes]:
@@ -249,6 +283,7 @@ _TOML: Final = (
 TARGETS: Final = (
     Target("csv", source("input.csv"), files_of("samples/*.csv", "tests/fuzz/seeds/csv/*")),
     Target("measured", measured_poses, files_of("samples/calibration/*.csv"), tried=6),
+    Target("learned", learned_map, _learned, tried=6),
     Target("taught", source("input.toml"), files_of("tests/fuzz/seeds/taught/*"), lambda: _TOML),
     Target("npy", source("input.npy"), _npy),
     Target("npz", npz, _npz),

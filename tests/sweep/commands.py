@@ -129,6 +129,13 @@ COMMANDS: Final[Mapping[str, Command]] = {
         ("robots", "calibrate", "rv-2aj", "one.csv", "--estimate", "chain", "-o", "out/one.toml"),
         {"one.csv": MEASURED},
     ),
+    "learn": Command(
+        (
+            *("learn", "rv-2aj", "--steps", "16", "--hold", "J5=0", "--hold", "J6=0"),
+            *("--lattice", "3x3x3", "--curve", "out/one.csv", "-o", "out/one.npz"),
+        ),
+        {},
+    ),
     "lsp": Command(("lsp", "--extension", "out/one.vsix"), {}),
     "poses": Command(("robots", "poses", "rv-2aj", "--count", "6", "-o", "out/one.csv"), {}),
     "kinematics": Command(("kinematics", "rv-2aj", "-o", "out"), {}),

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from assistant.blocks.connections import Connection, Operator
 from assistant.blocks.diagrams.block import Block, Port
 from assistant.blocks.rules import NO_NUMBERS, OUT_OF_LIMITS
+from assistant.controllers.mitsubishi import single_moves
 from assistant.controllers.states import Position
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Refused
@@ -103,11 +104,10 @@ class Move(Block):
                 told = {"low": low, "high": high, "robot": name, "value": value}
                 raise Refused(OUT_OF_LIMITS(block=self.name, axis=place + 1, **told))
 
-    def _pose(self, name: str, values: Floats) -> str:
-        """A position variable, with the posture that the arm has now."""
+    def _posture(self) -> str:
+        """How the arm is bent now, as its controller writes it."""
         assert self._operator is not None
-        flags = self._operator.position().text.rpartition("(")[2]
-        return f"{name}={_bracket(values)}({flags}"
+        return self._operator.position().text.rpartition("(")[2]
 
 
 class JointMovJoint(Move):
@@ -116,14 +116,14 @@ class JointMovJoint(Move):
     of_joints = True
 
     def statements(self, ways: Sequence[Floats]) -> Sequence[str]:
-        return [f"J99={_bracket(ways[0])}", "MOV J99"]
+        return single_moves.to_joints(ways[0])
 
 
 class JointMovCart(Move):
     """To a pose, by the joints."""
 
     def statements(self, ways: Sequence[Floats]) -> Sequence[str]:
-        return [self._pose("P99", ways[0]), "MOV P99"]
+        return single_moves.to_pose(ways[0], self._posture())
 
 
 class LinMovJoint(Move):
@@ -132,14 +132,14 @@ class LinMovJoint(Move):
     of_joints = True
 
     def statements(self, ways: Sequence[Floats]) -> Sequence[str]:
-        return [f"J99={_bracket(ways[0])}", "P99=JTOP(J99)", "MVS P99"]
+        return single_moves.line_to_joints(ways[0])
 
 
 class LinMovCart(Move):
     """To a pose, on a line."""
 
     def statements(self, ways: Sequence[Floats]) -> Sequence[str]:
-        return [self._pose("P99", ways[0]), "MVS P99"]
+        return single_moves.line_to_pose(ways[0], self._posture())
 
 
 class CircularMov(Move):
@@ -148,9 +148,4 @@ class CircularMov(Move):
     ways = ("via", "target")
 
     def statements(self, ways: Sequence[Floats]) -> Sequence[str]:
-        via, target = (self._pose(n, way) for n, way in zip(("P98", "P99"), ways, strict=True))
-        return ["P97=P_CURR", via, target, "MVR P97,P98,P99"]
-
-
-def _bracket(values: Floats) -> str:
-    return f"({','.join(f'{value:.2f}' for value in values)})"
+        return single_moves.arc(ways[0], ways[1], self._posture())

@@ -8,6 +8,7 @@ import zipfile
 import zlib
 from collections.abc import Mapping
 from pathlib import Path as FilePath
+from tokenize import TokenError
 from typing import Any, Final
 
 import numpy as np
@@ -30,9 +31,11 @@ LONGEST: Final = 1000
 """Characters of a text."""
 MOST_NUMBERS: Final = 1000
 """Of a picture."""
+HUGEST: Final = 1e9
+"""No number of a map that learns comes near it."""
 BROKEN: Final = (
     *(zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, EOFError),
-    *(OSError, ValueError, SyntaxError, TypeError, MemoryError, RecursionError),
+    *(OSError, ValueError, SyntaxError, TypeError, MemoryError, RecursionError, TokenError),
 )
 """What readers of archives and of headers raise for damaged and foreign content."""
 
@@ -122,7 +125,7 @@ def _fault(columns: dict[str, Any]) -> str:
     numbers = {n: c for n, c in columns.items() if c.dtype == np.float64}
     if {"robot", "axes", "cameras"} & numbers.keys() or len(numbers) < len(COLUMNS) - 4:
         return "texts and numbers are mixed up"
-    if not all(np.isfinite(c).all() for name, c in numbers.items() if name != "missed"):
+    if not all((np.abs(c) <= HUGEST).all() for name, c in numbers.items() if name != "missed"):
         return "it holds numbers that are none"
     shape, about = columns["shape"], columns["about"]
     if about.shape != (3,) or not (about[1] >= 0.0 and 1.0 <= about[2] <= MOST_NUMBERS):

@@ -12,7 +12,7 @@ NO_MAP: Final = error(
 OTHER_VERSION: Final = error(
     "LN002",
     "the map has version {version:g} of its format, and {known} is read",
-    "learn it again, or read it with the robot-assistant by which it was learnt",
+    "learn it again, or read it where it was learnt",
 )
 OTHER_TASK: Final = error(
     "LN003",

@@ -157,7 +157,7 @@ def trained(
     errors that are given in the end.
     """
     goals = space.draw(arm, plan.steps, np.random.default_rng(plan.seed + 1))
-    asked = tests or tests_of(arm, space, plan.seed)
+    asked = tests or measured_goals(arm, space, plan.seed)
     curve: list[Errors] = []
 
     def look(seconds: float) -> None:
@@ -168,7 +168,7 @@ def trained(
     return tuple(curve)
 
 
-def tests_of(arm: SeenArm, space: Space, seed: int = 0) -> Goals:
+def measured_goals(arm: SeenArm, space: Space, seed: int = 0) -> Goals:
     """500 goals that are not learnt from, as they are without noise; fewer where some are hidden.
 
     Raises Refused where all of them are.

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from assistant.program.diagnostics import Refused, Span, error
-from assistant.program.program import IDENTIFIER
+from assistant.program.program import identifier
 from assistant.program.text import SourceText
 from assistant.program.toml_text import toml
 from assistant.sources.process import NO_PROCESS, Process
@@ -18,7 +18,9 @@ from assistant.sources.reading import Reading
 from assistant.sources.tables.taught import ORIENTATIONS, read_taught
 
 NO_NAME: Final = error(
-    "TB507", "`{name}` cannot name a target", "write letters, digits and `_`, a letter first"
+    "TB507",
+    "`{name}` cannot name a target",
+    "write {known}, or another name of letters and digits with `_` between them, a letter first",
 )
 IN_BRACKETS: Final = error(
     "TB508",
@@ -79,8 +81,8 @@ def with_target(
 
     Raises Refused and Unreadable; what the text says of all else stays to the letter.
     """
-    if IDENTIFIER.fullmatch(target.name) is None:
-        raise Refused(NO_NAME(path=source.path, name=target.name))
+    if (known := identifier(target.name)) != target.name:
+        raise Refused(NO_NAME(path=source.path, name=target.name, known=known))
     content = read_toml(source).content
     there = content.get("robot", process.robot)
     if target.robot is not None and there not in (None, target.robot):

@@ -19,6 +19,11 @@ from assistant.vision.opencv import opencv
 
 MOST_LEFT: Final = 5.0
 """Pixels left from which on two cameras did not see the same."""
+TIMES: Final = 5.0
+"""Times what the lenses leave, and `ROUGH` pixels, from which on one pair of views did not."""
+ROUGH: Final = 1.0
+NEAREST: Final = 1.0
+"""mm between two cameras; those that are nearer are one."""
 FEWEST: Final = 6
 """Corners that both see in a pair of views that counts."""
 
@@ -39,19 +44,23 @@ def find_pair(
     lenses: tuple[Lens, Lens],
     views: Sequence[tuple[View, View]],
     names: tuple[str, str] = ("first", "second"),
+    lens_residual: float = 0.0,
 ) -> PairFound:
     """By OpenCV's stereoCalibrate with the lenses as they are.
 
-    names: of the cameras, for messages. Raises Refused for too few views, and for those that do not
-    belong together.
+    names: of the cameras, for messages. lens_residual: pixels that their lenses leave of the same
+    views. Raises Refused for too few views, for those that do not belong together, and for two
+    cameras that are one.
     """
     cv = opencv()
     objects, seen = list[object](), (list[object](), list[object]())
+    counted = list[tuple[View, View]]()
     for pair in views:
         rows = np.intersect1d(pair[0].rows, pair[1].rows)
         if len(rows) < FEWEST:
             continue
         objects.append(board.corners[rows].astype(np.float32))
+        counted.append(pair)
         for pixels, view in zip(seen, pair, strict=True):
             places = {int(row): i for i, row in enumerate(view.rows)}
             some = view.pixels[[places[int(row)] for row in rows]]
@@ -59,12 +68,27 @@ def find_pair(
     if len(objects) < LEAST:
         raise Refused(rules.FEW_VIEWS(count=len(objects), least=LEAST))
     optics = [part for lens in lenses for part in (lens.matrix, np.array(lens.distortion))]
-    found = cv.stereoCalibrate(
-        objects, *seen, *optics, lenses[0].size, flags=cv.CALIB_FIX_INTRINSIC
+    found = cv.stereoCalibrateExtended(
+        *(objects, *seen, *optics, lenses[0].size, np.eye(3), np.zeros(3)),
+        flags=cv.CALIB_FIX_INTRINSIC,
     )
-    residual, turn, place = found[0], np.asarray(found[5]), np.ravel(found[6])
-    left = float(residual) / np.sqrt(2.0)
-    if not left < MOST_LEFT:
-        raise Refused(rules.APART(one=names[0], other=names[1], residual=left))
+    turn, place, of_views = np.asarray(found[5]), np.ravel(found[6]), np.asarray(found[-1])
+    left = float(found[0]) / np.sqrt(2.0)
+    worst = int(np.argmax(of_views.max(axis=1)))
+    most = float(of_views.max()) / np.sqrt(2.0)
+    if not (left < MOST_LEFT and most < max(ROUGH, TIMES * lens_residual)):
+        files = [view.name for view in counted[worst]]
+        raise Refused(
+            rules.APART(
+                one=names[0],
+                other=names[1],
+                residual=left,
+                most=most,
+                first=files[0],
+                second=files[1],
+            )
+        )
+    if float(np.linalg.norm(place)) < NEAREST:
+        raise Refused(rules.ONE_PLACE(one=names[0], other=names[1]))
     into = Pose.of(place, np.ravel(rotations.from_matrix(turn)))
     return PairFound(into.inverse(), left, len(objects))

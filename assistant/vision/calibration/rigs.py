@@ -17,6 +17,7 @@ from assistant.vision.calibration.pairs import PairFound, find_pair
 from assistant.vision.cameras.camera import WORLD, Camera
 from assistant.vision.cameras.camera_file import Record, Rig
 from assistant.vision.cameras.capture import pictures_in, read_picture
+from assistant.vision.cameras.pairing import pairing_finding
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -125,13 +126,18 @@ def with_sources(rig: Rig, sources: Mapping[str, str]) -> Rig:
 def _pair(board: Board, first: Looked, other: Looked, lenses: Mapping[str, LensFound]) -> PairFound:
     if len(first.views) != len(other.views):
         raise Refused(_uneven(first, other.name, len(other.views)))
+    pairing = pairing_finding(first.name, first.files, other.name, other.files)
+    if pairing is not None:
+        raise Refused(pairing)
     both = [
         (one, two)
         for one, two in zip(first.views, other.views, strict=True)
         if one is not None and two is not None
     ]
-    both_lenses = lenses[first.name].lens, lenses[other.name].lens
-    return find_pair(board, both_lenses, both, (first.name, other.name))
+    found = lenses[first.name], lenses[other.name]
+    residual = max(one.residual for one in found)
+    both_lenses = found[0].lens, found[1].lens
+    return find_pair(board, both_lenses, both, (first.name, other.name), residual)
 
 
 def _hand_eye(

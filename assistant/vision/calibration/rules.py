@@ -60,6 +60,12 @@ UNLIKE = error(
 )
 APART = error(
     "VS043",
-    "{residual:.1f} pixels are left of what `{one}` and `{other}` see together",
+    "{residual:.1f} pixels are left of what `{one}` and `{other}` see together, "
+    "{most:.1f} in {first} beside {second}",
     "look whether their pictures are of the same moments, in the same order, and not mirrored",
+)
+ONE_PLACE = error(
+    "VS044",
+    "`{one}` and `{other}` stand at one place, from which nobody sees how far things are",
+    "name the folder of each camera's own pictures",
 )

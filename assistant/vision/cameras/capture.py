@@ -17,7 +17,7 @@ from typing import Any, Final
 import numpy as np
 
 from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.program.text import read_bytes
+from assistant.program.text import is_file, is_folder, read_bytes
 from assistant.vision.cameras import rules
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.cameras.drawing import Picture
@@ -75,15 +75,15 @@ def opened(camera: Camera, source: str, folder: FilePath = FilePath()) -> Iterat
     path = folder / source
     if path.suffix.lower() == ".toml":
         yield _drawn(camera, path)
-    elif path.is_dir():
+    elif is_folder(path):
         yield _of_folder(camera, path)
     elif path.suffix.lower() in SUFFIXES:
         yield iter([Frame(_sized(camera, read_picture(path)), 0, time.monotonic(), path.name)])
-    elif path.suffix.lower() in FILMS and path.is_file():
+    elif path.suffix.lower() in FILMS and is_file(path):
         with _captured(camera, str(path), str(path)) as frames:
             yield frames
     else:
-        reason = "it is neither film nor picture" if path.exists() else "there is nothing"
+        reason = "it is neither film nor picture" if is_file(path) else "there is nothing"
         cure = "name a folder, a film, a picture, an address, or the number of a device"
         raise Refused(_not_there(camera, source, reason, cure), exit_status=2)
 
@@ -94,8 +94,10 @@ def read_picture(path: str | FilePath) -> Picture:
     reason = _unlike_a_picture(data)
     if reason is None:
         with silent() as cv:
+            # A lens is that of the sensor: however the camera was held, its pixels stay its pixels.
+            how = cv.IMREAD_COLOR | cv.IMREAD_IGNORE_ORIENTATION
             try:
-                picture = cv.imdecode(np.frombuffer(data, np.uint8), cv.IMREAD_COLOR)
+                picture = cv.imdecode(np.frombuffer(data, np.uint8), how)
             except cv.error:
                 picture = None
         if picture is not None:
@@ -114,6 +116,14 @@ def look_at(camera: Camera, picture: Picture) -> tuple[Diagnostic, ...]:
     if part > MOST_SATURATED:
         found.append(rules.SATURATED(name=camera.name, percent=100.0 * part))
     return tuple(found)
+
+
+def files_of(source: str, folder: FilePath = FilePath()) -> list[str] | None:
+    """Names of the pictures of a source, in their order; None for one that is no folder of them."""
+    number = source.isascii() and source.isdigit()
+    if number or STREAM.match(source) or not is_folder(folder / source):
+        return None
+    return [file.name for file in pictures_in(folder / source)]
 
 
 def pictures_in(folder: str | FilePath) -> list[FilePath]:

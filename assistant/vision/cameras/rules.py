@@ -38,3 +38,14 @@ NOT_DRAWN = error(
     "camera `{name}` is carried by `{parent}`, and nothing says where that is",
     "name its cell by --cell, or the poses of the flange by --poses",
 )
+OUT_OF_STEP = error(
+    "VS028",
+    "pictures of `{one}` and `{other}` are not of the same moments: {first} is beside {second}",
+    "add the picture that is missing, or take away the other one of its moment",
+)
+UNEVEN = error(
+    "VS029",
+    "there are {count} pictures of `{one}` and {others} of `{other}`, "
+    "and their names do not tell which belong together",
+    "number them by their moments, or take away those that have no other",
+)

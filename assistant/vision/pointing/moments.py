@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from itertools import combinations
 from typing import Final
 
 from assistant.program.diagnostics import Refused
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.cameras.camera_file import Rig
-from assistant.vision.cameras.capture import Frame, opened
+from assistant.vision.cameras.capture import Frame, files_of, opened
+from assistant.vision.cameras.pairing import pairing_finding
 from assistant.vision.pointing import rules
 from assistant.vision.pointing.tracking import Moment
 
@@ -25,18 +27,31 @@ def moments(
 ) -> Iterator[Iterator[Moment]]:
     """The moments of cameras of a rig, until one of them gives no more pictures.
 
-    Raises Refused (exit status 2) for a camera without a source, and as `capture.opened` does.
+    Raises Refused (exit status 2) for a camera without a source, for folders whose pictures are not
+    of the same moments, and as `capture.opened` does.
     """
     for camera in cameras:
         if not rig.sources.get(camera.name):
             raise Refused(rules.NO_SOURCE(camera=camera.name), exit_status=2)
+    sources = [rig.sources[camera.name] for camera in cameras]
+    _check_step(rig, cameras, sources)
     with ExitStack() as stack:
-        sources = [rig.sources[camera.name] for camera in cameras]
         frames = [
             stack.enter_context(opened(camera, source, rig.folder))
             for camera, source in zip(cameras, sources, strict=True)
         ]
         yield _joined(frames, rate)
+
+
+def _check_step(rig: Rig, cameras: Sequence[Camera], sources: Sequence[str]) -> None:
+    named = {
+        camera.name: files
+        for camera, source in zip(cameras, sources, strict=True)
+        if (files := files_of(source, rig.folder))
+    }
+    for (one, names), (other, others) in combinations(named.items(), 2):
+        if (finding := pairing_finding(one, names, other, others)) is not None:
+            raise Refused(finding, exit_status=2)
 
 
 def _joined(frames: Sequence[Iterator[Frame]], rate: float) -> Iterator[Moment]:

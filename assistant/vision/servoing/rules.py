@@ -19,7 +19,7 @@ STALE = error(
     "VS203",
     "pictures come {age:.2f} s late at picture {number}, {left} from the goal; the arm was brought "
     "to rest",
-    "look at the camera and its line, or, from Python, allow more with `Settings(stale=…)`",
+    "look at the camera and its line, or allow older pictures in the file of what is led where",
 )
 SINGULAR = error(
     "VS204",

@@ -28,7 +28,7 @@ from assistant.program.pseudo.grammar import FIRST_WORDS
 from assistant.project.schema import schema
 from assistant.sources import cell as of_data
 from assistant.sources.process import file as of_processes
-from assistant.sources.process import layers, names, placing
+from assistant.sources.process import layers, names, placing, seen
 from assistant.sources.tables import headers, taught
 
 ROOT: Final = Path(__file__).parents[3]
@@ -185,6 +185,7 @@ def keys() -> frozenset[str]:
             layers.LAYER,
             placing.PLACEMENT,
             names.PROGRAM,
+            seen.KEYS,
         ),
         *(of_cells.PLACE, of_cells.WORLD, of_cells.ROBOT, of_cells.PART, of_cells.BODY),
         *(of_data.POSITION, of_data.DATA, of_data.ROUTINE, of_data.RECORD, of_data.ARM),

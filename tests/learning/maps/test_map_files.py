@@ -65,6 +65,7 @@ def test_another_version_says_so(tmp_path) -> None:
         {"shape": np.array([1e9, 1e9])},
         {"shape": np.array([])},
         {"places": np.full((336, 4), np.nan)},
+        {"answers": np.full((336, 15), 1e300)},
         {"places": np.zeros((336, 4), dtype=np.float32)},
         {"places": np.array("text")},
         {"answers": np.zeros((336, 14))},

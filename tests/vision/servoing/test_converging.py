@@ -95,18 +95,6 @@ def test_each_law_comes_to_its_goal_from_a_hundred_random_starts(make, name, tel
     assert max(row[2] for row in rows) < 2.0 and max(row[3] for row in rows) < 1.5
 
 
-def test_an_arm_of_five_axes_comes_to_its_goal_over_data_link(tell):
-    scene = five_axes()
-    with by_controller(scene, "data-link") as (carrier, joints, kept):
-        tell(told("RV-2AJ, data link control", runs(scene, carrier, joints, kept, 1, 1)))
-
-
-def test_an_arm_of_six_axes_comes_to_its_goal_by_egm(tell):
-    scene = six_axes()
-    with over_egm(scene, scene.goal_joints) as (carrier, joints, kept):
-        tell(told("IRB 1200, EGM", runs(scene, carrier, joints, kept, 1, 2)))
-
-
 @pytest.mark.slow
 def test_a_hundred_random_starts_over_data_link(tell):
     scene = five_axes()

@@ -5,6 +5,7 @@ What the arm did is looked at in the virtual controller's own record.
 
 from __future__ import annotations
 
+import time
 from contextlib import contextmanager
 from dataclasses import replace
 
@@ -51,25 +52,24 @@ def begin(scene, carrier):
 
 
 @pytest.mark.parametrize("name", ALL)
-def test_it_comes_to_its_goal_within_its_limits_and_stops_when_sight_is_lost(name, tmp_path, tell):
+def test_it_stops_when_sight_is_lost_and_comes_to_its_goal_within_its_limits(name, tmp_path, tell):
     with led(name, tmp_path) as (scene, carrier, joints, kept):
         begin(scene, carrier)
         kept.rows.clear()
-        eyes = scene.eyes("pose in hand", joints, seed=5)
-        law = scene.law("pose in hand")
-        served = servo(eyes, law, carrier, scene.guard, SETTINGS, clock=Clock())
-        away, turn = scene.off(joints())
-        tell(f"{name}: {served.pictures} pictures, {away:.2f} mm and {turn:.2f} degrees left")
-        assert away < 1.0 and turn < 1.0
-        check_limits(scene, kept)
-
-        begin(scene, carrier)
         lost_at = 7
         eyes = scene.eyes("pose in hand", joints, hidden=lambda number: number >= lost_at)
         law = scene.law("pose in hand")
         with pytest.raises(Broken) as broken:
             servo(eyes, law, carrier, scene.guard, SETTINGS, clock=Clock())
         check_lost(broken.value, lost_at)
+        check_rest(scene, carrier, joints, broken.value)
+
+        eyes = scene.eyes("pose in hand", joints, seed=5)
+        law = scene.law("pose in hand")
+        served = servo(eyes, law, carrier, scene.guard, SETTINGS, clock=Clock())
+        away, turn = scene.off(joints())
+        tell(f"{name}: {served.pictures} pictures, {away:.2f} mm and {turn:.2f} degrees left")
+        assert away < 1.0 and turn < 1.0
         check_limits(scene, kept)
 
 
@@ -84,6 +84,23 @@ def check_lost(broken, lost_at):
     assert (seen == 0.0).sum() == 2 and (seen[-2:] == 0.0).all()
     speeds = np.stack([columns[name] for name in columns if name.startswith("velocity.")])
     assert (speeds[:, seen == 0.0] == 0.0).all()
+    told = np.stack([columns[name] for name in columns if name.startswith("told.")])
+    assert np.abs(told[:, -1] - told[:, 0]).max() > 1.0, "it moved until then"
+
+
+def check_rest(scene, carrier, joints, broken):
+    """By the virtual arm itself: it comes to rest by what a step and its brakes take, no farther,
+    and what the sight did not tell is not gone to.
+    """
+    before = broken.served.columns
+    told = np.array([before[f"told.{axis}"][-1] for axis in scene.robot.axes])
+    last, now = told + 1.0, np.array(joints())
+    while np.abs(now - last).max() > 1e-3:
+        time.sleep(0.1)
+        last, now = now, np.array(joints())
+    speeds = np.minimum(scene.guard.speeds, carrier.speeds)
+    room = speeds * carrier.period + speeds**2 / (2.0 * scene.guard.rises)
+    assert (np.abs(now - told) <= room + 0.1).all()
 
 
 def check_limits(scene, kept):
