@@ -176,7 +176,8 @@ def check_text(
 ) -> Checked:
     """The same for a text that is no file: a robot language's if named, else pseudo text.
 
-    others: of the same program. beside: folder of files that they call."""
+    others: of the same program. beside: folder of files that they call.
+    """
     stands = _stood(cell, robot)
     checked = Checked([] if isinstance(cell, InCell) else list(stands.findings), files=1)
     checked.looked = [] if keep else None

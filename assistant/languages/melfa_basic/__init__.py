@@ -30,9 +30,9 @@ from assistant.program.program import Program
 from assistant.program.text import SourceText
 
 if TYPE_CHECKING:
-    from assistant.languages.melfa_basic.reading.editing import EditableMelfaBasic
     from pathlib import Path as FilePath
 
+    from assistant.languages.melfa_basic.reading.editing import EditableMelfaBasic
     from assistant.languages.melfa_basic.tree import syntax
     from assistant.languages.melfa_basic.tree.syntax import File
     from assistant.languages.tasks import Configured, Texts
