@@ -176,7 +176,8 @@ def _declaring(document: Document, name: str) -> Iterator[_Edit]:
     for said in speaks.declarations(document.source, texts, name):
         inner = said.replace("\n", f"{end}{_indent(document, line)}")
         text = f"{before}{_indent(document, line)}{inner}{end}"
-        yield _Edit(f"Declare `{said.splitlines()[0]}`", Span(at, at), text)
+        first, _, _ = said.partition("\n")
+        yield _Edit(f"Declare `{first}`", Span(at, at), text)
 
 
 def _line_for(document: Document, *, last: bool) -> int:

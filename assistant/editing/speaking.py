@@ -26,6 +26,7 @@ from assistant.program.diagnostics import Diagnostic, Refused, has_errors
 from assistant.program.editing import Editable, Remembered
 from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool
 from assistant.program.motion import FINE, Speed
+from assistant.program.lines import lines_of
 from assistant.program.program import Program, walk
 from assistant.program.pseudo.editing import EditablePseudo
 from assistant.program.text import SourceText
@@ -248,12 +249,12 @@ class _Vendor(Spoken):
         try:
             trees = [language.parse(one) for one in (text, *others)]
             asked = [one for one in language.wanted(trees) if one.name.lower() == name.lower()]
-            lines = language.supplied([(one, _least(one)) for one in asked], trees).splitlines()
+            supplied = language.supplied([(one, _least(one)) for one in asked], trees)
         except (Refused, NotImplementedError):
             return kinds
         if self.editable is None or not asked:
             return kinds
-        said = [line.strip() for line in lines]
+        said = [line.strip() for line in lines_of(supplied)]
         kept = [line for line in said if line and not self.editable.facts(line).stays]
         return ("\n".join(kept), *kinds) if kept else kinds
 

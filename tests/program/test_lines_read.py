@@ -100,12 +100,15 @@ def test_lines_are_the_text_again(text: str) -> None:
 
 HARMLESS = {
     "blocks/fmu/compilers.py": "what a compiler said, for people",
+    "blocks/running_bdsim.py": "what bdsim printed, for people",
     "controllers/cyclic/process.py": "what our own process wrote",
     "controllers/mitsubishi/control_mode/programs.py": "bytes, which end at CR and LF only",
     "controllers/os_errors_in_words.py": "words of an error, for people",
+    "languages/abouts.py": "a table of the package",
     "languages/melfa_basic/reading/recovery/mistakes.py": "a table of the package",
     "languages/melfa_basic/tables/vocabulary/__init__.py": "a table of the package",
     "languages/rapid/tables/signatures.py": "a table of the package",
+    "program/pseudo/editing.py": "a table of the package",
 }
 """Modules that may ask Python for lines, and why."""
 
