@@ -25,8 +25,8 @@ from assistant.program import pseudo
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
 from assistant.program.editing import Editable, Remembered
 from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool
-from assistant.program.motion import FINE, Speed
 from assistant.program.lines import lines_of
+from assistant.program.motion import FINE, Speed
 from assistant.program.program import Program, walk
 from assistant.program.pseudo.editing import EditablePseudo
 from assistant.program.text import SourceText
