@@ -7,7 +7,10 @@ import pytest
 
 from assistant import robots
 from assistant.blocks.connections import operated
+from assistant.blocks.diagrams.block import Block, Port
 from assistant.blocks.diagrams.clocks import RealTime
+from assistant.blocks.library.adapted import add
+from assistant.blocks.library.sources import Constant
 from assistant.blocks.running_bdsim import run_bdsim, run_paced
 from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
@@ -87,3 +90,32 @@ def test_moves_of_a_model_reach_the_controller_once_they_are_confirmed(sim) -> N
         assert ran["move[1]"].max() == 1.0
         assert ran["move[2]"][-1] == pytest.approx([0.0, 10.0, 80.0, 0.0, 60.0, 0.0], abs=0.02)
         assert connection.users == 0
+
+
+class Sum(Block):
+    """A block of one's own: it adds up what it is given at each of its steps."""
+
+    direct = False
+
+    def __init__(self, name: str) -> None:
+        super().__init__(name, [Port("by")], [Port("sum")])
+
+    def begin(self) -> None:
+        self.sum = 0.0
+
+    def give(self, now, given):
+        return [[self.sum]]
+
+    def take(self, now, given) -> None:
+        self.sum += given[0][0]
+
+
+def test_an_own_block_runs_in_bdsim_without_a_class_of_bdsim(sim) -> None:
+    diagram = sim.blockdiagram()
+    constant = add(diagram, Constant("two", 2.0))
+    added = add(diagram, Sum("sum"), diagram.clock(0.1))
+    diagram.connect(constant, added)
+    ran = run_paced(sim, diagram, 1.0, 0.1)
+    assert ran["sum[0]"] == pytest.approx([0.0, *np.arange(0.0, 20.0, 2.0)])
+    with pytest.raises(ValueError, match="steps with a clock"):
+        add(diagram, Sum("other"))
