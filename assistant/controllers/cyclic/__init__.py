@@ -8,7 +8,7 @@ meanwhile; `link.py` is what a maker's packets have to answer.
 from assistant.controllers.cyclic.leading import Leading
 from assistant.controllers.cyclic.link import Endpoint, Link, Measured
 from assistant.controllers.cyclic.process import Ended, Progress, follow
-from assistant.controllers.cyclic.report import Delays, Report
+from assistant.controllers.cyclic.report import Delays, Report, Timing
 from assistant.controllers.cyclic.settings import Settings
 from assistant.controllers.cyclic.space import ArmLimits, Limits
 from assistant.controllers.cyclic.trajectory import Trajectory, resampled
@@ -25,6 +25,7 @@ __all__ = [
     "Progress",
     "Report",
     "Settings",
+    "Timing",
     "Trajectory",
     "follow",
     "resampled",

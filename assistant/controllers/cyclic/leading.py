@@ -20,7 +20,7 @@ from typing import Final, Self
 from assistant.controllers.cyclic import rules
 from assistant.controllers.cyclic.link import Endpoint, Link
 from assistant.controllers.cyclic.process import GRACE, Ended, Feed, Progress, follow_corrections
-from assistant.controllers.cyclic.report import Report
+from assistant.controllers.cyclic.report import Report, Timing
 from assistant.controllers.cyclic.settings import Settings
 from assistant.controllers.cyclic.space import Limits
 from assistant.program.diagnostics import Diagnostic, Refused
@@ -79,6 +79,10 @@ class Leading:
         self._wait(SILENCE)
         assert self._latest is not None
         return self._latest.values
+
+    def timing(self) -> Timing:
+        """How the loop has kept its time by now."""
+        return Timing() if self._latest is None else self._latest.timing
 
     def to(self, row: Sequence[float], seconds: float) -> None:
         """Has the arm be at a row in so many seconds, as the limits let it, and go no further."""

@@ -13,17 +13,19 @@ from typing import Final
 
 from assistant.controllers.cyclic import rules
 from assistant.controllers.cyclic.link import Link, Measured
+from assistant.controllers.cyclic.report import Kept, Timing
 from assistant.controllers.cyclic.space import names
 from assistant.controllers.cyclic.ways import Failed, Job, Row, column_named, way_of
 from assistant.controllers.cyclic.wire import Wire
 from assistant.program.diagnostics import Rule
 
-Tell = Callable[[float, float, Row], None]
-"""Is told now and then: seconds since the first packet, the row, where the arm is."""
+Tell = Callable[[float, float, Row, Timing], None]
+"""Is told now and then: seconds since the first packet, the row, where the arm is, how the time was
+kept by then."""
 TOLD_EACH: Final = 0.1
 """Seconds from telling to telling."""
-TOLD_OF_CORRECTED: Final = 0.01
-"""The same where others work out meanwhile how it goes on."""
+TOLD_OF_CORRECTED: Final = 0.0
+"""The same where others work out meanwhile how it goes on: each packet."""
 ENDINGS: Final = 2
 """Packets that end the control, if the first one is not answered."""
 WRAP: Final = 1 << 32
@@ -184,6 +186,7 @@ class Loop:
         most = [settings.lag * speed + settings.slack for speed in self._job.speeds]
         hold = 1 + round(settings.settle / cycle)
         nonsense, cause = 0, None
+        kept = Kept(cycle / 2.0)
         each = TOLD_EACH if self._job.corrections is None else TOLD_OF_CORRECTED
         wire.hush(0.0 if link.speaks_first else cycle)  # what came meanwhile, or is still to come
         if not link.speaks_first:
@@ -222,6 +225,7 @@ class Loop:
             answered = heard
             self._count += 1
             result.delays.append(self._sent - arrival)
+            kept.add(self._sent - arrival)
             result.samples.append((arrival, way.row, *measured.values, *row, *measured.extra))
             result.missed = max(result.missed, measured.missed)
             if way.is_over or (cause is not None and way.stands):
@@ -230,7 +234,7 @@ class Loop:
                 cause = self._astray(measured.values, most)
             if self._sent - told > each:
                 told = self._sent
-                self._tell(arrival - began, way.row, measured.values)
+                self._tell(arrival - began, way.row, measured.values, kept.timing)
         if cause is not None:
             raise cause
         result.done = self._way.rows

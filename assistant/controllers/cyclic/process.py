@@ -21,7 +21,7 @@ import numpy as np
 from assistant.controllers.credentials import without_passwords
 from assistant.controllers.cyclic import rules
 from assistant.controllers.cyclic.link import Endpoint, Link
-from assistant.controllers.cyclic.report import Delays, Report
+from assistant.controllers.cyclic.report import Delays, Report, Timing
 from assistant.controllers.cyclic.settings import Settings
 from assistant.controllers.cyclic.space import Limits
 from assistant.controllers.cyclic.trajectory import Trajectory, resampled
@@ -42,13 +42,14 @@ LOOK: Final = 0.05
 @dataclass(frozen=True, slots=True)
 class Progress:
     """Where a trajectory is. seconds: since the first packet. row: of the rows at the cycle, below
-    0 in the soft start. values: where the arm is.
+    0 in the soft start. values: where the arm is. timing: how the loop has kept its time.
     """
 
     seconds: float
     row: float
     rows: int
     values: tuple[float, ...]
+    timing: Timing
 
 
 class Ended(Refused):
@@ -286,10 +287,12 @@ def _read(lines: object, into: queue.Queue[str | None]) -> None:
 
 def _progress(said: Mapping[str, object], rows: int) -> Progress:
     seconds, row, values = said["seconds"], said["row"], said["values"]
+    timing = said["timing"]
     assert isinstance(seconds, float)
     assert isinstance(row, float | int)
     assert isinstance(values, list)
-    return Progress(seconds, float(row), rows, tuple(values))
+    assert isinstance(timing, list)
+    return Progress(seconds, float(row), rows, tuple(values), Timing(*timing))
 
 
 def _report(

@@ -48,6 +48,45 @@ class Delays:
         )
 
 
+@dataclass(frozen=True, slots=True)
+class Timing:
+    """How a loop has kept its time by now.
+
+    cycles: packets that were answered. late: how many of them more than half a cycle after they
+    came. longest, jitter: seconds, the greatest of these delays and their standard deviation.
+    """
+
+    cycles: int = 0
+    late: int = 0
+    longest: float = 0.0
+    jitter: float = 0.0
+
+
+@dataclass(slots=True)
+class Kept:
+    """Gathers a `Timing` while a loop runs. half: seconds of half a cycle."""
+
+    half: float
+    count: int = 0
+    late: int = 0
+    longest: float = 0.0
+    sum: float = 0.0
+    squares: float = 0.0
+
+    def add(self, delay: float) -> None:
+        self.count += 1
+        self.late += delay > self.half
+        self.longest = max(self.longest, delay)
+        self.sum += delay
+        self.squares += delay * delay
+
+    @property
+    def timing(self) -> Timing:
+        count = max(1, self.count)
+        spread = max(0.0, self.squares / count - (self.sum / count) ** 2) ** 0.5
+        return Timing(self.count, self.late, self.longest, spread)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Report:
     """A trajectory that was followed, or the part of it up to a failure.

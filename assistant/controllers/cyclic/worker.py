@@ -17,6 +17,7 @@ import signal
 import sys
 import threading
 import time
+from dataclasses import astuple
 from pathlib import Path as FilePath
 from typing import Final
 
@@ -25,6 +26,7 @@ import numpy as np
 from assistant.controllers.cyclic import rules
 from assistant.controllers.cyclic.link import Endpoint, Link
 from assistant.controllers.cyclic.loop import Loop, Stop, columns
+from assistant.controllers.cyclic.report import Timing
 from assistant.controllers.cyclic.scheduling import real_time
 from assistant.controllers.cyclic.settings import Settings
 from assistant.controllers.cyclic.ways import Corrections, Job, Row
@@ -120,9 +122,10 @@ class Watched(Stop):
             pass
 
 
-def _tell(seconds: float, row: float, values: Row) -> None:
+def _tell(seconds: float, row: float, values: Row, timing: Timing) -> None:
     """Tells if someone listens; the loop waits for nobody."""
-    said = json.dumps({"seconds": seconds, "row": row, "values": values})
+    told = {"seconds": seconds, "row": row, "values": values, "timing": astuple(timing)}
+    said = json.dumps(told)
     with contextlib.suppress(OSError):
         os.write(1, said.encode() + b"\n")
 

@@ -129,7 +129,7 @@ def test_a_first_point_that_is_too_far_moves_nothing():
 def test_a_stop_brings_the_arm_to_rest_on_its_way():
     stop = Stop()
 
-    def tell(seconds, row, values):
+    def tell(*_):
         stop.asked = True
 
     with controller() as control:
