@@ -1,0 +1,70 @@
+"""The models of samples/blocks: what comes of them in the world that they simulate."""
+
+from __future__ import annotations
+
+import re
+import sys
+
+import numpy as np
+import pytest
+
+from assistant import robots
+from docs import models
+
+pytest.importorskip("bdsim")
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch, capsys):
+    """Runs a model as from a shell: its module, its columns, and the figures that it prints."""
+
+    def run(name: str, *arguments: str):
+        module, file = models.loaded(name), tmp_path / "columns.npz"
+        monkeypatch.setattr(sys, "argv", [name, *arguments, "-o", str(file)])
+        module.main()
+        figures = [float(one) for one in re.findall(r"\d+\.\d+", capsys.readouterr().out)]
+        with np.load(file) as columns:
+            return module, dict(columns), figures
+
+    return run
+
+
+def signal(columns, name: str):
+    """The columns of a signal of several numbers, (n, k)."""
+    return np.column_stack([columns[one] for one in columns if one.startswith(f"{name}.")])
+
+
+def test_a_tool_stays_on_a_pose_that_moves(run) -> None:
+    module, columns, (worst,) = run("pose_tracking")
+    later = columns["seconds"] > 1.0
+    places, turns = module.ROBOT.fk(signal(columns, "arm[0]")[later])
+    wanted = signal(columns, "target[0]")[later]
+    off = np.linalg.norm(places - wanted[:, :3], axis=1)
+    same = np.abs((turns * wanted[:, 3:]).sum(axis=1))  # cosine of half the angle between them
+    assert np.ptp(wanted[:, :3], axis=0) == pytest.approx([80.0, 120.0, 60.0], abs=10.0)
+    assert off.max() < 0.2
+    assert np.degrees(2.0 * np.arccos(np.minimum(same, 1.0))).max() < 0.1
+    assert worst == pytest.approx(off.max(), abs=0.01)
+
+
+@pytest.mark.parametrize("law", ["image", pytest.param("pose", marks=pytest.mark.slow)])
+def test_a_camera_in_the_hand_leads_the_tool_above_the_marker(run, law) -> None:
+    module, columns, (before, after, _) = run("visual_servoing", "--law", law)
+    joints = signal(columns, "arm[0]")
+    assert before == pytest.approx(module.missed(joints[0]), abs=0.1) and before > 100.0
+    assert after == pytest.approx(module.missed(joints[-1]), abs=0.01) and after < 1.0
+    steps = np.abs(np.diff(joints, axis=0)) / module.STEP
+    assert (steps <= 0.3 * robots.get("rv-2aj").speeds + 1e-6).all()
+
+
+def test_a_path_that_waits_for_its_arm_is_kept_by_it(run) -> None:
+    module, columns, (ours, took, by_time, lasts) = run("path_following")
+    _, joints = module.motion()
+    path = module.ROBOT.fk(joints)[0]
+    arm, other = (module.ROBOT.fk(signal(columns, f"{x}[0]"))[0] for x in ("arm", "other arm"))
+    # Both go all of it, to its end.
+    assert max(np.linalg.norm(one[-1] - path[-1]) for one in (arm, other)) < 0.1
+    assert module.beside(path[::20], arm).max() < 2.5
+    assert module.beside(arm[::5], path).max() == pytest.approx(ours, abs=0.1) and ours < 2.5
+    assert by_time > 4.0 * ours
+    assert took > lasts
