@@ -9,7 +9,7 @@ COMPILE := $(SUPPLY)/uv pip compile --quiet --upgrade --universal --generate-has
 # Every command that the tests start would compile all modules and grammars anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test test-slow sweep fuzz bench lint format pins audit sbom wheel viewer vscode vsix clean
+.PHONY: demo test test-slow sweep fuzz bench lint format pins audit sbom wheel viewer editor vscode vsix clean
 
 .venv/demo: pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -99,6 +99,16 @@ viewer:
 	  --format=iife --global-name=THREE --legal-comments=inline --target=es2020 \
 	  --alias:three=./node_modules/three --outfile=../../assistant/view/three/three.js
 	cp .venv/npm/node_modules/three/LICENSE assistant/view/three/LICENSE
+
+# The editor of the studio, made anew: needs npm and a network.
+CODEMIRROR := state@6.7.6 view@6.43.15 commands@6.11.1 language@6.13.1 search@6.7.2 \
+  autocomplete@6.20.4 lint@6.9.8
+editor:
+	mkdir -p .venv/npm && cd .venv/npm && \
+	  npm install --no-save --prefix . $(addprefix @codemirror/,$(CODEMIRROR)) esbuild@0.28.2
+	cd .venv/npm && NODE_PATH=$(CURDIR)/.venv/npm/node_modules node_modules/.bin/esbuild \
+	  ../../assistant/studio/codemirror/entry.js --bundle --minify --format=esm \
+	  --legal-comments=inline --target=es2020 --outfile=../../assistant/studio/codemirror/codemirror.js
 
 # What VS Code runs of its extension, made anew: needs npm and a network.
 CLIENT := vscode-languageclient@9.0.1 vscode-textmate@9.3.2 vscode-oniguruma@2.0.1 esbuild@0.28.2

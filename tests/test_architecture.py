@@ -36,7 +36,7 @@ ROOMS: dict[str, frozenset[str]] = {
     "blocks": frozenset(
         {
             *("program", "sources", "robots", "cell", "languages"),
-            *("virtual", "controllers", "compiler"),
+            *("virtual", "controllers", "compiler", "vision"),
         }
     ),
     "findings": frozenset({"program", "sources", "robots", "cell", "languages", "compiler"}),
@@ -60,11 +60,18 @@ ROOMS: dict[str, frozenset[str]] = {
             *("report",),
         }
     ),
-    "cli": frozenset(
+    "studio": frozenset(
         {
             *("program", "sources", "robots", "cell", "languages", "checks"),
             *("virtual", "controllers", "deploy", "compiler", "findings", "report"),
             *("project", "view", "vision", "learning", "blocks", "editing"),
+        }
+    ),
+    "cli": frozenset(
+        {
+            *("program", "sources", "robots", "cell", "languages", "checks"),
+            *("virtual", "controllers", "deploy", "compiler", "findings", "report"),
+            *("project", "view", "vision", "learning", "blocks", "editing", "studio"),
         }
     ),
 }

@@ -30,6 +30,7 @@ from assistant.cli.object_commands import objects, see
 from assistant.cli.options import FormatOption, complete_robot
 from assistant.cli.presentation import Format, answer_as
 from assistant.cli.reaching import reach
+from assistant.cli.studios import studio
 from assistant.cli.virtual_commands import virtual
 from assistant.cli.virtual_runs import debug, run
 
@@ -97,6 +98,7 @@ app.command()(run)
 app.command()(debug)
 app.command()(lsp)
 app.command()(gateway)
+app.command()(studio)
 app.command()(answer)
 
 

@@ -36,6 +36,7 @@ _OWN_FAMILIES: Final = {
     "PS": "Pseudo-program text",
     "RB": "Robots",
     "SR": "Sources",
+    "ST": "The studio",
     "TB": "Tables and waypoints",
     "VC": "Virtual controllers",
     "VS": "Cameras and what they see",

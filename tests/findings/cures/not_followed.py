@@ -61,6 +61,7 @@ NOT_FOLLOWED: Final[Mapping[str, str]] = {
     "PR508": _TAUGHT,
     "RA333": "a gateway runs until it is ended: tests/virtual/test_translated_bytes.py",
     "RB009": "it is asked of Python: tests/robots/test_coupling.py",
+    "ST002": _LIVE.format("studio/test_serving.py"),
     "VS111": "a device moves from frame to frame: tests/vision/pointing/test_holding.py",
     "VS326": "pictures of two cameras are wanted: tests/vision/recognition/test_commands.py",
     "VS380": "a program asks at the other end: tests/vision/test_seen_answers.py",

@@ -1,0 +1,147 @@
+"""How routes answer: plain data in, plain data out, and findings for what is refused."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Awaitable, Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from starlette.concurrency import run_in_threadpool
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import Route
+
+from assistant.findings.formats import finding_record
+from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.failing import failure
+from assistant.program.system.watchdog import Reached
+from assistant.studio import rules
+from assistant.studio.studio import Studio
+
+WRITES = "x-window"
+"""Header that names the window which asks; a page from elsewhere cannot send it."""
+UNTIDY = 422
+FAILED = 500
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What a page asks for. window: its name. data: bytes that came with it."""
+
+    values: Mapping[str, Any]
+    window: str = ""
+    data: bytes = field(default=b"", repr=False)
+
+    def text(self, key: str, other: str | None = None) -> str:
+        """A text; raises Refused where it is missing, unless there is another for it."""
+        value = self.values.get(key, other)
+        if not isinstance(value, str):
+            raise _wrong(f"`{key}` is no text")
+        return value
+
+    def number(self, key: str, other: float | None = None) -> float:
+        value = self.values.get(key, other)
+        if isinstance(value, str):
+            try:
+                value = float(value)
+            except ValueError:
+                value = None
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise _wrong(f"`{key}` is no number")
+        if not math.isfinite(value):
+            raise _wrong(f"`{key}` is no number")
+        return float(value)
+
+    def truth(self, key: str) -> bool:
+        return self.values.get(key) is True
+
+    def texts(self, key: str) -> list[str]:
+        value = self.values.get(key, [])
+        if not isinstance(value, list) or not all(isinstance(one, str) for one in value):
+            raise _wrong(f"`{key}` is no list of texts")
+        return value
+
+    def table(self, key: str) -> Mapping[str, Any]:
+        value = self.values.get(key, {})
+        if not isinstance(value, dict):
+            raise _wrong(f"`{key}` is no table")
+        return value
+
+
+Does = Callable[[Studio, Asked], object]
+
+
+def looks(path: str, does: Does) -> Route:
+    """A route that changes nothing: by GET, with what is asked for in the address."""
+
+    async def answer(request: Request) -> Response:
+        asked = Asked(dict(request.query_params), request.headers.get(WRITES, ""))
+        return await _answered(does, request.app.state.studio, asked)
+
+    return Route(path, answer, methods=["GET"])
+
+
+def asks(path: str, does: Does) -> Route:
+    """A route that changes nothing, but is asked with more than an address holds."""
+    return Route(path, _posted(does, writes=False), methods=["POST"])
+
+
+def changes(path: str, does: Does) -> Route:
+    """A route that changes something: only for the window that writes."""
+    return Route(path, _posted(does, writes=True), methods=["POST"])
+
+
+def findings(found: Sequence[Diagnostic]) -> list[dict[str, Any]]:
+    return [finding_record(one) for one in found]
+
+
+def _posted(does: Does, *, writes: bool) -> Callable[[Request], Awaitable[Response]]:
+    async def answer(request: Request) -> Response:
+        studio: Studio = request.app.state.studio
+        window = request.headers.get(WRITES, "")
+        if writes and not studio.windows.writes(window):
+            return _refused(Refused(rules.READ_ONLY()))
+        body = await request.body()
+        if request.headers.get("content-type", "").startswith("application/octet-stream"):
+            asked = Asked(dict(request.query_params), window, body)
+        else:
+            try:
+                values = json.loads(body or b"{}")
+            except ValueError:
+                values = None
+            if not isinstance(values, dict):
+                return _refused(_wrong("it is no JSON object"))
+            asked = Asked(values, window)
+        return await _answered(does, studio, asked)
+
+    return answer
+
+
+async def _answered(does: Does, studio: Studio, asked: Asked) -> Response:
+    try:
+        answer = await run_in_threadpool(does, studio, asked)
+    except Refused as refused:
+        return _refused(refused)
+    except Reached as reached:
+        return _told([failure(reached)], FAILED)
+    except OSError as wrong:
+        return _told([rules.SYSTEM(reason=wrong.strerror or wrong)], FAILED)
+    except Exception as wrong:  # noqa: BLE001 (the studio goes on, and says so)
+        return _told([failure(wrong)], FAILED)
+    if isinstance(answer, Response):
+        return answer
+    return JSONResponse(answer)
+
+
+def _refused(refused: Refused) -> Response:
+    return _told(refused.findings, UNTIDY)
+
+
+def _told(found: Sequence[Diagnostic], status: int) -> Response:
+    return JSONResponse({"findings": findings(found)}, status)
+
+
+def _wrong(reason: str) -> Refused:
+    return Refused(rules.NOT_ASKED(reason=reason), exit_status=2)

@@ -1,0 +1,24 @@
+"""The routes of the studio, as one application."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from starlette.applications import Starlette
+from starlette.routing import BaseRoute
+
+from assistant.studio import page, project_routes, window_routes
+from assistant.studio.studio import Studio
+
+ROUTES: Final[tuple[BaseRoute, ...]] = (
+    *page.ROUTES,
+    *window_routes.ROUTES,
+    *project_routes.ROUTES,
+)
+
+
+def app(studio: Studio) -> Starlette:
+    """The application of one studio; a `Guard` stands before it."""
+    made = Starlette(routes=list(ROUTES))
+    made.state.studio = studio
+    return made

@@ -1,0 +1,153 @@
+"""Files that are dropped onto a project: where each goes, and what the project says of it then."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path as FilePath
+from pathlib import PurePosixPath
+from typing import Any, Final
+
+from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.program import TakenNames, identifier
+from assistant.program.system.bounded import read_file
+from assistant.program.system.writing import write_all
+from assistant.program.text import is_file
+from assistant.project import project_of
+from assistant.project.layout import Project
+from assistant.project.starting import PROJECT, Started, start
+from assistant.resources import resource
+from assistant.sources import PROCESS_SUFFIX, READERS
+from assistant.studio import rules
+from assistant.studio.answering import findings
+from assistant.studio.studio import Studio
+from assistant.studio.toml_edits import with_values
+from assistant.studio.tree import DRAWINGS, programs
+
+NAME: Final = re.compile(r"[^\W_][\w .+()-]{0,119}")
+"""Of a file that is dropped: no folder, nothing hidden, nothing that a terminal is led by."""
+FOLDERS: Final = {"drawing": "drawings", "program": "programs", "table": "tables"}
+LONGEST_NAME: Final = 60
+ENCODING: Final = "utf-8"
+TARGET: Final = "[targets."
+"""Where the example's project begins to say what goes where."""
+PROGRAMS: Final = "[programs."
+
+
+def start_empty(folder: FilePath) -> Started:
+    """A project without programs; what is there is left as it is."""
+    file = folder / PROJECT
+    if not (file.exists() or file.is_symlink()):
+        text, _ = _example()
+        write_all({file: text.encode(ENCODING)})
+    return Started(folder, (file,))
+
+
+def dropped(studio: Studio, name: str, data: bytes) -> dict[str, Any]:
+    """Writes a file into the project, and what the project needs to say of it.
+
+    Raises Refused for a name that is none, for what is no source, and for one that is there.
+    """
+    kind = _kind(name)
+    file = studio.place(f"{FOLDERS[kind]}/{name}")
+    if not is_file(studio.folder / PROJECT):
+        start_empty(studio.folder)
+    before = read_file(file) if is_file(file) else None
+    if before is not None and before != data:
+        raise Refused(rules.THERE_ALREADY(path=name, name=name))
+    found: list[Diagnostic] = []
+    written: list[FilePath] = []
+    if kind == "drawing":
+        done = _drawing(studio, file, data)
+        found += done.findings
+        written += done.written
+    else:
+        written += write_all({file: data})
+    _add_program(studio, file)
+    main = file.with_suffix(PROCESS_SUFFIX) if kind == "drawing" else file
+    return {
+        "path": studio.named(file),
+        "kind": kind,
+        "opens": studio.named(main),
+        "written": [studio.named(one) for one in written],
+        "findings": findings([one for one in found if one.code != _not_added()]),
+    }
+
+
+def _drawing(studio: Studio, file: FilePath, data: bytes) -> Started:
+    """The drawing with its process file, as `init FOLDER DRAWING` writes it; both or none."""
+    new = not is_file(file)
+    write_all({file: data})
+    try:
+        return start(studio.folder, (file,))
+    except BaseException:
+        if new:
+            file.unlink(missing_ok=True)
+        raise
+
+
+def _add_program(studio: Studio, file: FilePath) -> None:
+    """[programs.NAME] of a source, and its name in the target of the first controller."""
+    project = project_of(studio.folder)
+    known = {recipe.source.resolve() for recipe in project.programs.values()}
+    if file.resolve() in known:
+        return
+    name = identifier(file.stem, TakenNames(project.programs))[:LONGEST_NAME]
+    text = read_file(project.file).decode(ENCODING)
+    path = _table(project)
+    text = with_values(
+        text, {(*path, "programs", name, "source"): studio.named(file)}, project.file.name
+    )
+    text = _with_target(text, path, project, name)
+    write_all({project.file: text.encode(ENCODING)})
+    project_of(studio.folder)
+
+
+def _with_target(text: str, path: tuple[str, ...], project: Project, name: str) -> str:
+    from assistant.controllers import controllers_of
+
+    if project.places:
+        place = project.places[0]
+        programs = [one.name for one in place.recipes]
+        at = (*path, "targets", place.name, "programs")
+        return with_values(text, {at: [*programs, name]}, project.file.name)
+    controllers = controllers_of(project.folder)
+    if not controllers or path:
+        return text
+    first = next(iter(controllers))
+    _, target = _example()
+    if not (text.startswith(_example()[0]) and target.startswith(f"{TARGET}{first}]")):
+        target = f"{TARGET}{first}]\nprograms = []\n"
+    text = f"{text.rstrip()}\n\n{target}"
+    return with_values(text, {("targets", first, "programs"): [name]}, project.file.name)
+
+
+def _example() -> tuple[str, str]:
+    """The project's file that `init` writes, without its program; and what that says of targets."""
+    text = resource("templates", f"project/{PROJECT}").read_text(encoding=ENCODING)
+    program, target = text.index(PROGRAMS), text.index(TARGET)
+    return text[:program].rstrip() + "\n", text[target:]
+
+
+def _table(project: Project) -> tuple[str, ...]:
+    return () if project.file.name == PROJECT else ("tool", "robot-assistant")
+
+
+def _kind(name: str) -> str:
+    """drawing, program or table; raises Refused for a bad name, and for what is none of them."""
+    if NAME.fullmatch(name) is None or name.endswith((" ", ".")) or ".." in name:
+        raise Refused(rules.NO_PLAIN_NAME(name=name), exit_status=2)
+    suffix = PurePosixPath(name).suffix.lower()
+    if suffix in DRAWINGS:
+        return "drawing"
+    if suffix in programs():
+        return "program"
+    if suffix in READERS and suffix not in (".toml", ".json"):
+        return "table"
+    known = ", ".join(sorted({*DRAWINGS, *programs(), *READERS} - {".toml", ".json"}))
+    raise Refused(rules.NOT_TAKEN(path=name, name=name, known=known), exit_status=2)
+
+
+def _not_added() -> str:
+    from assistant.project.rules import NOT_ADDED
+
+    return NOT_ADDED.code

@@ -1,0 +1,221 @@
+"""The layers of a drawing, and the process of each as it is written into the process file."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path as FilePath
+from typing import Any, Final
+
+from assistant.program.diagnostics import Refused, has_errors
+from assistant.program.system.bounded import read_file
+from assistant.program.system.writing import write_all
+from assistant.program.text import SourceText, encode, is_file
+from assistant.project.drafting import process_text
+from assistant.sources import PROCESS_SUFFIX, process_of
+from assistant.sources.drawing import read_contents
+from assistant.sources.drawing.survey import Survey, survey
+from assistant.sources.process import NO_PROCESS, Process
+from assistant.sources.process.file import parse_process
+from assistant.sources.process.lines import KeyPath
+from assistant.studio import rules
+from assistant.studio.answering import findings
+from assistant.studio.studio import Studio
+from assistant.studio.toml_edits import with_values, without_table
+
+LEFT_OUT: Final = "leave_out"
+LAYERS: Final = "layers"
+USED: Final = "used"
+"""Of a layer: whether it is worked; everything else is a key of its table."""
+MOST_POINTS: Final = 20_000
+"""Of the picture of a drawing."""
+STEPS: Final = 24
+"""Along a curve that is no line."""
+FIELDS: Final = (
+    ("tools", "tool", "tip"),
+    ("frames", "work", "position"),
+    ("frames", "work", "euler_zyx"),
+    ("motion", "speed"),
+)
+"""What the page asks for beside the layers, in its order."""
+
+
+def layers(studio: Studio, path: str) -> dict[str, Any]:
+    """What a drawing holds, what becomes of each layer, and its lines from above."""
+    drawing = studio.file(path)
+    file = drawing.with_suffix(PROCESS_SUFFIX)
+    content, process, found = _stated(drawing, file)
+    seen = survey(drawing, process)
+    tables = content.get(LAYERS, {})
+    named = {name.casefold(): table for name, table in tables.items()}
+    return {
+        "path": path,
+        "process": studio.named(file) if is_file(file) else None,
+        "unit": seen.unit,
+        "layers": [
+            {
+                "name": one.name,
+                "closed": one.closed,
+                "open": one.open,
+                "length": round(one.length, 3),
+                "locations": one.locations,
+                "use": one.use,
+                USED: one.works and not process.leaves_out(one.name) and one.state == "on",
+                "values": _plain(named.get(one.name.casefold(), {})),
+            }
+            for one in seen.layers
+            if one.kinds
+        ],
+        "values": [{"key": list(key), "value": _plain(_at(content, key))} for key in FIELDS],
+        "lines": _lines(drawing, process),
+        "findings": findings([*seen.findings, *found]),
+    }
+
+
+def set_values(studio: Studio, path: str, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Writes the process file of a drawing with these values, a new one if there is none.
+
+    values: tables in tables, as the file has them; None takes a key away. Raises Refused for what
+    the file could not be read with, and writes nothing then.
+    """
+    drawing = studio.file(path)
+    file = drawing.with_suffix(PROCESS_SUFFIX)
+    before = _text(drawing, file)
+    text = before.text
+    wanted = dict(values)
+    for name, table in _tables(wanted.pop(LAYERS, {})).items():
+        used = table.pop(USED, None)
+        text = _with_use(text, name, used, file.name) if isinstance(used, bool) else text
+        if used is not False:
+            text = with_values(text, {(LAYERS, name, k): v for k, v in table.items()}, file.name)
+    text = with_values(text, dict(_flat(wanted)), file.name)
+    changed = replace(before, text=text)
+    _check(before, changed)
+    write_all({file: encode(changed)})
+    return layers(studio, path)
+
+
+def _with_use(text: str, name: str, used: bool, file: str) -> str:
+    content = tomllib.loads(text)
+    out = [one for one in content.get(LEFT_OUT, []) if one != name]
+    if not used:
+        known = next((k for k in content.get(LAYERS, {}) if k.casefold() == name.casefold()), None)
+        text = text if known is None else without_table(text, (LAYERS, known), file)
+        out.append(name)
+    if out != content.get(LEFT_OUT, []):
+        text = with_values(text, {(LEFT_OUT,): out}, file)
+    if used and name not in content.get(LAYERS, {}):
+        text = with_values(text, {(LAYERS, name, "speed"): 50}, file)
+    return text
+
+
+def _check(before: SourceText, changed: SourceText) -> None:
+    """Raises Refused for errors that were not there before."""
+    known = {(one.code, one.message) for one in _errors(before)}
+    new = [one for one in _errors(changed) if (one.code, one.message) not in known]
+    if new:
+        raise Refused(*new)
+
+
+def _errors(source: SourceText) -> tuple[Any, ...]:
+    try:
+        parse_process(source)
+    except Refused as refused:
+        return refused.findings if has_errors(refused.findings) else ()
+    return ()
+
+
+def _stated(drawing: FilePath, file: FilePath) -> tuple[dict[str, Any], Process, list[Any]]:
+    """What the process file says, as it is and as it is read; a blank one without its blanks."""
+    if not is_file(file):
+        return {}, NO_PROCESS, []
+    source = _text(drawing, file)
+    try:
+        content = tomllib.loads(source.text.replace("\r\n", "\n"))
+    except (ValueError, RecursionError):
+        content = {}
+    try:
+        return content, process_of(drawing), []
+    except Refused as refused:
+        wanted = {"unit": content.get("unit"), LEFT_OUT: content.get(LEFT_OUT)}
+        left = wanted[LEFT_OUT] if isinstance(wanted[LEFT_OUT], list) else []
+        unit = wanted["unit"] if isinstance(wanted["unit"], str) else None
+        names = tuple(one for one in left if isinstance(one, str))
+        return content, _half(content, unit, names), list(refused.findings)
+
+
+def _half(content: Mapping[str, Any], unit: str | None, left: tuple[str, ...]) -> Process:
+    from assistant.sources.lengths import known_unit
+    from assistant.sources.process import DEFAULTS, Layer
+
+    found = replace(NO_PROCESS, leave_out=left)
+    tables = content.get(LAYERS, {})
+    named = tables if isinstance(tables, dict) else {}
+    kept = {name: Layer(name, DEFAULTS.motion) for name in named}
+    try:
+        return replace(found, layers=kept, unit=None if unit is None else known_unit(unit))
+    except Refused:
+        return replace(found, layers=kept)
+
+
+def _text(drawing: FilePath, file: FilePath) -> SourceText:
+    if not is_file(file):
+        seen: Survey = survey(drawing, NO_PROCESS)
+        return SourceText(process_text(drawing.name, seen), str(file), "utf-8", "\n")
+    from assistant.program.text import decode
+    from assistant.sources.process.file import ENCODINGS
+
+    return decode(read_file(file), str(file), ENCODINGS)
+
+
+def _lines(drawing: FilePath, process: Process) -> list[dict[str, Any]]:
+    """Curves from above, in mm of the drawing, as far as there is room."""
+    import numpy as np
+
+    from assistant.sources.contours.curves import Line as Straight
+
+    found, room = [], MOST_POINTS
+    for curve in read_contents(drawing, replace(process, placement=None)).curves:
+        steps = 1 if isinstance(curve, Straight) else STEPS
+        points = np.asarray(curve.at(np.linspace(0.0, 1.0, steps + 1)))[:, :2]
+        room -= len(points)
+        if room < 0:
+            break
+        found.append({"layer": curve.layer, "points": np.round(points, 3).tolist()})
+    return found
+
+
+def _tables(value: Any) -> dict[str, dict[str, Any]]:
+    if not isinstance(value, dict) or not all(isinstance(one, dict) for one in value.values()):
+        raise Refused(rules.NOT_ASKED(reason="`layers` is no table of tables"), exit_status=2)
+    return {name: dict(table) for name, table in value.items()}
+
+
+def _flat(values: Mapping[str, Any], path: KeyPath = ()) -> list[tuple[KeyPath, Any]]:
+    found: list[tuple[KeyPath, Any]] = []
+    for key, value in values.items():
+        here = (*path, key)
+        found += _flat(value, here) if isinstance(value, dict) else [(here, value)]
+    return found
+
+
+def _at(content: Mapping[str, Any], path: KeyPath) -> Any:
+    here: Any = content
+    for key in path:
+        here = here.get(key) if isinstance(here, dict) else None
+    return here
+
+
+def _plain(value: Any) -> Any:
+    """What JSON can hold of a TOML value."""
+    match value:
+        case dict():
+            return {key: _plain(one) for key, one in value.items()}
+        case list():
+            return [_plain(one) for one in value]
+        case bool() | int() | str() | None:
+            return value
+        case float():
+            return value if abs(value) < float("inf") else None
+    return str(value)

@@ -1,0 +1,56 @@
+"""The findings of the studio."""
+
+from __future__ import annotations
+
+from assistant.program.diagnostics import error, warning
+
+NO_LIBRARY = error(
+    "ST001",
+    "the studio is served by the library {name}, which is not installed",
+    "install the extra: pip install 'robot-assistant[studio]'",
+)
+NOT_SERVED = error(
+    "ST002",
+    "the studio cannot be served on {where}: {reason}",
+    "name another --port or --host, or leave them out",
+)
+NO_FOLDER = error("ST003", "there is no folder `{name}`", "name one that is there")
+NO_BROWSER = warning(
+    "ST004", "no browser could be opened here", "open the address in one by hand, on this computer"
+)
+READ_ONLY = error(
+    "ST010",
+    "another window of the studio is open, and only that one changes anything",
+    "close the other window; this one may write then",
+)
+NOT_ASKED = error(
+    "ST011", "the page asked for something that is wrong: {reason}", "load the page anew"
+)
+SYSTEM = error("ST012", "the system refuses: {reason}", "make room, or look whether it is there")
+NO_PLAIN_NAME = error(
+    "ST020",
+    "`{name}` cannot be the name of a file here",
+    "rename it: letters, digits, `-`, `_`, `.` and spaces, without a folder",
+)
+NOT_TAKEN = error(
+    "ST021",
+    "`{name}` is nothing that a project is made of",
+    "drop a file that ends in one of {known}",
+)
+THERE_ALREADY = error(
+    "ST022",
+    "`{name}` is there already and says something else; it was not touched",
+    "rename the file that is dropped, or take the other one away",
+)
+OUTSIDE = error("ST023", "`{name}` is no file of the project", "name a file inside the project")
+CHANGED = error(
+    "ST024",
+    "`{name}` was changed by somebody else since it was opened; nothing was written",
+    "take over what is there now, or keep what stands here",
+)
+NOT_KEPT = error(
+    "ST025",
+    "`{key}` cannot be written into {name} without changing the rest of it; it was not touched",
+    "write it by hand",
+)
+GONE = error("ST026", "`{name}` is not there any more", "save it under its name again, or close it")

@@ -1,0 +1,46 @@
+// The list of findings: those of the open file, and those that an action had.
+import { find, made, word } from "./words.js";
+import { Refused } from "./server.js";
+
+let open = null; // goes to a finding: (finding) => void
+export const beginFindings = (goTo) => { open = goTo; };
+let ofFile = [], ofDoing = [];
+
+/** Findings of the open file, with their cures: {finding, fixes: [{title, use}]}. */
+export function showOfFile(found) { ofFile = found; show(); }
+export function showOfDoing(found) { ofDoing = found.map((finding) => ({ finding, fixes: [] })); show(); }
+
+/** Does something; what is refused stands in the list then, and undefined comes back. */
+export async function doing(does) {
+  try {
+    const answer = await does();
+    showOfDoing(answer?.findings ?? []);
+    return answer;
+  } catch (refused) {
+    if (!(refused instanceof Refused)) throw refused;
+    showOfDoing(refused.findings);
+    return undefined;
+  }
+}
+function show() {
+  const seen = new Set(), list = find("findings"), items = [];
+  for (const { finding, fixes } of [...ofDoing, ...ofFile]) {
+    const key = `${finding.code} ${finding.path} ${finding.line} ${finding.message}`;
+    if (seen.has(key)) continue;
+    seen.add(key);
+    const item = made("li", undefined, finding.severity), button = made("button");
+    const where = [finding.path, finding.line, finding.column].filter((part) => part !== undefined).join(":");
+    button.append(made("strong", `${finding.code} `), finding.message, made("br"), made("small", [where, finding.cure].filter(Boolean).join(" · ")));
+    button.addEventListener("click", () => open?.(finding));
+    item.append(button);
+    for (const { title, use } of fixes) {
+      const fix = made("button", `${word("cure")}: ${title}`, "fix");
+      fix.addEventListener("click", use);
+      item.append(fix);
+    }
+    items.push(item);
+    if (items.length >= 300) break;
+  }
+  list.replaceChildren(...(items.length ? items : [made("li", word("no_findings"), "info")]));
+  find("finding-count").textContent = items.length ? `(${items.length})` : "";
+}

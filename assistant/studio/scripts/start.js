@@ -1,0 +1,25 @@
+// Beginning: words, the line to the studio, and each part of the page.
+import { beginWords, find } from "./words.js";
+import { beginLine } from "./line.js";
+import { beginTabs } from "./tabs.js";
+import { beginFindings } from "./findings.js";
+import { beginProject, chooseFile, readProject } from "./project.js";
+import { beginDrawing } from "./drawing.js";
+
+beginWords();
+beginTabs();
+const theme = localStorage.getItem("theme");
+if (theme) document.documentElement.classList.add(theme);
+find("theme").addEventListener("click", () => {
+  const dark = document.documentElement.classList.contains("dark")
+    || (!document.documentElement.classList.contains("light") && matchMedia("(prefers-color-scheme: dark)").matches);
+  document.documentElement.classList.remove("dark", "light");
+  document.documentElement.classList.add(dark ? "light" : "dark");
+  localStorage.setItem("theme", dark ? "light" : "dark");
+});
+beginProject();
+beginDrawing();
+beginFindings((finding) => { if (finding.path) chooseFile(finding.path); });
+await beginLine();
+await readProject();
+window.studio = { ready: true };

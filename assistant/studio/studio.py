@@ -1,0 +1,68 @@
+"""What one studio works on: a folder, and what is open while its windows are."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field
+from pathlib import Path as FilePath
+
+from assistant.program.diagnostics import Refused
+from assistant.program.text import is_file
+from assistant.studio import rules
+from assistant.studio.windows import Windows
+
+KEPT_OUT = frozenset({".git", ".robot-assistant", ".venv", "__pycache__", "node_modules"})
+"""Folders that are not looked into."""
+
+
+@dataclass(slots=True)
+class Studio:
+    """folder: of the project, absolute. windows: that are open, one of which writes.
+
+    live: what runs or is connected to while windows are open, by its kind.
+    """
+
+    folder: FilePath
+    windows: Windows = field(default_factory=Windows)
+    live: dict[str, object] = field(default_factory=dict)
+
+    def file(self, name: str) -> FilePath:
+        """A file of the project that is there; raises Refused."""
+        found = self.place(name)
+        if not is_file(found):
+            raise Refused(rules.GONE(path=name, name=name))
+        return found
+
+    def place(self, name: str) -> FilePath:
+        """Where a file of the project is or would be; raises Refused for one outside of it."""
+        from assistant.project.layout import inside
+
+        found = inside(self.folder, name)
+        if found is None or KEPT_OUT & set(found.relative_to(self.folder).parts):
+            raise Refused(rules.OUTSIDE(name=name))
+        return found
+
+    def named(self, file: FilePath) -> str:
+        """A file as the page calls it: from the folder, with slashes."""
+        path = file.absolute()
+        return path.relative_to(self.folder).as_posix() if path.is_relative_to(self.folder) else ""
+
+    def go_to(self, folder: FilePath) -> None:
+        """Works on another folder from now on; raises Refused if there is none."""
+        there = folder.absolute()
+        if not there.is_dir():
+            raise Refused(rules.NO_FOLDER(name=folder), exit_status=2)
+        os.chdir(there)  # commands take the project of the working folder
+        self.folder = FilePath.cwd()
+
+    def end(self) -> None:
+        """Ends whatever runs or is connected to."""
+        for name in list(self.live):
+            self.drop(name)
+
+    def drop(self, name: str) -> None:
+        """Ends one of them."""
+        one = self.live.pop(name, None)
+        end = getattr(one, "end", None)
+        if end is not None:
+            end()

@@ -1,0 +1,154 @@
+"""Values put into a TOML text that people write: comments, order and layout stay as they are."""
+
+from __future__ import annotations
+
+import copy
+import json
+import re
+import tomllib
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
+
+from assistant.program.diagnostics import Refused
+from assistant.project.drafting import WIDTH, quoted
+from assistant.sources.process.lines import KeyPath, key_spans, value_spans
+from assistant.studio import rules
+
+BARE: Final = re.compile(r"[A-Za-z0-9_-]+")
+COMMENT: Final = re.compile(r"[^\S\n]*(#[^\n]*)?$")
+
+
+def with_values(text: str, values: Mapping[KeyPath, Any], name: str) -> str:
+    """A text in which keys have these values; None takes a key away.
+
+    A key that stands there behind a `#`, as a choice, gets its place. Raises Refused if the text
+    would say anything else than before beside that. name: of the file, for the finding.
+    """
+    changed = text
+    for path, value in values.items():
+        changed = _with_value(changed, path, value)
+    if _read(changed) != _meant(_read(text), values):
+        key = ".".join(next(iter(values), ()))
+        raise Refused(rules.NOT_KEPT(path=name, key=key, name=name))
+    return changed
+
+
+def toml(value: Any) -> str:
+    """A value as TOML has it, in one line."""
+    match value:
+        case bool():
+            return "true" if value else "false"
+        case int():
+            return str(value)
+        case float():
+            return json.dumps(int(value) if value.is_integer() and abs(value) < 1e15 else value)
+        case str():
+            return quoted(value)
+        case Mapping():
+            pairs = (f"{_key(str(key))} = {toml(one)}" for key, one in value.items())
+            return "{" + ", ".join(pairs) + "}"
+        case Sequence():
+            return "[" + ", ".join(map(toml, value)) + "]"
+    raise TypeError(f"{type(value).__name__} is nothing of TOML")
+
+
+def _with_value(text: str, path: KeyPath, value: Any) -> str:
+    there = value_spans(text).get(path)
+    if there is not None:
+        if value is None:
+            return _without_line(text, there.start)
+        return _replaced(text, there.start, there.end, toml(value))
+    if value is None:
+        return text
+    return _added(text, path, f"{_key(path[-1])} = {toml(value)}")
+
+
+def _replaced(text: str, start: int, end: int, value: str) -> str:
+    """The value in its place; a comment behind it stays in its column as far as there is room."""
+    stop = text.find("\n", end)
+    rest = text[end : stop if stop >= 0 else len(text)]
+    match = COMMENT.match(rest)
+    if match is None or match[1] is None:
+        return text[:start] + value + text[end:]
+    before = text[text.rfind("\n", 0, start) + 1 : start]
+    line = f"{before}{value}"
+    column = len(before) + (end - start) + match.start(1)
+    return f"{text[: start - len(before)]}{line:{column - 1}} {match[1]}{text[end + len(rest) :]}"
+
+
+def _without_line(text: str, at: int) -> str:
+    start, stop = text.rfind("\n", 0, at) + 1, text.find("\n", at)
+    return text[:start] + (text[stop + 1 :] if stop >= 0 else "")
+
+
+def _added(text: str, path: KeyPath, line: str) -> str:
+    """Where the key stands as a choice in its table; else below the last line of that."""
+    start, stop = _region(text, path[:-1])
+    if start < 0:
+        header = ".".join(map(_key, path[:-1]))
+        gap = "" if not text else "\n" if text.endswith("\n") else "\n\n"
+        return f"{text}{gap}[{header}]\n{line}\n"
+    choice = re.compile(rf"^# *{re.escape(_key(path[-1]))} *=[^\n]*$", re.MULTILINE)
+    found = choice.search(text, start, stop)
+    if found is not None:
+        about = re.search(r"[^\S\n]#(?=[^#]*$)(.*)$", found[0][1:])
+        said = f"{line:{WIDTH - 1}} #{about[1]}" if about else line
+        return text[: found.start()] + said + text[found.end() :]
+    body = text[start:stop]
+    last = max((m.end() for m in re.finditer(r"^[^#\s\[][^\n]*\n?", body, re.MULTILINE)), default=0)
+    at = start + last
+    before = "" if at == 0 or text[at - 1] == "\n" else "\n"
+    return f"{text[:at]}{before}{line}\n{text[at:]}"
+
+
+def _region(text: str, table: KeyPath) -> tuple[int, int]:
+    """What belongs to a table: from behind its header to the next one; (-1, -1) if it has none."""
+    headers = [m.start() for m in re.finditer(r"^[^\S\n]*\[", text, re.MULTILINE)]
+    if not table:
+        return 0, headers[0] if headers else len(text)
+    span = key_spans(text).get(table)
+    if span is None:
+        return -1, -1
+    line = text.rfind("\n", 0, span.start) + 1
+    if not text[line : span.start].lstrip().startswith("["):
+        return -1, -1
+    end = text.find("\n", span.end)
+    start = len(text) if end < 0 else end + 1
+    return start, min((at for at in headers if at >= start), default=len(text))
+
+
+def _meant(content: dict[str, Any], values: Mapping[KeyPath, Any]) -> dict[str, Any]:
+    out = copy.deepcopy(content)
+    for path, value in values.items():
+        here = out
+        for key in path[:-1]:
+            here = here.setdefault(key, {})
+        if value is None:
+            here.pop(path[-1], None)
+        else:
+            here[path[-1]] = _read(f"it = {toml(value)}")["it"]
+    return out
+
+
+def _read(text: str) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text.replace("\r\n", "\n"))
+    except (ValueError, RecursionError):
+        return {"": None}  # which is like nothing else
+
+
+def _key(name: str) -> str:
+    return name if BARE.fullmatch(name) else quoted(name)
+
+
+def without_table(text: str, table: KeyPath, name: str) -> str:
+    """A text without a table and what it holds, with the comments in it. Raises Refused."""
+    start, stop = _region(text, table)
+    if start < 0:
+        return text
+    line = text.rfind("\n", 0, start - 1) + 1
+    changed = text[:line] + text[stop:]
+    if _read(changed) != _meant(_read(text), {table: None}):
+        key = ".".join(table)
+        raise Refused(rules.NOT_KEPT(path=name, key=key, name=name))
+    return changed

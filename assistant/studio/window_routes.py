@@ -1,0 +1,89 @@
+"""The line between a window and the studio: who writes, what changed on the disk, and held keys."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Mapping
+from pathlib import Path as FilePath
+from typing import Any, Final
+
+from starlette.concurrency import run_in_threadpool
+from starlette.routing import WebSocketRoute
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from assistant.studio.studio import Studio
+from assistant.studio.tree import stamps
+
+LOOKS: Final = 1.0
+"""Seconds between two looks at the files of the project."""
+
+
+async def window(line: WebSocket) -> None:
+    """One window, from when it opens to when it is gone."""
+    studio: Studio = line.app.state.studio
+    await line.accept()
+    loop = asyncio.get_running_loop()
+    news: asyncio.Queue[Mapping[str, Any]] = asyncio.Queue()
+
+    def tell(message: Mapping[str, Any]) -> None:
+        if not loop.is_closed():
+            loop.call_soon_threadsafe(news.put_nowait, message)
+
+    name = studio.windows.opened(tell)
+    tasks = [asyncio.create_task(_sent(line, news)), asyncio.create_task(_looked(studio, tell))]
+    try:
+        while True:
+            message = json.loads(await line.receive_text())
+            if isinstance(message, dict):
+                _heard(studio, name, message)
+    except (WebSocketDisconnect, ValueError, KeyError):
+        pass
+    finally:
+        for task in tasks:
+            task.cancel()
+        wrote = studio.windows.closed(name)
+        await run_in_threadpool(_gone, studio, name, wrote)
+
+
+def _heard(studio: Studio, name: str, message: Mapping[str, Any]) -> None:
+    """A beat of a held key goes to what moves; nothing else is said here."""
+    control = studio.live.get("control")
+    beat = getattr(control, "beat", None)
+    if beat is not None and message.get("kind") == "beat":
+        beat(name, message)
+
+
+def _gone(studio: Studio, name: str, wrote: bool) -> None:
+    """What a window had under control is so no more; what it had connected is left."""
+    control = studio.live.get("control")
+    if control is not None and getattr(control, "window", None) == name:
+        studio.drop("control")
+    if wrote:
+        studio.drop("connection")
+        studio.drop("run")
+
+
+async def _sent(line: WebSocket, news: asyncio.Queue[Mapping[str, Any]]) -> None:
+    while True:
+        await line.send_text(json.dumps(await news.get(), allow_nan=False))
+
+
+async def _looked(studio: Studio, tell: Any) -> None:
+    """Tells of files that came, went or changed."""
+    before = await run_in_threadpool(stamps, studio.folder)
+    at: FilePath = studio.folder
+    while True:
+        await asyncio.sleep(LOOKS)
+        if studio.folder != at:
+            at = studio.folder
+            before = await run_in_threadpool(stamps, at)
+            continue
+        now = await run_in_threadpool(stamps, at)
+        changed = sorted(name for name in {*before, *now} if before.get(name) != now.get(name))
+        before = now
+        if changed:
+            tell({"kind": "disk", "files": changed})
+
+
+ROUTES: Final = (WebSocketRoute("/window", window),)

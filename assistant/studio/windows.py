@@ -1,0 +1,57 @@
+"""The windows of a studio: one of them writes, the others only look."""
+
+from __future__ import annotations
+
+import secrets
+import threading
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+Tell = Callable[[Mapping[str, object]], None]
+"""Tells a window something; may be called from any thread."""
+
+
+@dataclass(slots=True, eq=False)
+class Windows:
+    """Those that are open, the oldest first: that one writes until it is closed."""
+
+    _open: dict[str, Tell] = field(default_factory=dict)
+    _lock: threading.Lock = field(default_factory=threading.Lock)
+
+    def opened(self, tell: Tell) -> str:
+        """A name for a new window, which nobody else can guess."""
+        name = secrets.token_urlsafe(16)
+        with self._lock:
+            self._open[name] = tell
+        self._tell_who()
+        return name
+
+    def closed(self, name: str) -> bool:
+        """Whether it was the one that writes: the next one does from now on."""
+        with self._lock:
+            wrote = self._writer() == name
+            self._open.pop(name, None)
+        if wrote:
+            self._tell_who()
+        return wrote
+
+    def writes(self, name: str) -> bool:
+        with self._lock:
+            writer = self._writer()
+        return writer is not None and secrets.compare_digest(writer.encode(), name.encode())
+
+    def tell(self, message: Mapping[str, object]) -> None:
+        """Tells all windows."""
+        with self._lock:
+            every = tuple(self._open.values())
+        for tell in every:
+            tell(message)
+
+    def _tell_who(self) -> None:
+        with self._lock:
+            writer, every = self._writer(), dict(self._open)
+        for name, tell in every.items():
+            tell({"kind": "window", "name": name, "writes": name == writer})
+
+    def _writer(self) -> str | None:
+        return next(iter(self._open), None)
