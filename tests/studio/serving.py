@@ -35,14 +35,14 @@ class Page:
         parts = urlsplit(self.address)
         return f"{parts.scheme}://{parts.netloc}"
 
-    def get(self, path: str, **values: str) -> Answer:
+    def get(self, path: str, /, **values: str) -> Answer:
         return self._answer(f"{path}?{urlencode(values)}" if values else path)
 
-    def post(self, path: str, **values: Any) -> Answer:
+    def post(self, path: str, /, **values: Any) -> Answer:
         kind = {"Content-Type": "application/json"}
         return self._answer(path, json.dumps(values).encode(), kind)
 
-    def send(self, path: str, data: bytes, **values: str) -> Answer:
+    def send(self, path: str, data: bytes, /, **values: str) -> Answer:
         kind = {"Content-Type": "application/octet-stream"}
         return self._answer(f"{path}?{urlencode(values)}", data, kind)
 
