@@ -38,7 +38,9 @@ def model(name: str) -> bytes:
     diagram, ran = module.simulated()
     shown = module.DRAWN
     figure = Figure(figsize=(9.0, 2.6 + 0.95 * len(shown)), layout="constrained")
-    upper, lower = figure.subfigures(2, 1, height_ratios=[2.6, 0.95 * len(shown)])
+    (upper,), (lower,) = figure.subfigures(
+        2, 1, squeeze=False, height_ratios=[2.6, 0.95 * len(shown)]
+    )
     draw_diagram(upper.subplots(), diagram)
     below = lower.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
     draw_signals(list(below), ran, list(shown))

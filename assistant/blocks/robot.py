@@ -8,13 +8,16 @@ Signals are numbers as elsewhere: joints in degrees, poses as x, y, z in mm and 
 `POSETOSE3` and `SE3TOPOSE` are for what takes and gives SE3 in metres. What moves an arm runs only
 by `run_bdsim` or `run_paced` of `assistant.blocks.running_bdsim`, which are told that it was
 confirmed.
+
+Its editor shows what stands here: ports by their labels, parameters by the fields of the docstrings
+in its own form, icons of `Icons`, which `python -m docs.icons` draws.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from contextvars import ContextVar
-from typing import Any, Final
+from typing import Any, ClassVar, Final
 
 import numpy as np
 from bdsim.block import FunctionBlock, SampledBlock
@@ -112,142 +115,185 @@ class _Stepped(_Adapted):
 # ------------------------------------------------------------------- controller operation
 
 
-class JointMovJoint(_Stepped, SampledBlock):
-    """To joints, by the joints; busy until the arm stands there.
+class _Move(_Stepped):
+    """Busy until the arm stands where it was told to go."""
 
-    :input 0 target: J1 to J6 in degrees
-    :input 1 start: above 0.5 it moves
-    :output 0: busy
-    :output 1: moves done
-    :output 2: joints where it stood last
+    nin = 2
+    nout = 3
+    inlabels: tuple[str, ...] = ("target", "start")
+    outlabels = ("busy", "done", "joints")
+    kind: ClassVar[type[moving.Move]]
+
+    def __init__(
+        self,
+        clock: Clock,
+        connection: Connection[Operator],
+        robot: Robot,
+        name: str,
+        **blockargs: Any,
+    ) -> None:
+        super().__init__(self.kind(name, connection, robot), clock, **blockargs)
+
+
+class JointMovJoint(_Move, SampledBlock):
+    """To joints (J1 to J6 in degrees), by the joints; busy until the arm stands there.
+
+    While `start` is above 0.5 it moves to each new target. It gives whether it is busy, how many
+    moves are done, and the joints where the arm stood last.
+
+    :param clock: at whose ticks it steps
+    :type clock: Clock
+    :param connection: given by `operated`
+    :type connection: Connection
+    :param robot: the arm that moves
+    :type robot: Robot
     """
 
-    nin = 2
-    nout = 3
-
-    def __init__(
-        self,
-        clock: Clock,
-        connection: Connection[Operator],
-        robot: Robot,
-        name: str,
-        **blockargs: Any,
-    ) -> None:
-        super().__init__(moving.JointMovJoint(name, connection, robot), clock, **blockargs)
+    kind = moving.JointMovJoint
 
 
-class JointMovCart(_Stepped, SampledBlock):
-    """To a pose (X, Y, Z in mm, A, B, C in degrees), by the joints; as `JointMovJoint` else."""
+class JointMovCart(_Move, SampledBlock):
+    """To a pose (X, Y, Z in mm, A, B, C in degrees), by the joints; as `JointMovJoint` else.
 
-    nin = 2
-    nout = 3
+    :param clock: at whose ticks it steps
+    :type clock: Clock
+    :param connection: given by `operated`
+    :type connection: Connection
+    :param robot: the arm that moves
+    :type robot: Robot
+    """
 
-    def __init__(
-        self,
-        clock: Clock,
-        connection: Connection[Operator],
-        robot: Robot,
-        name: str,
-        **blockargs: Any,
-    ) -> None:
-        super().__init__(moving.JointMovCart(name, connection, robot), clock, **blockargs)
+    kind = moving.JointMovCart
 
 
-class LinMovJoint(_Stepped, SampledBlock):
-    """To where joints bring the tool, on a line; as `JointMovJoint` else."""
+class LinMovJoint(_Move, SampledBlock):
+    """To where joints bring the tool, on a line; as `JointMovJoint` else.
 
-    nin = 2
-    nout = 3
+    :param clock: at whose ticks it steps
+    :type clock: Clock
+    :param connection: given by `operated`
+    :type connection: Connection
+    :param robot: the arm that moves
+    :type robot: Robot
+    """
 
-    def __init__(
-        self,
-        clock: Clock,
-        connection: Connection[Operator],
-        robot: Robot,
-        name: str,
-        **blockargs: Any,
-    ) -> None:
-        super().__init__(moving.LinMovJoint(name, connection, robot), clock, **blockargs)
+    kind = moving.LinMovJoint
 
 
-class LinMovCart(_Stepped, SampledBlock):
-    """To a pose (X, Y, Z in mm, A, B, C in degrees), on a line; as `JointMovJoint` else."""
+class LinMovCart(_Move, SampledBlock):
+    """To a pose (X, Y, Z in mm, A, B, C in degrees), on a line; as `JointMovJoint` else.
 
-    nin = 2
-    nout = 3
+    :param clock: at whose ticks it steps
+    :type clock: Clock
+    :param connection: given by `operated`
+    :type connection: Connection
+    :param robot: the arm that moves
+    :type robot: Robot
+    """
 
-    def __init__(
-        self,
-        clock: Clock,
-        connection: Connection[Operator],
-        robot: Robot,
-        name: str,
-        **blockargs: Any,
-    ) -> None:
-        super().__init__(moving.LinMovCart(name, connection, robot), clock, **blockargs)
+    kind = moving.LinMovCart
 
 
-class CircularMov(_Stepped, SampledBlock):
-    """To a pose, on an arc by way of another one; as `JointMovJoint` else."""
+class CircularMov(_Move, SampledBlock):
+    """To a pose, on an arc by way of another one; as `JointMovJoint` else.
 
+    :param clock: at whose ticks it steps
+    :type clock: Clock
+    :param connection: given by `operated`
+    :type connection: Connection
+    :param robot: the arm that moves
+    :type robot: Robot
+    """
+
+    kind = moving.CircularMov
     nin = 3
-    nout = 3
-
-    def __init__(
-        self,
-        clock: Clock,
-        connection: Connection[Operator],
-        robot: Robot,
-        name: str,
-        **blockargs: Any,
-    ) -> None:
-        super().__init__(moving.CircularMov(name, connection, robot), clock, **blockargs)
+    inlabels = ("via", "target", "start")
 
 
 # -------------------------------------------------------------------- kinematics and arms
 
 
 class ArmFK(_Direct, FunctionBlock):
-    """joints → pose of the tool."""
+    """joints → pose of the tool.
+
+    :param robot: an arm
+    :type robot: Robot
+    :param tool: pose of the tool on the flange, none if left out
+    :type tool: Pose
+    """
 
     nin = 1
     nout = 1
+    inlabels = ("joints",)
+    outlabels = ("pose",)
 
     def __init__(
-        self, robot: Robot, tool: Pose = IDENTITY, name: str = "fk", **blockargs: Any
+        self, robot: Robot, tool: Pose | None = None, name: str = "fk", **blockargs: Any
     ) -> None:
-        super().__init__(kinematics.ForwardKinematics(name, robot, tool), **blockargs)
+        super().__init__(kinematics.ForwardKinematics(name, robot, tool or IDENTITY), **blockargs)
 
 
 class ArmIK(_Direct, FunctionBlock):
-    """pose, branch → joints, whether there are any, all branches, which are valid."""
+    """pose, branch → joints, whether there are any, all branches, which are valid.
+
+    :param robot: an arm
+    :type robot: Robot
+    :param tool: pose of the tool on the flange, none if left out
+    :type tool: Pose
+    """
 
     nin = 2
     nout = 4
+    inlabels = ("pose", "branch")
+    outlabels = ("joints", "found", "all", "valid")
 
     def __init__(
-        self, robot: Robot, tool: Pose = IDENTITY, name: str = "ik", **blockargs: Any
+        self, robot: Robot, tool: Pose | None = None, name: str = "ik", **blockargs: Any
     ) -> None:
-        super().__init__(kinematics.InverseKinematics(name, robot, tool), **blockargs)
+        super().__init__(kinematics.InverseKinematics(name, robot, tool or IDENTITY), **blockargs)
 
 
 class ArmJacobian(_Direct, FunctionBlock):
-    """joints → Jacobian, row by row."""
+    """joints → Jacobian, row by row.
+
+    :param robot: an arm
+    :type robot: Robot
+    :param tool: pose of the tool on the flange, none if left out
+    :type tool: Pose
+    """
 
     nin = 1
     nout = 1
+    inlabels = ("joints",)
+    outlabels = ("jacobian",)
 
     def __init__(
-        self, robot: Robot, tool: Pose = IDENTITY, name: str = "jacobian", **blockargs: Any
+        self, robot: Robot, tool: Pose | None = None, name: str = "jacobian", **blockargs: Any
     ) -> None:
-        super().__init__(kinematics.Jacobian(name, robot, tool), **blockargs)
+        super().__init__(kinematics.Jacobian(name, robot, tool or IDENTITY), **blockargs)
 
 
 class SimArm(_Stepped, SampledBlock):
-    """joints that are wanted → joints, pose, whether a limit holds: a simulated arm."""
+    """joints that are wanted → joints, pose, whether a limit holds: a simulated arm.
+
+    :param clock: at whose ticks it steps
+    :type clock: Clock
+    :param robot: an arm
+    :type robot: Robot
+    :param tool: pose of the tool on the flange, none if left out
+    :type tool: Pose
+    :param start: joints at the beginning in degrees, home if left out
+    :type start: array_like
+    :param lag: seconds of the first order by which joints follow, defaults to 0.0
+    :type lag: float
+    :param percent: of the speeds of the axes, defaults to 100.0
+    :type percent: float
+    """
 
     nin = 1
     nout = 3
+    inlabels = ("wanted",)
+    outlabels = ("joints", "pose", "limited")
 
     def __init__(
         self,
@@ -255,13 +301,15 @@ class SimArm(_Stepped, SampledBlock):
         robot: Robot,
         *,
         name: str = "arm",
-        tool: Pose = IDENTITY,
+        tool: Pose | None = None,
         start: Any = None,
         lag: float = 0.0,
         percent: float = 100.0,
         **blockargs: Any,
     ) -> None:
-        inner = arms.SimulatedArm(name, robot, tool=tool, start=start, lag=lag, percent=percent)
+        inner = arms.SimulatedArm(
+            name, robot, tool=tool or IDENTITY, start=start, lag=lag, percent=percent
+        )
         super().__init__(inner, clock, **blockargs)
 
 
@@ -269,20 +317,36 @@ class SimArm(_Stepped, SampledBlock):
 
 
 class MotionTable(_Direct, FunctionBlock):
-    """Rows at times, in lines between them → their values, whether it is over."""
+    """Rows at times, in lines between them → their values, whether it is over.
+
+    :param seconds: times that rise
+    :type seconds: array_like
+    :param rows: one for each time
+    :type rows: array_like
+    """
 
     nin = 0
     nout = 2
+    outlabels = ("value", "over")
 
     def __init__(self, seconds: Any, rows: Any, name: str = "table", **blockargs: Any) -> None:
         super().__init__(sources.Table(name, seconds, rows), **blockargs)
 
 
 class PoseLine(_Direct, FunctionBlock):
-    """From one pose to another on a line → pose, whether it is over."""
+    """From one pose to another on a line → pose, whether it is over.
+
+    :param first: where it begins
+    :type first: Pose
+    :param last: where it ends
+    :type last: Pose
+    :param seconds: that it takes
+    :type seconds: float
+    """
 
     nin = 0
     nout = 2
+    outlabels = ("pose", "over")
 
     def __init__(
         self, first: Pose, last: Pose, seconds: float, name: str = "line", **blockargs: Any
@@ -295,6 +359,8 @@ class PoseToSE3(FunctionBlock):
 
     nin = 1
     nout = 1
+    inlabels = ("pose",)
+    outlabels = ("SE3",)
 
     def output(self, t: float, u: Sequence[Any], x: Any) -> list[Any]:
         del t, x
@@ -309,6 +375,8 @@ class SE3ToPose(FunctionBlock):
 
     nin = 1
     nout = 1
+    inlabels = ("SE3",)
+    outlabels = ("pose",)
 
     def output(self, t: float, u: Sequence[Any], x: Any) -> list[Any]:
         del t, x

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pytest
+from PIL import Image
 
 from assistant import robots
 from assistant.blocks.connections import operated
@@ -17,6 +21,7 @@ from assistant.program.geometry import Pose
 from assistant.virtual.cr import VirtualCr
 
 bdsim = pytest.importorskip("bdsim")
+bdload = pytest.importorskip("bdsim.blockdiagram").bdload
 ARM = robots.get("rv-2aj")
 IRB = robots.get("irb1200-7-0.7")
 DOWN = (0.0, 1.0, 0.0, 0.0)
@@ -119,3 +124,45 @@ def test_an_own_block_runs_in_bdsim_without_a_class_of_bdsim(sim) -> None:
     assert ran["sum[0]"] == pytest.approx([0.0, *np.arange(0.0, 20.0, 2.0)])
     with pytest.raises(ValueError, match="steps with a clock"):
         add(diagram, Sum("other"))
+
+
+def test_its_editor_finds_an_icon_and_the_ports_of_each_block(sim) -> None:
+    ours = {k: found for k, found in sim.block_library.items() if found["package"] == "assistant"}
+    assert len(ours) > 10
+    for name, found in ours.items():
+        # Where its editor looks: beside the module, by the name of the block.
+        icon = Path(found["path"][0]) / "Icons" / f"{name.lower()}.png"
+        assert icon.is_file(), f"a row in docs/icons.py for {name}, then: python -m docs.icons"
+        with Image.open(icon) as picture:
+            assert (picture.size, picture.mode) == ((250, 250), "RGBA")
+            assert picture.getextrema()[3] == (0, 255)
+        block = found["class"]
+        assert len(getattr(block, "inlabels", None) or ()) == found["nin"]
+        assert len(getattr(block, "outlabels", None) or ()) == found["nout"]
+
+
+def test_a_diagram_of_its_editor_is_loaded_with_our_blocks(sim, tmp_path) -> None:
+    def block(number, kind, title, parameters, nin, nout):
+        ports = [[{"id": 100 * number + 10 * k + i, "index": i} for i in range(n)]
+                 for k, n in enumerate((nin, nout))]  # fmt: skip
+        return {
+            "block_type": kind, "id": number, "title": title, "parameters": parameters,
+            "inputs": ports[0], "outputs": ports[1],
+        }  # fmt: skip
+
+    wanted = [["value", "=[10.0, 0.0, 0.0, 0.0, 0.0, 0.0]"]]
+    arm = [["clock", "=ticks"], ["robot", "=robot"], ["tool", None], ["start", None], ["lag", 0.05]]
+    model = {
+        "blocks": [
+            block(1, "CONSTANT", "goal", wanted, 0, 1),
+            block(2, "SIMARM", "arm", arm, 1, 3),
+        ],
+        "wires": [{"start_socket": 110, "end_socket": 200}],
+    }
+    file = tmp_path / "model.bd"
+    file.write_text(json.dumps(model))
+    diagram = sim.blockdiagram()
+    known = {"ticks": diagram.clock(0.01), "robot": IRB}
+    bdload(diagram, str(file), globalvars=known, allow_eval=True)
+    ran = run_paced(sim, diagram, 1.0, 0.01)
+    assert ran["arm[0]"][-1, 0] == pytest.approx(10.0, abs=0.01)
