@@ -188,8 +188,9 @@ class Corrected:
     """Joints that go from where they should be by now to where the newest correction wants them in
     its time, and come to rest there when no other follows.
 
-    What they are behind is caught up with no faster than it can be braked for; so are the ends of
-    the range. A correction without time has them come to rest at once.
+    One that comes before the last one's time is over, or after, goes on from where they should be
+    then. What they are behind is caught up with no faster than it can be braked for; so are the
+    ends of the range. A correction without time has them come to rest at once.
     """
 
     job: Job
@@ -198,7 +199,7 @@ class Corrected:
     _from: Row = ()
     _goal: Row = ()
     _seconds: float = 0.0
-    _gone: float = 0.0
+    _part: float = 1.0
     _taken: int = 0
     _cycle: float = 0.0
 
@@ -237,9 +238,9 @@ class Corrected:
             self._taken = corrections.count
             self._take(*corrections.newest)
         moves = going and self._seconds > 0.0
-        self._gone += self._cycle
-        part = min(1.0, self._gone / self._seconds) if moves else 1.0
-        self._speed = [self._risen(i, part, moves) for i in range(len(self.told))]
+        gone = self._part
+        self._part = min(1.0, gone + self._cycle / self._seconds) if moves else 1.0
+        self._speed = [self._risen(i, gone, moves) for i in range(len(self.told))]
         cycle = self._cycle
         self.told = tuple(a + v * cycle for a, v in zip(self.told, self._speed, strict=True))
         return self.told
@@ -251,18 +252,22 @@ class Corrected:
         if len(goal) != len(self.told):
             return
         stood = self._seconds <= 0.0
-        self._from = self.told if stood else self._goal
-        self._goal, self._seconds, self._gone = goal, seconds, 0.0
+        self._from = self.told if stood else tuple(map(self._due, range(len(goal))))
+        self._goal, self._seconds, self._part = goal, seconds, 0.0
 
-    def _risen(self, i: int, part: float, moves: bool) -> float:
-        """The speed of an axis in this cycle."""
+    def _due(self, i: int) -> float:
+        """Where an axis should be by now."""
+        return self._from[i] + self._part * (self._goal[i] - self._from[i])
+
+    def _risen(self, i: int, gone: float, moves: bool) -> float:
+        """The speed of an axis in this cycle. gone: part of the time that was over before it."""
         job, cycle, at, before = self.job, self._cycle, self.told[i], self._speed[i]
         most, rise = job.speeds[i], job.rises[i]
         wanted = 0.0
         if moves:
             way = self._goal[i] - self._from[i]
-            behind = self._from[i] + part * way - at
-            along = way / self._seconds if part < 1.0 else 0.0
+            behind = self._from[i] + gone * way - at
+            along = way * (self._part - gone) / cycle
             wanted = max(-most, min(most, along + behind * rise / most))
         speed = before + max(-rise * cycle, min(rise * cycle, wanted - before))
         room = job.highest[i] - at if speed > 0.0 else at - job.lowest[i]
