@@ -9,8 +9,9 @@ Signals are numbers as elsewhere: joints in degrees, poses as x, y, z in mm and 
 by `run_bdsim` or `run_paced` of `assistant.blocks.running_bdsim`, which are told that it was
 confirmed.
 
-Its editor shows what stands here: ports by their labels, parameters by the fields of the docstrings
-in its own form, icons of `Icons`, which `python -m docs.icons` draws.
+Its editor shows what stands here: parameters by the fields of the docstrings in its own form, icons
+of `Icons`, which `python -m docs.icons` draws, ports by labels that are short enough to leave room
+for these: q joints, T a pose, go start, b busy, n how many moves are done.
 """
 
 from __future__ import annotations
@@ -120,8 +121,8 @@ class _Move(_Stepped):
 
     nin = 2
     nout = 3
-    inlabels: tuple[str, ...] = ("target", "start")
-    outlabels = ("busy", "done", "joints")
+    inlabels: tuple[str, ...] = ("q", "go")
+    outlabels = ("b", "n", "q")
     kind: ClassVar[type[moving.Move]]
 
     def __init__(
@@ -164,6 +165,7 @@ class JointMovCart(_Move, SampledBlock):
     """
 
     kind = moving.JointMovCart
+    inlabels = ("T", "go")
 
 
 class LinMovJoint(_Move, SampledBlock):
@@ -192,6 +194,7 @@ class LinMovCart(_Move, SampledBlock):
     """
 
     kind = moving.LinMovCart
+    inlabels = ("T", "go")
 
 
 class CircularMov(_Move, SampledBlock):
@@ -207,7 +210,7 @@ class CircularMov(_Move, SampledBlock):
 
     kind = moving.CircularMov
     nin = 3
-    inlabels = ("via", "target", "start")
+    inlabels = ("T", "T", "go")
 
 
 # -------------------------------------------------------------------- kinematics and arms
@@ -224,8 +227,6 @@ class ArmFK(_Direct, FunctionBlock):
 
     nin = 1
     nout = 1
-    inlabels = ("joints",)
-    outlabels = ("pose",)
 
     def __init__(
         self, robot: Robot, tool: Pose | None = None, name: str = "fk", **blockargs: Any
@@ -244,8 +245,8 @@ class ArmIK(_Direct, FunctionBlock):
 
     nin = 2
     nout = 4
-    inlabels = ("pose", "branch")
-    outlabels = ("joints", "found", "all", "valid")
+    inlabels = ("T", "k")
+    outlabels = ("q", "ok", "Q", "OK")
 
     def __init__(
         self, robot: Robot, tool: Pose | None = None, name: str = "ik", **blockargs: Any
@@ -264,8 +265,6 @@ class ArmJacobian(_Direct, FunctionBlock):
 
     nin = 1
     nout = 1
-    inlabels = ("joints",)
-    outlabels = ("jacobian",)
 
     def __init__(
         self, robot: Robot, tool: Pose | None = None, name: str = "jacobian", **blockargs: Any
@@ -292,8 +291,8 @@ class SimArm(_Stepped, SampledBlock):
 
     nin = 1
     nout = 3
-    inlabels = ("wanted",)
-    outlabels = ("joints", "pose", "limited")
+    inlabels = ("q",)
+    outlabels = ("q", "T", "!")
 
     def __init__(
         self,
@@ -327,7 +326,7 @@ class MotionTable(_Direct, FunctionBlock):
 
     nin = 0
     nout = 2
-    outlabels = ("value", "over")
+    outlabels = ("y", "end")
 
     def __init__(self, seconds: Any, rows: Any, name: str = "table", **blockargs: Any) -> None:
         super().__init__(sources.Table(name, seconds, rows), **blockargs)
@@ -346,7 +345,7 @@ class PoseLine(_Direct, FunctionBlock):
 
     nin = 0
     nout = 2
-    outlabels = ("pose", "over")
+    outlabels = ("T", "end")
 
     def __init__(
         self, first: Pose, last: Pose, seconds: float, name: str = "line", **blockargs: Any
@@ -359,8 +358,6 @@ class PoseToSE3(FunctionBlock):
 
     nin = 1
     nout = 1
-    inlabels = ("pose",)
-    outlabels = ("SE3",)
 
     def output(self, t: float, u: Sequence[Any], x: Any) -> list[Any]:
         del t, x
@@ -375,8 +372,6 @@ class SE3ToPose(FunctionBlock):
 
     nin = 1
     nout = 1
-    inlabels = ("SE3",)
-    outlabels = ("pose",)
 
     def output(self, t: float, u: Sequence[Any], x: Any) -> list[Any]:
         del t, x
