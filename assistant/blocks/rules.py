@@ -22,3 +22,29 @@ NOT_IN_STEP = error(
     "a virtual controller does not keep step with the model: {reason}",
     "look at its program, or run the model in real time",
 )
+NO_WAY = error("BL205", "`{name}` cannot be led step by step by `{by}`", "write one of {known}")
+NO_MEASURING = error(
+    "BL206",
+    "`{name}` at {address} has no data link that tells where its arm is",
+    "name a controller that has one, by the address of its controller link",
+)
+TOO_FAR = error(
+    "BL207",
+    "block `{block}` is to go {step:.2f} {unit} in one step, and {most:g} are allowed",
+    "give it smaller steps, or allow larger ones by `most`",
+)
+TOO_FAST = error(
+    "BL208",
+    "block `{block}` is to move {axis} by {speed:.2f} a second, and {most:.2f} are allowed",
+    "give it smaller steps, or open its connection with a larger percentage",
+)
+NO_JOINTS = error(
+    "BL209",
+    "block `{block}` is to take the tool to {point}, where no joints near the last ones bring it",
+    "keep it inside of the reach of {robot}, and away from singular postures",
+)
+BEHIND = error(
+    "BL210",
+    "the arm does not come after: {count} steps of the model have not gone out to it",
+    "make fewer or smaller steps, and look whether its controller lets it move",
+)

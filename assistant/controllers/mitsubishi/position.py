@@ -8,7 +8,7 @@ A and B only, which are those of Rz(J1)·Ry(B)·Rz(J6).
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -87,6 +87,20 @@ def orientation(axes: Shown, place: Shown) -> tuple[float, float, float, float]:
         quaternion = rotations.from_euler([place.value(name) for name in ("C", "B", "A")])
     w, x, y, z = (float(part) for part in rotations.canonical(quaternion).reshape(4))
     return w, x, y, z
+
+
+def turn_of(
+    joints: Sequence[float], place: Sequence[float], *, five_axes: bool
+) -> tuple[float, float, float, float]:
+    """The quaternion of a record of numbers. joints: J1, J2 …; place: X, Y, Z, A, B, C …
+
+    five_axes: of an arm without J4, whatever stands in its place.
+    """
+    told: dict[str, float | None] = {f"J{i}": joint for i, joint in enumerate(joints, 1)}
+    shown: dict[str, float | None] = dict(zip(POSE, place, strict=False))
+    if five_axes:
+        told["J4"] = shown["C"] = None
+    return orientation(Shown(told, ""), Shown(shown, ""))
 
 
 def has_five_axes(axes: Shown, place: Shown) -> bool:

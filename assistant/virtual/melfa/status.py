@@ -143,9 +143,13 @@ def _progress(world: World, name: str) -> float:
 
 def _speed(world: World, *slot: int) -> float:
     """Of the motion that a slot has commanded, mm/s."""
-    mine = world.of_slot(*slot)
-    moves = mine.slot is None or mine.slot.controller.owner is mine.slot
-    progress = mine.task.kernel.motion.progress() if moves else None
+    mine = world.slot
+    if mine is None:
+        world.of_slot(*slot)  # the one that there is
+    elif slot:
+        mine = mine.controller.slot(*slot)  # single commands move in one without a program
+    moves = mine is None or mine.controller.owner is mine
+    progress = world.task.kernel.motion.progress() if moves else None
     return 0.0 if progress is None else progress.speed
 
 

@@ -28,7 +28,7 @@ def steps(name: str) -> dict[int, str]:
     }
 
 
-@pytest.mark.parametrize("name", [*NAMES, *(f"datalink/{name}" for name in NAMES)])
+@pytest.mark.parametrize("name", [*NAMES, *(f"datalink/{name}" for name in (*NAMES, "MEASURE"))])
 def test_a_sample_is_sound_and_laid_out(name: str) -> None:
     source = melfa.read(SAMPLES / f"{name}.prg")
     tree = melfa.parse(source)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
 from assistant.controllers.controller import Controller
@@ -13,20 +14,22 @@ from assistant.resources import resource
 FIRST: Final = "MULTITASK"
 """Starts and stops the others."""
 NAMES: Final = (FIRST, "DATALINK", "CONTROLLINK")
+MEASURE: Final = "MEASURE"
+"""Sends the status by itself, beside what another slot does."""
 
 
-def texts() -> dict[str, bytes]:
+def texts(names: Sequence[str] = NAMES) -> dict[str, bytes]:
     """The programs by name. They are the same in all versions of the language."""
     folder = "melfa/datalink"
-    return {name: resource("samples", f"{folder}/{name}.prg").read_bytes() for name in NAMES}
+    return {name: resource("samples", f"{folder}/{name}.prg").read_bytes() for name in names}
 
 
-def install(controller: Controller, *, replace: bool = False) -> None:
+def install(controller: Controller, names: Sequence[str] = NAMES, *, replace: bool = False) -> None:
     """Writes the programs that are not there yet.
 
     replace: other programs of these names, too; they are refused else.
     """
-    wanted = texts()
+    wanted = texts(names)
     there = {name: controller.read(name) for name in wanted}
     missing = [
         name

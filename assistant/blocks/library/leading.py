@@ -1,0 +1,255 @@
+"""Measuring all the time, and moving on without stops: Status, RelJoint and RelCart.
+
+They are those of Kohrt et al., A Robot Manipulator Communications and Control Framework, table IV:
+Status by data link ("continuous measurement"), the others by data link control ("continuous, non
+blocking").
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Sequence
+from typing import ClassVar, Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from assistant.blocks.connections import Connection
+from assistant.blocks.diagrams.block import Block, Port
+from assistant.blocks.leading import Leader, Measures
+from assistant.blocks.library.arrays import joints_port, pose_port
+from assistant.blocks.library.kinematics import jacobian, tool_pose
+from assistant.blocks.rules import NO_JOINTS, NO_NUMBERS, OUT_OF_LIMITS, TOO_FAR, TOO_FAST
+from assistant.program import rotations
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Refused
+from assistant.program.geometry import IDENTITY, Pose
+from assistant.robots.robot import Robot
+
+WINDOW: Final = 1.0
+"""Seconds over which the rate of a measurement is told."""
+ROUNDS: Final = 20
+CLOSE: Final = 1e-6
+"""mm that a tool may be beside its place: steps end there, not before."""
+ROUNDING: Final = 1e-6
+"""Part of a speed that two moments of a run make of it."""
+
+
+class Status(Block):
+    """→ pose of the tool, joints, joints that are asked for, speed, seconds, rate.
+
+    What the controller tells at the moment, also while the arm moves. seconds: on the controller's
+    clock; rate: records in a second of it, 0 before there are two. Nothing is moved by it.
+    """
+
+    direct: ClassVar[bool] = False
+
+    def __init__(
+        self,
+        name: str,
+        connection: Connection[Measures],
+        robot: Robot,
+        *,
+        period: float | None = None,
+    ) -> None:
+        own = [pose_port(), joints_port(robot), joints_port(robot, "told")]
+        more = [Port("speed", 1, "mm/s"), Port("seconds", 1, "s"), Port("rate")]
+        super().__init__(name, (), [*own, *more], period=period)
+        self.connection = connection
+        self._source: Measures | None = None
+
+    def begin(self) -> None:
+        self._seen: deque[tuple[float, int]] = deque()
+        self._source = self.connection.take()
+
+    def end(self) -> None:
+        if self._source is not None:
+            self._source = None
+            self.connection.leave()
+
+    def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:
+        """Raises Refused if the controller tells nothing any more."""
+        del now, given
+        assert self._source is not None
+        found = self._source.measured()
+        rate = self._rate(found.seconds, found.records)
+        return [found.pose, found.joints, found.told, [found.speed], [found.seconds], [rate]]
+
+    def _rate(self, seconds: float, records: int) -> float:
+        seen = self._seen
+        seen.append((seconds, records))
+        while len(seen) > 2 and seconds - seen[1][0] >= WINDOW:
+            seen.popleft()
+        passed = seconds - seen[0][0]
+        return (records - seen[0][1]) / passed if passed > 0.0 else 0.0
+
+
+class Relative(Block):
+    """by, go → joints that the arm is told to be at, steps that were told.
+
+    While `go` is above 0.5, the arm goes on by a step from where it was told to be last; steps may
+    come at any time, and none is waited for. most: what a step may be at most.
+    """
+
+    direct: ClassVar[bool] = False
+
+    def __init__(
+        self,
+        name: str,
+        connection: Connection[Leader],
+        robot: Robot,
+        by: Port,
+        period: float | None,
+    ) -> None:
+        outputs = [joints_port(robot, "told"), Port("steps")]
+        super().__init__(name, [by, Port("go")], outputs, period=period)
+        self.robot, self.connection, self.moves = robot, connection, connection.name
+        self._leader: Leader | None = None
+
+    def begin(self) -> None:
+        self._before, self._steps = math.nan, 0
+        self._leader = self.connection.take()
+
+    def end(self) -> None:
+        if self._leader is not None:
+            self._leader = None
+            self.connection.leave()
+
+    @property
+    def leader(self) -> Leader:
+        assert self._leader is not None, "a run has begun"
+        return self._leader
+
+    def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:
+        """Raises Refused for a step that the controller refused or did not make."""
+        del now, given
+        self.leader.check()
+        return [self.leader.told, [float(self._steps)]]
+
+    def take(self, now: float, given: Sequence[Floats]) -> None:
+        seconds, self._before = now - self._before, now
+        by, go = given
+        if not go[0] > 0.5 or not by.any():
+            return
+        if not np.isfinite(by).all():
+            raise Refused(NO_NUMBERS(block=self.name))
+        joints = self.stepped(self.leader.told, by)
+        self._check(joints, seconds)
+        period = self.leader.carrier.period
+        self.leader.to(joints, period if math.isnan(seconds) else seconds)
+        self._steps += 1
+
+    def stepped(self, joints: Floats, by: Floats) -> Floats:
+        """(a,) joints after a step from others; raises Refused for none."""
+        raise NotImplementedError
+
+    def _small(self, step: float, most: float, unit: str) -> None:
+        if step > most:
+            raise Refused(TOO_FAR(block=self.name, step=step, unit=unit, most=most))
+
+    def _check(self, joints: Floats, seconds: float) -> None:
+        arm = self.leader.arm
+        for axis, value, (low, high) in zip(arm.axes, joints, arm.limits, strict=True):
+            if not low <= value <= high:
+                told = {"low": low, "high": high, "robot": self.robot.name, "value": value}
+                raise Refused(OUT_OF_LIMITS(block=self.name, axis=int(axis[1:]), **told))
+        if math.isnan(seconds):
+            return
+        speeds = np.abs(joints - self.leader.told) / seconds
+        fast = np.flatnonzero(speeds > arm.speeds * (1.0 + ROUNDING))
+        if len(fast):
+            told = {"axis": arm.axes[fast[0]], "speed": speeds[fast[0]]}
+            raise Refused(TOO_FAST(block=self.name, most=arm.speeds[fast[0]], **told))
+
+
+class RelJoint(Relative):
+    """by: degrees (mm) of each axis. most: degrees or mm that one may go in a step."""
+
+    def __init__(
+        self,
+        name: str,
+        connection: Connection[Leader],
+        robot: Robot,
+        *,
+        most: float = 5.0,
+        period: float | None = None,
+    ) -> None:
+        super().__init__(name, connection, robot, joints_port(robot, "by"), period)
+        self.most = most
+
+    def stepped(self, joints: Floats, by: Floats) -> Floats:
+        self._small(float(np.abs(by).max()), self.most, "degrees or mm")
+        return joints + by
+
+
+class RelCart(Relative):
+    """by: x, y, z in mm and a turn about x, y, z in degrees, in the base or in the tool's frame.
+
+    The turn is about the place of the tool. An arm of fewer than six axes goes to the place, and
+    turns as near to what is wanted as it can. most: mm and degrees of a step.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        connection: Connection[Leader],
+        robot: Robot,
+        *,
+        tool: Pose = IDENTITY,
+        in_tool: bool = False,
+        most: tuple[float, float] = (20.0, 5.0),
+        period: float | None = None,
+    ) -> None:
+        super().__init__(name, connection, robot, Port("by", 6), period)
+        self.tool, self.in_tool, self.most = tool, in_tool, most
+
+    def stepped(self, joints: Floats, by: Floats) -> Floats:
+        way, turn = by[:3], by[3:]
+        self._small(float(np.linalg.norm(way)), self.most[0], "mm")
+        self._small(float(np.linalg.norm(turn)), self.most[1], "degrees")
+        start = tool_pose(self.robot, self.tool, joints)
+        if self.in_tool:
+            way, turn = (rotations.rotate(start[3:], one) for one in (way, turn))
+        goal = start.copy()
+        goal[:3] += way
+        if angle := float(np.linalg.norm(turn)):
+            about = rotations.about((turn / angle).tolist(), angle)
+            goal[3:] = rotations.multiply(about, start[3:])
+        found = near(self.robot, self.tool, joints, goal)
+        if found is None:
+            x, y, z = goal[:3]
+            point = f"({x:.1f}, {y:.1f}, {z:.1f}) mm"
+            raise Refused(NO_JOINTS(block=self.name, point=point, robot=self.robot.name))
+        return found
+
+
+def near(robot: Robot, tool: Pose, joints: Floats, goal: Floats) -> Floats | None:
+    """(a,) joints near to others that bring a tool to a pose (7,); None if none do.
+
+    By Newton's method with the place first and the turn as far as the axes that are left allow
+    (Nakamura, Hanafusa and Yoshikawa, Task-priority based redundancy control, 1987).
+    """
+    found = joints.copy()
+    for _ in range(ROUNDS):
+        off = _between(tool_pose(robot, tool, found), goal)
+        matrix = jacobian(robot, found, tool)
+        first = np.linalg.pinv(matrix[:3])
+        free = np.eye(len(found)) - first @ matrix[:3]
+        change = first @ off[:3]
+        rest = off[3:] - matrix[3:] @ change
+        change = change + np.linalg.pinv(matrix[3:] @ free, rcond=1e-6) @ rest
+        found = found + change
+        if np.abs(change).max() < CLOSE and np.linalg.norm(off[:3]) < CLOSE:
+            return found
+    return None
+
+
+def _between(pose: Floats, goal: Floats) -> Floats:
+    """(6,) mm and degrees from a pose to another one, in the base."""
+    turn = rotations.multiply(goal[3:], rotations.conjugate(pose[3:]))
+    turn = turn if turn[0] >= 0.0 else -turn
+    size = float(np.linalg.norm(turn[1:]))
+    angle = 2.0 * math.degrees(math.atan2(size, float(turn[0])))
+    axis = turn[1:] / size if size > 0.0 else np.zeros(3)
+    return np.concatenate([goal[:3] - pose[:3], angle * axis])

@@ -1,0 +1,25 @@
+10 ' Slot 2: status stream over the port COM2, whatever slot 1 does meanwhile
+20 ' Any message starts it; a "0" ends it, and so does 2 s without a message
+30 DEF CHAR DATA
+40 MGO=0
+50 M_TIMER(8)=0
+60 OPEN "COM2:" AS #2
+70 ON COM(2) GOSUB *RECV
+80 COM(2) ON
+90 PRINT #2,"READY"
+100 *TELL
+110 IF MGO=2 THEN *DONE
+120 IF MGO=0 THEN DLY 0.05
+130 IF MGO=1 THEN PRINT #2,M_TIMER(8),"|",P_CURR,"|",J_FBC,"|",J_CURR,"|",M_RSPD(1),"|0"
+140 IF MGO=1 AND M_TIMER(7)>2000 THEN *DONE
+150 GOTO *TELL
+160 *RECV
+170 INPUT #2,DATA
+180 M_TIMER(7)=0
+190 IF DATA="0" THEN MGO=2 ELSE MGO=1
+200 RETURN 0
+210 *DONE
+220 COM(2) OFF
+230 PRINT #2,"END"
+240 CLOSE #2
+250 END

@@ -1,0 +1,130 @@
+"""Status, RelJoint and RelCart of the paper, on a virtual CR controller over sockets and a pty."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import pytest
+
+from assistant import robots
+from assistant.blocks.connections import Connection
+from assistant.blocks.diagrams.block import Port
+from assistant.blocks.diagrams.clocks import RealTime
+from assistant.blocks.diagrams.diagram import Diagram
+from assistant.blocks.diagrams.running import Ran, run
+from assistant.blocks.leading import Leader, led
+from assistant.blocks.library.leading import Relative, RelJoint, Status
+from assistant.blocks.library.sources import Constant, Table
+from assistant.controllers.following import Wishes
+from assistant.virtual.cr import VirtualCr
+from assistant.virtual.events import Moved
+from assistant.virtual.motion import Track, track_of
+
+ARM = robots.get("rv-2aj")
+STEP = 0.1
+PERCENT = 20.0
+MOST = STEP * PERCENT / 100.0 * ARM.speeds
+SLOW = 0.4
+"""Pace at which an arm is behind its steps, however busy this computer is."""
+NETWORK = ", ".join(f"OPT{i}" for i in range(12, 19)) + ", "
+
+
+@dataclass
+class Cell:
+    """A virtual controller, how it is reached, and its lines of data: control and status."""
+
+    virtual: VirtualCr
+    address: str
+    lines: tuple[str, str]
+
+    def led(self, name: str = "cell", percent: float = PERCENT) -> Connection[Leader]:
+        return led(name, self.address, ARM, percent=percent, wishes=Wishes(lines=self.lines))
+
+    @property
+    def moves(self) -> list[Moved]:
+        """The motions that the controller itself carried out."""
+        machinery = self.virtual.state.machinery
+        log = machinery.do(lambda: list(machinery.controller.kernel.log))
+        return [row.what for row in log if isinstance(row.what, Moved)]
+
+    @property
+    def track(self) -> Track:
+        """Its arm's own record."""
+        machinery = self.virtual.state.machinery
+        kernel = machinery.controller.kernel
+        return machinery.do(lambda: track_of(machinery.arm, kernel.log, kernel.now))
+
+
+@contextmanager
+def cell(way: str = "sockets", pace: float = SLOW) -> Iterator[Cell]:
+    """way: `sockets`, `serial link` for commands by a pty, `serial line` for setpoints by one."""
+    framing: Literal["plain", "data link"] = "data link" if way == "serial line" else "plain"
+    serial = way != "sockets"
+    virtual = VirtualCr("rv-2aj", pace=pace, servo_time=0.02, serial=serial, framing=framing)
+    if way != "serial line":
+        virtual.state.parameters.write("COMDEV", NETWORK, all_levels=True)
+    with virtual:
+        first, second = [f"{host}:{port}" for host, port in virtual.data_ports.values()][:2]
+        address = virtual.serial_address if way == "serial link" else virtual.address
+        if way == "serial link":
+            address += "?parity=none"
+        lines = (virtual.serial_path, first) if way == "serial line" else (first, second)
+        yield Cell(virtual, address, lines)
+
+
+def gone(
+    here: Cell,
+    block: Callable[[Connection[Leader]], Relative],
+    by: list[float],
+    steps: int,
+    begin: list[float] | None = None,
+) -> Ran:
+    """So many steps, each right behind the other, and until the arm is where they lead."""
+    diagram, connection = Diagram(), here.led()
+    diagram.add(Status("status", connection, ARM))
+    rel = diagram.add(block(connection))
+    diagram.wire(diagram.add(Constant("by", by)), (rel, "by"))
+    ends = STEP * (steps - 0.5)
+    go = diagram.add(Table("go", [0.0, ends - 1e-3, ends], [1.0, 1.0, 0.0], port=Port("value")))
+    diagram.wire((go, "value"), (rel, "go"))
+
+    def watch(now: float) -> bool:
+        leader = connection.value
+        assert leader is not None and connection.users == 2
+        there = leader.measured().joints
+        return now < ends + STEP or bool(np.abs(there - leader.told).max() > 0.02)
+
+    ran = run(diagram, 60.0, STEP, clock=RealTime(), watch=watch, moving=["cell"])
+    assert connection.users == 0
+    assert ran["rel.steps"][-1] == steps
+    return ran
+
+
+def check_continuous(here: Cell, ran: Ran, steps: int) -> None:
+    """By the controller's own record: one motion a step, and no stop between them."""
+    moves, track = here.moves, here.track
+    assert len(moves) == steps
+    assert all(one.kind == "joint" and one.blend > 0.0 for one in moves)
+    moving = np.flatnonzero(track.speed > 0.0)
+    assert (np.diff(moving) == 1).all()
+    # Not blocking: the last step was told while the arm was on its way.
+    last = int(np.argmax(ran["rel.steps"] == steps))
+    assert (np.diff(ran["rel.steps"][: last + 1]) == 1.0).all()
+    assert np.abs(ran["status.joints"][last] - ran["rel.told"][last]).max() > MOST.min()
+
+
+WAYS = ["sockets", "serial line", pytest.param("serial link", marks=pytest.mark.slow)]
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_relative_joints_go_on_without_stops_and_wait_for_nothing(way: str) -> None:
+    steps = 4
+    with cell(way) as here:
+        by = [*MOST[:1], 0.0, -MOST[2] / 2.0, 0.0, 0.0]
+        ran = gone(here, lambda one: RelJoint("rel", one, ARM, most=10.0), by, steps)
+        check_continuous(here, ran, steps)
+        assert here.track.joints[-1] == pytest.approx(ARM.home + steps * np.array(by), abs=0.03)
