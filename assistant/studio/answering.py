@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from pathlib import Path as FilePath
+from typing import Any, Final
 
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
@@ -24,6 +24,15 @@ WRITES = "x-window"
 """Header that names the window which asks; a page from elsewhere cannot send it."""
 UNTIDY = 422
 FAILED = 500
+LARGEST: Final = 1e300
+"""Of a number that is asked with."""
+
+
+class Told(JSONResponse):
+    """Plain data as ASCII: what a name of a file has that is no text has an escape there."""
+
+    def render(self, content: object) -> bytes:
+        return json.dumps(content, allow_nan=False, separators=(",", ":")).encode("ascii")
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +59,7 @@ class Asked:
                 value = None
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise _wrong(f"`{key}` is no number")
-        if not math.isfinite(value):
+        if not -LARGEST < value < LARGEST:
             raise _wrong(f"`{key}` is no number")
         return float(value)
 
@@ -94,7 +103,14 @@ def changes(path: str, does: Does) -> Route:
 
 
 def findings(found: Sequence[Diagnostic]) -> list[dict[str, Any]]:
-    return [finding_record(one) for one in found]
+    """Records of findings; files of the project have the names that the page calls them by."""
+    folder = FilePath.cwd()  # that of the project
+    records = [finding_record(one) for one in found]
+    for record in records:
+        path = FilePath(record.get("path", ""))
+        if path.is_absolute() and path.is_relative_to(folder):
+            record["path"] = path.relative_to(folder).as_posix()
+    return records
 
 
 def _posted(does: Does, *, writes: bool) -> Callable[[Request], Awaitable[Response]]:
@@ -108,8 +124,8 @@ def _posted(does: Does, *, writes: bool) -> Callable[[Request], Awaitable[Respon
             asked = Asked(dict(request.query_params), window, body)
         else:
             try:
-                values = json.loads(body or b"{}")
-            except ValueError:
+                values = json.loads(body or b"{}", parse_constant=_no_number)
+            except (ValueError, RecursionError):
                 values = None
             if not isinstance(values, dict):
                 return _refused(_wrong("it is no JSON object"))
@@ -122,17 +138,17 @@ def _posted(does: Does, *, writes: bool) -> Callable[[Request], Awaitable[Respon
 async def _answered(does: Does, studio: Studio, asked: Asked) -> Response:
     try:
         answer = await run_in_threadpool(does, studio, asked)
+        return answer if isinstance(answer, Response) else Told(answer)
     except Refused as refused:
         return _refused(refused)
+    except RecursionError:
+        return _refused(_wrong("it is nested too deep"))
     except Reached as reached:
         return _told([failure(reached)], FAILED)
     except OSError as wrong:
         return _told([rules.SYSTEM(reason=wrong.strerror or wrong)], FAILED)
     except Exception as wrong:  # noqa: BLE001 (the studio goes on, and says so)
         return _told([failure(wrong)], FAILED)
-    if isinstance(answer, Response):
-        return answer
-    return JSONResponse(answer)
 
 
 def _refused(refused: Refused) -> Response:
@@ -140,7 +156,11 @@ def _refused(refused: Refused) -> Response:
 
 
 def _told(found: Sequence[Diagnostic], status: int) -> Response:
-    return JSONResponse({"findings": findings(found)}, status)
+    return Told({"findings": findings(found)}, status)
+
+
+def _no_number(name: str) -> object:
+    raise ValueError(name)
 
 
 def _wrong(reason: str) -> Refused:

@@ -15,7 +15,7 @@ from assistant.program.text import SourceText, encode, is_file
 from assistant.project.drafting import process_text
 from assistant.sources import PROCESS_SUFFIX, process_of
 from assistant.sources.drawing import read_contents
-from assistant.sources.drawing.survey import Survey, survey
+from assistant.sources.drawing.survey import Survey, SurveyedLayer, survey
 from assistant.sources.process import NO_PROCESS, Process
 from assistant.sources.process.file import parse_process
 from assistant.sources.process.lines import KeyPath
@@ -36,6 +36,8 @@ FIELDS: Final = (
     ("tools", "tool", "tip"),
     ("frames", "work", "position"),
     ("frames", "work", "euler_zyx"),
+    ("placement", "position"),
+    ("placement", "euler_zyx"),
     ("motion", "speed"),
 )
 """What the page asks for beside the layers, in its order."""
@@ -61,7 +63,7 @@ def layers(studio: Studio, path: str) -> dict[str, Any]:
                 "length": round(one.length, 3),
                 "locations": one.locations,
                 "use": one.use,
-                USED: one.works and not process.leaves_out(one.name) and one.state == "on",
+                USED: _is_used(one, process),
                 "values": _plain(named.get(one.name.casefold(), {})),
             }
             for one in seen.layers
@@ -71,6 +73,11 @@ def layers(studio: Studio, path: str) -> dict[str, Any]:
         "lines": _lines(drawing, process),
         "findings": findings([*seen.findings, *found]),
     }
+
+
+def _is_used(layer: SurveyedLayer, process: Process) -> bool:
+    something = layer.works or layer.locations > 0
+    return something and layer.state == "on" and not process.leaves_out(layer.name)
 
 
 def set_values(studio: Studio, path: str, values: Mapping[str, Any]) -> dict[str, Any]:

@@ -12,14 +12,15 @@ from assistant.studio.studio import Studio
 
 def project(studio: Studio, asked: Asked) -> dict[str, Any]:  # noqa: ARG001
     """The tree, and what the project's file says: a project that is wrong has its findings."""
-    from assistant.studio.tree import tree
+    from assistant.studio.tree import MOST_FILES, tree
 
-    said = _said(studio)
+    files = tree(studio.folder)
     return {
         "folder": str(studio.folder),
         "name": studio.folder.name or str(studio.folder),
-        "files": tree(studio.folder),
-        **said,
+        "files": files,
+        "more": len(files) == MOST_FILES,
+        **_said(studio),
     }
 
 

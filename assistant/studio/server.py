@@ -74,7 +74,7 @@ def serving(folder: FilePath, host: str | None = None, port: int = 0) -> Iterato
             timeout_graceful_shutdown=1,
         )
         if host is not None:
-            _encrypt(config, host, studio.folder / CERTIFICATE)
+            _encrypt(config, host, studio.folder)
         server = uvicorn.Server(config)
         thread = threading.Thread(
             target=server.run, kwargs={"sockets": [listening]}, name="studio", daemon=True
@@ -118,9 +118,14 @@ def _listening(host: str, port: int) -> socket.socket:
     return found
 
 
-def _encrypt(config: object, host: str, file: FilePath) -> None:
+def _encrypt(config: object, host: str, folder: FilePath) -> None:
+    from assistant.project.layout import inside
     from assistant.virtual.irc5.rws.certificate import certify
 
+    file = inside(folder, CERTIFICATE.as_posix())
+    if file is None:  # a folder from elsewhere may hold a link to where it likes
+        reason = f"`{CERTIFICATE.parent}` leads out of the project"
+        raise Refused(rules.NOT_SERVED(where=host, reason=reason), exit_status=2)
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
         context = certify(host, file)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import math
 import re
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -34,22 +35,22 @@ def with_values(text: str, values: Mapping[KeyPath, Any], name: str) -> str:
 
 
 def toml(value: Any) -> str:
-    """A value as TOML has it, in one line."""
+    """A value as TOML has it, in one line. Raises Refused for what it has nothing for."""
     match value:
         case bool():
             return "true" if value else "false"
         case int():
             return str(value)
-        case float():
+        case float() if math.isfinite(value):
             return json.dumps(int(value) if value.is_integer() and abs(value) < 1e15 else value)
         case str():
-            return quoted(value)
+            return _quoted(value)
         case Mapping():
             pairs = (f"{_key(str(key))} = {toml(one)}" for key, one in value.items())
             return "{" + ", ".join(pairs) + "}"
         case Sequence():
             return "[" + ", ".join(map(toml, value)) + "]"
-    raise TypeError(f"{type(value).__name__} is nothing of TOML")
+    raise Refused(rules.NOT_ASKED(reason=f"a TOML file has no {value}"), exit_status=2)
 
 
 def _with_value(text: str, path: KeyPath, value: Any) -> str:
@@ -138,7 +139,13 @@ def _read(text: str) -> dict[str, Any]:
 
 
 def _key(name: str) -> str:
-    return name if BARE.fullmatch(name) else quoted(name)
+    return name if BARE.fullmatch(name) else _quoted(name)
+
+
+def _quoted(text: str) -> str:
+    if any("\ud800" <= character <= "\udfff" for character in text):
+        raise Refused(rules.NOT_ASKED(reason="a text holds what is no character"), exit_status=2)
+    return quoted(text)
 
 
 def without_table(text: str, table: KeyPath, name: str) -> str:

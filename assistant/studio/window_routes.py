@@ -37,7 +37,7 @@ async def window(line: WebSocket) -> None:
             message = json.loads(await line.receive_text())
             if isinstance(message, dict):
                 _heard(studio, name, message)
-    except (WebSocketDisconnect, ValueError, KeyError):
+    except (WebSocketDisconnect, ValueError, KeyError, RecursionError):
         pass
     finally:
         for task in tasks:

@@ -1,14 +1,15 @@
 // A drawing: its lines, its layers, and the process of each.
-import { find, made, said, word } from "./words.js";
+import { find, made, said, shown, word } from "./words.js";
 import { ask, look } from "./server.js";
 import { doing } from "./findings.js";
+import { on } from "./line.js";
 import { choose } from "./tabs.js";
 import { project, readProject, whenChosen } from "./project.js";
 
 const COLOURS = ["#d7301f", "#2667c9", "#1d7a3d", "#8a2a86", "#b77900", "#1f9aa8", "#5a6673"];
 const COLUMNS = [["process", "text"], ["speed", "number"], ["approach", "number"], ["retract", "number"], ["offset", "number"]];
-const NAMES = { "tools.tool.tip": "tip", "frames.work.position": "position", "frames.work.euler_zyx": "turned", "motion.speed": "motion_speed" };
-let path = "";
+const NAMES = { "tools.tool.tip": "tip", "frames.work.position": "position", "frames.work.euler_zyx": "turned", "placement.position": "placed", "placement.euler_zyx": "placed_turned", "motion.speed": "motion_speed" };
+let path = "", read = ""; // the drawing that is shown, and what was read of it
 
 async function show(file) {
   const drawing = file.kind === "drawing" ? file.path : project.files.find((one) =>
@@ -23,14 +24,29 @@ async function show(file) {
 function fill(found) {
   const panel = find("panel-drawing"), form = made("form");
   panel.replaceChildren(made("h2", found.path), picture(found), form);
-  form.append(layerTable(found), values(found));
-  const write = said("button", "write_process");
-  form.append(write);
+  form.append(layerTable(found), values(found), said("button", "write_process"));
+  read = JSON.stringify(found);
   form.addEventListener("submit", async (event) => {
     event.preventDefault();
     const done = await doing(() => ask("drawing/process", { path, values: stated(form) }));
     if (done) { fill(done); await readProject(); }
   });
+}
+/** What the disk has now is shown at once, if nothing is being typed here; else it is asked. */
+async function changedOnDisk({ files }) {
+  const panel = find("panel-drawing"), form = panel.querySelector("form");
+  const stem = path.replace(/\.[^./]+$/, "");
+  if (!path || !files.some((one) => one === path || one === `${stem}.process.toml`)) return;
+  const found = await look("drawing", { path }).catch(() => undefined); // taken away: what stands here stays
+  if (!found || JSON.stringify(found) === read) return;
+  if (Object.keys(stated(form)).length === 0) { fill(found); return; }
+  panel.querySelector(".notice")?.remove();
+  const asked = made("div", undefined, "notice"), take = said("button", "take_theirs"), keep = said("button", "keep_mine");
+  asked.setAttribute("role", "alert");
+  take.addEventListener("click", () => fill(found));
+  keep.addEventListener("click", () => asked.remove());
+  asked.append(said("span", "changed_on_disk"), take, keep);
+  panel.prepend(asked);
 }
 function picture(found) {
   const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
@@ -59,9 +75,9 @@ function layerTable(found) {
     const row = made("tr"), name = made("td"), colour = made("span", "■ "), use = made("input"), cell = made("td");
     row.dataset.layer = layer.name;
     colour.style.color = COLOURS[i % COLOURS.length];
-    name.append(colour, layer.name, made("br"), made("small", layer.use));
+    name.append(colour, shown(layer.name), made("br"), made("small", layer.use));
     use.type = "checkbox";
-    use.checked = layer.used;
+    use.defaultChecked = layer.used;
     use.disabled = layer.closed + layer.open === 0;
     use.dataset.key = "used";
     use.setAttribute("aria-label", `${layer.name}: ${word("worked")}`);
@@ -91,34 +107,39 @@ function values(found) {
     const label = made("label"), input = made("input"), name = key.join(".");
     input.type = "text";
     input.dataset.path = name;
+    if (!name.endsWith("speed")) input.dataset.many = "";
     input.value = input.dataset.was = Array.isArray(value) ? value.join(", ") : value ?? "";
     label.append(said("span", NAMES[name] ?? name), " ", input);
-    group.append(label, made("br"));
+    group.append(label);
   }
   return group;
 }
-/** What was changed on the form, as tables of the process file. */
+/** What was changed on the form, as tables of the process file; null takes a key away. */
 function stated(form) {
-  const out = {};
+  const out = Object.create(null); // so that a layer may have any name
   const put = (keys, value) => {
     let here = out;
-    for (const key of keys.slice(0, -1)) here = here[key] ??= {};
+    for (const key of keys.slice(0, -1)) here = here[key] ??= Object.create(null);
     here[keys.at(-1)] = value;
   };
   for (const row of form.querySelectorAll("tr[data-layer]")) for (const input of row.querySelectorAll("input:not(:disabled)")) {
     const keys = ["layers", row.dataset.layer, input.dataset.key];
-    if (input.type === "checkbox") { if (input.checked !== input.defaultChecked || input.checked) put(keys, input.checked); }
+    if (input.type === "checkbox") { if (input.checked !== input.defaultChecked) put(keys, input.checked); }
     else if (input.value !== input.dataset.was) put(keys, input.value === "" ? null : input.type === "number" ? Number(input.value) : input.value);
   }
   for (const input of form.querySelectorAll("input[data-path]")) {
-    if (input.value === input.dataset.was) continue;
-    const numbers = input.value.split(/[,;\s]+/).filter(Boolean).map(Number);
-    put(input.dataset.path.split("."), input.dataset.path.endsWith("speed") ? numbers[0] : numbers);
-  }
-  for (const row of form.querySelectorAll("tr[data-layer]")) {
-    const box = row.querySelector("input[type=checkbox]");
-    if (!box.disabled && !box.checked) put(["layers", row.dataset.layer], { used: false });
+    if (input.value !== input.dataset.was) put(input.dataset.path.split("."), typed(input.value, "many" in input.dataset));
   }
   return out;
 }
-export const beginDrawing = () => whenChosen(show);
+/** Numbers; whatever is none goes as it was typed, and is told of. */
+function typed(text, many) {
+  const numbers = text.split(/[,;\s]+/).filter(Boolean).map(Number);
+  if (!numbers.length) return null;
+  if (numbers.some(Number.isNaN)) return text;
+  return many ? numbers : numbers.length === 1 ? numbers[0] : text;
+}
+export function beginDrawing() {
+  whenChosen(show);
+  on("disk", changedOnDisk);
+}

@@ -1,5 +1,5 @@
 // The list of findings: those of the open file, and those that an action had.
-import { find, made, word } from "./words.js";
+import { find, made, shown, word } from "./words.js";
 import { Refused } from "./server.js";
 
 let open = null; // goes to a finding: (finding) => void
@@ -30,7 +30,7 @@ function show() {
     seen.add(key);
     const item = made("li", undefined, finding.severity), button = made("button");
     const where = [finding.path, finding.line, finding.column].filter((part) => part !== undefined).join(":");
-    button.append(made("strong", `${finding.code} `), finding.message, made("br"), made("small", [where, finding.cure].filter(Boolean).join(" · ")));
+    button.append(made("strong", `${finding.code} `), shown(finding.message), made("br"), made("small", [where, finding.cure].filter(Boolean).join(" · ")));
     button.addEventListener("click", () => open?.(finding));
     item.append(button);
     for (const { title, use } of fixes) {

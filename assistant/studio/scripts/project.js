@@ -1,5 +1,5 @@
 // The project: its files, opening and creating, and what is dropped onto it.
-import { find, made, word } from "./words.js";
+import { find, made, shown, word } from "./words.js";
 import { ask, look, send } from "./server.js";
 import { doing, showOfDoing } from "./findings.js";
 import { on } from "./line.js";
@@ -13,29 +13,51 @@ let current = "";
 
 export async function readProject() {
   Object.assign(project, await look("project"));
-  find("folder").textContent = project.folder;
-  document.title = `${project.name} · ${word("studio")}`;
+  find("folder").textContent = shown(project.folder);
+  document.title = `${shown(project.name)} · ${word("studio")}`;
   find("begin").hidden = project.there;
-  find("files").replaceChildren(...project.files.map(item));
-  if (!project.files.length) find("files").append(made("li", word("no_files"), "empty"));
+  showFiles();
   if (project.findings?.length) showOfDoing(project.findings);
   for (const does of told) does(project);
+}
+/** The list; the one that had the keyboard has it still. */
+function showFiles() {
+  const list = find("files"), had = list.contains(document.activeElement) ? document.activeElement.dataset.path : undefined;
+  list.replaceChildren(...project.files.map(item));
+  if (!project.files.length) list.append(made("li", word("no_files"), "empty"));
+  if (project.more) list.append(made("li", word("more_files"), "empty"));
+  const buttons = [...list.querySelectorAll("button")];
+  const first = buttons.find((one) => one.dataset.path === (had ?? current)) ?? buttons[0];
+  if (first) first.tabIndex = 0;
+  if (had !== undefined) first?.focus();
 }
 function item(file) {
   const row = made("li"), button = made("button");
   row.setAttribute("role", "none");
   button.setAttribute("role", "treeitem");
   button.setAttribute("aria-current", String(file.path === current));
-  button.append(file.path, " ", made("small", file.kind));
+  button.dataset.path = file.path;
+  button.tabIndex = -1;
+  button.append(made("bdi", file.path), " ", made("small", file.kind));
   button.addEventListener("click", () => chooseFile(file.path));
   row.append(button);
   return row;
+}
+/** From file to file by arrow keys; Tab goes past all of them. */
+function walkFiles(event) {
+  const buttons = [...find("files").querySelectorAll("button")], at = buttons.indexOf(document.activeElement);
+  const to = { ArrowDown: at + 1, ArrowUp: at - 1, Home: 0, End: buttons.length - 1 }[event.key];
+  if (at < 0 || to === undefined || !buttons[to]) return;
+  event.preventDefault();
+  buttons[at].tabIndex = -1;
+  buttons[to].tabIndex = 0;
+  buttons[to].focus();
 }
 export function chooseFile(path) {
   current = path;
   const file = project.files.find((one) => one.path === path) ?? { path, kind: "file" };
   for (const button of find("files").querySelectorAll("button")) {
-    button.setAttribute("aria-current", String(button.firstChild.textContent === path));
+    button.setAttribute("aria-current", String(button.dataset.path === path));
   }
   return Promise.all(opened.map((does) => does(file)));
 }
@@ -46,7 +68,7 @@ async function dropFiles(files) {
     if (!done) return;
     await readProject();
     await chooseFile(done.path);
-    showOfDoing(done.findings);
+    if (done.findings.length) showOfDoing(done.findings);
   }
 }
 export function beginProject() {
@@ -64,6 +86,7 @@ export function beginProject() {
     event.preventDefault();
     await doing(() => ask("project/open", { folder: find("open-path").value }));
   });
+  find("files").addEventListener("keydown", walkFiles);
   find("check").addEventListener("click", () => doing(() => ask("project/check")));
   find("build").addEventListener("click", async () => { await doing(() => ask("project/build")); await readProject(); });
   on("disk", readProject);

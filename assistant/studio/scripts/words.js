@@ -3,11 +3,15 @@ const tables = JSON.parse(document.getElementById("words").textContent);
 const wanted = localStorage.getItem("language") ?? navigator.language.slice(0, 2);
 let table = tables[wanted] ?? tables.en;
 
+const STEERING = /[\0-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\xad\u061c\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb]|[\ud800-\udbff](?![\udc00-\udfff])|(?<![\ud800-\udbff])[\udc00-\udfff]/g;
+
+/** Text from outside with a mark for what would turn it around or hide in it. */
+export const shown = (text) => String(text).replace(STEERING, "\ufffd");
 export const word = (name) => table[name] ?? name;
 export const find = (id) => document.getElementById(id);
 export function made(tag, text, name) {
   const element = document.createElement(tag);
-  if (text !== undefined) element.textContent = text;
+  if (text !== undefined) element.textContent = shown(text);
   if (name) element.className = name;
   return element;
 }
