@@ -206,7 +206,7 @@ def _has_lines(session: Programs, wishes: Wishes) -> None:
     lines_of(session, wishes)
 
 
-def _on_network(session: Programs, wishes: Wishes) -> None:  # noqa: ARG001 - as of each way
+def on_network(session: Programs, wishes: Wishes) -> None:  # noqa: ARG001 - as of each way
     """Raises Refused for an address that packets do not get to."""
     if SCHEMES[session.address.scheme].device:
         reason = "its address is a serial line, and packets go over the network"
@@ -250,7 +250,7 @@ def _mxt(session: Programs, led: Led, wishes: Wishes, progress: Progress) -> Don
     from assistant.controllers.cyclic import Settings, Trajectory
     from assistant.controllers.mitsubishi.mxt import client
 
-    _on_network(session, wishes)
+    on_network(session, wishes)
     controller, host = _operated(session), session.address.host
     install_mxt(controller, wishes)
     joints = led.numbered(led.joints, 0.0)
@@ -317,7 +317,7 @@ def _operated(session: Programs) -> Controller:
 MODES: Final[Mapping[str, Mode]] = {
     "exchange": Mode("poses by files, one after the other", _exchange, 0.5, operates=False),
     "data-link": Mode("joint positions on a line of data", _data_link, 0.1, check=_has_lines),
-    "mxt": Mode("joints cycle by cycle", _mxt, 0.01, check=_on_network),
+    "mxt": Mode("joints cycle by cycle", _mxt, 0.01, check=on_network),
     "egm": Mode(
         "joints cycle by cycle, as a program asks for them",
         _egm,

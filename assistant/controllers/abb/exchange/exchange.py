@@ -218,6 +218,8 @@ class PoseExchange:
             answer = None if data is None else messages.parse(data)
             if answer is not None and messages.is_of(answer, number):
                 break
+            if self.ended:  # another thread stopped it meanwhile
+                raise Refused(rules.ENDED(place=str(self.programs.address), reason=self.ended))
             if time.perf_counter() - handed > longest:
                 self._unanswered(number, word, longest)
             self._pause()

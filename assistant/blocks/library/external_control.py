@@ -1,0 +1,242 @@
+"""An arm that is led cycle by cycle by setpoints of a model, within bounds of speed and region.
+
+    cell = by_mxt("cell", "melfa://192.168.0.20", robot)
+    arm = diagram.add(ExternalControl("arm", cell, robot))
+
+The packets of each cycle are sent by a process of its own, which keeps limits whatever the model
+does: it brings the arm to rest when no setpoint follows, when the model ends, and when the
+controller falls silent, which ends the run too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager
+from typing import ClassVar, Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from assistant.blocks.connections import Connection
+from assistant.blocks.diagrams.block import Block, Port
+from assistant.blocks.library.arrays import joints_port
+from assistant.blocks.library.rules import NOT_OPERATED, OUTSIDE, TOO_FAR, TWO_LEADERS
+from assistant.blocks.rules import NO_NUMBERS
+from assistant.controllers import connect
+from assistant.controllers.controller import Controller
+from assistant.controllers.cyclic import Report, Settings, Timing
+from assistant.controllers.cyclic.space import braked
+from assistant.controllers.following import MXT_PROGRAM, Wishes, install_mxt, on_network
+from assistant.controllers.leading import cycles
+from assistant.controllers.leading.cycles import CyclicCarrier
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Refused
+from assistant.program.geometry import IDENTITY, Pose
+from assistant.robots.robot import Robot
+from assistant.vision.servoing.bounds import Bounds, Guard
+
+APPROACH: Final = 10.0
+"""Degrees or mm that the first setpoint may be from where the arm stands."""
+LATE: Final = 0.01
+"""Seconds that a setpoint may come late without the arm slowing down, and that it is behind."""
+HELD: Final = 1e-6
+"""Degrees or mm from what is wanted beyond which a limit holds the arm back."""
+
+
+class Led:
+    """An arm that is led. guard: its bounds. leader: the block that leads it, None for none yet.
+
+    failed: whether the leading ended by itself; its controller is stopped then.
+    """
+
+    def __init__(self, guard: Guard, carrier: CyclicCarrier) -> None:
+        self.guard, self.carrier = guard, carrier
+        self.leader: Block | None = None
+        self.failed = False
+
+
+Opening = Callable[[], AbstractContextManager[Led]]
+
+
+def by_egm(
+    name: str,
+    host: str,
+    robot: Robot,
+    *,
+    bounds: Bounds | None = None,
+    tool: Pose = IDENTITY,
+    port: int | None = None,
+    cycle: float | None = None,
+    settings: Settings | None = None,
+) -> Connection[Led]:
+    """An arm of an ABB controller, whose program comes and asks for joints (EGMActJoint).
+
+    bounds: of speed and region, `Bounds()` if left out. tool: its tip in the frame of the flange,
+    which stays in the box. port: of this computer, cycle: seconds; None for the usual.
+    """
+
+    @contextmanager
+    def opening() -> Iterator[Led]:
+        guard = Guard(robot, bounds or Bounds(), tool)
+        with cycles.by_egm(host, guard.arm(), port, cycle, settings) as carrier:
+            yield Led(guard, carrier)
+
+    return Connection(name, opening, moves=True)
+
+
+def by_mxt(
+    name: str,
+    address: str,
+    robot: Robot,
+    *,
+    bounds: Bounds | None = None,
+    tool: Pose = IDENTITY,
+    wishes: Wishes | None = None,
+    servo: bool = True,
+    timeout: float | None = None,
+) -> Connection[Led]:
+    """An arm of a CR controller by real-time external control; else as `by_egm`.
+
+    The program that waits for its packets is installed and started. servo: whether the servos are
+    switched on before and off after. timeout: seconds to wait for an answer of the controller.
+    """
+
+    @contextmanager
+    def opening() -> Iterator[Led]:
+        guard, wanted = Guard(robot, bounds or Bounds(), tool), wishes or Wishes()
+        session = connect(address, timeout=timeout)
+        if not isinstance(session, Controller):
+            raise Refused(NOT_OPERATED(name=name, address=session.address), exit_status=2)
+        on_network(session, wanted)
+        with session:
+            install_mxt(session, wanted)
+            if servo:
+                session.motors(True)
+            made = (session, MXT_PROGRAM, guard.arm(), wanted.port, wanted.cycle)
+            led = None
+            try:
+                with cycles.by_mxt(*made) as carrier:
+                    led = Led(guard, carrier)
+                    yield led
+            finally:
+                if led is None or led.failed:
+                    session.stop()
+                if servo:
+                    session.motors(False)
+
+    return Connection(name, opening, moves=True)
+
+
+class ExternalControl(Block):
+    """wanted joints, enable → joints that are measured and commanded, and how the time was kept.
+
+    While `enable` is above 0.5 the arm goes to what is wanted: as fast as it changes, plus what it
+    is behind, as fast as it can brake for, and never beyond the bounds of its connection; `limited`
+    tells that these hold it back. Else it comes to rest. cycles, late, worst, jitter: see `Timing`.
+    approach: degrees or mm that what is wanted may be away when it is enabled. `report` and
+    `summary` tell of all cycles once the run has ended.
+    """
+
+    direct: ClassVar[bool] = False
+
+    def __init__(
+        self,
+        name: str,
+        connection: Connection[Led],
+        robot: Robot,
+        *,
+        approach: float = APPROACH,
+        period: float | None = None,
+    ) -> None:
+        ports = [joints_port(robot), joints_port(robot, "commanded"), Port("limited")]
+        ports += [Port("cycles"), Port("late"), Port("worst", unit="s"), Port("jitter", unit="s")]
+        inputs = [joints_port(robot, "wanted"), Port("enable")]
+        super().__init__(name, inputs, ports, period=period)
+        self.robot, self.connection, self.moves = robot, connection, connection.name
+        self.approach = approach
+        self.report: Report | None = None
+        self._led: Led | None = None
+
+    @property
+    def summary(self) -> str:
+        """How the time was kept, in words, "" before a run has ended."""
+        return "" if self.report is None else str(self.report)
+
+    def begin(self) -> None:
+        """Raises Refused for an arm that another block leads, and one outside of its bounds."""
+        self.report = None
+        led = self._led = self.connection.take()
+        if led.leader is not None:
+            other, name = led.leader.name, self.connection.name
+            raise Refused(TWO_LEADERS(block=self.name, other=other, name=name))
+        led.leader = self
+        self._told = led.carrier.joints()
+        if what := led.guard.outside(self._told):
+            raise Refused(OUTSIDE(block=self.name, what=what))
+        self._velocity = np.zeros(len(self._told))
+        self._wanted: Floats | None = None
+        self._before: float | None = None
+        self._limited = False
+
+    def end(self) -> None:
+        led, self._led = self._led, None
+        if led is None:
+            return
+        leading = led.carrier.leading
+        try:
+            self.connection.leave()
+        finally:
+            if led.leader is self:
+                led.leader, self.report = None, leading.report
+
+    def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:
+        """Raises Refused for a controller that is silent or has ended the control."""
+        del now, given
+        assert self._led is not None
+        try:
+            joints = self._led.carrier.joints()
+        except Refused:
+            self._led.failed = True
+            raise
+        timing = self._led.carrier.leading.timing()
+        return [joints, self._told, [float(self._limited)], *_signals(timing)]
+
+    def take(self, now: float, given: Sequence[Floats]) -> None:
+        """The first moment is the beginning; each later one leads the arm on for a step."""
+        wanted, going = given[0], bool(given[1][0] > 0.5)
+        if going and not np.isfinite(wanted).all():
+            raise Refused(NO_NUMBERS(block=self.name))
+        before, self._before = self._before, now
+        if going and self._wanted is None:
+            self._check_near(wanted)
+            self._wanted = wanted
+        if before is not None:
+            self._lead(wanted, going, now - before)
+        self._wanted = wanted if going else None
+
+    def _lead(self, wanted: Floats, going: bool, step: float) -> None:
+        assert self._led is not None
+        guard, velocity = self._led.guard, np.zeros(len(wanted))
+        if going and self._wanted is not None:
+            behind = self._wanted - self._told
+            catch = zip(np.abs(behind).tolist(), guard.rises.tolist(), strict=True)
+            most = np.array([braked(way, rise, step) for way, rise in catch])
+            velocity = (wanted - self._wanted) / step + np.sign(behind) * most
+        elif not self._velocity.any():
+            self._limited = False
+            return
+        self._velocity = guard.limited(velocity, self._velocity, self._told, step)
+        self._told = self._told + self._velocity * step
+        self._limited = going and bool(np.abs(self._told - wanted).max() > HELD)
+        self._led.carrier.move(self._told, step + min(step, LATE))
+
+    def _check_near(self, wanted: Floats) -> None:
+        away = np.abs(wanted - self._told)
+        worst = int(np.argmax(away))
+        if away[worst] > self.approach:
+            where = {"axis": self.robot.axes[worst], "value": wanted[worst], "away": away[worst]}
+            raise Refused(TOO_FAR(block=self.name, most=self.approach, **where))
+
+
+def _signals(timing: Timing) -> list[ArrayLike]:
+    return [[float(timing.cycles)], [float(timing.late)], [timing.longest], [timing.jitter]]

@@ -1,0 +1,239 @@
+"""Inputs, outputs and grippers of a controller. A model goes on while it answers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import Future
+from dataclasses import dataclass
+from typing import ClassVar, Final, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from assistant.blocks.asking import Asked
+from assistant.blocks.connections import Connection
+from assistant.blocks.diagrams.block import Block, Port
+from assistant.blocks.library.rules import BOTH, NO_GRIP
+from assistant.controllers.controller import Controller
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Refused
+
+OPEN, CLOSED, BETWEEN = 0.0, 1.0, 0.5
+"""States of a gripper: confirmed ones, and what nobody confirms."""
+WITHIN: Final = 2.0
+"""Seconds in which a gripper has to confirm."""
+
+
+class _Asking(Block):
+    """A block with a connection by which it asks."""
+
+    direct: ClassVar[bool] = False
+
+    def __init__(
+        self,
+        name: str,
+        connection: Connection[Asked[Controller]],
+        inputs: Sequence[Port],
+        outputs: Sequence[Port],
+        period: float | None,
+    ) -> None:
+        super().__init__(name, inputs, outputs, period=period)
+        self.connection = connection
+        self._asked: Asked[Controller] | None = None
+
+    def begin(self) -> None:
+        self._asked = self.connection.take()
+
+    def end(self) -> None:
+        if self._asked is not None:
+            self._asked = None
+            self.connection.leave()
+
+
+class Signals(_Asking):
+    """Inputs of a controller by their names (numbers as text where it numbers them) → values, age.
+
+    values: NaN until the first answer. age: seconds since these were asked for. They are asked for
+    again at each step at which no answer is on its way.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        connection: Connection[Asked[Controller]],
+        names: Sequence[str],
+        *,
+        period: float | None = None,
+    ) -> None:
+        ports = [Port("values", len(names)), Port("age", unit="s")]
+        super().__init__(name, connection, (), ports, period)
+        self.names = tuple(names)
+
+    def begin(self) -> None:
+        self._values, self._at = np.full(len(self.names), np.nan), np.nan
+        self._coming: tuple[float, Future[dict[str, float]]] | None = None
+        super().begin()
+
+    def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:
+        """Raises Refused for a signal that is not there, and for a connection that is lost."""
+        del given
+        if self._coming is not None and self._coming[1].done():
+            self._at, answer = self._coming
+            found = answer.result()
+            self._values = np.array([found[name] for name in self.names])
+            self._coming = None
+        return [self._values, [now - self._at]]
+
+    def take(self, now: float, given: Sequence[Floats]) -> None:
+        del given
+        assert self._asked is not None
+        if self._coming is None:
+            self._coming = now, self._asked.ask(lambda session: session.inputs(self.names))
+
+
+class Output(_Asking):
+    """value → what the output was set to last, NaN before. It is set when the value changes.
+
+    Values that come while one is on its way are not waited for: the newest is next. A value that is
+    no number sets nothing.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        connection: Connection[Asked[Controller]],
+        output: str,
+        *,
+        period: float | None = None,
+    ) -> None:
+        super().__init__(name, connection, [Port("value")], [Port("set")], period)
+        self.output, self.moves = output, connection.name
+
+    def begin(self) -> None:
+        self._set = np.nan
+        self._coming: tuple[float, Future[None]] | None = None
+        super().begin()
+
+    def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:
+        """Raises Refused for an output that is not there or does not take the value."""
+        del now, given
+        if self._coming is not None and self._coming[1].done():
+            self._coming[1].result()
+            self._set, self._coming = self._coming[0], None
+        return [[self._set]]
+
+    def take(self, now: float, given: Sequence[Floats]) -> None:
+        del now
+        assert self._asked is not None
+        value = float(given[0][0])
+        if self._coming is None and np.isfinite(value) and value != self._set:
+            name = self.output
+            self._coming = value, self._asked.ask(lambda session: session.set_output(name, value))
+
+
+class Actuated(Protocol):
+    """What opens and closes a gripper."""
+
+    def move(self, session: Controller, *, close: bool) -> None: ...
+
+
+@dataclass(frozen=True, slots=True)
+class Hand:
+    """A hand of a controller that numbers them."""
+
+    number: int = 1
+
+    def move(self, session: Controller, *, close: bool) -> None:
+        session.hand(self.number, open=not close)
+
+
+@dataclass(frozen=True, slots=True)
+class Valve:
+    """An output. closed, opened: its values for either."""
+
+    output: str
+    closed: float = 1.0
+    opened: float = 0.0
+
+    def move(self, session: Controller, *, close: bool) -> None:
+        session.set_output(self.output, self.closed if close else self.opened)
+
+
+class Gripper(_Asking):
+    """close → state (1 closed, 0 open, 0.5 for neither), whether that is confirmed, busy.
+
+    Above 0.5 it closes, below it opens, and what is no number leaves it as it is; it is told when
+    that changes. opened, closed: names of inputs that are 1 when it is; one that is not there
+    stands for the other's opposite. They are looked at all the time, so that a part that is lost is
+    seen. Without any, it has confirmed once the controller has. within: seconds of the model in
+    which it has to confirm.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        connection: Connection[Asked[Controller]],
+        by: Actuated,
+        *,
+        opened: str | None = None,
+        closed: str | None = None,
+        within: float = WITHIN,
+        period: float | None = None,
+    ) -> None:
+        ports = [Port("state"), Port("confirmed"), Port("busy")]
+        super().__init__(name, connection, [Port("close")], ports, period)
+        self.by, self.opened, self.closed, self.within = by, opened, closed, within
+        self.moves = connection.name
+
+    def begin(self) -> None:
+        self._told: bool | None = None
+        self._since = 0.0
+        self._state = BETWEEN
+        self._moving: Future[None] | None = None
+        self._looking: Future[dict[str, float]] | None = None
+        super().begin()
+
+    @property
+    def _inputs(self) -> tuple[str, ...]:
+        return tuple(name for name in (self.opened, self.closed) if name is not None)
+
+    def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:
+        """Raises Refused for a gripper that does not confirm in time, or is refused."""
+        del given
+        if self._moving is not None and self._moving.done():
+            self._moving.result()
+            self._moving = None
+            if not self._inputs:
+                self._state = CLOSED if self._told else OPEN
+        if self._looking is not None and self._looking.done():
+            self._state = self._read(self._looking.result())
+            self._looking = None
+        done = self._moving is None and self._told is not None and self._state == self._told
+        if done:
+            self._since = np.inf  # a part that is lost later is no failure to grip
+        elif self._told is not None and now - self._since > self.within:
+            what = "close" if self._told else "open"
+            raise Refused(NO_GRIP(block=self.name, what=what, seconds=self.within))
+        busy = self._told is not None and not done and self._since < np.inf
+        return [[self._state], [float(done)], [float(busy)]]
+
+    def take(self, now: float, given: Sequence[Floats]) -> None:
+        assert self._asked is not None
+        wanted, by, inputs = float(given[0][0]), self.by, self._inputs
+        if self._moving is None and np.isfinite(wanted) and (wanted > 0.5) != self._told:
+            close = self._told = wanted > 0.5
+            self._since, self._state = now, BETWEEN
+            self._looking = None  # what was asked before tells of before
+            self._moving = self._asked.ask(lambda session: by.move(session, close=close))
+        elif self._moving is None and self._looking is None and inputs:
+            self._looking = self._asked.ask(lambda session: session.inputs(inputs))
+
+    def _read(self, found: dict[str, float]) -> float:
+        """The state that the inputs tell."""
+        is_open = found[self.opened] > 0.5 if self.opened else None
+        is_closed = found[self.closed] > 0.5 if self.closed else None
+        if is_open and is_closed:
+            raise Refused(BOTH(block=self.name))
+        if is_closed or (is_closed is None and not is_open):
+            return CLOSED
+        return OPEN if is_open or is_open is None else BETWEEN
