@@ -53,7 +53,7 @@ ROOMS: dict[str, frozenset[str]] = {
         }
     ),
     "report": frozenset({"program", "sources", "robots", "cell", "compiler", "findings"}),
-    "view": frozenset({"program", "robots", "cell", "compiler", "findings", "report"}),
+    "view": frozenset({"program", "robots", "cell", "checks", "compiler", "findings", "report"}),
     "api": frozenset(
         {
             *("program", "sources", "robots", "cell", "checks", "compiler", "findings"),

@@ -16,9 +16,9 @@ from assistant.resources import resource
 
 if TYPE_CHECKING:
     from assistant.cell.scene import Scene
-    from assistant.cli.pages import Sheet
     from assistant.compiler import Compiled
     from assistant.controllers import Programs
+    from assistant.view.sheets import Sheet
 
 SOURCES: Final = ("plate.dxf", "positioning.csv")
 ROBOTS: Final = ("irb1200-7-0.7", "rv-2aj")

@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from assistant.cli.compiling import STANDARD
-from assistant.cli.pages import Asked, Sheet, stem_of, write_page
+from assistant.cli.pages import Asked, stem_of, write_page
 from assistant.program.diagnostics import Diagnostic, Refused, fold, warning
+from assistant.view.sheets import Sheet
 
 if TYPE_CHECKING:
     from assistant.cell.scene import Scene

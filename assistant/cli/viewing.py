@@ -11,12 +11,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from assistant.cli.compiling import keep_sources, working
-from assistant.cli.pages import NO_PAGE, SUFFIXES, shown_sheet, stem_of
+from assistant.cli.pages import NO_PAGE, SUFFIXES, stem_of
 from assistant.cli.presentation import Format, print_findings, print_json, say
 from assistant.cli.sheets import solved_sheet
 from assistant.cli.simulating import Options, refused, solved
 from assistant.cli.stating import as_stated
 from assistant.program.diagnostics import Refused, error, fold, has_errors
+from assistant.view.sheets import shown_sheet
 
 if TYPE_CHECKING:
     from assistant.compiler.solving import Solved
