@@ -21,16 +21,29 @@ def folder(tmp_path: Path) -> Path:
     return made
 
 
-@pytest.fixture
-def address(folder: Path) -> Iterator[str]:
-    """Of the studio."""
-    with served(folder) as found:
+@pytest.fixture(scope="session")
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """The address of a studio that one test after another has."""
+    with served(tmp_path_factory.mktemp("studio")) as found:
         yield found
+
+
+@pytest.fixture
+def address(shared: str, folder: Path) -> str:
+    """Of a studio of the folder, which no window is open of."""
+    opening = Page(shared)
+    with opening.line() as line:
+        while not opening.writes:  # windows of the test before this one are closing
+            opening.hear(line)
+        assert opening.post("project/open", folder=str(folder)).status == 200
+    return shared
 
 
 @pytest.fixture
 def page(address: str) -> Iterator[Page]:
     """A page whose window writes."""
     made = Page(address)
-    with made.line():
+    with made.line() as line:
+        while not made.writes:
+            made.hear(line)
         yield made

@@ -25,10 +25,14 @@ class Answer:
 
 @dataclass
 class Page:
-    """What a page of this origin asks of the studio. window: its name, once its line is open."""
+    """What a page of this origin asks of the studio.
+
+    window: its name, once its line is open. writes: whether it is the one that changes something.
+    """
 
     address: str
     window: str = ""
+    writes: bool = False
 
     @property
     def origin(self) -> str:
@@ -51,8 +55,15 @@ class Page:
         """Opens its line to the studio, by which it gets its name."""
         address = self.address.replace("http", "ws", 1) + "window"
         with connect(address, additional_headers={"Origin": self.origin}) as line:
-            self.window = json.loads(line.recv(10.0))["name"]
+            self.hear(line)
             yield line
+
+    def hear(self, line: ClientConnection) -> Any:
+        """The next that the studio tells this window."""
+        message = json.loads(line.recv(10.0))
+        if message["kind"] == "window":
+            self.window, self.writes = message["name"], message["writes"]
+        return message
 
     def _answer(
         self, path: str, data: bytes | None = None, headers: dict[str, str] | None = None
