@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import dataclasses
 import getpass
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
-from datetime import datetime
-from pathlib import Path, PurePath
+from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from assistant.cli.presentation import note
+from assistant.controllers.states import record as record
 from assistant.program.diagnostics import Diagnostic, Refused, error
 
 if TYPE_CHECKING:
@@ -148,19 +147,6 @@ def number(name: str, value: str) -> float:
 
 
 # ------------------------------------------------------------------------------------ answers
-
-
-def record(value: object) -> object:
-    """What a controller told, for JSON."""
-    if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        return {f.name: record(getattr(value, f.name)) for f in dataclasses.fields(value)}
-    if isinstance(value, Mapping):
-        return {str(key): record(one) for key, one in value.items()}
-    if isinstance(value, list | tuple):
-        return [record(one) for one in value]
-    if isinstance(value, datetime):
-        return value.isoformat()
-    return str(value) if isinstance(value, PurePath) else value
 
 
 def joints_line(position: Position) -> str:

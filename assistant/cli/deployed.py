@@ -69,28 +69,15 @@ def finished(done: Deployment, *, as_json: bool, back: bool = False) -> int:
 
     back: what is installed then is what was there before.
     """
-    from assistant.deploy import FileState
-    from assistant.findings.formats import finding_record
+    from assistant.project.deploying import deployment_record, states_of
 
-    taken_back = back and done.ok
-    states = {
-        name: str(FileState.PUT_BACK if taken_back and state is FileState.INSTALLED else state)
-        for name, state in done.states.items()
-    }
     if as_json:
-        answer = {
-            "address": str(done.address),
-            "ok": done.ok,
-            "files": [{"name": name, "state": state} for name, state in states.items()],
-            "kept in": str(done.folder) if done.folder else None,
-            "findings": [finding_record(finding) for finding in done.findings],
-        }
-        print_json(answer)
+        print_json(deployment_record(done, back=back))
         return 0 if done.ok else 1
     print_findings(done.findings)
-    for name, state in states.items():
+    for name, state in states_of(done, back=back).items():
         say(f"{name}: {state}")
-    if taken_back:
+    if back and done.ok:
         say(f"every program of it on {done.address} is what it was before, verified")
     else:
         say(done.summary)
@@ -147,6 +134,7 @@ def run_verify(
     format: Format,
 ) -> int:
     from assistant import deploy
+    from assistant.project.deploying import verified_record
 
     answers = []
     status = 0
@@ -160,33 +148,13 @@ def run_verify(
             programs = job.programs(client) if job.files or job.target else []
             seen = deploy.verify(client, programs, history=job.history)
         if format is Format.JSON:
-            answers.append(_record(seen))
+            answers.append(verified_record(seen))
         else:
             _tell(seen)
         status = max(status, 0 if seen.ok else 1)
     if format is Format.JSON:
         print_json(answers[0] if len(answers) == 1 else answers)
     return status
-
-
-def _record(seen: Verified) -> dict[str, object]:
-    from assistant.findings.formats import finding_record
-
-    return {
-        "address": str(seen.address),
-        "ok": seen.ok,
-        "last deployment": seen.record.name if seen.record else None,
-        "programs": [
-            {
-                "name": program.name,
-                "seen": str(program.seen),
-                "as built": program.as_built,
-                "since": program.since,
-            }
-            for program in seen.programs
-        ],
-        "findings": [finding_record(finding) for finding in seen.findings],
-    }
 
 
 def _tell(seen: Verified) -> None:

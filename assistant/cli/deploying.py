@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from assistant.cli.compiling import working
 from assistant.cli.jobs import NOT_BOTH, Job, Wishes, jobs_of
 from assistant.cli.many_cells import Manner, run_many
-from assistant.cli.plans import plan_markdown, plan_record, print_plan
+from assistant.cli.plans import plan_markdown, print_plan
 from assistant.cli.presentation import Format, PlanFormat, print_findings, print_json, say
 from assistant.program.diagnostics import Refused, has_errors
 
@@ -95,6 +95,8 @@ def _show(job: Job, plan: Plan, done: Deployment | None, format: PlanFormat) -> 
     """Prints what is for people; what is for programs comes back."""
     findings = (*plan.findings, *(done.findings if done else ()))
     if format is PlanFormat.JSON:
+        from assistant.project.deploying import plan_record
+
         return plan_record(plan, done, findings)
     if format is PlanFormat.MARKDOWN:
         say(plan_markdown(job.name, plan, done, findings))

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from assistant.cli.cells import client_of, named_by
-from assistant.program.diagnostics import Diagnostic, Refused, error, fold, has_errors
+from assistant.program.diagnostics import Refused, error
 
 if TYPE_CHECKING:
     from assistant.controllers import Named, Programs
@@ -86,28 +86,18 @@ class Job:
 
     def planned(self, client: Programs) -> Plan:
         """The plan, after all checks; raises Refused for programs that may not be deployed."""
-        from assistant import deploy
-        from assistant.controllers.states import Identity
+        from assistant.project.deploying import planned
 
-        files = self.programs(client)
-        found = _for_robot(files, self.one)
-        robot = self.one.robot or ""
-        meant = Identity(
-            robot="" if Path(robot).suffix in (".toml", ".urdf") else robot,
-            serial=self.one.serial or "",
-        )
-        plan = deploy.plan(
-            files,
+        wishes = self.wishes
+        return planned(
+            self.programs(client),
+            self.one,
             client,
-            task=self.wishes.task,
-            load=self.wishes.load,
-            replace=self.wishes.replace,
+            task=wishes.task,
+            load=wishes.load,
+            replace=wishes.replace,
             history=self.history,
-            meant=meant,
         )
-        told = set(plan.findings)
-        more = tuple(finding for finding in found if finding not in told)
-        return replace(plan, notes=(*more, *plan.notes))
 
 
 def jobs_of(
@@ -175,20 +165,6 @@ def _targets(to: str | None, names: Sequence[str]) -> Sequence[Target]:
 
 def _of(target: Target, wishes: Wishes) -> Wishes:
     return replace(wishes, task=wishes.task or target.task, load=wishes.load or target.load)
-
-
-def _for_robot(files: Sequence[str], one: Named) -> tuple[Diagnostic, ...]:
-    """Findings of the programs on the controller's robot; raises Refused if it cannot run them."""
-    from assistant.compiler.checking import check_files
-    from assistant.findings.project_severities import settle
-
-    if one.robot is None or not files:
-        return ()
-    checked = check_files(files, robot=one.robot)
-    found = fold(settle(checked.findings, checked.texts).left)
-    if has_errors(found):
-        raise Refused(*found)
-    return tuple(found)
 
 
 def _relative(path: Path) -> Path:

@@ -1,4 +1,4 @@
-"""Plans and what became of them: for people, for programs (JSON), for pull requests (Markdown)."""
+"""Plans and what became of them: for people, and for pull requests (Markdown)."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
 from assistant.cli.presentation import say
-from assistant.program.diagnostics import Diagnostic, worst
+from assistant.program.diagnostics import Diagnostic
 from assistant.report.markdown import cell, code, findings_markdown, folded, plain
 
 if TYPE_CHECKING:
@@ -25,41 +25,6 @@ def print_plan(plan: Plan) -> None:
         if names:
             say(f"{word}: {', '.join(names)}")
     say(f"{plan.address}: {PROMISE}")
-
-
-def plan_record(
-    plan: Plan, done: Deployment | None, findings: Sequence[Diagnostic]
-) -> dict[str, object]:
-    """As plain data; keys are added, never renamed."""
-    from assistant.findings.formats import finding_record
-
-    record = plan.record
-    known = None
-    if record is not None:
-        keys = ("name", "time", "who", "commit")
-        known = {key: getattr(record, key) for key in keys}
-    return {
-        "address": str(plan.address),
-        "ok": done.ok if done else worst(findings) != "error" and not plan.conflicts,
-        "last deployment": known,
-        "files": [
-            {
-                "file": file.path,
-                "name": file.name,
-                "change": str(file.change),
-                "state": str(done.states[file.name]) if done else None,
-                "reason": file.reason,
-                "diff": file.diff,
-                "taught": file.taught,
-                "since": file.since,
-            }
-            for file in plan.files
-        ],
-        "foreign": list(plan.foreign),
-        "left": list(plan.left),
-        "kept in": str(done.folder) if done and done.folder else None,
-        "findings": [finding_record(finding) for finding in findings],
-    }
 
 
 def plan_markdown(

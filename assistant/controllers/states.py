@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import datetime
+from pathlib import PurePath
 from typing import Literal
 
 Mode = Literal["automatic", "manual", ""]
@@ -98,3 +100,16 @@ class Jog:
     by: float
     frame: Literal["base", "tool"] = "base"
     speed: float = 10.0
+
+
+def record(value: object) -> object:
+    """What a controller told, as plain data for JSON."""
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return {f.name: record(getattr(value, f.name)) for f in dataclasses.fields(value)}
+    if isinstance(value, Mapping):
+        return {str(key): record(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [record(one) for one in value]
+    if isinstance(value, datetime):
+        return value.isoformat()
+    return str(value) if isinstance(value, PurePath) else value

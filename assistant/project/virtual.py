@@ -10,6 +10,7 @@ import json
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
@@ -32,16 +33,28 @@ LOCK: Final = "lock"
 PATIENCE: Final = 30.0
 """Seconds for which another command may have the controller."""
 ENCODING: Final = "utf-8"
-Starting = Callable[[Named, FilePath, float | None], AbstractContextManager[Programs]]
+Clients = Callable[[], Programs]
+"""Gives a client, not connected yet, each time."""
+Starting = Callable[[Named, FilePath, float | None], AbstractContextManager[Clients]]
 
 
 @contextmanager
 def running(
     controller: Named, kept: FilePath, *, timeout: float | None = None
 ) -> Iterator[Programs]:
-    """A client, not connected yet, of a virtual controller that runs inside.
+    """A client, not connected yet, of a virtual controller that runs inside; see `clients`."""
+    with clients(controller, kept, timeout=timeout) as client:
+        yield client()
 
-    kept: `.robot-assistant` of the project. timeout: of the client. Raises Refused.
+
+@contextmanager
+def clients(
+    controller: Named, kept: FilePath, *, timeout: float | None = None
+) -> Iterator[Clients]:
+    """As many clients as are wanted of a virtual controller that runs inside.
+
+    kept: `.robot-assistant` of the project. timeout: of each client. Raises Refused. It ends in
+    the thread in which it began.
     """
     from filelock import FileLock, Timeout
 
@@ -64,7 +77,7 @@ def running(
 
 
 @contextmanager
-def _irc5(controller: Named, folder: FilePath, timeout: float | None) -> Iterator[Programs]:
+def _irc5(controller: Named, folder: FilePath, timeout: float | None) -> Iterator[Clients]:
     from assistant.virtual.irc5 import VirtualIrc5
 
     arm, home = _arm(controller), folder / HOME
@@ -76,7 +89,8 @@ def _irc5(controller: Named, folder: FilePath, timeout: float | None) -> Iterato
         virtual.cabinet.serial = controller.serial or ""
         virtual.cabinet.do(lambda memory: _remember(memory, folder / MEMORY))
         try:
-            yield _client(controller, virtual.rws_port, timeout, virtual.user, virtual.password)
+            login = Credentials(virtual.user, virtual.password)
+            yield partial(_client, controller, virtual.rws_port, timeout, login)
         finally:
             # What programs have made of their data since a module was last taken in.
             with held():
@@ -87,7 +101,7 @@ def _irc5(controller: Named, folder: FilePath, timeout: float | None) -> Iterato
 
 
 @contextmanager
-def _cr(controller: Named, folder: FilePath, timeout: float | None) -> Iterator[Programs]:
+def _cr(controller: Named, folder: FilePath, timeout: float | None) -> Iterator[Clients]:
     from assistant.virtual.cr import VirtualCr
 
     arm, programs = _arm(controller), folder / PROGRAMS
@@ -97,7 +111,7 @@ def _cr(controller: Named, folder: FilePath, timeout: float | None) -> Iterator[
         raise _not_started(controller, str(error)) from None
     _start(controller, virtual.start)
     try:
-        yield _client(controller, virtual.port, timeout)
+        yield partial(_client, controller, virtual.port, timeout)
     finally:
         with held():
             virtual.stop()
@@ -122,10 +136,10 @@ def _start(controller: Named, start: Callable[[], None]) -> None:
 
 
 def _client(
-    controller: Named, port: int, timeout: float | None, user: str = "", password: str = ""
+    controller: Named, port: int, timeout: float | None, login: Credentials | None = None
 ) -> Programs:
     there = replace(controller, address=replace(controller.address, port=port), virtual=None)
-    return connect(there, credentials=Credentials(user, password), timeout=timeout)
+    return connect(there, credentials=login, timeout=timeout)
 
 
 def _not_started(controller: Named, reason: str) -> Refused:
