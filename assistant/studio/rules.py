@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from assistant.program.diagnostics import error, warning
+from assistant.program.diagnostics import error, info, warning
 
 NO_LIBRARY = error(
     "ST001",
@@ -54,3 +54,33 @@ NOT_KEPT = error(
     "write it by hand",
 )
 GONE = error("ST026", "`{name}` is not there any more", "save it under its name again, or close it")
+
+NO_RUN = error("ST060", "no program is running", "start one")
+RUN_NOT_HELD = error(
+    "ST061", "the program is not held, so there is no step to make", "pause it first"
+)
+RUN_ASKS_NOTHING = error("ST062", "the program asks nothing now", "wait until it does")
+RUN_BUSY = error(
+    "ST063",
+    "the program did not come to it within {seconds:g} s",
+    "wait until its motions are planned, or end it",
+)
+RUN_WITHOUT_ARM = info(
+    "ST064",
+    "no robot is chosen, so motions take no time and reach anything",
+    "choose a robot and start again",
+)
+RUN_DIFFERS = warning(
+    "ST065",
+    "the two programs do not do the same: {what}",
+    "look at that line of both, and at the curves",
+)
+NO_SCENE = error(
+    "ST050", "what the scene shows has changed since", "show the file in the scene again"
+)
+NOT_SHOWN = error(
+    "ST051",
+    "`{name}` is nothing that a scene shows",
+    "open a program, a table, taught targets, or a drawing",
+)
+NOT_MOVED = error("ST052", "`{name}` cannot be moved here: {reason}", "{cure}")

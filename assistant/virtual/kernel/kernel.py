@@ -337,6 +337,12 @@ class Kernel:
         self.clock = moment
         self._hold()
 
+    def pace_anew(self) -> None:
+        """Real time counts from here on, for a run in step with it that was held."""
+        self._began = None
+        if self._since is not None:
+            self._since = time.monotonic(), self.clock
+
     def _keep_pace_with_outside(self) -> None:
         """While a task waits for the outside, or something there may act on the run, simulated time
         is never ahead of real time.

@@ -1,0 +1,359 @@
+"""A program that runs while a window is open: held, stepped, asked and ended by it.
+
+It runs in a thread of its own, on the kernel of `run` and with the break points of `debug`. What
+other threads ask for is carried out there, between two statements or while the run is held.
+"""
+
+from __future__ import annotations
+
+import math
+import queue
+import threading
+import time
+from collections.abc import Callable, Mapping
+from concurrent.futures import Future
+from contextlib import suppress
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Final, Literal, TypeVar
+
+from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.failing import failure
+from assistant.program.system.watchdog import Reached
+from assistant.studio import rules
+from assistant.studio.watching import Inputs, shown_data, shown_signals
+from assistant.virtual.debugging.holding import Holding, Step, Stride
+from assistant.virtual.events import Logged, Place, Run, Stopped
+from assistant.virtual.kernel import Ending, Kernel, Task
+from assistant.virtual.kernel.script import Given, Script, follow
+from assistant.virtual.parts import Programs
+from assistant.virtual.running import Settings, prepared
+from assistant.virtual.telling import NOTED, ending, record, rows, said, summary
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+
+State = Literal["running", "held", "waits", "asks", "ended"]
+"""`waits`: for what never comes unless somebody switches it. `asks`: a person for an answer."""
+Tell = Callable[[Mapping[str, object]], None]
+PATIENCE: Final = 5.0
+"""Seconds that a command waits for its turn; a turn takes as long as a motion's planning."""
+BETWEEN: Final = 0.2
+"""Seconds between two reports of a run that goes on."""
+TICK: Final = 0.05
+"""Seconds between two looks at what is asked for, of a run in step with real time."""
+ENDING: Final = 2.0
+"""Seconds in which a run that is ended is waited for."""
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """What runs, and how. real_time: as fast as the arm would be, else as fast as possible.
+
+    at_once: whether it is held before its first statement.
+    """
+
+    programs: Programs
+    robot: Robot | None = None
+    script: Script = field(default_factory=Script)
+    entry: str | None = None
+    real_time: bool = False
+    at_once: bool = False
+
+
+class Running:
+    """One run. points: lines with a break point by file. tell: is told how it stands."""
+
+    def __init__(self, wanted: Wanted, points: Mapping[str, list[int]], tell: Tell) -> None:
+        self.wanted, self._told = wanted, tell
+        self.holding = Holding(pause="entry" if wanted.at_once else None)
+        for path, lines in points.items():
+            self.holding.set_points(path, lines)
+        self.sources = wanted.programs.sources()
+        self.given: list[Given] = []
+        self.log: list[dict[str, Any]] = []
+        self.findings: list[Diagnostic] = []
+        self.run: Run | None = None
+        self.state: State = "running"
+        self.over = False
+        self._reason = self._question = self._waits = ""
+        self._answer: str | None = None
+        self._held: Task | None = None
+        self._looked = 0
+        self._reported = 0.0
+        self._commands: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
+        self._ready: Future[None] = Future()
+        self._snapshot: dict[str, Any] = {}
+        self._thread = threading.Thread(target=self._work, name="run", daemon=True)
+
+    # ----------------------------------------------------------------- for other threads
+
+    def start(self) -> None:
+        """Lets it run; raises Refused for what cannot be run."""
+        self._thread.start()
+        self._ready.result()
+
+    def end(self) -> None:
+        """Ends it before its next statement, wherever it is."""
+        self.over = True
+        self._commands.put(lambda: None)
+        if threading.current_thread() is not self._thread:
+            self._thread.join(ENDING)
+
+    def now(self) -> Mapping[str, Any]:
+        """How it stood when it was told last."""
+        return self._snapshot
+
+    def ask(self, does: Callable[[Kernel], T]) -> T:
+        """What a command gives that is carried out between two statements; raises what it raises.
+
+        Raises Refused where the run does not come to it in time.
+        """
+        future: Future[T] = Future()
+
+        def act() -> None:
+            try:
+                future.set_result(does(self.kernel))
+            except Exception as wrong:  # noqa: BLE001 (it is the caller's, who gets it)
+                future.set_exception(wrong)
+
+        if not self._thread.is_alive():
+            return does(self.kernel)
+        self._commands.put(act)
+        try:
+            return future.result(PATIENCE)
+        except TimeoutError:
+            if not self._thread.is_alive() and not future.done():
+                return does(self.kernel)
+            raise Refused(rules.RUN_BUSY(seconds=PATIENCE)) from None
+
+    def pause(self) -> None:
+        if self.state in ("running", "waits"):
+            self.holding.pause = "pause"
+
+    def go_on(self, stride: Stride | None = None) -> None:
+        """To whatever holds it next, or a step; raises Refused if it is not held."""
+
+        def go(_: Kernel) -> None:
+            task = self._held
+            if task is None:
+                raise Refused(rules.RUN_NOT_HELD())
+            step = None if stride is None else Step(task, stride, len(task.levels()))
+            self.holding.go(step)
+            self._held = None
+
+        self.ask(go)
+
+    def answer(self, text: str) -> None:
+        """What a person says to the question; raises Refused if there is none."""
+
+        def say(_: Kernel) -> None:
+            if self.state != "asks":
+                raise Refused(rules.RUN_ASKS_NOTHING())
+            self._answer = text
+
+        self.ask(say)
+
+    def switch(self, name: str, value: float) -> None:
+        """Gives an input a value, as a hand does; raises Refused of a run that is over."""
+
+        def put(kernel: Kernel) -> None:
+            if self.run is not None:
+                raise Refused(rules.NO_RUN())
+            if kernel.board.inputs.read(name) != value:
+                given = Given(kernel.now, name, value, len(kernel.log))
+                self.given.append(given)
+                self.log.append(_row(given))
+            kernel.board.inputs.set(name, value)
+            self._waits = ""
+            self._report()
+
+        self.ask(put)
+
+    def told(self) -> Run:
+        """The run as far as it has come, to be asked for in its thread while it goes on."""
+        return self.run or Run(log=tuple(self.kernel.log), seconds=self.kernel.clock)
+
+    # ------------------------------------------------------------------------ its thread
+
+    def _work(self) -> None:
+        try:
+            self.kernel = self._made()
+        except BaseException as wrong:  # noqa: BLE001 (`start` raises it)
+            self._ready.set_exception(wrong)
+            return
+        self._report()
+        self._ready.set_result(None)
+        try:
+            self._finish(self.kernel.run())
+        except Refused as refused:
+            self.findings += refused.findings
+        except (Exception, Reached) as wrong:  # noqa: BLE001 (the studio goes on, and says so)
+            self.findings.append(failure(wrong))
+        self.state = "ended"
+        self._held = None
+        self._report()
+        with suppress(queue.Empty):
+            while True:
+                self._commands.get_nowait()()
+
+    def _made(self) -> Kernel:
+        wanted = self.wanted
+        settings = Settings(
+            robot=wanted.robot,
+            entry=wanted.entry,
+            inputs=Inputs({one.name: 0.0 for one in wanted.script.changes}),
+            pace=1.0 if wanted.real_time else None,
+            options=wanted.script.options,
+        )
+        kernel = prepared(wanted.programs, settings)
+        self.findings += wanted.programs.findings
+        if wanted.robot is None:
+            self.findings.append(rules.RUN_WITHOUT_ARM())
+        self.given = follow(kernel, wanted.script)
+        kernel.watch, kernel.stuck, kernel.told = self._watch, self._stuck, self._hear
+        kernel.person.console = self._asked
+        if wanted.real_time:
+            kernel.at(TICK, self._tick)
+        return kernel
+
+    def _finish(self, run: Run) -> None:
+        self.run = run
+        self.log = [_row(row) for row in rows(run.log, self.given)]
+        wrong = ending(run, self.sources)
+        self.findings += [NOTED(what=note) for note in run.notes]
+        if wrong is not None:
+            self.findings.append(wrong)
+
+    def _hear(self, row: Logged) -> None:
+        self.log.append(_row(row))
+
+    def _watch(self, task: Task) -> None:
+        """Before each statement."""
+        self._take_all()
+        reason = self.holding.reason(task) or self._stop()
+        if reason and not self.over:
+            self._hold(task, reason)
+        if self.over:
+            self.kernel.halt(task, Ending("until"))
+        if time.monotonic() - self._reported > BETWEEN:
+            self._report()
+
+    def _tick(self) -> None:
+        """Now and then, of a run in step with real time, also on the way of a motion."""
+        kernel = self.kernel
+        self._take_all()
+        if self.over:
+            kernel.end(Ending("until"))
+            return
+        waits = next((t.waits_for for t in kernel.tasks if t.waiting and t.until is not None), "")
+        self._waits = waits if kernel.motion.stands() else ""
+        self.state = "waits" if self._waits else "running"
+        if self.holding.pause is not None and kernel.tasks:
+            self._hold(kernel.tasks[0], self.holding.pause)
+        if time.monotonic() - self._reported > BETWEEN:
+            self._report()
+        kernel.at(kernel.clock + TICK, self._tick)
+
+    def _stop(self) -> str:
+        """Whether the program has come to a stop since it was looked at last."""
+        first, self._looked = self._looked, len(self.kernel.log)
+        new = self.kernel.log[first:]
+        return "stop" if any(row.what == Stopped() for row in new) else ""
+
+    def _hold(self, task: Task, reason: str) -> None:
+        self.kernel.catch_up()
+        self._held, self._reason, self.state = task, reason, "held"
+        self._wait(lambda: self._held is None)
+        self._reason = ""
+        self.kernel.pace_anew()
+
+    def _stuck(self, waiting: Task) -> bool:
+        """A task waits: for what only a hand brings, if there is no end of that wait."""
+        self._take_all()
+        if waiting.wakes < math.inf:
+            return False
+        self._waits, self.state = waiting.waits_for or "…", "waits"
+        self._wait(lambda: not self._waits)
+        if self.over:
+            self.kernel.end(Ending("until"))
+        return True
+
+    def _asked(self, question: str) -> str | None:
+        """What somebody in the window answers; the run ends meanwhile if it is to."""
+        self._question, self._answer, self.state = question, None, "asks"
+        self._wait(lambda: self._answer is not None)
+        self._question = ""
+        self.kernel.pace_anew()
+        if self.over:
+            self.kernel.end(Ending("until"))
+            self.kernel.hub.switch()
+        return self._answer
+
+    def _wait(self, done: Callable[[], bool]) -> None:
+        """Carries out what is asked for until that, or until the run is to end."""
+        self._report()
+        while not done() and not self.over:
+            self._commands.get()()
+        self.state = "running"
+        self._report()
+
+    def _take_all(self) -> None:
+        while not self._commands.empty():
+            self._commands.get()()
+
+    # ------------------------------------------------------------------------- reporting
+
+    def _report(self) -> None:
+        self._reported = time.monotonic()
+        self._snapshot = self._seen()
+        if not self.over or self.state == "ended":
+            self._told({"kind": "run", **self._snapshot})
+
+    def _seen(self) -> dict[str, Any]:
+        from assistant.findings.formats import finding_record
+
+        kernel, run = self.kernel, self.run
+        over = self.state == "ended"
+        task = self._held or (None if over else next(iter(kernel.tasks), None))
+        place = (run.place if run else None) if task is None else task.where()
+        held = self.state in ("held", "waits", "asks")
+        return {
+            "state": self.state,
+            "title": self.wanted.programs.title,
+            "robot": None if self.wanted.robot is None else self.wanted.robot.name,
+            "time": kernel.clock,
+            "task": "" if task is None else task.name,
+            **_at(place),
+            "reason": self._reason,
+            "question": self._question,
+            "waits": self._waits,
+            "logged": len(self.log),
+            "joints": self._joints(),
+            **shown_signals(kernel.board),
+            **(shown_data(task) if held and task is not None else {"stack": [], "data": []}),
+            "findings": [finding_record(one) for one in self.findings],
+            "ended": "" if run is None else run.ended,
+            "message": "" if run is None else run.message,
+            "summary": "" if run is None else summary(run),
+        }
+
+    def _joints(self) -> list[float] | None:
+        """(a,) degrees by axes, None without an arm, or while a program is ahead of it."""
+        robot, motion = self.wanted.robot, self.kernel.motion
+        if robot is None or motion.behind:
+            return None
+        standing = motion.where()
+        return None if standing is None else list(robot.own_joints(standing[1]))
+
+
+def _row(row: Logged | Given) -> dict[str, Any]:
+    place: Place | None = row.place if isinstance(row, Logged) else None
+    what = row.what if isinstance(row, Logged) else row
+    event = record(row)["event"]
+    return {"time": row.time, **_at(place), "event": event, "what": said(what)}
+
+
+def _at(place: Place | None) -> dict[str, Any]:
+    return {"path": None, "line": None} if place is None else {"path": place[0], "line": place[1]}
