@@ -31,7 +31,7 @@ NO_MEASURING = error(
 TOO_FAR = error(
     "BL207",
     "block `{block}` is to go {step:.2f} {unit} in one step, and {most:g} are allowed",
-    "give it smaller steps, or allow larger ones by `most`",
+    "give it smaller steps, or let the block allow larger ones",
 )
 TOO_FAST = error(
     "BL208",

@@ -112,8 +112,8 @@ def check_continuous(here: Cell, ran: Ran, steps: int) -> None:
     moving = np.flatnonzero(track.speed > 0.0)
     assert (np.diff(moving) == 1).all()
     # Not blocking: the last step was told while the arm was on its way.
-    last = int(np.argmax(ran["rel.steps"] == steps))
-    assert (np.diff(ran["rel.steps"][: last + 1]) == 1.0).all()
+    first, last = (int(np.argmax(ran["rel.steps"] == count)) for count in (1, steps))
+    assert (np.diff(ran["rel.steps"][first : last + 1]) == 1.0).all()
     assert np.abs(ran["status.joints"][last] - ran["rel.told"][last]).max() > MOST.min()
 
 
