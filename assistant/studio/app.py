@@ -7,13 +7,15 @@ from typing import Final
 from starlette.applications import Starlette
 from starlette.routing import BaseRoute
 
-from assistant.studio import page, project_routes, window_routes
+from assistant.studio import page, project_routes, run_routes, text_routes, window_routes
 from assistant.studio.studio import Studio
 
 ROUTES: Final[tuple[BaseRoute, ...]] = (
     *page.ROUTES,
     *window_routes.ROUTES,
     *project_routes.ROUTES,
+    *run_routes.ROUTES,
+    *text_routes.ROUTES,
 )
 
 

@@ -40,6 +40,11 @@ class Windows:
             writer = self._writer()
         return writer is not None and secrets.compare_digest(writer.encode(), name.encode())
 
+    def has(self, name: str) -> bool:
+        """Whether a window of that name is open."""
+        with self._lock:
+            return name in self._open
+
     def tell(self, message: Mapping[str, object]) -> None:
         """Tells all windows."""
         with self._lock:

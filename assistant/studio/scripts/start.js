@@ -5,6 +5,7 @@ import { beginTabs } from "./tabs.js";
 import { beginFindings } from "./findings.js";
 import { beginProject, chooseFile, readProject } from "./project.js";
 import { beginDrawing } from "./drawing.js";
+import { beginEditor, goToFinding } from "./editor.js";
 
 beginWords();
 beginTabs();
@@ -19,7 +20,9 @@ find("theme").addEventListener("click", () => {
 });
 beginProject();
 beginDrawing();
-beginFindings((finding) => { if (finding.path) chooseFile(finding.path); });
+beginEditor();
+beginFindings((finding) => goToFinding(finding, chooseFile));
 await beginLine();
 await readProject();
 window.studio = { ready: true };
+document.body.classList.add("ready");

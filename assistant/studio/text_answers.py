@@ -1,0 +1,321 @@
+"""What is answered about texts; the language service knows it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path as FilePath
+from typing import Any, Final
+
+import numpy as np
+
+from assistant import languages
+from assistant.editing import service
+from assistant.editing.service import (
+    SORTS,
+    Change,
+    Document,
+    Fix,
+    Found,
+    OutlineItem,
+    Place,
+    Range,
+    Tokens,
+    Workspace,
+)
+from assistant.editing.speaking import PSEUDO, spoken
+from assistant.findings.formats import finding_record
+from assistant.program.diagnostics import Refused
+from assistant.program.without_gc import keep_what_is_there
+from assistant.studio import rules
+from assistant.studio.answering import Asked
+from assistant.studio.studio import Studio
+from assistant.studio.texts import desk, read_text, stamp, stamp_of
+
+MOST: Final = 500
+"""Findings of a text that are told; a page shows fewer."""
+LINES: Final = 400
+"""Whose words are told at once."""
+STALE: Final = {"stale": True}
+"""What is told of a text that has been changed since it was asked about."""
+_kept: set[str] = set()
+
+
+def open_text(studio: Studio, asked: Asked) -> dict[str, Any]:
+    """A file's text, its stamp, and what it can be translated to."""
+    path = asked.text("path")
+    document, known = desk(studio, asked.window).open(studio.file(path))
+    own = document.spoken
+    others = [] if own is None else [name for name in _spoken() if name != document.language]
+    return {
+        "path": path,
+        "text": document.text,
+        "stamp": known,
+        "language": document.language,
+        "title": "" if own is None else own.title,
+        "languages": [{"name": name, "title": _title(name)} for name in others],
+    }
+
+
+def close(studio: Studio, asked: Asked) -> dict[str, Any]:
+    desk(studio, asked.window).workspace.close(str(studio.place(asked.text("path"))))
+    return {}
+
+
+def on_disk(studio: Studio, asked: Asked) -> dict[str, Any]:
+    """What stands in a file now, while it is open; its text only if its stamp is a new one.
+
+    Whatever was known of its program is asked anew.
+    """
+    path = studio.place(asked.text("path"))
+    desk(studio, asked.window).workspace.saved(str(path))
+    now = stamp_of(path)
+    if not now or now == asked.text("stamp", ""):
+        return {"stamp": now}
+    data = path.read_bytes()
+    return {"stamp": stamp(data), "text": read_text(data, str(path)).text}
+
+
+def change(studio: Studio, asked: Asked) -> dict[str, Any]:
+    """What was typed; findings and words of the lines that are seen come back."""
+    path = studio.place(asked.text("path"))
+    made = [_change(one) for one in _list(asked, "changes")]
+    one = desk(studio, asked.window)
+    document = one.change(path, made, int(asked.number("version")))
+    known = one.workspace.is_known(document)
+    return {
+        "findings": _findings(studio, service.findings(document)) if known else None,
+        "words": _words(service.tokens(document), asked),
+    }
+
+
+def words(studio: Studio, asked: Asked) -> dict[str, Any]:
+    """Words of some lines, for their colours."""
+    document = _document(studio, asked)
+    return STALE if document is None else {"words": _words(service.tokens(document), asked)}
+
+
+def settled(studio: Studio, asked: Asked) -> dict[str, Any]:
+    """Findings of the whole program, as `check` has them, and the outline."""
+    document = _document(studio, asked)
+    if document is None:
+        return STALE
+    found = service.settled(document)
+    if document.language not in _kept:
+        _kept.add(document.language)
+        keep_what_is_there()
+    return {
+        "findings": _findings(studio, found),
+        "outline": [_item(one) for one in service.outline(document)],
+    }
+
+
+def fixes(studio: Studio, asked: Asked) -> dict[str, Any]:
+    """Cures of the findings in some lines that are definite edits."""
+    document = _document(studio, asked)
+    if document is None:
+        return STALE
+    first, last = int(asked.number("first")), int(asked.number("last"))
+    told = []
+    for found in service.findings(document):
+        if first <= found.range.start.line <= last:
+            made = [_fix(studio, one) for one in service.fixes(document, found)]
+            told.append({"finding": _finding(studio, found), "fixes": made})
+    return {"found": told}
+
+
+def completions(studio: Studio, asked: Asked) -> dict[str, Any]:
+    document = _document(studio, asked)
+    if document is None:
+        return STALE
+    found = service.completions(document, _place(asked.values.get("at")))
+    return {
+        "words": [
+            {
+                "label": one.label,
+                "kind": one.kind,
+                "text": one.text,
+                "detail": one.detail,
+                "about": one.about,
+                **_range(one.range),
+            }
+            for one in found
+        ]
+    }
+
+
+def hover(studio: Studio, asked: Asked) -> dict[str, Any]:
+    """Markdown without HTML."""
+    document = _document(studio, asked)
+    if document is None:
+        return STALE
+    found = service.hover(document, _place(asked.values.get("at")))
+    return {} if found is None else {"text": found.text, **_range(found.range)}
+
+
+def definition(studio: Studio, asked: Asked) -> dict[str, Any]:
+    document = _document(studio, asked)
+    if document is None:
+        return STALE
+    found = service.definition(document, _place(asked.values.get("at")))
+    if found is None:
+        return {}
+    return {"path": _named(studio, found.path), **_range(found.range)}
+
+
+def renameable(studio: Studio, asked: Asked) -> dict[str, Any]:
+    """The name that can be changed, and where it stands."""
+    document = _document(studio, asked)
+    if document is None:
+        return STALE
+    found = service.renameable(document, _place(asked.values.get("at")))
+    if found is None:
+        return {}
+    span = document.lines.span(found)
+    return {"name": document.text[span.start : span.end], **_range(found)}
+
+
+def rename(studio: Studio, asked: Asked) -> dict[str, Any]:
+    """Edits by file; the page makes them, and nothing is written before it is saved."""
+    document = _document(studio, asked)
+    if document is None:
+        return STALE
+    made = service.rename(document, _place(asked.values.get("at")), asked.text("name"))
+    return {"changes": _changes(studio, made)}
+
+
+def formatted(studio: Studio, asked: Asked) -> dict[str, Any]:
+    document = _document(studio, asked)
+    if document is None:
+        return STALE
+    return {"edits": [_edit(one) for one in service.formatted(document)]}
+
+
+def translation(studio: Studio, asked: Asked) -> dict[str, Any]:
+    """The first file of it, with the lines that each line of the source became."""
+    document = _document(studio, asked)
+    if document is None:
+        return STALE
+    done = service.translation(document, asked.text("language"))
+    name, text = next(iter(done.files.items()), ("", ""))
+    return {
+        "name": name,
+        "others": list(done.files)[1:],
+        "text": text,
+        "draft": done.draft,
+        "words": _words_of(name, text, done.language),
+        "pairs": [
+            {"source": one.source, "written": one.written, "what": one.what} for one in done.pairs
+        ],
+        "findings": _findings(studio, done.findings),
+    }
+
+
+def save(studio: Studio, asked: Asked) -> dict[str, Any]:
+    """Writes the file; nothing if somebody else has changed it since."""
+    path = asked.text("path")
+    one = desk(studio, asked.window)
+    known = one.save(studio.place(path), path, asked.text("text"), asked.text("stamp"))
+    return {"stamp": known}
+
+
+# ------------------------------------------------------------------------------ as plain data
+
+
+def _spoken() -> list[str]:
+    return [PSEUDO, *languages.names()]
+
+
+def _title(name: str) -> str:
+    one = spoken(name)
+    return name if one is None else one.title
+
+
+def _document(studio: Studio, asked: Asked) -> Document | None:
+    """The state that is asked about, None if it is another one by now."""
+    found = desk(studio, asked.window).document(studio.place(asked.text("path")))
+    return found if found.version == asked.number("version") else None
+
+
+def _named(studio: Studio, path: str) -> str:
+    """As the page names files; a file outside of the project keeps its whole name."""
+    return studio.named(FilePath(path)) or path
+
+
+def _finding(studio: Studio, found: Found) -> dict[str, Any]:
+    said = finding_record(found.diagnostic)
+    if "path" in said:
+        said["path"] = _named(studio, said["path"])
+    return {**said, **_range(found.range), "settled": found.settled}
+
+
+def _findings(studio: Studio, found: Sequence[Found]) -> list[dict[str, Any]]:
+    return [_finding(studio, one) for one in found[:MOST]]
+
+
+def _fix(studio: Studio, fix: Fix) -> dict[str, Any]:
+    changed = _changes(studio, fix.changes)
+    return {"title": fix.title, "changes": changed, "preferred": fix.preferred}
+
+
+def _changes(studio: Studio, changes: Mapping[str, Sequence[Change]]) -> dict[str, Any]:
+    return {_named(studio, path): [_edit(one) for one in made] for path, made in changes.items()}
+
+
+def _edit(change: Change) -> dict[str, Any]:
+    return {**_range(change.range), "text": change.text}
+
+
+def _range(range: Range) -> dict[str, Any]:
+    start, end = range.start, range.end
+    return {"from": [start.line, start.column], "to": [end.line, end.column]}
+
+
+def _item(item: OutlineItem) -> dict[str, Any]:
+    return {
+        "name": item.name,
+        "kind": item.kind,
+        "detail": item.detail,
+        "line": item.selection.start.line,
+        "children": [_item(one) for one in item.children],
+    }
+
+
+def _words(tokens: Tokens, asked: Asked) -> list[list[int | str]]:
+    """Line, column, length, sort and marks of each word of some lines."""
+    first = int(asked.number("first", 0))
+    return _rows(tokens, first, min(int(asked.number("last", first)), first + LINES))
+
+
+def _words_of(name: str, text: str, language: str) -> list[list[int | str]]:
+    tokens = service.tokens(Workspace().open(name, text, language=language))
+    return _rows(tokens, 0, LINES * 25)
+
+
+def _rows(tokens: Tokens, first: int, last: int) -> list[list[int | str]]:
+    begin, end = np.searchsorted(tokens.line, [first, last + 1])
+    columns = (tokens.line, tokens.column, tokens.length, tokens.sort, tokens.marks)
+    rows = zip(*(column[begin:end].tolist() for column in columns), strict=True)
+    return [[line, at, length, SORTS[sort], marks] for line, at, length, sort, marks in rows]
+
+
+def _list(asked: Asked, key: str) -> list[Any]:
+    value = asked.values.get(key)
+    if not isinstance(value, list):
+        raise _wrong(f"`{key}` is no list")
+    return value
+
+
+def _change(value: Any) -> Change:
+    if not isinstance(value, dict) or not isinstance(value.get("text"), str):
+        raise _wrong("a change has no text")
+    return Change(Range(_place(value.get("from")), _place(value.get("to"))), value["text"])
+
+
+def _place(value: Any) -> Place:
+    if not isinstance(value, list) or [type(one) for one in value] != [int, int]:
+        raise _wrong("a place is no line and column")
+    return Place(*value)
+
+
+def _wrong(reason: str) -> Refused:
+    return Refused(rules.NOT_ASKED(reason=reason), exit_status=2)

@@ -1,0 +1,144 @@
+"""Texts that are open in windows, each window with a workspace of the language service."""
+
+from __future__ import annotations
+
+import hashlib
+import threading
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path as FilePath
+from typing import Final
+
+from assistant import languages
+from assistant.editing.places import LINE_END
+from assistant.editing.service import Change, Document, Workspace
+from assistant.program.diagnostics import Refused
+from assistant.program.system.bounded import read_file
+from assistant.program.system.writing import write_all
+from assistant.program.text import SourceText, decode, encode, is_file, read_bytes
+from assistant.studio import rules
+from assistant.studio.studio import Studio
+
+KIND: Final = "texts"
+"""Of what is live."""
+ENCODINGS: Final = ("utf-8-sig", "utf-8")
+"""Of texts that are in no language of a controller."""
+LONGEST: Final = 8_000_000
+"""Bytes of a text that is opened."""
+GONE: Final = ""
+"""Stamp of a file that is not there."""
+
+
+@dataclass(slots=True, eq=False)
+class Desk:
+    """The texts of one window; nobody sees what another one has not saved.
+
+    read: how each was read, by its path.
+    """
+
+    workspace: Workspace
+    read: dict[str, SourceText] = field(default_factory=dict)
+
+    def open(self, path: FilePath) -> tuple[Document, str]:
+        """A file's text and the stamp of its bytes; raises Unreadable."""
+        data = read_bytes(path, allow_empty=True, most=LONGEST)
+        source = read_text(data, str(path))
+        self.read[str(path)] = source
+        return self.workspace.open(str(path), source.text), stamp(data)
+
+    def document(self, path: FilePath) -> Document:
+        """The open state; raises Refused if it is not open."""
+        found = self.workspace.documents.get(str(path))
+        if found is None:
+            raise Refused(rules.NOT_ASKED(reason=f"`{path.name}` is not open"), exit_status=2)
+        return found
+
+    def change(self, path: FilePath, changes: Sequence[Change], version: int) -> Document:
+        """Each change names places of the text that the ones before it leave."""
+        self.document(path)
+        newline = self.read[str(path)].newline
+        ended = [replace(one, text=LINE_END.sub(newline, one.text)) for one in changes]
+        return self.workspace.change(str(path), ended, version)
+
+    def save(self, path: FilePath, name: str, text: str, known: str) -> str:
+        """Writes a text whose lines end in line feeds, and gives its stamp.
+
+        known: stamp of the file that it stands for. Raises Refused, and writes nothing, where the
+        file is another one by now.
+        """
+        now = stamp_of(path)
+        if now != known:
+            rule = rules.GONE if now == GONE else rules.CHANGED
+            raise Refused(rule(path=name, name=name), exit_status=2)
+        before = self.read.get(str(path))
+        if before is None:
+            raise Refused(rules.NOT_ASKED(reason=f"`{name}` is not open"), exit_status=2)
+        data = encode(replace(before, text=self._ended(path, text, before.newline), path=name))
+        write_all({path: data})
+        self.workspace.saved(str(path))
+        return stamp(data)
+
+    def _ended(self, path: FilePath, text: str, newline: str) -> str:
+        """Lines that nobody changed keep their own ends."""
+        document = self.workspace.documents.get(str(path))
+        if document is not None and LINE_END.sub("\n", document.text) == text:
+            return document.text
+        return text.replace("\n", newline)
+
+
+@dataclass(slots=True, eq=False)
+class Desks:
+    """Those of all windows, by their names."""
+
+    _of: dict[str, Desk] = field(default_factory=dict)
+    _lock: threading.Lock = field(default_factory=threading.Lock)
+
+    def of(self, studio: Studio, window: str) -> Desk:
+        """That of a window; those of windows that are gone go with it."""
+        with self._lock:
+            if window not in self._of:
+                for other in [one for one in self._of if not studio.windows.has(one)]:
+                    del self._of[other]
+                self._of[window] = Desk(Workspace(studio.folder))
+            return self._of[window]
+
+
+def desk(studio: Studio, window: str) -> Desk:
+    """The texts of a window; raises Refused for one that is not open."""
+    if not studio.windows.has(window):
+        raise Refused(rules.NOT_ASKED(reason="this window has no line"), exit_status=2)
+    desks = studio.live.setdefault(KIND, Desks())
+    assert isinstance(desks, Desks)
+    return desks.of(studio, window)
+
+
+def open_text(studio: Studio, window: str, path: str) -> str:
+    """A file's text, as it stands in a window if it is open there; raises Refused."""
+    file = studio.file(path)
+    if studio.windows.has(window):
+        document = desk(studio, window).workspace.documents.get(str(file))
+        if document is not None:
+            return document.text
+    return read_text(read_bytes(file, most=LONGEST), str(file)).text
+
+
+def read_text(data: bytes, path: str) -> SourceText:
+    """Bytes as the language of the file has them; raises Unreadable."""
+    language = languages.of_file(path, data)
+    if language is not None:
+        return language.decode(data, path)
+    return decode(data, path, ENCODINGS)
+
+
+def stamp(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()
+
+
+def stamp_of(path: FilePath) -> str:
+    """Of a file; that of none where it cannot be read any more."""
+    if not is_file(path):
+        return GONE
+    try:
+        return stamp(read_file(path, LONGEST))
+    except FileNotFoundError:
+        return GONE
