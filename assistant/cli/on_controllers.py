@@ -252,6 +252,10 @@ def teach(
     above: Annotated[
         float, typer.Option(help="mm before a place from which it is led straight.")
     ] = 50.0,
+    servo: Annotated[
+        Path | None,
+        typer.Option(help="Lead it from there by what is seen of its tool.", metavar="TASK.toml"),
+    ] = None,
     speed: Annotated[float, typer.Option(help="Percent of what the file says.")] = 10.0,
     yes: YesOption = False,
     format: FormatOption = Format.TEXT,
@@ -289,6 +293,7 @@ def teach(
             wishes=Wishes(port, tuple(lines or ()), None, replace),
             above=above,
             speed=speed,
+            servo=servo,
             yes=yes,
             format=format,
         )

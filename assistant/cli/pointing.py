@@ -26,6 +26,7 @@ NOT_TOGETHER: Final = error("CL512", "{one} and {other} do not go together", "le
 NOT_CSV: Final = error(
     "CL513", "a stroke is written as a table, and `{name}` is none", "end its name in .csv"
 )
+NO_ARM: Final = error("CL519", "--servo says how an arm is led, and none is", "add --go")
 THERE: Final = error("CL514", "`{name}` is there already", "name another file, or add --replace")
 NO_COUNT: Final = error("CL515", "{option} is {value:g}", "write {cure}")
 
@@ -83,6 +84,8 @@ def _check(options: Options) -> None:
             raise Refused(THERE(name=options.into))
     if options.go and options.robot is not None:
         raise Refused(NOT_TOGETHER(one="--go", other="--robot"), exit_status=2)
+    if options.servo is not None and not options.go:
+        raise Refused(NO_ARM(), exit_status=2)
 
 
 def _controller(words: Sequence[str]) -> tuple[Named | None, Sequence[str]]:

@@ -1,9 +1,16 @@
-"""`teach --point --go`: an arm led to places that are shown; where it comes to rest is stored."""
+"""`teach --point --go`: an arm led to places that are shown; where it comes to rest is stored.
+
+It goes by its own arithmetic, and with `--servo` the last of the way by what the cameras see of its
+tool: then it is where they saw the place, whatever the arm says of its lengths.
+"""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from assistant.cli.cells import joints_line, pose_line, record, robot_of_cell
@@ -14,9 +21,13 @@ from assistant.cli.shown import Shown, next_place, place_line, recorded, surenes
 from assistant.program.diagnostics import Refused, error
 
 if TYPE_CHECKING:
+    from assistant.compiler.shown_places import Place
     from assistant.controllers.following import Mode, Wishes
+    from assistant.controllers.leading import Mode as ByPictures
     from assistant.robots import Robot
     from assistant.vision.pointing.holding import Held
+    from assistant.vision.servoing.setting_up import SetUp
+    from assistant.vision.servoing.task_file import ServoFile
 
 NO_ROBOT: Final = error(
     "CL511",
@@ -24,6 +35,71 @@ NO_ROBOT: Final = error(
     "write robot = NAME into its table in assistant.toml",
 )
 NO_MODE: Final = error("CL517", "no arm is led to a place by `{by}`", "choose one of {known}")
+
+
+@dataclass(frozen=True, slots=True)
+class _Leader:
+    """mode: by which the arm is led. pictures: and file, by which from `above` on, None for not."""
+
+    motion: Moving
+    robot: Robot
+    shown: Shown
+    mode: Mode
+    wishes: Wishes
+    pictures: tuple[ByPictures, ServoFile] | None
+
+    def led(self, place: Place, held: Held) -> dict[str, float]:
+        """Asks, and leads the arm to a place; how far it is from there. Raises Refused."""
+        from assistant.compiler.following import led_by
+        from assistant.compiler.shown_places import check_reached, tip_at, way_to
+        from assistant.compiler.teaching import own_joints
+
+        options, controller = self.shown.options, self.motion.cell.controller
+        position = controller.position()
+        way = way_to(place, options.above, to_its_end=self.pictures is None)
+        into = str(options.into)
+        led = led_by(way, self.robot, position, self.mode.period, options.speed, into)
+        print_findings(led.findings)
+        seen = self._set_up(place)
+        how = self.mode.title if seen is None else f"{self.mode.title}, then {seen.title}"
+        what = f"leads the arm to `{place.name}` at {place_line(place)}, {sureness(held)}, {how}"
+        confirmed(self.motion.cell.one, what, options.yes)
+        self.motion.began = True
+        self.mode.run(controller, led, self.wishes, lambda _: None)
+        if seen is None:
+            joints = own_joints(controller.position(), self.robot)
+            off, turned = check_reached(place, tip_at(place, joints, self.robot))
+        else:
+            off, turned = self._by_pictures(seen)
+        self.motion.began = False
+        return {"off_mm": off, "off_degrees": turned}
+
+    def _set_up(self, place: Place) -> SetUp | None:
+        from assistant.compiler.shown_places import tip_of
+        from assistant.program.geometry import IDENTITY
+        from assistant.vision.servoing.setting_up import set_up
+
+        if self.pictures is None:
+            return None
+        file = replace(self.pictures[1], target=None, place=place.tip, goal=IDENTITY)
+        return set_up(replace(file, tip=tip_of(place)), self.shown.rig, self.robot)
+
+    def _by_pictures(self, seen: SetUp) -> tuple[float, float]:
+        """Mm and degrees that are left as the cameras see it."""
+        import numpy as np
+
+        from assistant.compiler.teaching import own_joints
+        from assistant.vision.servoing.loop import servo
+        from assistant.vision.servoing.setting_up import eyes_of
+
+        assert self.pictures is not None
+        mode, cell = self.pictures[0], self.motion.cell
+        near = np.array(own_joints(cell.controller.position(), self.robot))
+        session = cell.controller if mode.operates else cell.session
+        carrier = mode.make(session, seen.guard.arm(), self.wishes, near)
+        with eyes_of(seen, carrier.joints) as eyes, carrier:
+            done = servo(eyes, seen.law, carrier, seen.guard, seen.file.settings)
+        return done.distance, done.turn
 
 
 def run_led(cell: str, names: Sequence[str], shown: Shown) -> int:
@@ -37,6 +113,7 @@ def run_led(cell: str, names: Sequence[str], shown: Shown) -> int:
         known = ", ".join(MODES)
         raise Refused(NO_MODE(by=options.by, known=known), exit_status=2)
     mode, wishes = MODES[options.by], options.wishes or Wishes()
+    pictures = _pictures(options.servo, options.by)
     stored: list[dict[str, object]] = []
     with moving(cell, "teach --go") as motion:
         there = motion.cell
@@ -45,9 +122,12 @@ def run_led(cell: str, names: Sequence[str], shown: Shown) -> int:
             raise Refused(NO_ROBOT(name=there.one.name), exit_status=2)
         mode.check(controller, wishes)
         check_names(options.into, names, robot, options.wanted)
-        with shown.holds() as holds:
+        leader = _Leader(motion, robot, shown, mode, wishes, pictures)
+        with ExitStack() as looking:
+            # Cameras by which the arm is led are let go of in between.
+            holds = None if pictures else looking.enter_context(shown.holds())
             for name in names or free_names(options.into):
-                done = _one_led(name, holds, shown, motion, robot, mode, wishes)
+                done = _one_led(name, holds, leader)
                 if done is None:
                     if names or not stored:
                         raise shown.ended(name)
@@ -59,44 +139,36 @@ def run_led(cell: str, names: Sequence[str], shown: Shown) -> int:
     return 0
 
 
-def _one_led(
-    name: str,
-    holds: Iterator[Held],
-    shown: Shown,
-    motion: Moving,
-    robot: Robot,
-    mode: Mode,
-    wishes: Wishes,
-) -> dict[str, object] | None:
+def _pictures(file: Path | None, by: str) -> tuple[ByPictures, ServoFile] | None:
+    if file is None:
+        return None
+    from assistant.controllers.leading import MODES
+    from assistant.vision.servoing.task_file import read_servo
+
+    return MODES[by], read_servo(file, led_elsewhere=True)
+
+
+def _one_led(name: str, holds: Iterator[Held] | None, leader: _Leader) -> dict[str, object] | None:
     """Leads the arm to the next place and stores where it is then; None without a place."""
-    from assistant.compiler.following import led_by
-    from assistant.compiler.shown_places import check_reached, tip_at, way_to
     from assistant.compiler.teaching import own_joints, teach
 
-    options, one = shown.options, motion.cell.one
-    controller = motion.cell.controller
-    found = next_place(name, holds, shown, robot, own_joints(controller.position(), robot))
+    shown, robot = leader.shown, leader.robot
+    options, controller = shown.options, leader.motion.cell.controller
+    near = own_joints(controller.position(), robot)
+    with ExitStack() as looking:
+        looked = looking.enter_context(shown.holds()) if holds is None else holds
+        found = next_place(name, looked, shown, robot, near)
     if found is None:
         return None
     held, place = found
+    off = leader.led(place, held)
     position = controller.position()
-    way = way_to(place, options.above)
-    led = led_by(way, robot, position, mode.period, options.speed, str(options.into))
-    print_findings(led.findings)
-    what = f"leads the arm to `{name}` at {place_line(place)}, {sureness(held)}, {mode.title}"
-    confirmed(one, what, options.yes)
-    motion.began = True
-    mode.run(controller, led, wishes, lambda _: None)
-    position = controller.position()
-    motion.began = False
-    joints = own_joints(position, robot)
-    off, turned = check_reached(place, tip_at(place, joints, robot))
     print_findings(teach(options.into, name, position, robot, options.wanted).findings)
     if options.format is Format.TEXT:
         shown_line = joints_line if options.wanted.joints else pose_line
         say(
-            f"{name}: {shown_line(position)}, {off:.2f} mm and {turned:.2f} degrees from what was "
-            f"shown, stored in {options.into}"
+            f"{name}: {shown_line(position)}, {off['off_mm']:.2f} mm and "
+            f"{off['off_degrees']:.2f} degrees from what was shown, stored in {options.into}"
         )
         sys.stdout.flush()
-    return {**recorded(held, place), "reached": position, "off_mm": off, "off_degrees": turned}
+    return {**recorded(held, place), "reached": position, **off}

@@ -32,6 +32,7 @@ class Options:
     frames: moments of a hold. rate: pictures a second of files. robot: named by hand. world: frame
     of the cameras in the file. stroke: a way instead of places, with waypoints each `step` mm.
     go: the arm is led to each place, by a mode, from `above` mm before it, at `speed` percent.
+    servo: file of servoing by which it is led from there on, by what the cameras see of its tool.
     """
 
     cameras: Path
@@ -52,6 +53,7 @@ class Options:
     wishes: Wishes | None = None
     above: float = 50.0
     speed: float = 10.0
+    servo: Path | None = None
     yes: bool = False
     format: Format = Format.TEXT
 

@@ -172,9 +172,9 @@ def store(file: FilePath, place: Place, wanted: Wanted) -> Reading:
     return reading
 
 
-def way_to(place: Place, above: float) -> Program:
+def way_to(place: Place, above: float, *, to_its_end: bool = True) -> Program:
     """A program that leads the tool to a place: by joints to where it is so many mm back along
-    its own z axis, and straight from there.
+    its own z axis, and straight from there unless the rest is left to others.
     """
     program, name = place.program, place.name
     motion = motion_to(program, name)
@@ -186,7 +186,8 @@ def way_to(place: Place, above: float) -> Program:
     }
     straight = above > 0.0
     body = [Move("joint", Name(before), motion)] if straight else []
-    body.append(Move("linear" if straight else "joint", Name(name), motion))
+    if to_its_end or not straight:
+        body.append(Move("linear" if straight else "joint", Name(name), motion))
     main = Procedure("main", tuple(body))
     return replace(program, procedures=(main,), entry="main", targets=targets, joint_targets={})
 
@@ -209,9 +210,13 @@ def check_reached(place: Place, reached: Pose) -> tuple[float, float]:
 def tip_at(place: Place, joints: tuple[float, ...], robot: Robot) -> Pose:
     """The tool of a place in the base of the robot, with other joints (a,)."""
     positions, quaternions = robot.fk(np.array([joints]))
+    return Pose.of(positions[0], quaternions[0]) @ tip_of(place)
+
+
+def tip_of(place: Place) -> Pose:
+    """The tip of a place's tool on the flange."""
     tool = place.program.tools.get(str(motion_to(place.program, place.name).tool))
-    flange = Pose.of(positions[0], quaternions[0])
-    return flange @ (tool.tip if tool is not None and tool.held else Pose())
+    return tool.tip if tool is not None and tool.held else Pose()
 
 
 def _pose_values(pose: Pose) -> dict[str, str]:

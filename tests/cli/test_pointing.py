@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -24,7 +25,7 @@ from assistant.virtual.cr import VirtualCr
 from assistant.virtual.events import Moved
 from assistant.virtual.running import Settings, prepared
 from assistant.vision.cameras.camera import Camera, Lens, looking_at
-from assistant.vision.cameras.camera_file import Rig, write_cameras
+from assistant.vision.cameras.camera_file import Rig, read_cameras, write_cameras
 from assistant.vision.pointing.devices import Device, ball, wand
 from tests.cli.test_commands import run
 from tests.vision.pointing.scenes import BENT, SMALL, grey, shown, taken
@@ -250,9 +251,57 @@ def test_the_arm_is_led_to_a_place_and_what_it_reached_is_stored(
     tell(f"virtual RV-2AJ led to a shown place, and what it reached stored: {off:.3f} mm off")
 
 
+SEEN = """law = "pose"
+cameras = ["watch_left", "watch_right"]
+[mark]
+device = "wand"
+position = [0, 0, 150]
+[limits]
+speed = 400
+turning = 180
+part = 0.9
+[servo]
+share = 0.8
+stale = 2
+distance = 0.3
+turn = 0.3
+"""
+CELL = '[robots.arm]\nrobot = "rv-2aj"\n'
+
+
+@pytest.mark.slow
+def test_the_last_of_the_way_is_led_by_what_is_seen_of_the_tool(
+    capsys, tmp_path: Path, here: Path, tell: Callable[[str], None]
+) -> None:
+    filmed(here, PLACES[:1], lens=BENT)
+    rig = read_cameras(here / "cameras.toml")
+    watch = {f"watch_{n}": replace(c, name=f"watch_{n}") for n, c in rig.cameras.items()}
+    sources = {**rig.sources, **dict.fromkeys(watch, "cell.toml")}
+    write_cameras(here / "cameras.toml", Rig({**rig.cameras, **watch}, {}, sources))
+    (here / "cell.toml").write_text(CELL, encoding="utf-8")
+    (here / "seen.toml").write_text(SEEN, encoding="utf-8")
+    virtual = VirtualCr()
+    devices = ", ".join(f"OPT{i}" for i in range(12, 19))
+    virtual.state.parameters.write("COMDEV", f"{devices}, ", all_levels=True)
+    with virtual:
+        table = f'address = "{virtual.address}"\nrobot = "rv-2aj"\ntimeout = 5\n'
+        (tmp_path / "assistant.toml").write_text(f"[controllers.cell1]\n{table}", encoding="utf-8")
+        lines = [f"{host}:{port}" for host, port in virtual.data_ports.values()][:2]
+        go: list[object] = ["teach", "cell1", "above", *POINT[1:], "--go", "--speed", 100, "--yes"]
+        assert run(capsys, "motors", "cell1", "on", "--yes")[0] == 0
+        more = ("--camera", "left", "--camera", "right", "--servo", "seen.toml")
+        status, _, said = run(capsys, *go, "--line", lines[0], "--line", lines[1], *more)
+        assert status == 0, said
+    target = read(here / "points.toml").program.targets["above"]
+    off = np.linalg.norm(np.subtract(target.pose.position, PLACES[0].position))
+    assert off < 0.8
+    tell(f"virtual RV-2AJ led to a shown place by what is seen of its tool: {off:.3f} mm off")
+
+
 @pytest.mark.parametrize(
     ("more", "status", "code"),
     [
+        (("--servo", "seen.toml"), 2, "CL519"),
         (("--device", "stick"), 2, "VS117"),
         (("--camera", "left"), 2, "VS115"),
         (("--camera", "top"), 2, "VS013"),

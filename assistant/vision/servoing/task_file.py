@@ -77,26 +77,32 @@ class ServoFile:
     settings: Settings = field(default_factory=Settings)
 
 
-def read_servo(path: str | FilePath) -> ServoFile:
-    """A file of servoing; raises Unreadable, or Refused with a finding for each wrong key."""
+def read_servo(path: str | FilePath, *, led_elsewhere: bool = False) -> ServoFile:
+    """A file of servoing; raises Unreadable, or Refused with a finding for each wrong key.
+
+    led_elsewhere: where it leads to is not for the file to say.
+    """
     data = read_bytes(path, most=SETTINGS_FILE)
-    return servo_in(decode(data, str(path), ENCODINGS), FilePath(path).parent)
+    source = decode(data, str(path), ENCODINGS)
+    return servo_in(source, FilePath(path).parent, led_elsewhere=led_elsewhere)
 
 
-def servo_in(source: SourceText, folder: FilePath = FilePath()) -> ServoFile:
+def servo_in(
+    source: SourceText, folder: FilePath = FilePath(), *, led_elsewhere: bool = False
+) -> ServoFile:
     """folder: in which files of devices stand."""
     top = read_toml(source)
     said = top.read(KEYS)
     tables = {name: top.table(name) for name in TABLES}
     read = {name: tables[name].read(keys) for name, keys in TABLES.items()}
-    if not read["target"]:
+    if not read["target"] and not led_elsewhere:
         top.say(rules.BAD_TASK, what="has no [target]", cure="write what is led to, or a place")
     target = _thing(tables["target"], read["target"], folder)
     mark = _thing(tables["mark"], read["mark"], folder)
     if read["mark"] and mark is None:
         what, cure = "has a [mark] that nobody sees", "write marker, or device"
         tables["mark"].say(rules.BAD_TASK, what=what, cure=cure)
-    if not read["goal"]:
+    if not read["goal"] and not led_elsewhere:
         top.say(rules.BAD_TASK, what="has no [goal]", cure="write where the tip goes to")
     limits = dict(read["limits"])
     if has_errors(top.page.findings):

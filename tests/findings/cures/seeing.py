@@ -178,6 +178,7 @@ SHOWING: Final = (
     ),
     Case("CL516", "teach cell1 --go", EYES, (f"teach --go {POINT[6:]}",), others=("CL510",)),
     Case("CL518", "teach", EYES, (POINT,), others=("VS120",)),
+    Case("CL519", f"{POINT} --servo s.toml", EYES, (f"{POINT} --go",), others=("CL510",)),
     Case("VS120", POINT, EYES, change={"c.toml": FED}, others=("VS020",)),
 )
 
