@@ -38,6 +38,8 @@ from assistant.robots.robot import Robot
 CONFIRMED: Final[ContextVar[frozenset[str]]] = ContextVar("confirmed", default=frozenset())
 """Names of the controllers whose arms may be moved by the run that begins."""
 METRE: Final = 1000.0
+NEAR: Final = 1e-6
+"""Part of a period by which a moment may be beside a tick, as it is added up."""
 
 
 class _Adapted:
@@ -83,6 +85,7 @@ class _Stepped(_Adapted):
         super().__init__(inner, clock=clock, ndstates=1, **blockargs)
         self._begun = False
         self._at: float | None = None
+        self._taken: float | None = None
         self._shows = self._shown([np.zeros(port.size) for port in inner.outputs])
 
     def start(self, simstate: Any) -> None:
@@ -92,7 +95,7 @@ class _Stepped(_Adapted):
         if moves and moves not in CONFIRMED.get():
             raise Refused(NOT_CONFIRMED(block=self._inner.name, name=moves), exit_status=2)
         self._inner.begin()
-        self._begun, self._at = True, None
+        self._begun, self._at, self._taken = True, None, None
 
     def output(self, t: float, u: Sequence[Any], x: Any) -> list[Any]:
         """What it gives at a moment is worked out once, however often bdsim asks."""
@@ -103,7 +106,12 @@ class _Stepped(_Adapted):
         return self._shows
 
     def next(self, t: float, u: Sequence[Any], x: Floats) -> Floats:
-        self._inner.take(t, self._given(u))
+        """At the tick of any clock bdsim asks all blocks: here that of its own counts, and once."""
+        clock: Clock = self._clock  # type: ignore[attr-defined]
+        ticks = (t - clock.offset) / clock.T
+        if t != self._taken and abs(ticks - round(ticks)) < NEAR:
+            self._taken = t
+            self._inner.take(t, self._given(u))
         return x
 
     def done(self, **arguments: Any) -> None:

@@ -126,6 +126,25 @@ def test_an_own_block_runs_in_bdsim_without_a_class_of_bdsim(sim) -> None:
         add(diagram, Sum("other"))
 
 
+def test_a_block_steps_at_the_ticks_of_its_own_clock_only(sim) -> None:
+    def model():
+        diagram = sim.blockdiagram()
+        one = diagram.CONSTANT(1.0)
+        sums = [add(diagram, Sum(f"{t:g}"), diagram.clock(t)) for t in (0.1, 0.3)]
+        for block in sums:
+            diagram.connect(one, block)
+        diagram.compile(verbose=False)
+        return diagram, sums
+
+    diagram, _ = model()
+    ours = run_paced(sim, diagram, 0.9, 0.1)
+    assert ours["0.1[0]"] == pytest.approx([0, *range(9)])  # its ticks begin after a period
+    assert ours["0.3[0]"] == pytest.approx([0, 0, 0, 0, 1, 1, 1, 2, 2, 2])
+    diagram, sums = model()
+    run_bdsim(sim, diagram, 0.9, dt=0.05, watch=[block[0] for block in sums])
+    assert [block._inner.sum for block in sums] == [9.0, 3.0]
+
+
 def test_its_editor_finds_an_icon_of_each_block_and_its_ports(sim) -> None:
     ours = {k: found for k, found in sim.block_library.items() if found["package"] == "assistant"}
     assert len(ours) > 10
