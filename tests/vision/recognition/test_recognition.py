@@ -10,7 +10,7 @@ import pytest
 from assistant.program import rotations
 from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
-from assistant.vision.cameras.camera import looking_at
+from assistant.vision.cameras.camera import Camera, Lens, looking_at
 from assistant.vision.cameras.drawing import Card, Thing
 from assistant.vision.opencv import opencv
 from assistant.vision.recognition.estimating import Plane
@@ -124,6 +124,19 @@ def test_two_cameras_locate_better_than_each_and_tell_when_they_disagree(ten, te
     moved = {"left": LEFT, "right": replace(RIGHT, pose=RIGHT.pose @ Pose((12.0, 0.0, 0.0)))}
     sight = alone.see(pictures, moved)
     assert "VS342" in [finding.code for finding in sight.findings]
+
+
+def test_a_card_far_away_may_be_tilted_in_two_ways(ten):
+    """The farther it is, the less its near edge looks larger than its far one."""
+    one = ten.objects["astronaut"]
+    alone = Recogniser(opencv(), Library({"astronaut": one}))
+    turn = rotations.multiply(rotations.about((0, 0, 1), 25.0), rotations.about((1, 0, 0), 14.0))
+    pose = Pose.of(np.array([15.0, -10.0, 40.0]), rotations.canonical(turn))
+    things = [Thing(Card(one.texture.size, face_picture("astronaut.png")), pose)]
+    lens = Lens((640, 480), (3000.0, 3000.0), (320.0, 240.0), (0.0,) * 5)
+    far = Camera("above", lens, looking_at((40.0, -900.0, 3000.0), (0.0, 0.0, 0.0)))
+    sight = alone.see({"above": taken(far, things, 1)}, {"above": far})
+    assert [finding.code for finding in sight.findings] == ["VS343"]
 
 
 @pytest.mark.slow
