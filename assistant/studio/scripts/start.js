@@ -6,6 +6,7 @@ import { beginFindings } from "./findings.js";
 import { beginProject, chooseFile, readProject } from "./project.js";
 import { beginDrawing } from "./drawing.js";
 import { beginEditor, goToFinding } from "./editor.js";
+import { beginRun } from "./run.js";
 
 beginWords();
 beginTabs();
@@ -21,6 +22,7 @@ find("theme").addEventListener("click", () => {
 beginProject();
 beginDrawing();
 beginEditor();
+beginRun();
 beginFindings((finding) => goToFinding(finding, chooseFile));
 await beginLine();
 await readProject();
