@@ -25,6 +25,11 @@ from assistant.studio.tree import DRAWINGS, programs
 
 NAME: Final = re.compile(r"[^\W_][\w .+()-]{0,119}")
 """Of a file that is dropped: no folder, nothing hidden, nothing that a terminal is led by."""
+DEVICE: Final = re.compile(r"(con|prn|aux|nul|(com|lpt)[0-9¹²³]) *(\..*)?", re.IGNORECASE)
+"""Names that Windows has for devices, whatever their suffix.
+
+https://learn.microsoft.com/windows/win32/fileio/naming-a-file#naming-conventions
+"""
 FOLDERS: Final = {"drawing": "drawings", "program": "programs", "table": "tables"}
 LONGEST_NAME: Final = 60
 ENCODING: Final = "utf-8"
@@ -134,7 +139,8 @@ def _table(project: Project) -> tuple[str, ...]:
 
 def _kind(name: str) -> str:
     """drawing, program or table; raises Refused for a bad name, and for what is none of them."""
-    if NAME.fullmatch(name) is None or name.endswith((" ", ".")) or ".." in name:
+    plain = NAME.fullmatch(name) and not DEVICE.fullmatch(name)
+    if not plain or name.endswith((" ", ".")) or ".." in name:
         raise Refused(rules.NO_PLAIN_NAME(name=name), exit_status=2)
     suffix = PurePosixPath(name).suffix.lower()
     if suffix in DRAWINGS:

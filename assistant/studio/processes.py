@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import tomllib
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Any, Final
 
-from assistant.program.diagnostics import Refused, has_errors
+from assistant.program.diagnostics import Diagnostic, Refused, has_errors
 from assistant.program.system.bounded import read_file
 from assistant.program.system.writing import write_all
 from assistant.program.text import SourceText, encode, is_file
@@ -89,6 +90,7 @@ def set_values(studio: Studio, path: str, values: Mapping[str, Any]) -> dict[str
     drawing = studio.file(path)
     file = drawing.with_suffix(PROCESS_SUFFIX)
     before = _text(drawing, file)
+    _check_tables(before)
     text = before.text
     wanted = dict(values)
     for name, table in _tables(wanted.pop(LAYERS, {})).items():
@@ -117,15 +119,30 @@ def _with_use(text: str, name: str, used: bool, file: str) -> str:
     return text
 
 
+def _check_tables(source: SourceText) -> None:
+    """Raises Refused, with its own findings, for a file that layers cannot be put into."""
+    try:
+        content = tomllib.loads(source.text)
+    except (ValueError, RecursionError):
+        content = {LAYERS: None}
+    tables, out = content.get(LAYERS, {}), content.get(LEFT_OUT, [])
+    if not (isinstance(tables, dict) and isinstance(out, list)):
+        raise Refused(*_errors(source))
+
+
 def _check(before: SourceText, changed: SourceText) -> None:
     """Raises Refused for errors that were not there before."""
-    known = {(one.code, one.message) for one in _errors(before)}
-    new = [one for one in _errors(changed) if (one.code, one.message) not in known]
+    found = _errors(changed)
+    new = Counter(map(_about, found)) - Counter(map(_about, _errors(before)))
     if new:
-        raise Refused(*new)
+        raise Refused(*(one for one in found if _about(one) in new))
 
 
-def _errors(source: SourceText) -> tuple[Any, ...]:
+def _about(finding: Diagnostic) -> tuple[str, str]:
+    return finding.code, finding.message
+
+
+def _errors(source: SourceText) -> tuple[Diagnostic, ...]:
     try:
         parse_process(source)
     except Refused as refused:

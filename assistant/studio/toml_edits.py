@@ -25,13 +25,21 @@ def with_values(text: str, values: Mapping[KeyPath, Any], name: str) -> str:
     A key that stands there behind a `#`, as a choice, gets its place. Raises Refused if the text
     would say anything else than before beside that. name: of the file, for the finding.
     """
-    changed = text
-    for path, value in values.items():
-        changed = _with_value(changed, path, value)
-    if _read(changed) != _meant(_read(text), values):
+    meant = _meant(_read(text), values)
+    changed = None if meant is None else _changed(text, values)
+    if changed is None or _read(changed) != meant:
         key = ".".join(next(iter(values), ()))
         raise Refused(rules.NOT_KEPT(path=name, key=key, name=name))
     return changed
+
+
+def _changed(text: str, values: Mapping[KeyPath, Any]) -> str | None:
+    """None if a value breaks the text."""
+    for path, value in values.items():
+        text = _with_value(text, path, value)
+        if _read(text) is None:
+            return None
+    return text
 
 
 def toml(value: Any) -> str:
@@ -118,24 +126,29 @@ def _region(text: str, table: KeyPath) -> tuple[int, int]:
     return start, min((at for at in headers if at >= start), default=len(text))
 
 
-def _meant(content: dict[str, Any], values: Mapping[KeyPath, Any]) -> dict[str, Any]:
+def _meant(content: dict[str, Any] | None, values: Mapping[KeyPath, Any]) -> dict[str, Any] | None:
+    """None where a key would belong to what is no table, and for what no text says."""
     out = copy.deepcopy(content)
     for path, value in values.items():
-        here = out
+        here: Any = out
         for key in path[:-1]:
-            here = here.setdefault(key, {})
+            here = here.setdefault(key, {}) if isinstance(here, dict) else None
+        said = {"it": None} if value is None else _read(f"it = {toml(value)}")
+        if not isinstance(here, dict) or said is None:
+            return None
         if value is None:
             here.pop(path[-1], None)
         else:
-            here[path[-1]] = _read(f"it = {toml(value)}")["it"]
+            here[path[-1]] = said["it"]
     return out
 
 
-def _read(text: str) -> dict[str, Any]:
+def _read(text: str) -> dict[str, Any] | None:
+    """None for a text that is no TOML."""
     try:
         return tomllib.loads(text.replace("\r\n", "\n"))
     except (ValueError, RecursionError):
-        return {"": None}  # which is like nothing else
+        return None
 
 
 def _key(name: str) -> str:
@@ -155,7 +168,8 @@ def without_table(text: str, table: KeyPath, name: str) -> str:
         return text
     line = text.rfind("\n", 0, start - 1) + 1
     changed = text[:line] + text[stop:]
-    if _read(changed) != _meant(_read(text), {table: None}):
+    meant = _meant(_read(text), {table: None})
+    if meant is None or _read(changed) != meant:
         key = ".".join(table)
         raise Refused(rules.NOT_KEPT(path=name, key=key, name=name))
     return changed

@@ -61,6 +61,8 @@ def kind_of(path: str, suffixes: frozenset[str]) -> str:
     suffix = PurePosixPath(name).suffix
     if name.endswith(PROCESS_SUFFIX):
         return "process"
+    if name.endswith(".schema.json"):
+        return "settings"
     if name == "assistant.toml":
         return "project"
     if suffix in suffixes:
