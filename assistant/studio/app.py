@@ -7,7 +7,15 @@ from typing import Final
 from starlette.applications import Starlette
 from starlette.routing import BaseRoute
 
-from assistant.studio import page, project_routes, run_routes, text_routes, window_routes
+from assistant.studio import (
+    control_routes,
+    controller_routes,
+    page,
+    project_routes,
+    run_routes,
+    text_routes,
+    window_routes,
+)
 from assistant.studio.studio import Studio
 
 ROUTES: Final[tuple[BaseRoute, ...]] = (
@@ -15,6 +23,8 @@ ROUTES: Final[tuple[BaseRoute, ...]] = (
     *window_routes.ROUTES,
     *project_routes.ROUTES,
     *run_routes.ROUTES,
+    *controller_routes.ROUTES,
+    *control_routes.ROUTES,
     *text_routes.ROUTES,
 )
 

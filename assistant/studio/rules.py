@@ -84,3 +84,30 @@ NOT_SHOWN = error(
     "open a program, a table, taught targets, or a drawing",
 )
 NOT_MOVED = error("ST052", "`{name}` cannot be moved here: {reason}", "{cure}")
+
+NOT_CONNECTED = error("ST040", "no controller is connected", "connect to one of the project")
+NOT_CONFIRMED = error(
+    "ST041",
+    "this {what}, and nobody confirmed it; nothing was changed",
+    "look that nobody is near, then type `{word}`",
+)
+OTHER_WORD = error(
+    "ST042",
+    "`{word}` was not typed, so nothing was changed",
+    "type it as it stands there to confirm",
+)
+NO_CONTROL = error("ST043", "this window has no control of the arm", "take control of it first")
+MOTORS_ON = error(
+    "ST044",
+    "the motors of {name} may still be on, though nobody has control of it any more",
+    "switch them off at the controller",
+)
+FOLDER_THERE = error(
+    "ST045", "`{name}` is there already: a backup gets a folder of its own", "name another one"
+)
+NO_BACKUP = error("ST046", "there is no folder `{name}`", "name one that a backup was written into")
+NO_TARGET = error(
+    "ST047",
+    "no target of the project is for `{name}`, so nothing is meant to be on it",
+    "add one to the project's file, with the programs that it gets",
+)

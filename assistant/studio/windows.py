@@ -52,6 +52,13 @@ class Windows:
         for tell in every:
             tell(message)
 
+    def tell_one(self, name: str, message: Mapping[str, object]) -> None:
+        """Tells a window, if it is still open."""
+        with self._lock:
+            tell = self._open.get(name)
+        if tell is not None:
+            tell(message)
+
     def _tell_who(self) -> None:
         with self._lock:
             writer, every = self._writer(), dict(self._open)

@@ -1,0 +1,190 @@
+"""The controller that a studio is connected to: all that it is asked goes through one thread."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
+from dataclasses import replace
+from functools import partial
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Final, TypeVar
+
+from assistant.controllers import Controller, Named, Programs, connect
+from assistant.controllers import rules as controller_rules
+from assistant.controllers.rules import Lost
+from assistant.controllers.states import Identity, Sample, record
+from assistant.findings.formats import finding_record
+from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.studio import rules
+from assistant.studio.windows import Tell
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+
+LOOKS: Final = 0.4
+"""Seconds between two looks at a controller."""
+ENDING: Final = 15.0
+"""Seconds that what still goes on has to come to its end."""
+T = TypeVar("T")
+
+
+class Connection:
+    """Opens a session with a controller of a project, and tells windows what it sees there.
+
+    one: of the project. kept: folder in which a virtual one of the project is kept. password: for
+    the sessions of this connection only; None for what environment or keyring hold. tell: told
+    what is seen, from another thread. lost: called when there is no session any more. Raises
+    Refused.
+
+    Sessions know one thread only, and so does a virtual controller, so `do` is the way to them.
+    """
+
+    def __init__(
+        self,
+        one: Named,
+        kept: FilePath,
+        tell: Tell,
+        lost: Callable[[], None],
+        password: str | None = None,
+    ) -> None:
+        from assistant.compiler.arms import robot_of
+
+        self.one = one
+        self.robot: Robot | None = robot_of(one.robot)
+        self.identity = Identity()
+        self.signals: tuple[str, ...] = ()
+        self._kept, self._tell, self._lost = kept, tell, lost
+        self._clients: Callable[[], Programs] = partial(connect, one, password=password)
+        self._open = ExitStack()
+        self._looks: Iterator[Sample] | None = None
+        self._ended = threading.Event()
+        self._worker = ThreadPoolExecutor(1, thread_name_prefix="controller")
+        try:
+            self.session: Programs = self._worker.submit(self._begin).result()
+        except BaseException:
+            self.end()
+            raise
+        self._watcher = threading.Thread(target=self._watch, name="monitor", daemon=True)
+        if isinstance(self.session, Controller):
+            self._watcher.start()
+
+    def _begin(self) -> Programs:
+        if self.one.virtual is not None:
+            from assistant.project.virtual import clients
+
+            self._clients = self._open.enter_context(clients(self.one, self._kept))
+        session = self._open.enter_context(self._clients())
+        if isinstance(session, Controller):
+            self.identity = session.identify()
+        return session
+
+    @property
+    def operates(self) -> bool:
+        """Whether it can be looked at and operated, beside the programs that it keeps."""
+        return isinstance(self.session, Controller)
+
+    def client(self) -> Programs:
+        """Another session, not connected yet, which any thread may open."""
+        return self._clients()
+
+    def do(self, does: Callable[[Controller], T]) -> T:
+        """What is done with the session, after all that was asked before; raises Refused."""
+        if not isinstance(self.session, Controller):
+            raise Refused(self._only_keeps())
+        return self.kept(lambda session: does(session))  # type: ignore[arg-type]
+
+    def kept(self, does: Callable[[Programs], T]) -> T:
+        """The same of a controller of which only the programs are wanted."""
+        try:
+            asked = self._worker.submit(does, self.session)
+        except RuntimeError:  # it was left meanwhile
+            raise Refused(rules.NOT_CONNECTED()) from None
+        try:
+            return asked.result()
+        except Lost as lost:
+            self._gone(lost.findings)
+            raise
+
+    def look_at(self, signals: Sequence[str]) -> None:
+        """Signals whose values are told from now on; raises Refused if there are none such."""
+        wanted = tuple(signals)
+
+        def look(controller: Controller) -> None:
+            looks = controller.watch(0.0, wanted)
+            next(looks)
+            self._looks, self.signals = looks, wanted
+
+        self.do(look)
+
+    def end(self) -> None:
+        """Leaves the controller; a virtual one of the project ends."""
+        if self._ended.is_set():
+            return
+        self._ended.set()
+        self._worker.submit(self._leave)
+        self._worker.shutdown(wait=False)
+        watcher = getattr(self, "_watcher", None)
+        if watcher is not None and watcher.is_alive() and watcher is not threading.current_thread():
+            watcher.join(ENDING)
+
+    def _leave(self) -> None:
+        looks, self._looks = self._looks, None
+        with self._open:
+            if isinstance(looks, Generator):
+                looks.close()
+
+    def _watch(self) -> None:
+        while not self._ended.wait(LOOKS):
+            try:
+                sample = self.do(self._look)
+            except Refused as refused:
+                self._tell({"kind": "monitor", "findings": told(refused.findings)})
+            else:
+                self._tell({"kind": "monitor", **_plain(sample)})
+
+    def _look(self, controller: Controller) -> Sample:
+        try:
+            if self._looks is None:
+                self._looks = controller.watch(0.0, self.signals)
+            return next(self._looks)
+        except BaseException:
+            self._looks = None  # which has ended by that
+            raise
+
+    def _gone(self, findings: Sequence[Diagnostic]) -> None:
+        if not self._ended.is_set():
+            self._tell({"kind": "monitor", "lost": True, "findings": told(findings)})
+            threading.Thread(target=self._lost, name="lost", daemon=True).start()
+
+    def _only_keeps(self) -> Diagnostic:
+        place = str(self.one.address)
+        return controller_rules.NOT_HERE(
+            place=place,
+            address=place,
+            what="be operated",
+            reason="its protocol keeps programs and no more",
+            cure="name an address by which the controller is operated",
+        )
+
+
+def told(findings: Sequence[Diagnostic]) -> list[dict[str, object]]:
+    """Findings as windows are told them."""
+    return [finding_record(finding) for finding in findings]
+
+
+def _plain(sample: Sample) -> Mapping[str, object]:
+    """A sample as data, in which a number that is none is left out."""
+    state = replace(sample.state, faults=sample.state.faults[:20])
+    found = record(replace(sample, state=state))
+    assert isinstance(found, dict)
+    return {key: _finite(value) for key, value in found.items()}
+
+
+def _finite(value: object) -> object:
+    if isinstance(value, float):
+        return value if abs(value) < float("inf") else None
+    if isinstance(value, dict):
+        return {key: _finite(one) for key, one in value.items()}
+    return [_finite(one) for one in value] if isinstance(value, list) else value

@@ -1,0 +1,111 @@
+"""Control of an arm: taken by typing its name, given up, and what may be done with it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Final
+
+from assistant.program.diagnostics import Refused
+from assistant.studio import rules
+from assistant.studio.answering import Asked, asks, changes, findings
+from assistant.studio.controller_routes import confirm, connection_of
+from assistant.studio.studio import Studio
+
+if TYPE_CHECKING:
+    from assistant.studio.control import Control
+
+
+def control_of(studio: Studio, asked: Asked) -> Control:
+    """The control that the window has; raises Refused if it has none."""
+    from assistant.studio.control import Control
+
+    found = studio.live.get("control")
+    if not isinstance(found, Control) or found.window != asked.window:
+        raise Refused(rules.NO_CONTROL())
+    return found
+
+
+def take(studio: Studio, asked: Asked) -> dict[str, Any]:
+    """From now on the window may move the arm; its name has to be typed."""
+    from assistant.compiler.jogging import check_place
+    from assistant.studio.control import FASTEST, WATCH, Control
+
+    found = connection_of(studio)
+    confirm(found.one, asked, "lets this window move the arm")
+    told = check_place(found.do(lambda one: one.position()), found.robot)
+    studio.drop("control")
+
+    def say(message: Mapping[str, object]) -> None:
+        studio.windows.tell_one(asked.window, message)
+
+    def over() -> None:
+        if studio.live.get("control") is made:
+            studio.drop("control")
+            studio.windows.tell({"kind": "controller"})
+
+    made = Control(found, asked.window, say, over)
+    studio.live["control"] = made
+    if not studio.windows.writes(asked.window) or studio.live.get("connection") is not found:
+        studio.drop("control")  # it has gone meanwhile
+        raise Refused(rules.NO_CONTROL())
+    studio.windows.tell({"kind": "controller"})
+    return {
+        "name": found.one.name,
+        "watch": WATCH,
+        "fastest": FASTEST,
+        "findings": findings(told),
+    }
+
+
+def give_up(studio: Studio, asked: Asked) -> dict[str, Any]:
+    control_of(studio, asked)
+    studio.drop("control")
+    studio.windows.tell({"kind": "controller"})
+    return {}
+
+
+def stop(studio: Studio, asked: Asked) -> dict[str, Any]:  # noqa: ARG001
+    """Stops the arm and all programs; any window may, at any time."""
+    from assistant.controllers.stopping import brought_to_rest
+    from assistant.studio.control import Control, rest_record
+
+    found, control = connection_of(studio), studio.live.get("control")
+    rest = control.stop() if isinstance(control, Control) else brought_to_rest(found.client)
+    return rest_record(rest)
+
+
+def motors(studio: Studio, asked: Asked) -> dict[str, Any]:
+    control_of(studio, asked).motors(asked.truth("on"))
+    return {}
+
+
+def hand(studio: Studio, asked: Asked) -> dict[str, Any]:
+    control_of(studio, asked)
+    found, number, opens = connection_of(studio), int(asked.number("number")), asked.truth("open")
+    does = "opens" if opens else "closes"
+    confirm(found.one, asked, f"{does} hand {number}: what it holds may fall")
+    found.do(lambda one: one.hand(number, open=opens))
+    return {}
+
+
+def teach(studio: Studio, asked: Asked) -> dict[str, Any]:
+    """Stores where the arm is under a name, as the command of that name does."""
+    from assistant.compiler.teaching import Wanted
+    from assistant.compiler.teaching import teach as stored
+
+    control_of(studio, asked)
+    found, file = connection_of(studio), studio.place(asked.text("file"))
+    wanted = Wanted(joints=asked.truth("joints"), again=asked.truth("replace"))
+    position = found.do(lambda one: one.position())
+    reading = stored(file, asked.text("name"), position, found.robot, wanted)
+    return {"file": studio.named(file), "findings": findings(reading.findings)}
+
+
+ROUTES: Final = (
+    changes("/control/take", take),
+    changes("/control/give-up", give_up),
+    asks("/control/stop", stop),
+    changes("/control/motors", motors),
+    changes("/control/hand", hand),
+    changes("/control/teach", teach),
+)

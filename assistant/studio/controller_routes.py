@@ -1,0 +1,331 @@
+"""The controller: connecting, looking, deploying, setting, and backups; `control_routes` moves."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import suppress
+from datetime import datetime
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Any, Final
+
+from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.studio import rules
+from assistant.studio.answering import Asked, asks, changes, findings, looks
+from assistant.studio.connections import Connection
+from assistant.studio.studio import Studio
+
+if TYPE_CHECKING:
+    from assistant.controllers import Controller, Named, Programs
+    from assistant.project import Target
+
+MOST_LOGGED: Final = 50
+BACKUPS: Final = "backups"
+"""Folder of the project in which backups are kept."""
+
+
+def connection_of(studio: Studio) -> Connection:
+    """The controller that is connected to; raises Refused if there is none."""
+    found = studio.live.get("connection")
+    if not isinstance(found, Connection):
+        raise Refused(rules.NOT_CONNECTED())
+    return found
+
+
+def confirm(one: Named, asked: Asked, what: str) -> None:
+    """Raises Refused unless the name of the controller was typed, as commands ask for it."""
+    word = asked.text("word", "").strip()
+    place = str(one.address)
+    if not word:
+        raise Refused(rules.NOT_CONFIRMED(place=place, what=what, word=one.word))
+    if word != one.word:
+        raise Refused(rules.OTHER_WORD(place=place, word=one.word))
+
+
+# -------------------------------------------------------------------------------- connection
+
+
+def controller(studio: Studio, asked: Asked) -> dict[str, Any]:  # noqa: ARG001
+    """What is connected to, and whether somebody has control of it."""
+    from assistant.controllers.states import record
+    from assistant.studio.control import Control
+
+    found = studio.live.get("connection")
+    if not isinstance(found, Connection):
+        return {"connected": False}
+    control = studio.live.get("control")
+    return {
+        "connected": True,
+        "name": found.one.name,
+        "word": found.one.word,
+        "address": str(found.one.address),
+        "virtual": found.one.virtual is not None,
+        "robot": found.one.robot,
+        "identity": record(found.identity),
+        "operates": found.operates,
+        "signals": list(found.signals),
+        "axes": _axes(found),
+        "controlled": isinstance(control, Control),
+    }
+
+
+def _axes(found: Connection) -> list[dict[str, Any]]:
+    robot = found.robot
+    if robot is None:
+        return []
+    return [
+        {"axis": axis, "least": float(low), "most": float(high), "unit": unit}
+        for axis, (low, high), unit in zip(robot.axes, robot.limits, robot.units, strict=True)
+    ]
+
+
+def connect(studio: Studio, asked: Asked) -> dict[str, Any]:
+    """Connects to a controller that the project names; a password is used and not kept."""
+    from assistant.controllers import controllers_of
+    from assistant.controllers.rules import UNKNOWN_NAME
+
+    name, there = asked.text("name"), controllers_of(studio.folder)
+    if name not in there:
+        known = ", ".join(f"`{one}`" for one in there) or "none"
+        raise Refused(UNKNOWN_NAME(place=name, name=name, known=known))
+    leave(studio, asked)
+
+    def lost() -> None:
+        if studio.live.get("connection") is made:
+            leave(studio, asked)
+            studio.windows.tell({"kind": "controller"})
+
+    one, password = there[name], asked.text("password", "") or None
+    made = Connection(one, _kept(studio), studio.windows.tell, lost, password)
+    studio.live["connection"] = made
+    if not studio.windows.writes(asked.window):  # it has gone meanwhile
+        leave(studio, asked)
+    studio.windows.tell({"kind": "controller"})
+    return controller(studio, asked) | {"findings": findings(tuple(_open_to_others(studio, one)))}
+
+
+def leave(studio: Studio, asked: Asked) -> dict[str, Any]:  # noqa: ARG001
+    studio.drop("control")
+    studio.drop("connection")
+    studio.windows.tell({"kind": "controller"})
+    return {"connected": False}
+
+
+def _kept(studio: Studio) -> FilePath:
+    from assistant.project import project_of
+
+    with suppress(Refused):  # of another table than that of its controllers
+        return project_of(studio.folder).kept
+    return studio.folder / ".robot-assistant"
+
+
+def _open_to_others(studio: Studio, one: Named) -> Iterator[Diagnostic]:
+    """Whether what is sent can be read on the way, unless the project has accepted that."""
+    from assistant.controllers.clear_text import clear_text
+    from assistant.findings.severity import severities_for
+
+    told = clear_text(one.address)
+    wanted = severities_for(studio.folder).of(told) if told else None
+    if wanted:
+        yield wanted
+
+
+# ------------------------------------------------------------------------------------ looking
+
+
+def watch(studio: Studio, asked: Asked) -> dict[str, Any]:
+    """Signals whose values come with what is seen."""
+    found = connection_of(studio)
+    found.look_at(asked.texts("signals"))
+    return {"signals": list(found.signals)}
+
+
+def log(studio: Studio, asked: Asked) -> dict[str, Any]:  # noqa: ARG001
+    from assistant.controllers.states import record
+
+    return {"log": record(connection_of(studio).do(lambda one: one.log(MOST_LOGGED)))}
+
+
+def reset(studio: Studio, asked: Asked) -> dict[str, Any]:  # noqa: ARG001
+    """Acknowledges errors."""
+    connection_of(studio).do(lambda one: one.reset())
+    return {}
+
+
+def programs(studio: Studio, asked: Asked) -> dict[str, Any]:  # noqa: ARG001
+    return {"programs": list(connection_of(studio).kept(lambda one: one.names()))}
+
+
+def parameters(studio: Studio, asked: Asked) -> dict[str, Any]:
+    """Those that are named, or those that were changed."""
+    names = asked.texts("names")
+    return {"parameters": connection_of(studio).do(lambda one: one.parameters(names))}
+
+
+def set_parameter(studio: Studio, asked: Asked) -> dict[str, Any]:
+    found = connection_of(studio)
+    name, value = asked.text("name"), asked.text("value")
+
+    def put(one: Controller) -> dict[str, str]:
+        does = "under a program that runs" if one.state().running else "on the controller"
+        confirm(found.one, asked, f"changes `{name}` to `{value}` {does}")
+        one.set_parameter(name, value)
+        return one.parameters([name])
+
+    return {"parameters": found.do(put)}
+
+
+# ---------------------------------------------------------------------------------- deploying
+
+
+def _targets(studio: Studio, one: Named) -> list[Target]:
+    """Of the project, for a controller; raises Refused if there are none."""
+    from assistant.project import targets_of
+
+    found = [target for target in targets_of(studio.folder) if target.controller.name == one.name]
+    if not found:
+        raise Refused(rules.NO_TARGET(name=one.name))
+    return found
+
+
+def plan(studio: Studio, asked: Asked) -> dict[str, Any]:
+    """What a deployment would change, with the differences."""
+    return _deployed(studio, asked, only_planned=True)
+
+
+def deploy(studio: Studio, asked: Asked) -> dict[str, Any]:
+    return _deployed(studio, asked, only_planned=False)
+
+
+def _deployed(studio: Studio, asked: Asked, *, only_planned: bool) -> dict[str, Any]:
+    """replace: programs that go there although no deployment left them as they are."""
+    from assistant import deploy as deploying
+    from assistant.project.deploying import plan_record, planned
+
+    found, replace = connection_of(studio), asked.texts("replace")
+
+    def records(session: Programs) -> list[dict[str, Any]]:  # noqa: ARG001 (one after the other)
+        answers = []
+        for target in _targets(studio, found.one):
+            made = planned(
+                [str(file) for file in target.files()],
+                found.one,
+                found.client(),
+                task=target.task,
+                load=target.load,
+                replace=replace,
+                history=target.history,
+            )
+            done = None if only_planned else deploying.deploy(made, history=target.history)
+            told = (*made.findings, *(made.unseen if done is None else done.findings))
+            answers.append({"target": target.name, **plan_record(made, done, told)})
+        return answers
+
+    return _together(found.kept(records))
+
+
+def verify(studio: Studio, asked: Asked) -> dict[str, Any]:  # noqa: ARG001
+    """Whether everything is as it was left, and what was changed there since."""
+    from assistant import deploy as deploying
+    from assistant.project.deploying import verified_record
+
+    found = connection_of(studio)
+
+    def records(session: Programs) -> list[dict[str, Any]]:  # noqa: ARG001
+        answers = []
+        for target in _targets(studio, found.one):
+            files = [str(file) for file in target.files()]
+            seen = deploying.verify(found.client(), files, history=target.history)
+            answers.append({"target": target.name, **verified_record(seen)})
+        return answers
+
+    return _together(found.kept(records))
+
+
+def roll_back(studio: Studio, asked: Asked) -> dict[str, Any]:
+    """What was there before the last deployment is there again."""
+    from assistant import deploy as deploying
+    from assistant.project.deploying import deployment_record
+
+    found, replace = connection_of(studio), asked.texts("replace")
+    history = _targets(studio, found.one)[0].history
+    done = found.kept(
+        lambda _: deploying.rollback(found.client(), history=history, replace=replace)
+    )
+    return deployment_record(done, back=True)
+
+
+def _together(answers: list[dict[str, Any]]) -> dict[str, Any]:
+    """Of all targets of a controller; their findings stand together, as of other answers."""
+    told = [finding for answer in answers for finding in answer.pop("findings")]
+    return {
+        "ok": all(answer["ok"] for answer in answers),
+        "targets": answers,
+        "findings": told,
+    }
+
+
+# ------------------------------------------------------------------------------------ backups
+
+
+def backup(studio: Studio, asked: Asked) -> dict[str, Any]:
+    """Into a folder of the project that is not there yet."""
+    found = connection_of(studio)
+    moment = f"{datetime.now():%Y-%m-%d-%H%M%S}"
+    name = asked.text("folder", "") or f"{BACKUPS}/{found.one.name}-{moment}"
+    folder = studio.place(name)
+    if folder.exists():
+        raise Refused(rules.FOLDER_THERE(path=name, name=name))
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    files = found.do(lambda one: one.backup(folder))
+    return {"folder": studio.named(folder), "files": len(files)}
+
+
+def backups(studio: Studio, asked: Asked) -> dict[str, Any]:  # noqa: ARG001
+    folder = studio.folder / BACKUPS
+    there = sorted(one for one in folder.iterdir() if one.is_dir()) if folder.is_dir() else []
+    return {"folders": [studio.named(one) for one in there]}
+
+
+def restore(studio: Studio, asked: Asked) -> dict[str, Any]:
+    """What differs from a backup; with `apply`, and confirmed, it is brought back."""
+    found, only = connection_of(studio), asked.texts("only")
+    name, wanted = asked.text("folder"), asked.truth("apply")
+    folder = studio.place(name)
+    if not folder.is_dir():
+        raise Refused(rules.NO_BACKUP(path=name, name=name))
+
+    def bring(one: Controller) -> dict[str, Any]:
+        restoring = one.restore(folder, only=only)
+        does = wanted and bool(restoring.changes)
+        if does:
+            parts = len(restoring.changes)
+            confirm(found.one, asked, f"changes {parts} parts of the controller")
+            restoring.apply()
+        return {
+            "restored": does,
+            "changes": dict(restoring.changes),
+            "left_out": dict(restoring.left_out),
+            "needs_restart": restoring.needs_restart,
+        }
+
+    return found.do(bring)
+
+
+ROUTES: Final = (
+    looks("/controller", controller),
+    changes("/controller/connect", connect),
+    changes("/controller/leave", leave),
+    changes("/controller/watch", watch),
+    looks("/controller/log", log),
+    changes("/controller/reset", reset),
+    looks("/controller/programs", programs),
+    asks("/controller/parameters", parameters),
+    changes("/controller/parameter", set_parameter),
+    asks("/controller/plan", plan),
+    changes("/controller/deploy", deploy),
+    asks("/controller/verify", verify),
+    changes("/controller/rollback", roll_back),
+    looks("/controller/backups", backups),
+    changes("/controller/backup", backup),
+    changes("/controller/restore", restore),
+)
