@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
@@ -19,6 +19,7 @@ class ArmMotion:
     """Each axis goes to its goal and to rest there as fast as speed and acceleration allow.
 
     In a step the goal stands still, and the motion is exact: steps of any length give the same.
+    `follow` is for goals that move on at each step: no axis comes to rest for them.
     robot: whose limits and kinematics count. drive: how fast its axes are. lag: seconds of the
     first order by which a joint follows its motor, 0 for none.
     at, speed: (a,) of the motors. goal: (a,). joints: (a,).
@@ -36,16 +37,31 @@ class ArmMotion:
     reachable: bool = True
 
     @classmethod
-    def of(cls, robot: Robot, *, start: ArrayLike | None = None, lag: float = 0.0) -> Self:
-        """An arm at rest, at joints (a,) or at home. Raises ValueError outside its limits."""
+    def of(
+        cls,
+        robot: Robot,
+        *,
+        start: ArrayLike | None = None,
+        lag: float = 0.0,
+        percent: float = 100.0,
+    ) -> Self:
+        """An arm at rest, at joints (a,) or at home. percent: of the speeds of its axes.
+
+        Raises ValueError outside its limits.
+        """
         at = np.array(robot.home if start is None else start, dtype=np.float64)
         if at.shape != robot.home.shape or not robot.inside(at) or not lag >= 0.0:
             raise ValueError(
-                "joints at the start are inside their limits, and the lag is not below 0"
+                f"{len(robot.axes)} joints at the start are inside the limits of {robot.name}, "
+                "and the lag is not below 0"
             )
+        if not 0.0 < percent <= 100.0:
+            raise ValueError("a percentage is above 0 and at most 100")
+        drive = drive_of(robot)
+        drive = replace(drive, speeds=drive.speeds * percent / 100.0)
         nothing = np.zeros_like(at)
         outside = np.zeros(len(at), dtype=bool)
-        return cls(robot, drive_of(robot), lag, at, nothing, at.copy(), at.copy(), outside)
+        return cls(robot, drive, lag, at, nothing, at.copy(), at.copy(), outside)
 
     @property
     def at_speed(self) -> Truths:
@@ -95,6 +111,15 @@ class ArmMotion:
         rest = self._followed(at, speed, np.zeros_like(at), left)
         self.joints = np.where(there, rest, self.joints) if self.lag > 0.0 else at.copy()
         self.at, self.speed = at, speed
+
+    def follow(self, seconds: float) -> Truths:
+        """Goes on towards a goal that moves, by the speeds alone; (a,) which axes these held."""
+        gain = 1.0 if self.lag == 0.0 else 1.0 - np.exp(-seconds / self.lag)
+        way, most = gain * (self.goal - self.joints), self.drive.speeds * seconds
+        self.joints = self.joints + np.clip(way, -most, most)
+        self.speed = (self.joints - self.at) / seconds if seconds > 0.0 else self.speed
+        self.at = self.joints.copy()
+        return np.asarray(np.abs(way) > most)
 
     def _phases(self) -> tuple[Floats, Floats]:
         """(3, a) seconds each and accelerations: up, steady, down."""

@@ -295,6 +295,8 @@ class SimArm(_Stepped, SampledBlock):
     :type lag: float
     :param percent: of the speeds of the axes, defaults to 100.0
     :type percent: float
+    :param rests: whether it comes to rest at each setpoint by its accelerations
+    :type rests: bool
     """
 
     nin = 1
@@ -312,11 +314,11 @@ class SimArm(_Stepped, SampledBlock):
         start: Any = None,
         lag: float = 0.0,
         percent: float = 100.0,
+        rests: bool = False,
         **blockargs: Any,
     ) -> None:
-        inner = arms.SimulatedArm(
-            name, robot, tool=tool or IDENTITY, start=start, lag=lag, percent=percent
-        )
+        how = {"start": start, "lag": lag, "percent": percent, "rests": rests}
+        inner = arms.SimulatedArm(name, robot, tool=tool or IDENTITY, **how)
         super().__init__(inner, clock, **blockargs)
 
 

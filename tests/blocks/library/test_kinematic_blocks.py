@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from assistant import robots, simulate
+from assistant.blocks.arm_motion import ArmMotion
 from assistant.blocks.diagrams.diagram import Diagram
 from assistant.blocks.diagrams.running import run
 from assistant.blocks.library.arms import SimulatedArm
@@ -19,6 +20,7 @@ from assistant.blocks.library.kinematics import (
 from assistant.blocks.library.sources import Constant, PoseToPose, Table, joint_table, trapezoid
 from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
+from assistant.robots.timing import drive_of
 
 IRB = robots.get("irb1200-7-0.7")
 TOOL = Pose((0.0, 0.0, 60.0))
@@ -100,6 +102,23 @@ def test_a_lag_of_the_first_order_is_exact_at_each_step() -> None:
     ran = run(diagram, 0.5, 0.01)
     rest = goal[0] - ran["arm.joints"][:, 0]
     assert rest == pytest.approx(np.exp(-ran.seconds / 0.1), rel=1e-9)
+
+
+def test_an_arm_that_comes_to_rest_keeps_its_accelerations() -> None:
+    goal = IRB.home + np.array([40.0, -10.0, 5.0, 0.0, 20.0, 0.0])
+    diagram = Diagram()
+    arm = diagram.add(SimulatedArm("arm", IRB, percent=50.0, rests=True))
+    diagram.wire(diagram.add(Constant("goal", goal, "deg")), arm)
+    ran = run(diagram, 2.0, 0.004)
+    speeds = np.diff(ran["arm.joints"], axis=0) / 0.004
+    drive = drive_of(IRB)
+    assert (np.abs(speeds) <= drive.speeds / 2.0 + 1e-6).all()
+    assert (np.abs(np.diff(speeds, axis=0)) / 0.004 <= drive.accelerations + 1e-6).all()
+    assert ran["arm.joints"][-1] == pytest.approx(goal) and ran["arm.limited"].max() == 1.0
+    alone = ArmMotion.of(IRB, percent=50.0)
+    alone.towards(goal)
+    alone.step(0.3)
+    assert ran["arm.joints"][75] == pytest.approx(alone.joints)  # after 0.3 s
 
 
 def test_resolved_rates_move_the_tool_as_told() -> None:
