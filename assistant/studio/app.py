@@ -13,6 +13,7 @@ from assistant.studio import (
     page,
     project_routes,
     run_routes,
+    scene_routes,
     text_routes,
     window_routes,
 )
@@ -25,6 +26,7 @@ ROUTES: Final[tuple[BaseRoute, ...]] = (
     *run_routes.ROUTES,
     *controller_routes.ROUTES,
     *control_routes.ROUTES,
+    *scene_routes.ROUTES,
     *text_routes.ROUTES,
 )
 

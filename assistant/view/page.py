@@ -15,6 +15,7 @@ LIBRARY: Final = "three/three.js"
 """three.js, see `three/README.md` for its version, its licence and how it is made."""
 SCRIPTS: Final = (
     *("data", "scene", "lines", "plan", "camera", "time", "lists", "table", "source", "live"),
+    "picking",
     "start",
 )
 """What draws, in its order; together they are one function of the page."""
@@ -27,8 +28,12 @@ def page(*shown: Shown) -> str:
     return filled(*map(record, shown))
 
 
-def filled(*programs: Record) -> str:
-    """The page of the data that `record` gives for each of them."""
+def filled(*programs: Record, nonce: str = "") -> str:
+    """The page of the data that `record` gives for each of them.
+
+    nonce: of whoever serves it: nothing is run then that does not bear it. What a page that is
+    shown inside of another one is given beside the data, see `scripts/picking.js`.
+    """
     first, *others = programs
     chosen = [str(one["title"]) for one in programs] if others else []
     title = str(first["title"]) if not others else f"{first['title']} and {len(others)} more"
@@ -43,6 +48,8 @@ def filled(*programs: Record) -> str:
         "more": "".join(more),
         "library": _own(LIBRARY).replace("</script", "<\\/script"),
         "viewer": "".join(_own(f"scripts/{name}.js") for name in SCRIPTS),
+        "nonce": f' nonce="{html.escape(nonce)}"' if nonce else "",
+        "own": f"'nonce-{html.escape(nonce)}'" if nonce else "'unsafe-inline'",
         # A page that follows a controller asks where it comes from for that; any other asks nobody.
         "asked": "'none'" if first.get("live") is None else "'self'",
     }

@@ -82,6 +82,7 @@ function currentLine(line) {
   lineNow = line;
   rowNow = -1;
   showLine(line);
+  host("at", lineAt());
 }
 
 if (texts.length) {

@@ -38,6 +38,7 @@ setTime(0);
 scene.updateMatrixWorld(true);
 look();
 if (renderer) beginPlan();
+if (renderer) beginPicking();
 if (renderer && data.plan) { fitted(); flat(true); } else flat(false);
 if (live.line) scene.add(live.line); // it is nowhere at first
 follow(true);
@@ -59,6 +60,23 @@ window.view = {
   flat: () => plan.on,
   following: () => live.on,
   told: () => live.count,
+  host: null, movable: false, // see picking.js
+  handles: () => handles.map((one) => one.name),
+  take, drag: (place) => drag(new THREE.Vector3(...place)), drop, leave,
+  held: () => (held.handle ? { at: handles.indexOf(held.handle), place: held.handle.place.toArray() } : null),
+  goLine, goTarget: (name) => goMove(moveTo(name)), lineAt,
+  stand: (joints) => { play(false); stand(joints); },
+  seen: (place) => {
+    const at = new THREE.Vector3(...place).project(camera);
+    return [((at.x + 1) / 2) * stage.clientWidth, ((1 - at.y) / 2) * stage.clientHeight];
+  },
+  camera: () => [camera.position.toArray(), controls ? controls.target.toArray() : [0, 0, 0]],
+  look: ([from, to]) => {
+    camera.position.set(...from);
+    camera.lookAt(...to);
+    if (controls) controls.target.set(...to);
+    dirty = true;
+  },
   pathPoints: count,
   drawn: () => (renderer ? renderer.info.render.triangles : 0),
 };

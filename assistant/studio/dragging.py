@@ -1,0 +1,147 @@
+"""What is told while something is dragged: whether it is reached, and what is touched there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from assistant.cell.collision.model import Model
+from assistant.program.arrays import Floats
+from assistant.program.geometry import Pose
+from assistant.program.path import UNSTATED
+from assistant.program.visible import visible
+from assistant.robots.robot import Robot
+from assistant.robots.solved_program import Leg
+from assistant.studio.stages import DRAWING, Handle, Stage
+
+MOST_PLACES: Final = 400
+"""Of the way along a drawing that are looked at while it is dragged."""
+MOST_TOUCHED: Final = 40
+"""Of these, at which it is seen whether anything is touched."""
+OPEN: Final = np.full(6, UNSTATED, dtype=np.int64)
+
+Told = dict[str, Any]
+
+
+def moved(stage: Stage, handle: Handle, position: Sequence[float]) -> Told:
+    """What would be at another position (3,) mm in the world.
+
+    reached: None where no arm is known. joints: (a,) of the arm's chain there, as `view` poses it,
+    None where it is not reached. other: whether another branch of the arm leads there than the
+    text states. touches: names of two bodies, None for nothing. near: the same within the margin.
+    left: how many of `looked` places are not reached.
+    """
+    nothing: Told = {
+        "reached": None,
+        "joints": None,
+        "other": False,
+        "touches": None,
+        "near": None,
+        "left": 0,
+        "looked": 0,
+    }
+    if stage.solved is None:
+        return nothing
+    with stage.lock:
+        if handle.kind == DRAWING:
+            return nothing | _drawing(stage, handle, np.array(position))
+        return nothing | _target(stage, handle, position)
+
+
+def joints_at(
+    stage: Stage, handle: Handle, position: Sequence[float]
+) -> tuple[Floats | None, bool]:
+    """(a,) joints with which a target is reached at a position in the world, None if it is not.
+
+    True for those of another configuration than the text states, on the branch that is nearest.
+    """
+    assert stage.solved is not None
+    solution = stage.solved.solution
+    leg = solution.legs[handle.procedure][handle.place - 1]
+    if leg.solved_run is None:
+        return None, False
+    p, q = _flange(leg, handle, position)
+    row = leg.rows.start + handle.row
+    stated = leg.solved_run.configurations[row : row + 1]
+    (joints,) = solution.robot.joints_of(p, q, stated)
+    if np.isfinite(joints).all():
+        return joints, False
+    return _nearest(solution.robot, p, q, leg.joints[handle.row]), True
+
+
+def _flange(leg: Leg, handle: Handle, position: Sequence[float]) -> tuple[Floats, Floats]:
+    assert leg.solved_run is not None
+    x, y, z = position
+    local = handle.frame.inverse() @ Pose((x, y, z), handle.pose.quaternion)
+    rows = np.array([leg.rows.start + handle.row])
+    target = np.array([local.position]), np.array([local.quaternion])
+    return leg.solved_run.run.mounting.to_flange(*target, rows)
+
+
+def _nearest(robot: Robot, p: Floats, q: Floats, before: Floats) -> Floats | None:
+    found, valid = robot.ik(p, q)
+    if not valid.any():
+        return None
+    from_where = before if np.isfinite(before).all() else robot.home
+    away = np.abs(found[0] - from_where).max(axis=1)
+    best: Floats = found[0, int(np.where(valid[0], away, np.inf).argmin())]
+    return best
+
+
+def _target(stage: Stage, handle: Handle, position: Sequence[float]) -> Told:
+    joints, other = joints_at(stage, handle, position)
+    if joints is None:
+        return {"reached": False, "looked": 1, "left": 1}
+    robot = stage.robot
+    assert robot is not None
+    chained = robot.chained(joints[None])[0].tolist()
+    told: Told = {"reached": True, "joints": chained, "other": other, "looked": 1}
+    return told | _touched(stage, joints[None])
+
+
+def _touched(stage: Stage, joints: Floats) -> Told:
+    """joints: (n, a) of the arm that moves; the other ones stand at home."""
+    model = stage.model()
+    if model is None or not len(model):
+        return {}
+    apart, pair = model.nearest(_rows(stage, model, joints))
+    worst = int((apart - model.margins[pair]).argmin())
+    one, other = (side[pair[worst]] for side in (model.one, model.other))
+    names = [visible(model.items[int(item)].body.name) for item in (one, other)]
+    if apart[worst] <= 0.0:
+        return {"touches": names}
+    return {"near": names} if apart[worst] < model.margins[pair[worst]] else {}
+
+
+def _rows(stage: Stage, model: Model, joints: Floats) -> Floats:
+    parts = [
+        joints if one is stage.shown.placed else np.tile(one.robot.home, (len(joints), 1))
+        for one in model.scene.robots
+    ]
+    return np.concatenate(parts, axis=1)
+
+
+def _drawing(stage: Stage, handle: Handle, position: Floats) -> Told:
+    """Of places along the whole way, evenly picked."""
+    assert stage.solved is not None
+    solution, base = stage.solved.solution, stage.shown.base
+    by = position - np.array(handle.pose.position)
+    turned = np.asarray(base.inverse().moved((by + np.array(base.position))[None]))[0]
+    flanges = [solved.run.flange(slice(None)) for solved in solution.solved_runs]
+    if not flanges:
+        return {}
+    p = np.concatenate([one for one, _ in flanges])
+    q = np.concatenate([one for _, one in flanges])
+    picked = np.unique(np.linspace(0, len(p) - 1, MOST_PLACES).astype(int))
+    p, q = p[picked] + turned, q[picked]
+    joints = solution.robot.joints_of(p, q, np.tile(OPEN, (len(p), 1)))
+    there = np.isfinite(joints).all(axis=1)
+    left = int((~there).sum())
+    told: Told = {"reached": left == 0, "left": left, "looked": len(p)}
+    reached = joints[there]
+    if not len(reached):
+        return told
+    few = np.unique(np.linspace(0, len(reached) - 1, MOST_TOUCHED).astype(int))
+    return told | _touched(stage, reached[few])

@@ -1,0 +1,123 @@
+"""What can be taken hold of in a scene: targets that the text declares, and a drawing."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path as FilePath
+from typing import Final
+
+from assistant.editing.workspace import Document, Workspace
+from assistant.program.expressions import Name
+from assistant.program.geometry import BASE, IDENTITY, Pose
+from assistant.program.program import Program
+from assistant.program.statements import Follow, MoveCircular
+from assistant.report.track import stops
+from assistant.sources.process.lines import key_spans
+from assistant.studio.stages import DRAWING, TARGET, TAUGHT, Handle, Stage
+from assistant.studio.studio import Studio
+
+MOST: Final = 20_000
+"""That a page is told of."""
+
+
+def handles(studio: Studio, stage: Stage) -> list[Handle]:
+    """In the order in which the program comes to them, each place of a name once."""
+    if stage.loaded is None:
+        return []
+    found = [*_of_drawing(stage)]
+    known = lines_of_targets(studio, stage)
+    seen = set[tuple[object, ...]]()
+    for one in _of_targets(stage):
+        at = known.get(one.name.lower())
+        key = (one.name.lower(), *(round(value, 3) for value in one.pose.position))
+        if at is None or key in seen or len(found) >= MOST:
+            continue
+        seen.add(key)
+        path, line = at
+        found.append(replace(one, path=path, line=line))
+    return found
+
+
+def _of_targets(stage: Stage) -> Iterator[Handle]:
+    assert stage.loaded is not None
+    program = stage.loaded.program if stage.solved is None else stage.solved.solution.program
+    said = {name.lower(): one.pose for name, one in stage.loaded.program.targets.items()}
+    now = {name.lower(): one.pose for name, one in program.targets.items()}
+    for stop in stops(program):
+        if isinstance(stop.statement, Follow):
+            continue
+        frame = _frame(program, stop.statement.motion.frame)
+        if frame is None:
+            continue
+        target = stop.statement.target
+        via = stop.statement.via if isinstance(stop.statement, MoveCircular) else None
+        of_move = (target,) if via is None else (via, target)
+        for row, one in enumerate(of_move):
+            if not isinstance(one, Name):
+                continue
+            pose = now.get(one.name.lower())
+            if pose is not None and pose == said.get(one.name.lower()):
+                world = stage.shown.base @ frame
+                yield Handle(
+                    *(TARGET, one.name, world @ pose, world, stop.procedure, stop.place, row)
+                )
+
+
+def _frame(program: Program, name: str) -> Pose | None:
+    """None for one that the arm or something else carries."""
+    if name == BASE:
+        return IDENTITY
+    frame = next((f for n, f in program.frames.items() if n.lower() == name.lower()), None)
+    return None if frame is None or frame.held or frame.mechanism else frame.pose
+
+
+def _of_drawing(stage: Stage) -> Iterator[Handle]:
+    if not stage.process or stage.placed is None:
+        return
+    frame, placement = stage.placed
+    world = stage.shown.base @ frame
+    yield Handle(DRAWING, stage.path, world @ placement, world, path=stage.process)
+
+
+def lines_of_targets(studio: Studio, stage: Stage) -> Mapping[str, tuple[str, int]]:
+    """Name in lower case → the file that declares a target, and its line from 1."""
+    if stage.process:
+        return {}
+    if stage.path.lower().endswith(TAUGHT):
+        return dict(_in_taught(stage.path, stage.text))
+    workspace = Workspace(studio.folder)
+    document = workspace.open(str(studio.place(stage.path)), stage.text)
+    found: dict[str, tuple[str, int]] = {}
+    implied: dict[str, tuple[str, int]] = {}
+    for one in workspace.task(document):
+        path = studio.named(FilePath(one.path))
+        for line, name, sure in _declared(one):
+            (found if sure else implied).setdefault(name, (path, line))
+    return implied | found
+
+
+def _declared(document: Document) -> Iterator[tuple[int, str, bool]]:
+    for number, facts in enumerate(document.facts, start=1):
+        for one in facts.declares:
+            yield number, one.name.lower(), not one.implied
+
+
+def _in_taught(path: str, text: str) -> Iterator[tuple[str, tuple[str, int]]]:
+    spans = key_spans(text)
+    for name, number in entries_of_taught(text):
+        span = spans[("targets", number, "name")]
+        yield name, (path, text.count("\n", 0, span.start) + 1)
+
+
+def entries_of_taught(text: str) -> Iterator[tuple[str, str]]:
+    """Names of taught targets in lower case, with their numbers as `key_spans` has them."""
+    try:
+        entries = tomllib.loads(text.replace("\r\n", "\n")).get("targets", [])
+    except (ValueError, RecursionError):
+        return
+    for number, entry in enumerate(entries if isinstance(entries, list) else ()):
+        name = entry.get("name") if isinstance(entry, dict) else None
+        if isinstance(name, str):
+            yield name.lower(), str(number)

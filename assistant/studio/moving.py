@@ -1,0 +1,202 @@
+"""What is moved in a scene, as one edit of the text that says where it is."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, Final
+
+import numpy as np
+
+from assistant.compiler.loading import language_of
+from assistant.compiler.teaching import branch_at
+from assistant.editing.places import Lines
+from assistant.editing.service import Change, Document, Workspace
+from assistant.editing.workspace import source_of
+from assistant.program import pseudo
+from assistant.program.diagnostics import Refused, Span
+from assistant.program.geometry import Pose, Target, Vector
+from assistant.program.program import Program
+from assistant.program.pseudo.values import target_text
+from assistant.sources.process.file import parse_process
+from assistant.sources.process.lines import value_spans
+from assistant.studio import rules
+from assistant.studio.dragging import joints_at
+from assistant.studio.handles import entries_of_taught
+from assistant.studio.stages import DRAWING, TAUGHT, Handle, Stage
+from assistant.studio.studio import Studio
+from assistant.studio.texts import open_text
+from assistant.studio.toml_edits import toml, with_values
+
+DIGITS: Final = 3
+"""Of mm that are written: more than an arm repeats."""
+FLAGS: Final = re.MULTILINE | re.IGNORECASE
+BY_HAND: Final = "change it in the text"
+
+
+def edit(
+    studio: Studio, window: str, stage: Stage, handle: Handle, position: Sequence[float]
+) -> tuple[str, Change]:
+    """The file that says where something is, and what changes there if it is moved.
+
+    position: (3,) mm in the world. Raises Refused where the text has changed since it was shown,
+    and where it cannot say the place. Nothing is written.
+    """
+    x, y, z = handle.frame.inverse().moved(np.array([position]))[0]
+    place = (_rounded(x), _rounded(y), _rounded(z))
+    text = open_text(studio, window, handle.path)
+    if handle.kind == DRAWING:
+        return handle.path, _of_drawing(handle, text, place)
+    if handle.path.lower().endswith(TAUGHT):
+        return handle.path, _of_taught(handle, text, place)
+    return handle.path, _of_program(studio, stage, handle, text, position, place)
+
+
+def change_between(before: str, after: str) -> Change:
+    """The least part of a text that makes it another one."""
+    start = _same(before, after)
+    least = min(len(before), len(after)) - start
+    end = min(_same(before[::-1], after[::-1]), least)
+    span = Span(start, len(before) - end)
+    return Change(Lines(before).range(span), after[start : len(after) - end])
+
+
+def _same(one: str, other: str) -> int:
+    """How many characters are the same from the begin."""
+    low, high = 0, min(len(one), len(other))
+    while low < high:
+        middle = (low + high + 1) // 2
+        if one[:middle] == other[:middle]:
+            low = middle
+        else:
+            high = middle - 1
+    return low
+
+
+def _rounded(value: float) -> float:
+    return round(float(value), DIGITS) + 0.0
+
+
+def _refused(handle: Handle, reason: str, cure: str = BY_HAND) -> Refused:
+    found = rules.NOT_MOVED(path=handle.path, name=handle.name, reason=reason, cure=cure)
+    return Refused(replace(found, line=handle.line or None), exit_status=2)
+
+
+# ---------------------------------------------------------------------------------- drawings
+
+
+def _of_drawing(handle: Handle, text: str, place: Vector) -> Change:
+    try:
+        content = tomllib.loads(text.replace("\r\n", "\n"))
+    except (ValueError, RecursionError):
+        raise _refused(handle, "its process file cannot be read", "mend that first") from None
+    placement = content.get("placement")
+    if isinstance(placement, dict) and "drawing" in placement:
+        marks = "the process file places it by marks that were taught"
+        raise _refused(handle, marks, "teach the marks again, or give `position` instead of them")
+    changed = with_values(text, {("placement", "position"): list(place)}, handle.path)
+    parse_process(source_of(changed, handle.path))
+    return change_between(text, changed)
+
+
+# ----------------------------------------------------------------------------- taught targets
+
+
+def _of_taught(handle: Handle, text: str, place: Vector) -> Change:
+    number = dict(entries_of_taught(text)).get(handle.name.lower())
+    span = None if number is None else value_spans(text).get(("targets", number, "position"))
+    if span is None:
+        raise _refused(handle, "its place is not stated as a position")
+    return Change(Lines(text).range(span), toml([*map(_plain, place)]))
+
+
+def _plain(value: float) -> float | int:
+    return int(value) if value.is_integer() else value
+
+
+# ----------------------------------------------------------------------------------- programs
+
+
+def _of_program(
+    studio: Studio,
+    stage: Stage,
+    handle: Handle,
+    text: str,
+    position: Sequence[float],
+    place: Vector,
+) -> Change:
+    """By the declaration alone: it is read, changed and written again, all else stays."""
+    document = Workspace(studio.folder).open(str(studio.place(handle.path)), text)
+    speaks = document.spoken
+    if speaks is None or speaks.editable is None:
+        raise _refused(handle, "its text is in no language that is written")
+    part = document.declared(frozenset({speaks.editable.folded(handle.name)}))
+    before = speaks.program(source_of(part, document.path), ())
+    key = next((name for name in before.targets if name.lower() == handle.name.lower()), None)
+    if key is None:
+        raise _refused(handle, "its declaration states no numbers")
+    target = _moved(stage, handle, before.targets[key], position, place)
+    if document.path.lower().endswith(pseudo.SUFFIX):
+        written = _in_pseudo(part, handle, target)
+    else:
+        written = _in_language(document, replace_target(before, key, target))
+    found = _line_change(handle, part, written, text)
+    _check(handle, speaks.program(source_of(written, document.path), ()), before, key, target)
+    return found
+
+
+def replace_target(program: Program, key: str, target: Target) -> Program:
+    return replace(program, targets={**program.targets, key: target})
+
+
+def _moved(
+    stage: Stage, handle: Handle, target: Target, position: Sequence[float], place: Vector
+) -> Target:
+    """With the configuration of the arm there, where the text states another one."""
+    moved = replace(target, pose=Pose(place, target.pose.quaternion))
+    if stage.solved is None or target.configuration is None:
+        return moved
+    joints, other = joints_at(stage, handle, position)
+    if joints is None or not other:
+        return moved
+    return replace(moved, configuration=branch_at(stage.solved.solution.robot, joints.tolist()))
+
+
+def _in_pseudo(part: str, handle: Handle, target: Target) -> str:
+    name = re.escape(handle.name)
+    pattern = re.compile(rf"^(\s*target[ \t]+{name}[ \t]+)([^#\r\n]*?)([ \t]*(?:#.*)?)$", FLAGS)
+    return pattern.sub(lambda m: f"{m[1]}{target_text(target)}{m[3]}", part, count=1)
+
+
+def _in_language(document: Document, program: Program) -> str:
+    language: Any = language_of(document.language)
+    return str(language.render(language.lower(program, None)))
+
+
+def _line_change(handle: Handle, part: str, written: str, text: str) -> Change:
+    """Lines of a part stay in their places, so a change of one is that of the whole text."""
+    if part == written:
+        raise _refused(handle, "its text says this place already")
+    old, new, whole = (Lines(one) for one in (part, written, text))
+    lines = [i for i in range(len(old)) if i >= len(new) or old.line(i) != new.line(i)]
+    if len(old) != len(new) or len(lines) != 1:
+        raise _refused(handle, "its declaration cannot be changed by itself")
+    (line,) = lines
+    one = change_between(old.line(line), new.line(line))
+    start, end = (replace(at, line=line) for at in (one.range.start, one.range.end))
+    if whole.line(line) != old.line(line):
+        raise _refused(handle, "its declaration is not where it was", "show it again")
+    return Change(replace(one.range, start=start, end=end), one.text)
+
+
+def _check(handle: Handle, now: Program, before: Program, key: str, target: Target) -> None:
+    """Raises Refused if the text says anything else beside that now."""
+    found = now.targets.get(key)
+    near = found is not None and all(
+        abs(a - b) < 0.01 for a, b in zip(found.pose.position, target.pose.position, strict=True)
+    )
+    rest = {name: one for name, one in before.targets.items() if name != key}
+    if not near or {name: one for name, one in now.targets.items() if name != key} != rest:
+        raise _refused(handle, "its text cannot say this place")

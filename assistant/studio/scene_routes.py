@@ -1,0 +1,114 @@
+"""The scene: the page of `view` inside the studio, what a drag is told, and the edit of a drop."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+from starlette.concurrency import run_in_threadpool
+from starlette.requests import Request
+from starlette.responses import PlainTextResponse, Response
+from starlette.routing import Route
+
+from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.studio.answering import Asked, asks, findings
+from assistant.studio.studio import Studio
+
+if TYPE_CHECKING:
+    from assistant.studio.stages import Stage
+
+POLICY: Final = (
+    "default-src 'none'; script-src 'nonce-{nonce}'; style-src 'nonce-{nonce}'; img-src data:; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'self'"
+)
+"""Of the page of a scene: nothing is run but what was written for it, and it asks for nothing."""
+NOT_THERE: Final = 404
+
+
+def show(studio: Studio, asked: Asked) -> dict[str, Any]:
+    """Works a file out for the scene as it stands in the window; its page is asked for by name."""
+    from assistant.studio.scenes import stage_of
+
+    stage = stage_of(studio, asked.window, asked.text("path"))
+    return {
+        "name": stage.name,
+        "path": stage.path,
+        "edits": stage.process or stage.path,
+        "handles": [one.record() for one in stage.handles],
+        "findings": findings(_found(stage)),
+        "moves": stage.shown.simulation is not None,
+    }
+
+
+def moved(studio: Studio, asked: Asked) -> dict[str, Any]:
+    """What would be if something stood elsewhere; nothing is changed."""
+    from assistant.studio.dragging import moved as told
+
+    stage, handle = _held(studio, asked)
+    return told(stage, handle, _place(asked))
+
+
+def edit(studio: Studio, asked: Asked) -> dict[str, Any]:
+    """The edit that puts something elsewhere; the editor makes it, and can take it back."""
+    from assistant.studio import moving
+
+    stage, handle = _held(studio, asked)
+    path, change = moving.edit(studio, asked.window, stage, handle, _place(asked))
+    start, end = change.range.start, change.range.end
+    one = {"from": [start.line, start.column], "to": [end.line, end.column], "text": change.text}
+    return {"path": path, "edits": [one], "line": start.line + 1}
+
+
+async def page(request: Request) -> Response:
+    """The page of a scene that was worked out."""
+    from assistant.studio.stages import stages
+
+    studio: Studio = request.app.state.studio
+    nonce = request.scope["state"]["nonce"]
+    try:
+        stage = stages(studio).get(request.path_params["name"])
+    except Refused:
+        return PlainTextResponse("not here", NOT_THERE)
+    text = await run_in_threadpool(_page, stage, nonce)
+    headers = {"Content-Security-Policy": POLICY.format(nonce=nonce)}
+    return Response(text, media_type="text/html; charset=utf-8", headers=headers)
+
+
+def _page(stage: Stage, nonce: str) -> str:
+    from assistant.view.page import filled
+
+    handles = [one.record() for one in stage.handles]
+    return filled(stage.record | {"handles": handles}, nonce=nonce)
+
+
+def _found(stage: Stage) -> list[Diagnostic]:
+    placed = stage.shown.places.finding
+    return [placed(one).within(stage.path) for one, _ in stage.shown.findings]
+
+
+def _held(studio: Studio, asked: Asked) -> tuple[Stage, Any]:
+    from assistant.studio import rules
+    from assistant.studio.stages import stages
+
+    stage = stages(studio).get(asked.text("name"))
+    at = asked.number("handle")
+    if at != int(at) or not 0 <= at < len(stage.handles):
+        raise Refused(rules.NOT_ASKED(reason="`handle` is no number of one"), exit_status=2)
+    return stage, stage.handles[int(at)]
+
+
+def _place(asked: Asked) -> tuple[float, float, float]:
+    from assistant.studio import rules
+
+    place = asked.values.get("position")
+    if not isinstance(place, list) or len(place) != 3:
+        raise Refused(rules.NOT_ASKED(reason="`position` is no place"), exit_status=2)
+    x, y, z = (Asked({"it": value}).number("it") for value in place)
+    return x, y, z
+
+
+ROUTES: Final = (
+    asks("/scene/show", show),
+    asks("/scene/moved", moved),
+    asks("/scene/edit", edit),
+    Route("/scene/{name}/page", page),
+)

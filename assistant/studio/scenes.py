@@ -1,0 +1,200 @@
+"""What the scene shows: a program as it stands in a window, in the cell that its project says."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Final
+
+from assistant import checks, languages
+from assistant.compiler.arms import robot_of
+from assistant.compiler.entering import entered
+from assistant.compiler.loading import (
+    Loaded,
+    configured_beside,
+    language_of,
+    lift,
+    parse_pseudo,
+    with_process,
+)
+from assistant.compiler.opening import load
+from assistant.compiler.scenes import InCell, in_cell
+from assistant.compiler.solving import Solved, solve
+from assistant.compiler.source_map import Places
+from assistant.editing.workspace import source_of
+from assistant.program import pseudo
+from assistant.program.diagnostics import Diagnostic, Refused, has_errors
+from assistant.program.geometry import BASE, IDENTITY, Frame, Pose
+from assistant.program.text import SourceText, read_bytes
+from assistant.project.stated import Stated, completed
+from assistant.sources import PROCESS_SUFFIX, READERS, process_of
+from assistant.sources.placements import DRAWN, INSTEAD, Placing
+from assistant.sources.process.file import parse_process
+from assistant.sources.tables.taught import read_taught
+from assistant.studio import rules
+from assistant.studio.handles import handles
+from assistant.studio.stages import TAUGHT, Stage, stages
+from assistant.studio.studio import Studio
+from assistant.studio.texts import open_text, read_text
+from assistant.studio.tree import stamps
+from assistant.view.record import record
+from assistant.view.sheets import Sheet, shown_sheet
+
+if TYPE_CHECKING:
+    from assistant.report.drawn import Line
+    from assistant.robots import Robot
+
+STATED: Final = ("robot", "process", "unit", "cell", "from_language", "from_robot", "entry")
+"""What a project says of the way in which a source is shown."""
+
+
+def stage_of(studio: Studio, window: str, path: str) -> Stage:
+    """The stage of a program, a table, a drawing or its process file; raises Refused.
+
+    What is not saved counts as it stands in the window.
+    """
+    source = _source_of(studio, path)
+    process = _process_of(studio, source)
+    edited = process or source
+    text = open_text(studio, window, edited)
+    name = hashlib.sha256(f"{source}\0{text}\0{stamps(studio.folder)}".encode()).hexdigest()[:24]
+    known = stages(studio).known(name)
+    if known is not None:
+        return known
+    stage = _made(studio, source, process, text, name)
+    stage.handles = handles(studio, stage)
+    stages(studio).keep(stage)
+    return stage
+
+
+def _source_of(studio: Studio, path: str) -> str:
+    """The drawing of a process file; itself for anything else."""
+    if not path.lower().endswith(PROCESS_SUFFIX):
+        return path
+    stem = path[: -len(PROCESS_SUFFIX)]
+    for suffix in DRAWN:
+        if studio.place(f"{stem}{suffix}").is_file():
+            return f"{stem}{suffix}"
+    raise Refused(rules.NOT_SHOWN(path=path, name=path), exit_status=2)
+
+
+def _process_of(studio: Studio, source: str) -> str:
+    """The process file that places a drawing, empty if there is none."""
+    if FilePath(source).suffix.lower() not in DRAWN:
+        return ""
+    stated = completed(source, Stated(), ("process",)).process
+    file = studio.file(source).with_suffix(PROCESS_SUFFIX) if stated is None else stated.absolute()
+    return studio.named(file) if file.is_file() else ""
+
+
+def _made(studio: Studio, source: str, process: str, text: str, name: str) -> Stage:
+    given = completed(source, Stated(), STATED)
+    stands = in_cell(given.cell, given.robot or _only_robot(studio))
+    loaded = _loaded(studio, source, process, text, given, stands)
+    found: list[Diagnostic] = []
+    solved: Solved | None = None
+    try:
+        solved = solve(loaded, stands, source, given.from_robot)
+        found += solved.findings
+    except Refused as refused:
+        found += refused.findings
+    if solved is not None and not has_errors(found):
+        found += checks.with_robot(solved.solution)
+    sheet = Sheet(
+        FilePath(source).name,
+        found,
+        loaded.program if solved is None else solved.solution.program,
+        Places(loaded.program, loaded.text),
+        stands.robot if solved is None else solved.solution.robot,
+        stands.scene if solved is None else solved.scene,
+        _lines(source, given, process, text),
+        solution=None if solved is None else solved.solution,
+        plan=False,
+    )
+    shown = shown_sheet(sheet)
+    placed = _placed(process, text) if process else None
+    return Stage(name, source, process, text, shown, solved, loaded, placed, record(shown))
+
+
+def _placed(process: str, text: str) -> tuple[Pose, Pose] | None:
+    """The frame of a drawing, and its place there; None where something else carries that."""
+    stated = parse_process(source_of(text, process))
+    name = stated.defaults.frame
+    frame = Frame() if name == BASE else stated.frames.get(name)
+    if frame is None or frame.held or frame.mechanism:
+        return None
+    return frame.pose, stated.placement or IDENTITY
+
+
+def _loaded(
+    studio: Studio, source: str, process: str, text: str, given: Stated, stands: InCell
+) -> Loaded:
+    """As `load` gives it, of the text instead of the file that it stands for."""
+    file = studio.file(source)
+    suffix = file.suffix.lower()
+    saved = text == read_text(read_bytes(studio.file(process or source)), source).text
+    if saved or (suffix in READERS and suffix != TAUGHT):
+        loaded = load(
+            source,
+            process=given.process,
+            robot=robot_of(given.from_robot) or stands.robot,
+            language=given.from_language,
+            unit=given.unit,
+            around=stands.around,
+            placement=None if saved else _placing(process, text),
+        )
+        found = tuple(one for one in loaded.findings if one.code != INSTEAD.code)
+        loaded = replace(loaded, findings=found)
+    else:
+        loaded = _typed(file, source_of(text, source), given, stands.robot)
+    return replace(loaded, program=entered(loaded.program, given.entry))
+
+
+def _typed(file: FilePath, text: SourceText, given: Stated, reader: Robot | None) -> Loaded:
+    """What stands in an editor and not on the disk."""
+    suffix = file.suffix.lower()
+    if suffix == TAUGHT:
+        reading = read_taught(text, file.stem, process_of(file, given.process))
+        return Loaded(reading.program, None, reading.findings, joint_percent=reading.joint_percent)
+    if suffix == pseudo.SUFFIX:
+        loaded = Loaded(parse_pseudo(text, file.parent), text=text)
+    else:
+        named = given.from_language
+        language = languages.of_file(file, text.text.encode()) if named is None else None
+        language = language_of(named) if named else language
+        if language is None:
+            raise Refused(rules.NOT_SHOWN(path=text.path, name=text.path), exit_status=2)
+        loaded = lift(language, [text], reader, beside=file.parent)
+        loaded = configured_beside(loaded, language, file)
+    return loaded if given.process is None else with_process(loaded, given.process)
+
+
+def _placing(process: str, text: str) -> Placing | None:
+    """Where the text of a process file puts its drawing; None where it says nothing of that."""
+    if not process:
+        return None
+    stated = parse_process(source_of(text, process))
+    return None if stated.placement is None else Placing(stated.placement)
+
+
+def _lines(source: str, given: Stated, process: str, text: str) -> Sequence[Line]:
+    """The lines of a drawing; none of another source, nor of one that cannot be read."""
+    from assistant.report.drawn import drawn_lines
+
+    try:
+        return drawn_lines(source, given.process, given.unit, _placing(process, text))
+    except Refused:
+        return ()
+
+
+def _only_robot(studio: Studio) -> str | None:
+    """The robot of a project whose controllers all have the same."""
+    from assistant.controllers import controllers_of
+
+    try:
+        named = {one.robot for one in controllers_of(studio.folder).values()} - {None}
+    except Refused:
+        return None
+    return named.pop() if len(named) == 1 else None

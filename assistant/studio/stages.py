@@ -1,0 +1,125 @@
+"""Stages: programs that the scene shows, ready to be asked what would be if something moved."""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Final
+
+from assistant.program.diagnostics import Refused
+from assistant.program.geometry import Pose
+from assistant.studio import rules
+from assistant.studio.studio import Studio
+
+if TYPE_CHECKING:
+    from assistant.cell.collision.model import Model
+    from assistant.compiler.loading import Loaded
+    from assistant.compiler.solving import Solved
+    from assistant.robots import Robot
+    from assistant.view.shown import Shown
+
+KIND: Final = "scenes"
+"""Of what is live."""
+KEPT: Final = 4
+"""Scenes that windows may ask about."""
+TAUGHT: Final = ".toml"
+DRAWING: Final = "drawing"
+TARGET: Final = "target"
+
+
+@dataclass(frozen=True, slots=True)
+class Handle:
+    """Something that can be moved.
+
+    kind: TARGET or DRAWING. pose: in the world. frame: in which the text has it, in the world.
+    procedure, place, row: of the motion statement that leads there, and of its target among those
+    of the statement. path, line: what declares it, counted from 1; line 0 where nothing does.
+    """
+
+    kind: str
+    name: str
+    pose: Pose
+    frame: Pose
+    procedure: str = ""
+    place: int = 0
+    row: int = 0
+    path: str = ""
+    line: int = 0
+
+    def record(self) -> dict[str, Any]:
+        return {
+            "kind": self.kind,
+            "name": self.name,
+            "position": list(self.pose.position),
+            "path": self.path,
+            "line": self.line,
+        }
+
+
+@dataclass(slots=True, eq=False)
+class Stage:
+    """One state of a program, ready to be shown and asked about.
+
+    path: of its source, as the page calls it. process: of the process file of a drawing. text: of
+    what is edited when something is moved. solved: None where no arm goes through it. placed: of a
+    drawing the pose of its frame in the robot's base, and where it stands in that. record: of its
+    page, see `view`. handles: what can be moved there.
+    """
+
+    name: str
+    path: str
+    process: str
+    text: str
+    shown: Shown
+    solved: Solved | None
+    loaded: Loaded | None
+    placed: tuple[Pose, Pose] | None = None
+    record: dict[str, Any] = field(default_factory=dict)
+    handles: Sequence[Handle] = ()
+    lock: threading.Lock = field(default_factory=threading.Lock)
+    _model: Model | None = None
+
+    @property
+    def robot(self) -> Robot | None:
+        return None if self.solved is None else self.solved.solution.robot
+
+    def model(self) -> Model | None:
+        """What could touch in the cell; None without one."""
+        from assistant.cell.collision.model import Model
+
+        if self._model is None and self.solved is not None and self.solved.scene is not None:
+            self._model = Model(self.shown.scene)
+        return self._model
+
+
+@dataclass(slots=True, eq=False)
+class Stages:
+    """Those that were shown last, by their names."""
+
+    _known: OrderedDict[str, Stage] = field(default_factory=OrderedDict)
+    _lock: threading.Lock = field(default_factory=threading.Lock)
+
+    def get(self, name: str) -> Stage:
+        """Raises Refused for one that is not there any more."""
+        found = self.known(name)
+        if found is None:
+            raise Refused(rules.NO_SCENE(), exit_status=2)
+        return found
+
+    def known(self, name: str) -> Stage | None:
+        with self._lock:
+            return self._known.get(name)
+
+    def keep(self, stage: Stage) -> None:
+        with self._lock:
+            self._known[stage.name] = stage
+            while len(self._known) > KEPT:
+                self._known.popitem(last=False)
+
+
+def stages(studio: Studio) -> Stages:
+    found = studio.live.setdefault(KIND, Stages())
+    assert isinstance(found, Stages)
+    return found
