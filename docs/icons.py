@@ -34,6 +34,11 @@ def _bow(start: tuple[float, float], by: tuple[float, float], end: tuple[float, 
     return np.asarray((1.0 - t) ** 2 * a + 2.0 * t * (1.0 - t) * b + t**2 * c)
 
 
+def _ring(x: float, y: float, radius: float = 0.16) -> Stroke:
+    turn = np.linspace(0.0, 2.0 * np.pi, 40)
+    return np.column_stack([x + radius * np.cos(turn), y + radius * np.sin(turn)])
+
+
 @dataclass(frozen=True, slots=True)
 class Icon:
     """strokes, dots: of what is drawn. text: formula of mathtext; at: where its middle is."""
@@ -65,6 +70,16 @@ def _move(way: Stroke, goal: str) -> Icon:
     return Icon(f"${goal}$", [way], [START, END], (0.8, 0.8))
 
 
+FRAME: Final = _stroke((0.14, 0.22), (0.14, 0.7), (0.86, 0.7), (0.86, 0.22), (0.14, 0.22))
+STEPS: Final = _stroke(
+    *[(0.14 + 0.18 * k + d, 0.18 + 0.16 * k + r) for k in range(4) for d, r in ((0, 0), (0, 0.16))],
+    (0.86, 0.82),
+)
+FINGERS: Final = (
+    _stroke((0.5, 0.9), (0.5, 0.68)),
+    _stroke((0.26, 0.16), (0.26, 0.68), (0.74, 0.68), (0.74, 0.16)),
+)
+
 ICONS: Final[Mapping[str, Icon]] = {
     "JointMovJoint": _move(BENT, "q"),
     "JointMovCart": _move(BENT, "T"),
@@ -82,6 +97,17 @@ ICONS: Final[Mapping[str, Icon]] = {
     "PoseLine": Icon("", [_stroke((0.16, 0.24), (0.84, 0.76))], [(0.16, 0.24), (0.84, 0.76)]),
     "PoseToSE3": Icon(r"$\to$SE3", size=44.0),
     "SE3ToPose": Icon(r"SE3$\to$", size=44.0),
+    "ExternalControl": Icon("", [STEPS]),
+    "ExchangedPose": Icon("$T$", [_stroke((0.12, 0.25), (0.88, 0.25))], (), (0.5, 0.6), 58.0),
+    "InputSignals": Icon("", [_stroke((0.1, 0.5), (0.6, 0.5)), _ring(0.74, 0.5)]),
+    "OutputSignal": Icon("", [_stroke((0.4, 0.5), (0.9, 0.5)), _ring(0.26, 0.5)]),
+    "Gripper": Icon("", FINGERS),
+    "ProjectedMarker": Icon("$uv$", [FRAME], (), (0.5, 0.44), 40.0),
+    "SeenMarker": Icon("", [FRAME, _ring(0.5, 0.46)]),
+    "PointingDevice": Icon("", [_stroke((0.2, 0.15), (0.62, 0.62)), _ring(0.74, 0.74)]),
+    "CollisionDistance": Icon(
+        "", [_stroke((0.34, 0.5), (0.66, 0.5)), _ring(0.2, 0.5, 0.12), _ring(0.8, 0.5, 0.12)]
+    ),
 }
 """What each block looks like, by the name of its class."""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path as FilePath
-from typing import Final
+from typing import ClassVar, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -71,6 +71,8 @@ class SeenMarker(Block):
     `ProjectedMarker`, NaN where the thing is not seen. number: -1 before the first picture.
     """
 
+    direct: ClassVar[bool] = False
+
     def __init__(
         self,
         name: str,
@@ -116,6 +118,8 @@ class PointingDevice(Block):
     The pose is that of when it was seen last, NaN before; the confidence is 0 while it is not seen.
     rig: cameras with their sources, live or in the time of the model as those of `SeenMarker`.
     """
+
+    direct: ClassVar[bool] = False
 
     def __init__(
         self,
