@@ -16,13 +16,15 @@ import { beginSaving, disk, isSaved } from "./editor_saving.js";
 
 const NO_TEXT = new Set(["drawing", "picture", "shape"]);
 export const texts = new Map(); // by path: {path, state, service, stamp, saved, title, languages}
-const lines = [], pointed = [], waiting = new Map(); // waiting: break points of texts that are not open yet
+const lines = [], typed = [], pointed = [], waiting = new Map(); // waiting: break points of texts that are not open yet
 let view = null, here = null, line = 0;
 
 /** The text that is shown, with its view; null where there is none. */
 export const current = () => here && { text: here, view };
 /** Calls with {path, line} when the line of the cursor changes; lines count from 1. */
 export const onLine = (does) => lines.push(does);
+/** Calls with a path when its text changes. */
+export const onText = (does) => typed.push(does);
 /** Calls with a path when its break points change. */
 export const onBreakPoints = (does) => pointed.push(does);
 /** The text of an open file as it stands here, undefined if it is not open. */
@@ -138,6 +140,7 @@ function goTo(at, column = 1) {
 function told(text, update) {
   const changed = update.docChanged;
   if (changed) text.service.changed(update.changes, update.startState.doc);
+  if (changed) for (const does of typed) does(text.path);
   if (text === here) {
     if (changed) { keep(text, update.state); translate(text, 900); }
     else if (update.viewportChanged) text.service.seen();

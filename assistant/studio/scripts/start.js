@@ -6,6 +6,7 @@ import { beginFindings } from "./findings.js";
 import { beginProject, chooseFile, readProject } from "./project.js";
 import { beginDrawing } from "./drawing.js";
 import { beginEditor, goToFinding } from "./editor.js";
+import { beginScene } from "./scene.js";
 import { beginRun } from "./run.js";
 
 beginWords();
@@ -22,6 +23,7 @@ find("theme").addEventListener("click", () => {
 beginProject();
 beginDrawing();
 beginEditor();
+beginScene();
 beginRun();
 beginFindings((finding) => goToFinding(finding, chooseFile));
 await beginLine();
