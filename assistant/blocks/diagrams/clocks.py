@@ -30,17 +30,20 @@ class Simulated:
 
 
 class RealTime:
-    """Time passes as it does. A step that comes late is made at once, and none is left out."""
+    """Time passes as it does. A step that comes late is made at once, and none is left out.
 
-    def __init__(self) -> None:
-        self._began = 0.0
+    pace: seconds of the run in each real one: that of a virtual controller which the run leads.
+    """
+
+    def __init__(self, pace: float = 1.0) -> None:
+        self.pace, self._began = pace, 0.0
 
     def begin(self) -> None:
         self._began = time.monotonic()
 
     def reach(self, moment: float) -> float:
-        due = self._began + moment
+        due = self._began + moment / self.pace
         while (rest := due - time.monotonic()) > 0.0:
             if rest > SPIN:
                 time.sleep(rest - SPIN)
-        return -rest
+        return -rest * self.pace
