@@ -45,8 +45,8 @@ def start(studio: Studio, asked: Asked) -> dict[str, Any]:
     wanted = _wanted(studio, asked, asked.text("path"))
     points = {name: _lines(lines) for name, lines in asked.table("points").items()}
     made = Running(wanted, points, studio.windows.tell)
-    studio.live[RUN] = made
     made.start()
+    studio.live[RUN] = made
     return dict(made.now())
 
 
@@ -97,7 +97,7 @@ def go(studio: Studio, asked: Asked) -> dict[str, Any]:
     """How a run that is held goes on: to what holds it next, or by a step."""
     run, how = _running(studio), asked.text("how", "on")
     run.go_on(STRIDES.get(how))
-    return {}
+    return dict(run.now())
 
 
 def pause(studio: Studio, asked: Asked) -> dict[str, Any]:  # noqa: ARG001
@@ -107,8 +107,9 @@ def pause(studio: Studio, asked: Asked) -> dict[str, Any]:  # noqa: ARG001
 
 def end(studio: Studio, asked: Asked) -> dict[str, Any]:  # noqa: ARG001
     """Ends the run; what it did can be looked at until the next one."""
-    _running(studio).end()
-    return {}
+    run = _running(studio)
+    run.end()
+    return dict(run.now())
 
 
 def points(studio: Studio, asked: Asked) -> dict[str, Any]:
@@ -122,14 +123,16 @@ def points(studio: Studio, asked: Asked) -> dict[str, Any]:
 
 def signal(studio: Studio, asked: Asked) -> dict[str, Any]:
     """Switches an input by hand."""
-    _running(studio).switch(asked.text("name").strip().lower(), asked.number("value"))
-    return {}
+    run = _running(studio)
+    run.switch(asked.text("name").strip().lower(), asked.number("value"))
+    return dict(run.now())
 
 
 def answer(studio: Studio, asked: Asked) -> dict[str, Any]:
     """Answers what the program asks a person."""
-    _running(studio).answer(asked.text("text"))
-    return {}
+    run = _running(studio)
+    run.answer(asked.text("text"))
+    return dict(run.now())
 
 
 def motion(studio: Studio, asked: Asked) -> dict[str, Any]:

@@ -41,6 +41,8 @@ BETWEEN: Final = 0.2
 """Seconds between two reports of a run that goes on."""
 TICK: Final = 0.05
 """Seconds between two looks at what is asked for, of a run in step with real time."""
+SOON: Final = 0.3
+"""Seconds in which a step is waited for, so that the answer tells where it led."""
 ENDING: Final = 2.0
 """Seconds in which a run that is ended is waited for."""
 
@@ -82,6 +84,7 @@ class Running:
         self._held: Task | None = None
         self._looked = 0
         self._reported = 0.0
+        self._stands = threading.Event()
         self._commands: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self._ready: Future[None] = Future()
         self._snapshot: dict[str, Any] = {}
@@ -90,9 +93,10 @@ class Running:
     # ----------------------------------------------------------------- for other threads
 
     def start(self) -> None:
-        """Lets it run; raises Refused for what cannot be run."""
+        """Lets it run, and waits a little for where it stands; raises Refused for what cannot."""
         self._thread.start()
         self._ready.result()
+        self._stands.wait(SOON)
 
     def end(self) -> None:
         """Ends it before its next statement, wherever it is."""
@@ -133,7 +137,10 @@ class Running:
             self.holding.pause = "pause"
 
     def go_on(self, stride: Stride | None = None) -> None:
-        """To whatever holds it next, or a step; raises Refused if it is not held."""
+        """To whatever holds it next, or a step, and waits a little for that.
+
+        Raises Refused if it is not held.
+        """
 
         def go(_: Kernel) -> None:
             task = self._held
@@ -142,8 +149,10 @@ class Running:
             step = None if stride is None else Step(task, stride, len(task.levels()))
             self.holding.go(step)
             self._held = None
+            self._stands.clear()
 
         self.ask(go)
+        self._stands.wait(SOON)
 
     def answer(self, text: str) -> None:
         """What a person says to the question; raises Refused if there is none."""
@@ -152,8 +161,10 @@ class Running:
             if self.state != "asks":
                 raise Refused(rules.RUN_ASKS_NOTHING())
             self._answer = text
+            self._stands.clear()
 
         self.ask(say)
+        self._stands.wait(SOON)
 
     def switch(self, name: str, value: float) -> None:
         """Gives an input a value, as a hand does; raises Refused of a run that is over."""
@@ -166,10 +177,13 @@ class Running:
                 self.given.append(given)
                 self.log.append(_row(given))
             kernel.board.inputs.set(name, value)
-            self._waits = ""
+            if self.state == "waits":
+                self._waits = ""
+                self._stands.clear()
             self._report()
 
         self.ask(put)
+        self._stands.wait(SOON)
 
     def told(self) -> Run:
         """The run as far as it has come, to be asked for in its thread while it goes on."""
@@ -194,6 +208,7 @@ class Running:
         self.state = "ended"
         self._held = None
         self._report()
+        self._stands.set()
         with suppress(queue.Empty):
             while True:
                 self._commands.get_nowait()()
@@ -294,8 +309,10 @@ class Running:
     def _wait(self, done: Callable[[], bool]) -> None:
         """Carries out what is asked for until that, or until the run is to end."""
         self._report()
+        self._stands.set()
         while not done() and not self.over:
             self._commands.get()()
+        self._stands.clear()
         self.state = "running"
         self._report()
 

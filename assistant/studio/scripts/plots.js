@@ -47,7 +47,7 @@ export function plot({ id, title, unit, over, curves, across }) {
     }
     if (!(top >= low)) { low = 0; top = 1; }
     if (top - low < 1e-6) { low -= 1; top += 1; }
-    const marks = ticks(low, top, 4), edge = (top - low) * 0.04;
+    const marks = ticks(low, top, 5), edge = (top - low) * 0.04;
     low -= edge; top += edge; end = end || 1;
     const x = (time) => LEFT + (time / end) * inside, y = (value) => TOP + ((top - value) / (top - low)) * high;
     svg.setAttribute("viewBox", `0 0 ${wide} ${HIGH}`);

@@ -9,7 +9,6 @@ import { breakPoints, current, markLine, offset, onBreakPoints, openText, texts 
 import { isSaved, save } from "./editor_saving.js";
 import { beginRunTime, forgetMotion, goesToLine, pose, scrub, showMotion } from "./run_time.js";
 
-export { whenPosed } from "./run_time.js";
 const RUNS = new Set(["program", "drawing", "table"]), MOST_ROWS = 500;
 const KEYS = { F8: "run-go", F7: "run-step", F10: "run-over", "Shift+F8": "run-end" };
 let run = { state: "" }, rows = [], reading = null, marked = null, motionOf = "";
@@ -41,9 +40,9 @@ function shape() {
     state, question,
     group("inputs", Object.assign(made("div", undefined, "bar"), { id: "run-inputs" }), signal),
     group("outputs", Object.assign(made("div", undefined, "bar numbers"), { id: "run-outputs" })),
-    time,
     folded("run-data-part", "variables", Object.assign(made("div"), { id: "run-data" })),
     folded("run-log-part", "log", Object.assign(made("ol"), { id: "run-log" })),
+    time,
     group("compare", form("compare-form", input("compare-with", "select"), said("button", "start")), results),
   );
   for (const [id, key] of [["run-answer", "answer"], ["compare-with", "compare"]]) find(id).setAttribute("aria-label", word(key));
@@ -81,7 +80,11 @@ async function start(at_once) {
   const begun = await doing(() => ask("run/start", { ...wanted, points, at_once }));
   if (begun && is("")) show(begun);
 }
-const go = (how) => doing(() => ask("run/go", { how }));
+/** Nothing is pressed twice: it counts as running until it is told how it stands. */
+async function go(how) {
+  show({ ...run, state: "running", joints: null });
+  if (!await doing(() => ask("run/go", { how }))) show(await look("run"));
+}
 
 // ------------------------------------------------------------------ how it stands
 function show(now) {
@@ -95,7 +98,7 @@ function show(now) {
   find("run-question").firstChild.textContent = run.question ?? "";
   signals();
   data();
-  if (run.joints && going) pose(run.joints, undefined, run.time);
+  if (run.joints && going) pose(run.joints);
   markHeld(going && !(is("running") && !find("run-real").checked) ? run : null);
   readLog();
   if (is("ended")) showOfDoing(run.findings);
@@ -225,6 +228,11 @@ export function beginRun() {
     event.preventDefault();
     if (id === "run-go" && !is("held")) find("run-start").click();
     else find(id).click();
+  });
+  find("machine").addEventListener("chosen", ({ target }) => {
+    const split = target.id === "tab-run"; // the scene stays in sight: its arm follows the run
+    find("machine").classList.toggle("split", split);
+    if (split) find("panel-scene").hidden = false;
   });
   find("run-program").addEventListener("change", () => choicesOf(find("run-program").value));
   whenChosen((file) => { if (RUNS.has(file.kind) && !is("running", "held", "waits", "asks")) { find("run-program").value = file.path; choicesOf(file.path); } });

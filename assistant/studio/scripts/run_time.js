@@ -2,16 +2,15 @@
 import { find, made, said, word } from "./words.js";
 import { ask, look } from "./server.js";
 import { doing, showOfDoing } from "./findings.js";
+import { sceneView } from "./scene.js";
 import { indexAt, markTime, plot, showPlots } from "./plots.js";
 
-const posed = [], AXES = ["x", "y", "z"], TURNS = ["z", "y", "x"];
+const AXES = ["x", "y", "z"], TURNS = ["z", "y", "x"];
 let motion = { samples: 0, t: [] }, moves = [], playing = null;
 
-/** Calls with {joints, axes, time} when the arm is to stand somewhere, in degrees. */
-export const whenPosed = (does) => posed.push(does);
-/** The arm of the scene stands there; null joints say nothing. */
-export function pose(joints, axes = motion.axes, time = null) {
-  if (joints) for (const does of posed) does({ joints, axes, time });
+/** The arm of the scene stands there, by degrees of its axes; null says nothing. */
+export function pose(joints) {
+  if (joints) sceneView()?.stand?.(joints);
 }
 const column = (rows, i) => rows.map((row) => row[i]);
 
@@ -22,7 +21,7 @@ function curvesOf(read, names, others) {
   })));
 }
 function figures(others, across, prefix) {
-  const over = word("over_time"), all = others.filter(({ found }) => found.samples);
+  const over = `${word("time")}, s`, all = others.filter(({ found }) => found.samples);
   if (!all.length) return [said("p", "no_motion", "empty")];
   const one = (id, title, unit, read, names) => plot({ id: `${prefix}-${id}`, title: word(title), unit, over, across, curves: curvesOf(read, names, all) });
   return [
@@ -44,7 +43,7 @@ export async function showMotion(rows) {
   motion = await look("run/motion").catch(() => ({ samples: 0, t: [] }));
   moves = rows.filter(({ line, path }) => path && line);
   const end = motion.t.at(-1) ?? 0, slider = find("run-time");
-  find("run-over-time").hidden = false;
+  find("run-over-time").hidden = motion.samples < 2;
   slider.max = end;
   slider.step = end > 0 ? Math.min(0.01, end / 100) : 0.01;
   slider.disabled = find("run-play").disabled = !motion.samples;
