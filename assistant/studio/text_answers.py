@@ -23,11 +23,10 @@ from assistant.editing.service import (
     Workspace,
 )
 from assistant.editing.speaking import PSEUDO, spoken
-from assistant.findings.formats import finding_record
 from assistant.program.diagnostics import Refused
 from assistant.program.without_gc import keep_what_is_there
 from assistant.studio import rules
-from assistant.studio.answering import Asked
+from assistant.studio.answering import Asked, findings
 from assistant.studio.studio import Studio
 from assistant.studio.texts import desk, read_text, stamp, stamp_of
 
@@ -43,7 +42,7 @@ _kept: set[str] = set()
 def open_text(studio: Studio, asked: Asked) -> dict[str, Any]:
     """A file's text, its stamp, and what it can be translated to."""
     path = asked.text("path")
-    document, known = desk(studio, asked.window).open(studio.file(path))
+    document, known = desk(studio, asked.window).open(studio.file(path), path)
     own = document.spoken
     others = [] if own is None else [name for name in _spoken() if name != document.language]
     return {
@@ -72,18 +71,21 @@ def on_disk(studio: Studio, asked: Asked) -> dict[str, Any]:
     if not now or now == asked.text("stamp", ""):
         return {"stamp": now}
     data = path.read_bytes()
-    return {"stamp": stamp(data), "text": read_text(data, str(path)).text}
+    return {"stamp": stamp(data), "text": read_text(data, asked.text("path")).text}
 
 
 def change(studio: Studio, asked: Asked) -> dict[str, Any]:
     """What was typed; findings and words of the lines that are seen come back."""
     path = studio.place(asked.text("path"))
-    made = [_change(one) for one in _list(asked, "changes")]
-    one = desk(studio, asked.window)
-    document = one.change(path, made, int(asked.number("version")))
+    one, version = desk(studio, asked.window), int(asked.number("version"))
+    if "text" in asked.values:
+        document = one.workspace.open(str(path), asked.text("text"), version)
+    else:
+        made = [_change(each) for each in _list(asked, "changes")]
+        document = one.change(path, made, version)
     known = one.workspace.is_known(document)
     return {
-        "findings": _findings(studio, service.findings(document)) if known else None,
+        "findings": _findings(service.findings(document)) if known else None,
         "words": _words(service.tokens(document), asked),
     }
 
@@ -104,7 +106,7 @@ def settled(studio: Studio, asked: Asked) -> dict[str, Any]:
         _kept.add(document.language)
         keep_what_is_there()
     return {
-        "findings": _findings(studio, found),
+        "findings": _findings(found),
         "outline": [_item(one) for one in service.outline(document)],
     }
 
@@ -119,7 +121,7 @@ def fixes(studio: Studio, asked: Asked) -> dict[str, Any]:
     for found in service.findings(document):
         if first <= found.range.start.line <= last:
             made = [_fix(studio, one) for one in service.fixes(document, found)]
-            told.append({"finding": _finding(studio, found), "fixes": made})
+            told.append({"finding": _finding(found), "fixes": made})
     return {"found": told}
 
 
@@ -206,7 +208,7 @@ def translation(studio: Studio, asked: Asked) -> dict[str, Any]:
         "pairs": [
             {"source": one.source, "written": one.written, "what": one.what} for one in done.pairs
         ],
-        "findings": _findings(studio, done.findings),
+        "findings": _findings(done.findings),
     }
 
 
@@ -241,15 +243,13 @@ def _named(studio: Studio, path: str) -> str:
     return studio.named(FilePath(path)) or path
 
 
-def _finding(studio: Studio, found: Found) -> dict[str, Any]:
-    said = finding_record(found.diagnostic)
-    if "path" in said:
-        said["path"] = _named(studio, said["path"])
+def _finding(found: Found) -> dict[str, Any]:
+    (said,) = findings([found.diagnostic])
     return {**said, **_range(found.range), "settled": found.settled}
 
 
-def _findings(studio: Studio, found: Sequence[Found]) -> list[dict[str, Any]]:
-    return [_finding(studio, one) for one in found[:MOST]]
+def _findings(found: Sequence[Found]) -> list[dict[str, Any]]:
+    return [_finding(one) for one in found[:MOST]]
 
 
 def _fix(studio: Studio, fix: Fix) -> dict[str, Any]:

@@ -39,10 +39,10 @@ class Desk:
     workspace: Workspace
     read: dict[str, SourceText] = field(default_factory=dict)
 
-    def open(self, path: FilePath) -> tuple[Document, str]:
-        """A file's text and the stamp of its bytes; raises Unreadable."""
+    def open(self, path: FilePath, name: str) -> tuple[Document, str]:
+        """A file's text and the stamp of its bytes; raises Unreadable. name: that people know."""
         data = read_bytes(path, allow_empty=True, most=LONGEST)
-        source = read_text(data, str(path))
+        source = read_text(data, name)
         self.read[str(path)] = source
         return self.workspace.open(str(path), source.text), stamp(data)
 

@@ -1,8 +1,8 @@
 // Texts that are open: one is shown, the others keep their state. What other parts ask of them.
 import { EditorSelection, EditorView, redo, undo } from "../codemirror/codemirror.js";
-import { find, made } from "./words.js";
-import { ask } from "./server.js";
-import { doing, showOfFile } from "./findings.js";
+import { find, made, said as saidWord } from "./words.js";
+import { Refused, ask } from "./server.js";
+import { showOfDoing, showOfFile } from "./findings.js";
 import { on, state as window_ } from "./line.js";
 import { choose } from "./tabs.js";
 import { project, whenChosen } from "./project.js";
@@ -11,7 +11,7 @@ import { begun, reads } from "./editor_view.js";
 import { arm, pointLines, setPoint, togglePoint } from "./editor_marks.js";
 import { Service } from "./editor_service.js";
 import { beginDoing } from "./editor_doing.js";
-import { beginTranslation, translate } from "./editor_translation.js";
+import { beginTranslation, closeTranslation, translate } from "./editor_translation.js";
 import { beginSaving, disk, isSaved } from "./editor_saving.js";
 
 const NO_TEXT = new Set(["drawing", "picture", "shape"]);
@@ -90,8 +90,11 @@ async function opened(path) {
   return opening.get(path);
 }
 async function begin(path) {
-  const answer = await doing(() => ask("text/open_text", { path }));
-  if (!answer) return unreadable(path);
+  let answer;
+  try { answer = await ask("text/open_text", { path }); } catch (refused) {
+    if (!(refused instanceof Refused)) throw refused;
+    return unreadable(path, refused.findings);
+  }
   const text = { path, stamp: answer.stamp, title: answer.title, language: answer.language, languages: answer.languages };
   text.service = new Service(text, { stateOf: () => stateOf(text), isHere: () => text === here, view: () => view });
   text.state = begun(answer.text, text, { told: (update) => told(text, update), point: (at) => pointedAt(text, at) });
@@ -102,12 +105,12 @@ async function begin(path) {
   text.service.settle(0);
   return text;
 }
-/** Its finding is in the list; in the place of its text stands nothing that could be saved. */
-function unreadable(path) {
+/** Its findings stand in the place of the text, where nothing can be saved then. */
+function unreadable(path, findings) {
   leave();
+  find("editor").replaceChildren(...findings.map(({ code, message, cure }) => made("p", `${code} ${message}${cure ? `: ${cure}` : ""}`, "unreadable")));
   bar(null, path);
-  find("editor").replaceChildren(...[...find("findings").querySelectorAll("li:not(.info) > button:first-child")].slice(0, 3).map((one) => made("p", one.textContent, "unreadable")));
-  showOfFile([]);
+  showOfDoing(findings);
   choose("tab-text");
   return null;
 }
@@ -115,6 +118,9 @@ function leave() {
   if (here) here.state = view.state;
   view?.destroy();
   view = here = null;
+  closeTranslation();
+  showOfFile([]);
+  find("outline").replaceChildren();
 }
 function show(text) {
   choose("tab-text");
@@ -168,7 +174,7 @@ export async function goToFinding(finding, chooseFile) {
 }
 export function closeText(text) {
   texts.delete(text.path);
-  if (text === here) { leave(); bar(null); showOfFile([]); find("outline").replaceChildren(); }
+  if (text === here) { leave(); find("editor").replaceChildren(saidWord("p", "nothing_open", "empty")); bar(null); }
   ask("text/close", { path: text.path }).catch(() => undefined);
 }
 export function beginEditor() {

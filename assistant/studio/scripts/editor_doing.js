@@ -1,6 +1,7 @@
 // What is done with a name or a line: declaration, new name, cure, layout.
 import { find, made, word } from "./words.js";
 import { doing } from "./findings.js";
+import { state as window_ } from "./line.js";
 import { applied, appliedAll, current, openText, placeOf } from "./editor.js";
 
 let renamed = null; // the name that gets another one: {text, at}
@@ -15,12 +16,13 @@ export async function goToDeclaration() {
   if (found?.path) await openText(found.path, found.from[0] + 1, found.from[1] + 1);
 }
 export async function formatText(text) {
+  if (!window_.writes) return;
   const answer = await doing(() => text.service.ask("formatted"));
   if (answer) await applied(text.path, answer.edits);
 }
 /** Asks for a new name of what stands at the cursor. */
 export async function rename() {
-  if (!current()) return;
+  if (!current() || !window_.writes) return;
   const { text, at } = here();
   const found = await doing(() => text.service.ask("renameable", { at }));
   if (!found?.name) return;
@@ -47,7 +49,7 @@ function offer(fixes, view) {
   const box = made("div", undefined, "cures"), place = view.coordsAtPos(view.state.selection.main.head);
   box.setAttribute("role", "menu");
   box.setAttribute("aria-label", word("cure"));
-  const close = () => { box.remove(); view.focus(); };
+  const close = () => view.focus(); // whereby it loses the focus, and goes
   for (const { title, use, finding } of fixes) {
     const button = made("button", title);
     button.setAttribute("role", "menuitem");
@@ -60,7 +62,7 @@ function offer(fixes, view) {
     if (event.key === "Escape") { event.preventDefault(); close(); }
     if (step) { event.preventDefault(); all[(all.indexOf(document.activeElement) + step + all.length) % all.length].focus(); }
   });
-  box.addEventListener("focusout", (event) => { if (!box.contains(event.relatedTarget)) box.remove(); });
+  box.addEventListener("focusout", (event) => { if (!box.contains(event.relatedTarget)) queueMicrotask(() => box.remove()); });
   document.body.append(box);
   box.style.left = `${Math.max(0, Math.min(place?.left ?? 0, innerWidth - box.offsetWidth - 8))}px`;
   box.style.top = `${Math.max(0, Math.min((place?.bottom ?? 0) + 2, innerHeight - box.offsetHeight - 8))}px`;

@@ -5,7 +5,7 @@ import { made } from "./words.js";
 export function markdown(text) {
   const told = made("div", undefined, "told");
   let code = null, said = [];
-  const paragraph = () => { if (said.length) told.append(made("p", said.join("\n"))); said = []; };
+  const paragraph = () => { if (said.length) told.append(line(said.join("\n"))); said = []; };
   for (const row of text.split("\n")) {
     const fence = row.match(/^`{3,}/)?.[0];
     if (code === null && fence) { paragraph(); code = { fence, rows: [] }; }
@@ -17,4 +17,10 @@ export function markdown(text) {
   if (code !== null) told.append(made("pre", code.rows.join("\n")));
   paragraph();
   return told;
+}
+/** A paragraph; what stands between backquotes is code. */
+function line(text) {
+  const row = made("p");
+  text.split(/(`[^`]+`)/).forEach((part, i) => row.append(i % 2 ? made("code", part.slice(1, -1)) : part));
+  return row;
 }

@@ -40,7 +40,7 @@ function take(text) {
   let start = 0, end = 0;
   while (start < most && mine[start] === next[start]) start++;
   while (end < most - start && mine.at(-1 - end) === next.at(-1 - end)) end++;
-  if (mine !== next) dispatch(text, { changes: { from: start, to: mine.length - end, insert: next.slice(start, next.length - end) }, userEvent: "input.taken", filter: false });
+  if (mine !== next) dispatch(text, { changes: { from: start, to: mine.length - end, insert: next.slice(start, next.length - end) }, userEvent: "input.taken" });
   Object.assign(text, { stamp, saved: stateOf(text).doc, theirs: undefined });
   keep(text);
   showConflict(current()?.text);
@@ -60,6 +60,8 @@ export function beginSaving() {
     bar(text);
   });
   document.addEventListener("keydown", (event) => {
-    if ((event.ctrlKey || event.metaKey) && event.key === "s") { event.preventDefault(); if (!event.defaultPrevented) save(current()?.text); }
+    if (event.defaultPrevented || !(event.ctrlKey || event.metaKey) || event.key !== "s") return;
+    event.preventDefault();
+    save(current()?.text);
   });
 }

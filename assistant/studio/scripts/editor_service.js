@@ -1,8 +1,9 @@
 // What the studio knows of a text: each change goes there in its order, and what is found comes back.
 import { setDiagnostics } from "../codemirror/codemirror.js";
-import { word } from "./words.js";
 import { ask } from "./server.js";
 import { showOfFile } from "./findings.js";
+import { state as window_ } from "./line.js";
+import { markdown } from "./editor_markdown.js";
 import { showOutline } from "./editor_outline.js";
 import { appliedAll, dispatch, offset, placeOf } from "./editor.js";
 import { coloured } from "./editor_marks.js";
@@ -14,7 +15,7 @@ const SORTS = { target: "constant", instruction: "function", procedure: "functio
 
 export class Service {
   version = 0;
-  #open; #text; #pending = null; #before = null; #sending = null; #soon = 0; #rest = 0; #findings = []; #fixes = []; #outline = [];
+  #open; #text; #pending = null; #before = null; #sending = null; #soon = 0; #rest = 0; #findings = []; #fixes = []; #outline = []; #translated = []; #apart = false;
 
   constructor(text, open) { this.#text = text; this.#open = open; }
   get state() { return this.#open.stateOf(); }
@@ -44,8 +45,10 @@ export class Service {
     if (!this.#pending) return;
     const changes = this.#edits();
     this.version += 1;
-    const asked = { path: this.#text.path, version: this.version, changes, ...this.#lines() };
-    this.#sending = ask("text/change", asked).then((answer) => this.#told(answer), () => undefined);
+    const asked = { path: this.#text.path, version: this.version, ...this.#lines() };
+    if (this.#apart) asked.text = this.state.doc.toString(); // something was lost on its way there
+    else asked.changes = changes;
+    this.#sending = ask("text/change", asked).then((answer) => { this.#apart = false; this.#told(answer); }, () => { this.#apart = true; });
     await this.#sending;
     this.#sending = null;
   }
@@ -72,6 +75,7 @@ export class Service {
   }
   /** The lines that are seen have changed. */
   async seen() {
+    if (!this.#open.isHere()) return;
     const answer = await this.#quietly("words", this.#lines());
     if (answer) this.#colour(answer.words);
   }
@@ -106,8 +110,14 @@ export class Service {
     this.#fixes = answer.found;
     this.#list();
   }
+  /** What was found when the text was translated. */
+  translated(findings) {
+    this.#translated = findings;
+    this.#list();
+  }
   /** Those of the finding, each with what makes it. */
   #fixesOf(finding) {
+    if (!window_.writes) return [];
     const same = (one) => ["code", "message", "line", "column"].every((key) => one.finding[key] === finding[key]);
     return (this.#fixes.find(same)?.fixes ?? []).map((fix) => ({ title: fix.title, preferred: fix.preferred, use: () => appliedAll(fix.changes) }));
   }
@@ -127,16 +137,17 @@ export class Service {
         actions: fixes.map(({ title, use }) => ({ name: title, apply: use })),
       };
     })));
-    showOfFile(told);
+    showOfFile([...told, ...this.#translated.map((finding) => ({ finding, fixes: [] }))]);
   }
   async completions(context) {
     const begun = context.matchBefore(/[\w$*]+/), behind = context.matchBefore(/[.\\]/);
     if (!begun && !behind && !context.explicit) return null;
     const answer = await this.#quietly("completions", { at: placeOf(context.state.doc, context.pos) });
     if (!answer?.words.length || context.aborted) return null;
+    if (!context.explicit && answer.words.length === 1 && answer.words[0].text === begun?.text) return null;
     return {
       from: offset(context.state.doc, answer.words[0].from), filter: false,
-      options: answer.words.map((one) => ({ label: one.label, apply: one.text, detail: one.detail, info: one.about || undefined, type: SORTS[one.kind] ?? one.kind })),
+      options: answer.words.map((one) => ({ label: one.label, apply: one.text, detail: one.detail, info: one.about ? () => markdown(one.about) : undefined, type: SORTS[one.kind] ?? one.kind })),
     };
   }
   async hover(at) {
@@ -144,4 +155,3 @@ export class Service {
     return found?.text ? { text: found.text, from: offset(doc, found.from), to: offset(doc, found.to) } : null;
   }
 }
-export const cureWord = () => word("cure");

@@ -1,7 +1,6 @@
 // The translation of a text beside it: a line of the one shows what it is in the other.
 import { EditorView } from "../codemirror/codemirror.js";
 import { find, made, word } from "./words.js";
-import { showOfDoing } from "./findings.js";
 import { current, dispatch, onLine, stateOf } from "./editor.js";
 import { lookedAt } from "./editor_view.js";
 import { coloured, linked } from "./editor_marks.js";
@@ -11,7 +10,7 @@ const panel = () => find("translation"), list = () => find("translate");
 
 /** Shows the translation of a text, if one is wanted. rest: ms until it is asked for. */
 export function translate(text, rest = 0) {
-  if (of !== text.path) choices(text);
+  if (of !== text.path) { close(); choices(text); }
   clearTimeout(timer);
   if (!list().value) return close();
   timer = setTimeout(() => look(text, list().value), rest);
@@ -23,31 +22,42 @@ function choices(text) {
   list().value = text.languages.some(({ name }) => name === before) ? before : "";
   of = text.path;
 }
+export function closeTranslation() {
+  clearTimeout(timer);
+  of = "";
+  close();
+}
 function close() {
+  asked += 1;
   view?.destroy();
   view = null;
   pairs = [];
   panel().hidden = true;
   const text = current()?.text;
-  if (text) dispatch(text, { effects: linked(stateOf(text), []) });
+  if (!text) return;
+  dispatch(text, { effects: linked(stateOf(text), []) });
+  text.service.translated([]);
 }
 async function look(text, language) {
   const turn = ++asked;
   const done = await text.service.ask("translation", { language }).catch((refused) => ({ findings: refused.findings ?? [], text: "", pairs: [], words: [], name: "" }));
   if (!done || turn !== asked || current()?.text !== text || list().value !== language) return;
-  showOfDoing(done.findings.filter(({ severity }) => severity !== "info"));
+  text.service.translated(done.findings.filter(({ severity }) => severity !== "info"));
   show(done);
 }
+/** What there was before stays while the text cannot be translated. */
 function show(done) {
+  panel().hidden = false;
+  panel().classList.toggle("before", !done.text);
+  if (!done.text) {
+    const said = made("p", done.findings[0]?.message ?? "", "written");
+    if (view) panel().firstChild.replaceWith(said);
+    else panel().replaceChildren(said);
+    return;
+  }
   pairs = done.pairs;
   const top = view?.scrollDOM.scrollTop ?? 0;
   view?.destroy();
-  panel().hidden = false;
-  if (!done.text) {
-    view = null;
-    panel().replaceChildren(made("p", done.findings[0]?.message ?? "", "empty"));
-    return;
-  }
   const name = made("p", [done.name, ...done.others ?? []].join(", "), "written");
   panel().replaceChildren(name);
   view = new EditorView({ state: lookedAt(done.text, back), parent: panel() });

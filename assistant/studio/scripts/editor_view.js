@@ -25,6 +25,11 @@ const LOOKS = EditorView.theme({
   ".cm-completionDetail": { color: "inherit", opacity: ".75" },
   ".cm-completionMatchedText": { textDecoration: "none", fontWeight: "700" },
   ".points .cm-gutterElement": { padding: "0 2px", cursor: "pointer", minWidth: "1.1em" },
+  ".cm-lint-marker": { content: "normal", width: ".3em", height: "1.1em", margin: ".15em auto", borderRadius: "2px", backgroundColor: "var(--info)" },
+  ".cm-lint-marker-error": { backgroundColor: "var(--error)" }, ".cm-lint-marker-warning": { backgroundColor: "var(--warning)" },
+  ".cm-gutter-lint": { width: ".8em" }, ".cm-gutter-lint .cm-gutterElement": { padding: "0 .1em" },
+  ".cm-diagnostic": { padding: ".3rem .6rem", whiteSpace: "pre-line", maxWidth: "40rem" },
+  ".cm-diagnosticAction": { backgroundColor: "var(--accent)", color: "var(--paper)", font: "inherit", minHeight: "1.6rem", margin: ".2rem .3rem .1rem 0" },
   ".cm-searchMatch": { backgroundColor: "light-dark(#ffe08a, #6b5410)" },
   ".cm-button, .cm-textfield": { backgroundImage: "none", backgroundColor: "var(--side)", color: "inherit", border: "1px solid var(--line)" },
 });
