@@ -25,6 +25,7 @@ from assistant.controllers.following import Wishes
 from assistant.controllers.leading import MODES, Arm, Carrier
 from assistant.controllers.leading.data_link import DataLinkCarrier
 from assistant.controllers.mitsubishi.control_mode import Measuring, Status
+from assistant.controllers.mitsubishi.cr import Cr
 from assistant.controllers.mitsubishi.position import turn_of
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Refused
@@ -202,11 +203,11 @@ def measured(
             with Measuring(None, line, timeout=timeout) as source:
                 yield Stream(source, robot)
             return
-        with connect(address, timeout=timeout) as session:
-            if not isinstance(session, Controller):
-                raise Refused(NO_MEASURING(name=name, address=session.address), exit_status=2)
-            with Measuring(session, line, timeout=timeout, replace=replace) as source:
-                yield Stream(source, robot)
+        session = connect(address, timeout=timeout)
+        if not isinstance(session, Cr):
+            raise Refused(NO_MEASURING(name=name, address=session.address), exit_status=2)
+        with session, Measuring(session, line, timeout=timeout, replace=replace) as source:
+            yield Stream(source, robot)
 
     return Connection(name, opening)
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 import pytest
+from numpy.typing import ArrayLike
 
 from assistant import robots
 from assistant.blocks.connections import Connection
@@ -16,10 +17,14 @@ from assistant.blocks.diagrams.block import Port
 from assistant.blocks.diagrams.clocks import RealTime
 from assistant.blocks.diagrams.diagram import Diagram
 from assistant.blocks.diagrams.running import Ran, run
-from assistant.blocks.leading import Leader, led
-from assistant.blocks.library.leading import Relative, RelJoint, Status
+from assistant.blocks.leading import Leader, led, measured
+from assistant.blocks.library.kinematics import tool_pose
+from assistant.blocks.library.leading import Relative, RelCart, RelJoint, Status
 from assistant.blocks.library.sources import Constant, Table
 from assistant.controllers.following import Wishes
+from assistant.program import rotations
+from assistant.program.diagnostics import Refused
+from assistant.program.geometry import Pose
 from assistant.virtual.cr import VirtualCr
 from assistant.virtual.events import Moved
 from assistant.virtual.motion import Track, track_of
@@ -128,3 +133,103 @@ def test_relative_joints_go_on_without_stops_and_wait_for_nothing(way: str) -> N
         ran = gone(here, lambda one: RelJoint("rel", one, ARM, most=10.0), by, steps)
         check_continuous(here, ran, steps)
         assert here.track.joints[-1] == pytest.approx(ARM.home + steps * np.array(by), abs=0.03)
+
+
+def run_led(here: Cell, block: Callable[[Connection[Leader]], Relative], rows: ArrayLike) -> Ran:
+    """What a block does that is given a row of steps each step of the model."""
+    rows = np.array(rows, dtype=float)
+    diagram, connection = Diagram(), here.led()
+    rel = diagram.add(block(connection))
+    times = STEP * np.arange(len(rows))
+    if len(rows) == 1:
+        diagram.wire(diagram.add(Constant("by", rows[0])), (rel, "by"))
+    else:
+        by = diagram.add(Table("by", times, rows, port=Port("value", rows.shape[1])))
+        diagram.wire((by, "value"), (rel, "by"))
+    diagram.wire(diagram.add(Constant("go", 1.0)), (rel, "go"))
+    try:
+        return run(diagram, times[-1], STEP, clock=RealTime(), moving=["cell"])
+    finally:
+        assert connection.users == 0
+
+
+FAR, FAST = [6.0, 0.0, 0.0, 0.0, 0.0], [2.0 * MOST[0], 0.0, 0.0, 0.0, 0.0]
+AWAY = [0.0, 0.0, 0.0, 0.0, 5.5, 0.0]
+REFUSED: Final[dict[str, tuple[str, Any, dict[str, Any], Any]]] = {
+    "one step too far": ("BL207", RelJoint, {}, [FAR]),
+    "turned too far": ("BL207", RelCart, {}, [AWAY]),
+    "too fast": ("BL208", RelJoint, {"most": 90.0}, [[0.0] * 5, FAST]),
+    "outside its limits": ("BL202", RelJoint, {"most": 360.0}, [[-200.0, 0.0, 0.0, 0.0, 0.0]]),
+    "out of reach": ("BL209", RelCart, {"most": (900.0, 5.0)}, [[0.0, 0.0, 800.0, 0.0, 0.0, 0.0]]),
+    "no numbers": ("BL203", RelJoint, {}, [[np.nan, 0.0, 0.0, 0.0, 0.0]]),
+}
+
+
+@pytest.fixture(scope="module")
+def shared() -> Iterator[Cell]:
+    with cell(pace=4.0) as here:
+        yield here
+
+
+@pytest.mark.parametrize("what", REFUSED)
+def test_steps_beyond_what_is_allowed_end_the_run_before_they_are_told(
+    shared: Cell, what: str
+) -> None:
+    code, kind, bounds, rows = REFUSED[what]
+    before = len(shared.moves)
+    with pytest.raises(Refused, match=code):
+        run_led(shared, lambda one: kind("rel", one, ARM, **bounds), rows)
+    assert len(shared.moves) == before
+
+
+def test_nothing_is_opened_that_nobody_confirmed(shared: Cell) -> None:
+    diagram, connection = Diagram(), shared.led()
+    rel = diagram.add(RelJoint("rel", connection, ARM))
+    diagram.wire(diagram.add(Constant("by", np.zeros(5))), (rel, "by"))
+    diagram.wire(diagram.add(Constant("go", 1.0)), (rel, "go"))
+    with pytest.raises(Refused, match=r"BL111.*`cell`"):
+        run(diagram, 1.0, STEP)
+    assert connection.value is None and shared.moves == []
+
+
+def test_an_emergency_stop_ends_the_run_and_is_told() -> None:
+    with cell(pace=1.0) as here:
+        diagram, connection = Diagram(), here.led()
+        diagram.add(Status("status", connection, ARM))
+        rel = diagram.add(RelJoint("rel", connection, ARM, most=10.0))
+        diagram.wire(diagram.add(Constant("by", [*MOST[:1], 0.0, 0.0, 0.0, 0.0])), (rel, "by"))
+        diagram.wire(diagram.add(Constant("go", 1.0)), (rel, "go"))
+
+        def watch(now: float) -> bool:
+            if 0.45 < now < 0.55:
+                here.virtual.emergency_stop()
+            return True
+
+        with pytest.raises(Refused, match=r"CN6\d\d"):
+            run(diagram, 30.0, STEP, clock=RealTime(), watch=watch, moving=["cell"])
+        assert connection.users == 0
+        assert here.track.speed[-1] == 0.0
+
+
+def test_other_ways_and_controllers_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROBOT_ASSISTANT_PASSWORD", "secret")
+    with pytest.raises(Refused, match=r"BL205.*`jog`"):
+        led("cell", "melfa://127.0.0.1", ARM, by="jog")
+    with pytest.raises(Refused, match="BL206"):
+        measured("cell", "127.0.0.1:10003", ARM, address="ftp://u@127.0.0.1:1").take()
+
+
+def test_a_step_of_the_tool_is_exact_for_six_axes_in_either_frame() -> None:
+    robot, tool = robots.get("irb1200-7-0.7"), Pose((10.0, 0.0, 80.0))
+    joints = np.array([10.0, 20.0, 15.0, 30.0, 50.0, -20.0])
+    by = np.array([5.0, -8.0, 3.0, 1.0, -2.0, 1.5])
+    start = tool_pose(robot, tool, joints)
+    turn = rotations.about(by[3:] / np.linalg.norm(by[3:]), np.linalg.norm(by[3:]))
+    connection: Connection[Leader] = led("cell", "melfa://127.0.0.1", robot)
+    for in_tool in (False, True):
+        block = RelCart("rel", connection, robot, tool=tool, in_tool=in_tool)
+        found = tool_pose(robot, tool, block.stepped(joints, by))
+        way = rotations.rotate(start[3:], by[:3]) if in_tool else by[:3]
+        order = (start[3:], turn) if in_tool else (turn, start[3:])
+        assert found[:3] == pytest.approx(start[:3] + way, abs=1e-6)
+        assert rotations.angle_between(found[3:], rotations.multiply(*order)) < 1e-6
