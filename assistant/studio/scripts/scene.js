@@ -84,7 +84,7 @@ function follows({ path, line }) {
 function form(i) {
   stage.held = i;
   const one = stage.handles[i], box = find("drag-form");
-  box.hidden = !one;
+  box.classList.toggle("idle", !one); // it keeps its room: the scene must not move under a finger
   find("drag-state").textContent = one && window_.writes ? word("dragging") : "";
   find("drag-state").className = "";
   if (!one) return;
@@ -138,9 +138,8 @@ function typed() {
   if (place.every(Number.isFinite)) stage.view?.drag(place);
 }
 function dragForm() {
-  const box = made("form", undefined, "bar");
+  const box = made("form", undefined, "bar idle");
   box.id = "drag-form";
-  box.hidden = true;
   const name = made("strong");
   name.id = "drag-name";
   box.append(name);
