@@ -10,7 +10,7 @@ import subprocess
 import sys
 import time
 
-from benchmarks import editing, exchanging, generated, learning, planning, real_time, tasks
+from benchmarks import editing, exchanging, generated, learning, models, planning, real_time, tasks
 from benchmarks.arms import ROBOTS
 from benchmarks.collision import COLLISION
 from benchmarks.collision import TITLE as CELL
@@ -52,6 +52,7 @@ def main() -> None:
             "planning",
             "learning",
             "real-time",
+            "models",
             "growth",
             "tasks",
         ],
@@ -61,7 +62,9 @@ def main() -> None:
     arguments.add_argument("--short", action="store_true", help="of growth: a handful, small")
     arguments.add_argument("--cap", type=float, default=10.0, help="of growth: seconds of a run")
     arguments.add_argument("--case", choices=[*EVERY], help="run one case here and print JSON")
-    arguments.add_argument("--seconds", type=float, default=60.0, help="of real-time control")
+    arguments.add_argument(
+        "--seconds", type=float, help="of real-time control, 60 if left out; of models, 30"
+    )
     tasks.arguments(arguments.add_argument_group("of tasks"))
     chosen = arguments.parse_args()
     if chosen.case:
@@ -90,7 +93,9 @@ def main() -> None:
     if chosen.only in (None, "learning"):
         learning.report()
     if chosen.only in (None, "real-time"):
-        real_time.report(chosen.seconds)
+        real_time.report(chosen.seconds or 60.0)
+    if chosen.only in (None, "models"):
+        models.report(chosen.seconds or 30.0)
     _startup()
 
 
