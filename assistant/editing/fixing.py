@@ -77,7 +77,9 @@ def _edits(document: Document, found: Found) -> Iterator[_Edit]:
     if missing:
         yield from _near(document, found, missing)
         yield from _declaring(document, missing)
-    for word in _quoted(finding):
+    words = _quoted(finding)
+    near = near_names(there, [word for word in words if word != there])
+    for word in sorted(words, key=lambda one: one not in near):
         yield from _with_word(document, span, there, word)
     if _DELETE.search(cure):
         if there.strip():
