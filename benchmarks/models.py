@@ -143,8 +143,8 @@ def report(seconds: float) -> None:
     """A line a loop and load."""
     print(
         f"\nA model in real time: {seconds:g} s of a trajectory, a step each {1e3 * STEP:.1f} ms; "
-        "how late steps\nbegan, and how late their packets were at the controller, of which a cycle "
-        f"has {1e3 * CYCLE:.2f} ms\n"
+        "how late steps\nbegan, and how late their packets were at the controller, a cycle of which "
+        f"is {1e3 * CYCLE:.2f} ms\n"
     )
     head = (
         f"{'steps':>7}{'late':>7}{'mean':>10}{'worst':>10}{'answers':>11}{'late':>7}{'longest':>10}"
