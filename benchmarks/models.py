@@ -143,7 +143,7 @@ def report(seconds: float) -> None:
     """A line a loop and load."""
     print(
         f"\nA model in real time: {seconds:g} s of a trajectory, a step each {1e3 * STEP:.1f} ms; "
-        "how late steps\nbegan, and how late their packets were at the controller, a cycle of which "
+        "how late steps\nbegan, and how late their packets were at the controller, whose cycle "
         f"is {1e3 * CYCLE:.2f} ms\n"
     )
     head = (
