@@ -31,6 +31,7 @@ NAME = "arm"
 DRAWN = {
     "by[0]": "by: steps of the joints, degrees",
     "status[1]": "status: joints as they are told on the other line, degrees",
+    "behind[0]": "behind: of the step that went out last, degrees",
     "status[3]": "status: speed of the tool, mm/s",
 }
 """Signals of the picture, and what is said of them."""
@@ -45,9 +46,9 @@ def virtual(pace: float = 1.0):
         yield cell, (cell.address, cell.serial_path, ports[0])
 
 
-def model(sim, address: str, control: str, status: str):
+def model(sim, address: str, *lines: str):
     """The diagram, and the connection that its blocks share."""
-    arm = led(NAME, address, ROBOT, percent=PERCENT, wishes=Wishes(lines=(control, status)))
+    arm = led(NAME, address, ROBOT, percent=PERCENT, wishes=Wishes(lines=lines))
 
     rows = np.zeros((FIRST + STEPS + 1, len(MOST)))
     rows[FIRST : FIRST + STEPS, 0] = MOST[0]
@@ -57,9 +58,12 @@ def model(sim, address: str, control: str, status: str):
     by = bd.MOTIONTABLE(STEP * np.arange(len(rows)), rows, name="by")
     go = bd.CONSTANT(1.0, name="go")
     steps = bd.RELJOINT(clock, arm, ROBOT, "steps", most=5.0)
-    bd.STATUS(clock, arm, ROBOT, "status")
+    status = bd.STATUS(clock, arm, ROBOT, "status")
+    behind = bd.SUM("+-", name="behind")
     bd.connect(by[0], steps[0])
     bd.connect(go, steps[1])
+    bd.connect(steps[0], behind[0])
+    bd.connect(status[1], behind[1])
     return bd, arm
 
 
@@ -100,12 +104,13 @@ def main() -> None:
     if given.lines and input(f"turns J1 by {TURN:.1f} degrees, type yes: ") != "yes":
         raise SystemExit(1)
     _, ran = run(given.lines) if given.lines else simulated()
-    joints, told = ran["status[1]"], ran["steps[0]"]
+    joints = ran["status[1]"]
     moving = np.flatnonzero(ran["status[3]"] > 0.0)
     halts = int((ran["status[3]"][moving[0] : moving[-1] + 1] == 0.0).sum())
     print(f"{ran['steps[1]'][-1]:.0f} steps, {halts} halts on the way, {ran.late} steps late")
     print(f"J1 went {joints[-1, 0] - joints[0, 0]:.2f} of {TURN:.2f} degrees")
-    print(f"{np.abs(joints[-1] - told[-1]).max():.2f} degrees from the last step")
+    behind = np.abs(ran["behind[0]"]).max(axis=1)
+    print(f"{behind.max():.2f} degrees behind at most, {behind[-1]:.2f} degrees at the end")
     if given.output:
         from assistant.controllers.recording import save_columns
 

@@ -71,32 +71,26 @@ def test_a_path_that_waits_for_its_arm_is_kept_by_it(run) -> None:
     assert took > lasts
 
 
-def turned(ran, module) -> None:
-    """The arm is where all steps lead, by what it tells itself on its second line."""
-    joints = ran["status[1]"]
-    assert ran["steps[1]"][-1] == module.STEPS
-    assert joints[-1] == pytest.approx(joints[0] + [module.TURN, 0.0, 0.0, 0.0, 0.0], abs=0.03)
-    assert np.ptp(joints[:, 2]) == pytest.approx(module.STEPS / 4 * module.MOST[2], rel=0.1)
-    # Not blocking: it was on its way while steps went out, and told of it.
-    out = ran["by[0]"][:, 0] > 0.0
-    assert (ran["status[3]"][out] > 0.0).sum() > module.STEPS / 2
-    assert ran["status[5]"][-1] > 50.0
-
-
-def test_steps_go_out_on_one_line_while_the_status_comes_on_the_other() -> None:
-    module, pace = models.loaded("two_data_links"), 3.0
-    with module.virtual(pace) as (_, lines):
-        assert lines[1].startswith("/dev/") and ":" in lines[2]
-        turned(module.run(lines, pace)[1], module)
-
-
 @pytest.mark.slow
-def test_an_arm_that_is_behind_its_steps_does_not_stop_between_them() -> None:
+def test_steps_go_out_on_one_line_while_the_status_comes_on_the_other() -> None:
     module = models.loaded("two_data_links")
-    with module.virtual(0.5) as (cell, lines):
-        turned(module.run(lines)[1], module)
+    with module.virtual(0.4) as (cell, lines):  # an arm that is behind its steps
+        assert lines[1].startswith("/dev/") and ":" in lines[2]
+        _, ran = module.run(lines)
         machinery = cell.state.machinery
         kernel = machinery.controller.kernel
         track = machinery.do(lambda: track_of(machinery.arm, kernel.log, kernel.now))
+    joints, behind = ran["status[1]"], np.abs(ran["behind[0]"]).max(axis=1)
+    # It is where all steps lead, by what it tells on its second line and by its own record.
+    assert ran["steps[1]"][-1] == module.STEPS
+    for rows in (joints, track.joints):
+        turned = rows[-1] - rows[0]
+        assert turned == pytest.approx([module.TURN, 0.0, 0.0, 0.0, 0.0], abs=0.03)
+        assert np.ptp(rows[:, 2]) == pytest.approx(module.STEPS / 4 * module.MOST[2], rel=0.1)
+    # Not blocking: all steps were told while it was on its way, and it never stood in between.
+    told = int(np.argmax(ran["steps[1]"] == module.STEPS))
+    assert (np.diff(ran["steps[1]"][module.FIRST : told + 1]) == 1.0).all()
+    assert behind[told] > 10 * module.MOST[0] and behind[-1] < 0.03
     moving = np.flatnonzero(track.speed > 0.0)
     assert len(moving) > 100 and (np.diff(moving) == 1).all()
+    assert ran["status[5]"][-1] > 50.0
