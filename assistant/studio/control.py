@@ -103,12 +103,17 @@ class Control:
                 self._held = wanted
             self._changed.notify_all()
 
-    def let_go(self) -> None:
-        """The key counts as held no more until it is pressed anew."""
+    def let_go(self, only: Hold | None = None) -> bool:
+        """The key counts as held no more until it is pressed anew; whether it was held.
+
+        only: if it is held so, None for however it is.
+        """
         with self._changed:
-            if self._held is not None:
-                self._cut = max(self._cut, self._held.number)
-            self._held = None
+            held, wanted = self._held, only or self._held
+            if held is None or held != wanted:
+                return False
+            self._cut, self._held = max(self._cut, held.number), None
+            return True
 
     def stop(self) -> Rest:
         """Stops the arm, and all programs, where they are; tells whether the arm stands."""
@@ -203,11 +208,11 @@ class Control:
             try:
                 self._connection.do(partial(self._take, hold))
             except Refused as refused:
-                if self._is_held(hold):  # else it is what the stop has brought about
+                if self.let_go(hold):  # else it is what the stop has brought about
                     self._say({"kind": "control", "findings": told(refused.findings)})
-                self.let_go()
             finally:
                 self._moving = False
+            time.sleep(LOOKS)
 
     def _take(self, hold: Hold, controller: Controller) -> None:
         check_jog(hold.step, controller.position(), self._connection.robot)

@@ -57,12 +57,12 @@ class Studio:
 
     def end(self) -> None:
         """Ends whatever runs or is connected to."""
-        for name in list(self.live):
-            self.drop(name)
+        self.drop(*reversed(list(self.live)))
 
-    def drop(self, name: str) -> None:
-        """Ends one of them."""
-        one = self.live.pop(name, None)
-        end = getattr(one, "end", None)
-        if end is not None:
-            end()
+    def drop(self, *names: str) -> None:
+        """Ends some of them, in this order; none of them is live any more before the first ends."""
+        ending = [self.live.pop(name, None) for name in names]
+        for one in ending:
+            end = getattr(one, "end", None)
+            if end is not None:
+                end()

@@ -57,11 +57,9 @@ def _heard(studio: Studio, name: str, message: Mapping[str, Any]) -> None:
 def _gone(studio: Studio, name: str, wrote: bool) -> None:
     """What a window had under control is so no more; what it had connected is left."""
     control = studio.live.get("control")
-    if control is not None and getattr(control, "window", None) == name:
-        studio.drop("control")
-    if wrote:
-        studio.drop("connection")
-        studio.drop("run")
+    mine = control is not None and getattr(control, "window", None) == name
+    own = ("control",) if mine or wrote else ()
+    studio.drop(*own, *(("connection", "run") if wrote else ()))
 
 
 async def _sent(line: WebSocket, news: asyncio.Queue[Mapping[str, Any]]) -> None:

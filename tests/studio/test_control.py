@@ -1,0 +1,287 @@
+"""An arm moves only for the window that has control, and only while its key is held."""
+
+from __future__ import annotations
+
+import json
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pytest
+from websockets.sync.client import ClientConnection
+
+from assistant import controllers
+from assistant.virtual.cr import VirtualCr
+from assistant.virtual.irc5 import VirtualIrc5
+from tests.studio.cells import BENCHES, PASSWORD, Bench
+from tests.studio.serving import Page
+from tests.studio.test_controller import codes, done
+
+STEP = 1.0
+"""Degrees of a step at 10 %."""
+LONG = 200
+"""Ticks after which something should have happened."""
+
+
+@dataclass
+class Record:
+    """What the virtual controller itself says of its first joint: (seconds, degrees)."""
+
+    cell: VirtualCr
+    rows: list[tuple[float, float]] = field(default_factory=list)
+    ended: threading.Event = field(default_factory=threading.Event)
+
+    @property
+    def now(self) -> float:
+        return self.cell.state.joints[0]
+
+    def run(self) -> None:
+        while not self.ended.wait(0.005):
+            self.rows.append((time.monotonic(), self.now))
+
+    def last_motion(self) -> float:
+        """When it moved the last time."""
+        rows = list(self.rows)
+        end = rows[-1][1]
+        return next((when for when, value in reversed(rows) if value != end), rows[0][0])
+
+    def until_it_stands(self) -> float:
+        """Where it is when it has not moved for a while."""
+        while time.monotonic() < self.last_motion() + 0.6:
+            time.sleep(0.05)
+        return self.now
+
+
+@contextmanager
+def recorded(cell: VirtualCr) -> Iterator[Record]:
+    record = Record(cell)
+    thread = threading.Thread(target=record.run)
+    thread.start()
+    try:
+        yield record
+    finally:
+        record.ended.set()
+        thread.join()
+
+
+@dataclass
+class Window:
+    """A page with its line. hold: the number of the press that its beats tell of."""
+
+    page: Page
+    line: ClientConnection
+    hold: int = 0
+    told: list[Any] = field(default_factory=list)
+
+    def beat(self, tick: int, **other: Any) -> None:
+        beat = {"kind": "beat", "tick": tick, "hold": self.hold, "axis": "J1", "by": 1}
+        self.line.send(json.dumps({**beat, "frame": "base", "speed": 10, **other}))
+
+    def tick(self) -> int:
+        """The next one that it is told."""
+        while (message := self.page.hear(self.line))["kind"] != "tick":
+            self.told.append(message)
+        return int(message["tick"])
+
+    def catch_up(self) -> None:
+        """Ticks that were told meanwhile have passed by."""
+        with suppress(TimeoutError):
+            while (message := json.loads(self.line.recv(0.01)))["kind"]:
+                self.told.append(message)
+
+    def answer(self, ticks: int, until: Callable[[], bool] = lambda: False, **other: Any) -> float:
+        """Answers that many ticks, or until it is so; when it did the last time."""
+        self.catch_up()
+        for _ in range(ticks):
+            self.beat(self.tick(), **other)
+            if until():
+                break
+        return time.monotonic()
+
+    def hears(self, kind: str, *keys: str) -> Any:
+        while True:
+            message = self.told.pop(0) if self.told else self.page.hear(self.line)
+            if message["kind"] == kind and all(message.get(key) for key in keys):
+                return message
+
+
+@pytest.fixture
+def bench(folder: Path, tmp_path: Path) -> Iterator[Bench]:
+    with BENCHES["cr"](folder, tmp_path / "home") as made:
+        yield made
+
+
+@pytest.fixture
+def window(bench: Bench, address: str) -> Iterator[Window]:
+    """Has control, with motors on."""
+    page = Page(address)
+    with page.line() as line:
+        while not page.writes:
+            page.hear(line)
+        taken(page)
+        yield Window(page, line)
+
+
+def _motors(bench: Bench) -> bool:
+    assert isinstance(bench.cell, VirtualIrc5)
+    return bench.cell.cabinet.panel.state == "motoron"
+
+
+def taken(page: Page) -> None:
+    done(page.post("controller/connect", name="cell1", password=PASSWORD))
+    done(page.post("control/take", word="cell1"))
+    done(page.post("control/motors", on=True))
+
+
+@pytest.fixture
+def record(bench: Bench) -> Iterator[Record]:
+    assert isinstance(bench.cell, VirtualCr)
+    with recorded(bench.cell) as made:
+        yield made
+
+
+def test_another_name_gives_no_control(bench: Bench, page: Page, record: Record) -> None:
+    done(page.post("controller/connect", name="cell1"))
+    for word, code in (("", "ST041"), ("cell2", "ST042"), ("CELL1", "ST042")):
+        assert codes(page.post("control/take", word=word)) == [code]
+        assert not done(page.get("controller"))["controlled"]
+    for path in ("control/motors", "control/teach", "control/hand", "control/give-up"):
+        assert codes(page.post(path, on=True, name="p1", file="t.toml", number=1)) == ["ST043"]
+    assert not record.cell.state.servo
+
+
+def test_it_moves_only_while_the_key_is_held(window: Window, record: Record) -> None:
+    window.answer(4)
+    assert record.until_it_stands() == 0.0
+    window.hold = 1
+    window.answer(LONG, lambda: record.now > 2 * STEP)
+    before = record.now
+    window.hold = 0
+    window.answer(1)
+    moved = record.until_it_stands()
+    assert 2 * STEP < before <= moved <= before + STEP
+    window.hold = 2
+    window.answer(LONG, lambda: record.now < moved - STEP, by=-1)
+    assert record.now < moved - STEP
+
+
+def slowly(bench: Bench) -> None:
+    """A step takes so long that it is the stop that ends it."""
+    with controllers.connect(bench.cell.address) as session:
+        assert isinstance(session, controllers.Controller)
+        session.set_override(2)
+
+
+def test_it_stops_when_beats_stay_away_and_needs_the_key_anew(
+    bench: Bench, window: Window, record: Record
+) -> None:
+    slowly(bench)
+    window.hold = 1
+    window.answer(LONG, lambda: record.now > STEP / 10)
+    before = record.now
+    where = record.until_it_stands()
+    assert STEP / 10 < before <= where < before + STEP / 2
+    assert window.hears("control", "cut")["stands"]
+    window.answer(20)  # of the same press, which somebody may still hold
+    assert record.until_it_stands() == where
+    assert record.cell.state.servo
+    window.hold = 2
+    window.answer(LONG, lambda: record.now > where)
+    assert record.now > where
+
+
+def test_it_stops_when_the_link_is_cut_and_the_motors_go_off(
+    bench: Bench, window: Window, record: Record
+) -> None:
+    slowly(bench)
+    window.hold = 1
+    window.answer(LONG, lambda: record.now > STEP / 10)
+    before = record.now
+    window.line.socket.close()
+    where = record.until_it_stands()
+    assert STEP / 10 < before <= where < before + STEP / 2
+    while record.cell.state.servo:
+        time.sleep(0.05)
+    other = Page(window.page.address)
+    with other.line():
+        assert not done(other.get("controller"))["connected"]
+
+
+def test_old_beats_and_those_of_others_move_nothing(window: Window, record: Record) -> None:
+    old = window.tick()
+    window.answer(8)
+    other = Page(window.page.address)
+    with other.line() as line:
+        assert codes(other.post("control/take", word="cell1")) == ["ST010"]
+        assert codes(other.post("control/motors", on=False)) == ["ST010"]
+        stranger = Window(other, line, hold=9)
+        window.hold = 7
+        for _ in range(10):
+            tick = window.tick()
+            stranger.beat(tick)
+            window.beat(old)
+            window.beat(tick + 1000)
+            for wrong in (
+                *({"axis": "J9"}, {"axis": ["J1"]}, {"by": 50}, {"speed": 11}),
+                *({"speed": True}, {"speed": None}, {"frame": "world"}, {"hold": "7"}),
+            ):
+                window.beat(tick, **wrong)
+    assert record.until_it_stands() == 0.0
+
+
+def test_control_of_a_window_that_says_nothing_is_given_up(window: Window, record: Record) -> None:
+    assert window.hears("control", "ended")["findings"] == []
+    assert not record.cell.state.servo
+    assert codes(window.page.post("control/motors", on=True)) == ["ST043"]
+
+
+def test_limits_hold(window: Window, record: Record) -> None:
+    record.cell.state.joints = (239.5, *record.cell.state.joints[1:])
+    window.hold = 1
+    window.answer(10)
+    found = window.hears("control", "findings")
+    assert found["findings"][0]["code"] == "CO711"
+    assert record.until_it_stands() == 239.5
+
+
+def test_any_window_stops_at_any_time(window: Window, record: Record) -> None:
+    other = Page(window.page.address)
+    with other.line():
+        window.hold = 1
+        window.answer(LONG, lambda: record.now > 0)
+        stopped = done(other.post("control/stop"))
+        assert stopped["stands"]
+        where = record.until_it_stands()
+        window.answer(10)
+        assert record.until_it_stands() == where
+
+
+@pytest.mark.parametrize("maker", sorted(BENCHES))
+def test_a_place_is_taught(maker: str, folder: Path, tmp_path: Path, page: Page) -> None:
+    with BENCHES[maker](folder, tmp_path / "home"):
+        taken(page)
+        asked = {"name": "p1", "file": "taught.toml"}
+        assert done(page.post("control/teach", **asked))["file"] == "taught.toml"
+        assert "p1" in (folder / "taught.toml").read_text("utf-8")
+        assert page.post("control/teach", **asked).status == 422
+        done(page.post("control/teach", **asked, replace=True))
+        assert codes(page.post("control/teach", name="p2", file="../out.toml")) == ["ST023"]
+
+
+def test_an_arm_that_cannot_be_jogged_says_so(folder: Path, tmp_path: Path, address: str) -> None:
+    page = Page(address)
+    with BENCHES["irc5"](folder, tmp_path / "home") as bench:
+        with page.line() as line:
+            while not page.writes:
+                page.hear(line)
+            taken(page)
+            window = Window(page, line, hold=1)
+            window.answer(5)
+            assert window.hears("control", "findings")["findings"][0]["code"] == "CN209"
+            assert _motors(bench)
+        while _motors(bench):
+            time.sleep(0.05)
