@@ -9,7 +9,7 @@ from pathlib import Path as FilePath
 from typing import Any, Final
 
 from starlette.concurrency import run_in_threadpool
-from starlette.requests import Request
+from starlette.requests import ClientDisconnect, Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
@@ -119,7 +119,10 @@ def _posted(does: Does, *, writes: bool) -> Callable[[Request], Awaitable[Respon
         window = request.headers.get(WRITES, "")
         if writes and not studio.windows.writes(window):
             return _refused(Refused(rules.READ_ONLY()))
-        body = await request.body()
+        try:
+            body = await request.body()
+        except ClientDisconnect:  # it is told to nobody
+            return _refused(_wrong("it was not asked to its end"))
         if request.headers.get("content-type", "").startswith("application/octet-stream"):
             asked = Asked(dict(request.query_params), window, body)
         else:
@@ -141,6 +144,8 @@ async def _answered(does: Does, studio: Studio, asked: Asked) -> Response:
         return answer if isinstance(answer, Response) else Told(answer)
     except Refused as refused:
         return _refused(refused)
+    except UnicodeEncodeError:  # a name that no file of ours can have
+        return _refused(_wrong("a text holds what is no character"))
     except RecursionError:
         return _refused(_wrong("it is nested too deep"))
     except Reached as reached:

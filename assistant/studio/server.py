@@ -65,6 +65,7 @@ def serving(folder: FilePath, host: str | None = None, port: int = 0) -> Iterato
         config = uvicorn.Config(
             guard,
             log_config=None,
+            log_level="error",  # strangers that speak no HTTP fill no log
             access_log=False,
             lifespan="off",
             ws="websockets-sansio",

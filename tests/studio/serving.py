@@ -5,11 +5,12 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 from urllib.error import HTTPError
 from urllib.parse import urlencode, urlsplit
 from urllib.request import Request, urlopen
@@ -54,7 +55,7 @@ class Page:
     def line(self) -> Iterator[ClientConnection]:
         """Opens its line to the studio, by which it gets its name."""
         address = self.address.replace("http", "ws", 1) + "window"
-        with connect(address, additional_headers={"Origin": self.origin}) as line:
+        with connect(address, additional_headers={"Origin": self.origin}, max_queue=None) as line:
             self.hear(line)
             yield line
 
@@ -93,22 +94,30 @@ def _value(data: bytes) -> Any:
 def served(folder: Path, *options: str) -> Iterator[str]:
     """The address of a studio of a folder, served by the command."""
     command = [sys.executable, "-m", "assistant", "studio", str(folder)]
-    process = subprocess.Popen(
-        [*command, "--no-open", "--format", "json", *options],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    try:
-        assert process.stdout is not None
-        said = ""
-        while not said.endswith("}\n"):
-            line = process.stdout.readline()
-            if not line:
-                assert process.stderr is not None
-                raise AssertionError(process.stderr.read())
-            said += line
-        yield json.loads(said)["address"]
-    finally:
-        process.terminate()
-        process.communicate(timeout=20)
+    with tempfile.TemporaryFile("w+") as log:
+        process = subprocess.Popen(
+            [*command, "--no-open", "--format", "json", *options],
+            stdout=subprocess.PIPE,
+            stderr=log,
+            text=True,
+        )
+        try:
+            yield _address(process, log)
+        finally:
+            process.terminate()
+            process.communicate(timeout=20)
+        log.seek(0)
+        assert "Traceback" not in log.read()
+
+
+def _address(process: subprocess.Popen[str], log: IO[str]) -> str:
+    assert process.stdout is not None
+    said = ""
+    while not said.endswith("}\n"):
+        line = process.stdout.readline()
+        if not line:
+            log.seek(0)
+            raise AssertionError(log.read())
+        said += line
+    address: str = json.loads(said)["address"]
+    return address
