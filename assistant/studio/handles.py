@@ -8,6 +8,8 @@ from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Final
 
+import numpy as np
+
 from assistant.editing.workspace import Document, Workspace
 from assistant.program.expressions import Name
 from assistant.program.geometry import BASE, IDENTITY, Pose
@@ -78,7 +80,14 @@ def _of_drawing(stage: Stage) -> Iterator[Handle]:
         return
     frame, placement = stage.placed
     world = stage.shown.base @ frame
-    yield Handle(DRAWING, stage.path, world @ placement, world, path=stage.process)
+    pose = world @ placement
+    lines = [stage.shown.base.moved(one.points) for one in stage.shown.drawn]
+    grip = (0.0, 0.0, 0.0)
+    if lines:
+        every = np.concatenate(lines)
+        x, y, z = (every.min(axis=0) + every.max(axis=0)) / 2.0 - np.array(pose.position)
+        grip = (float(x), float(y), float(z))
+    yield Handle(DRAWING, stage.path, pose, world, path=stage.process, grip=grip)
 
 
 def lines_of_targets(studio: Studio, stage: Stage) -> Mapping[str, tuple[str, int]]:

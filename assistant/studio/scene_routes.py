@@ -14,7 +14,7 @@ from assistant.studio.answering import Asked, asks, findings
 from assistant.studio.studio import Studio
 
 if TYPE_CHECKING:
-    from assistant.studio.stages import Stage
+    from assistant.studio.stages import Handle, Stage
 
 POLICY: Final = (
     "default-src 'none'; script-src 'nonce-{nonce}'; style-src 'nonce-{nonce}'; img-src data:; "
@@ -44,7 +44,7 @@ def moved(studio: Studio, asked: Asked) -> dict[str, Any]:
     from assistant.studio.dragging import moved as told
 
     stage, handle = _held(studio, asked)
-    return told(stage, handle, _place(asked))
+    return told(stage, handle, handle.held_at(_place(asked)))
 
 
 def edit(studio: Studio, asked: Asked) -> dict[str, Any]:
@@ -52,7 +52,7 @@ def edit(studio: Studio, asked: Asked) -> dict[str, Any]:
     from assistant.studio import moving
 
     stage, handle = _held(studio, asked)
-    path, change = moving.edit(studio, asked.window, stage, handle, _place(asked))
+    path, change = moving.edit(studio, asked.window, stage, handle, handle.held_at(_place(asked)))
     start, end = change.range.start, change.range.end
     one = {"from": [start.line, start.column], "to": [end.line, end.column], "text": change.text}
     return {"path": path, "edits": [one], "line": start.line + 1}
@@ -85,7 +85,7 @@ def _found(stage: Stage) -> list[Diagnostic]:
     return [placed(one).within(stage.path) for one, _ in stage.shown.findings]
 
 
-def _held(studio: Studio, asked: Asked) -> tuple[Stage, Any]:
+def _held(studio: Studio, asked: Asked) -> tuple[Stage, Handle]:
     from assistant.studio import rules
     from assistant.studio.stages import stages
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.program.diagnostics import Refused
-from assistant.program.geometry import Pose
+from assistant.program.geometry import Pose, Vector
 from assistant.studio import rules
 from assistant.studio.studio import Studio
 
@@ -36,6 +36,7 @@ class Handle:
     kind: TARGET or DRAWING. pose: in the world. frame: in which the text has it, in the world.
     procedure, place, row: of the motion statement that leads there, and of its target among those
     of the statement. path, line: what declares it, counted from 1; line 0 where nothing does.
+    grip: (3,) mm in the world from there to where it is taken hold of.
     """
 
     kind: str
@@ -47,12 +48,18 @@ class Handle:
     row: int = 0
     path: str = ""
     line: int = 0
+    grip: Vector = (0.0, 0.0, 0.0)
+
+    def held_at(self, gripped: Sequence[float]) -> Vector:
+        """Where it is in the world if it is held there by its grip."""
+        x, y, z = (at - off for at, off in zip(gripped, self.grip, strict=True))
+        return x, y, z
 
     def record(self) -> dict[str, Any]:
         return {
             "kind": self.kind,
             "name": self.name,
-            "position": list(self.pose.position),
+            "position": [a + b for a, b in zip(self.pose.position, self.grip, strict=True)],
             "path": self.path,
             "line": self.line,
         }

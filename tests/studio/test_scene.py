@@ -1,0 +1,261 @@
+"""The scene of the studio: it goes where the text leads, and what is dragged there changes it."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.cli.test_commands import SAMPLES
+from tests.studio.serving import Answer, Page
+
+PROGRAM = """\
+MODULE Seam
+  PERS tooldata torch:=[TRUE,[[0,0,80],[1,0,0,0]],[0.9,[0,0,50],[1,0,0,0],0,0,0]];
+  PERS wobjdata part:=[FALSE,TRUE,"",[[300,-50,200],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];
+  CONST robtarget home:=[[80,50,300],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]; ! it waits
+  CONST robtarget left := [[20,0,50],[0,0,1,0],[-1,0,-1,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+  CONST robtarget right:=[[120,0,50],[0,0,1,0],[-1,0,-1,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+  PROC main()
+    MoveJ home,v200,fine,torch\\WObj:=part;
+    MoveL left,v100,fine,torch\\WObj:=part;
+    MoveL right,v50,z5,torch\\WObj:=part;
+    MoveL Offs(right,0,0,80),v50,z5,torch\\WObj:=part;
+  ENDPROC
+ENDMODULE
+"""
+CELL = """\
+[robots.arm]
+robot = "irb1200-7-0.7"
+tool = "torch"
+
+[bodies.torch]
+cylinder = [10, 76]
+position = [0, 0, 40]
+
+[bodies.table]
+box = [300, 300, 20]
+position = [420, 0, 200]
+"""
+PROJECT = """\
+[programs.seam]
+source = "seam.mod"
+robot = "irb1200-7-0.7"
+cell = "cell.toml"
+
+[programs.plate]
+source = "ring.dxf"
+robot = "irb1200-7-0.7"
+"""
+PSEUDO = """\
+program places for irb1200-7-0.7
+
+target above [400, 10, 350] [0, 0, 1, 0]
+target  pick [400, 10, 250] [0, 0, 1, 0]  # the part
+
+procedure main
+  move joint above speed 200 mm/s blend fine
+  move linear pick speed 100 mm/s blend fine
+end
+"""
+MELFA = """\
+10 ' Robot: RV-4FRL
+20 Mov PHome
+30 Mvs PNext ' on
+40 End
+PHome=(+320.00,+0.00,+400.00,+180.00,+0.00,+180.00)(7,0)
+PNext=(+320.00,+40.00,+300.00,+180.00,+0.00,+180.00)(7,0)
+"""
+
+
+@pytest.fixture
+def cell(folder: Path) -> Path:
+    """A folder with programs of every kind."""
+    (folder / "assistant.toml").write_text(PROJECT)
+    (folder / "seam.mod").write_text(PROGRAM)
+    (folder / "cell.toml").write_text(CELL)
+    (folder / "places.pseudo").write_text(PSEUDO)
+    (folder / "next.prg").write_text(MELFA)
+    for name in ("taught.toml", "ring.dxf", "ring.process.toml"):
+        shutil.copy(SAMPLES / name, folder)
+    return folder
+
+
+def codes(answer: Answer) -> list[str]:
+    return [one["code"] for one in answer.value["findings"]]
+
+
+def shown(page: Page, path: str) -> dict[str, Any]:
+    answer = page.post("scene/show", path=path)
+    assert answer.status == 200, answer.value
+    value: dict[str, Any] = answer.value
+    return value
+
+
+def handle(scene: dict[str, Any], name: str) -> int:
+    return next(i for i, one in enumerate(scene["handles"]) if one["name"] == name)
+
+
+def moved(page: Page, scene: dict[str, Any], name: str, *place: float) -> Answer:
+    at = handle(scene, name)
+    return page.post("scene/moved", name=scene["name"], handle=at, position=list(place))
+
+
+def edited(page: Page, scene: dict[str, Any], name: str, by: tuple[float, ...]) -> tuple[str, str]:
+    """The file that is edited, and its text then."""
+    at = handle(scene, name)
+    place = [a + b for a, b in zip(scene["handles"][at]["position"], by, strict=True)]
+    answer = page.post("scene/edit", name=scene["name"], handle=at, position=place)
+    assert answer.status == 200, answer.value
+    path = answer.value["path"]
+    (one,) = answer.value["edits"]
+    lines = page_text(page, path).split("\n")
+    (first, begin), (last, end) = one["from"], one["to"]
+    before, after = lines[first][:begin], lines[last][end:]
+    lines[first : last + 1] = [before + one["text"] + after]
+    return path, "\n".join(lines)
+
+
+def page_text(page: Page, path: str) -> str:
+    text: str = page.post("text/open_text", path=path).value["text"]
+    return text
+
+
+def test_a_program_stands_in_its_cell(page: Page, cell: Path) -> None:
+    assert (cell / "cell.toml").is_file()
+    scene = shown(page, "seam.mod")
+    assert scene["moves"]
+    assert [(one["name"], one["line"]) for one in scene["handles"]] == [
+        ("home", 4),
+        ("left", 5),
+        ("right", 6),
+    ]
+    assert scene["handles"][1]["position"] == [320.0, -50.0, 250.0]
+    answer = page.get(f"scene/{scene['name']}/page")
+    assert answer.status == 200
+    assert "unsafe-inline" not in answer.value.split("<style", 1)[0]
+    assert page.get("scene/nothing/page").status == 404
+
+
+def test_reach_and_touching_are_told_while_something_is_dragged(page: Page, cell: Path) -> None:
+    assert cell.is_dir()
+    scene = shown(page, "seam.mod")
+    there = moved(page, scene, "left", 340.0, -60.0, 260.0).value
+    assert (there["reached"], there["other"], there["touches"]) == (True, False, None)
+    assert len(there["joints"]) == 6
+    assert moved(page, scene, "left", 340.0, 60.0, 260.0).value["other"]  # J1 has passed 0
+    low = moved(page, scene, "left", 340.0, -60.0, 205.0).value
+    assert set(low["touches"]) == {"torch", "table"}
+    far = moved(page, scene, "left", 1340.0, -60.0, 205.0).value
+    assert (far["reached"], far["joints"]) == (False, None)
+
+
+@pytest.mark.parametrize(
+    ("path", "name", "line", "by", "said"),
+    [
+        (
+            "seam.mod",
+            "left",
+            5,
+            (1.5, 0.0, -0.25),
+            "  CONST robtarget left := [[21.5,0,49.75],[0,0,1,0],[-1,0,-1,0],"
+            "[9E9,9E9,9E9,9E9,9E9,9E9]];",
+        ),
+        (
+            "seam.mod",
+            "left",
+            5,
+            (0.0, 100.0, 0.0),  # the arm is turned otherwise there
+            "  CONST robtarget left := [[20,100,50],[0,0,1,0],[0,0,0,0],"
+            "[9E9,9E9,9E9,9E9,9E9,9E9]];",
+        ),
+        (
+            "places.pseudo",
+            "pick",
+            4,
+            (0.0, 2.0, 0.0),
+            "target  pick [400, 12, 250] [0, 0, 1, 0]  # the part",
+        ),
+        (
+            "next.prg",
+            "PNext",
+            6,
+            (0.0, -10.0, 0.5),
+            "PNext=(+320.00,+30.00,+300.50,+180.00,+0.00,+180.00)(7,0)",
+        ),
+        ("taught.toml", "corner", 36, (1.0, 0.0, 0.0), "position = [421, 60, 300]"),
+    ],
+)
+def test_a_target_that_is_moved_is_one_edit(
+    page: Page, cell: Path, path: str, name: str, line: int, by: tuple[float, ...], said: str
+) -> None:
+    before = (cell / path).read_text().split("\n")
+    edits, text = edited(page, shown(page, path), name, by)
+    after = text.split("\n")
+    assert edits == path
+    assert after[line - 1] == said
+    assert after[: line - 1] == before[: line - 1]
+    assert after[line:] == before[line:]
+    assert (cell / path).read_text().split("\n") == before  # whoever edits saves as well
+
+
+def test_a_drawing_is_placed_by_its_process_file(page: Page, cell: Path) -> None:
+    scene = shown(page, "ring.dxf")
+    assert shown(page, "ring.process.toml") == scene
+    name = scene["handles"][0]["name"]
+    x, y, z = scene["handles"][0]["position"]
+    told = moved(page, scene, name, x + 20.0, y, z).value
+    assert (told["reached"], told["left"]) == (True, 0)
+    far = moved(page, scene, name, x + 900.0, y, z).value
+    assert far["left"] == far["looked"] > 5
+    path, text = edited(page, scene, name, (20.0, 0.0, 0.0))
+    assert path == "ring.process.toml"
+    assert text.endswith("\n[placement]\nposition = [20, 0, 0]\n")
+    (cell / path).write_text(text)
+    again = shown(page, "ring.dxf")
+    assert again["handles"][0]["position"] == pytest.approx([x + 20.0, y, z])
+
+
+def test_marks_that_place_a_drawing_are_not_dragged(page: Page, cell: Path) -> None:
+    file = cell / "ring.process.toml"
+    marks = "[[0, 0], [100, 0], [0, 50]]"
+    taught = "[[0, 0, 0], [100, 0, 0], [0, 50, 0]]"
+    file.write_text(f"{file.read_text()}\n[placement]\ndrawing = {marks}\ncell = {taught}\n")
+    scene = shown(page, "ring.dxf")
+    refused = page.post("scene/edit", name=scene["name"], handle=0, position=[1.0, 2.0, 3.0])
+    assert codes(refused) == ["ST052"]
+
+
+def test_what_is_typed_counts_before_it_is_saved(page: Page, cell: Path) -> None:
+    assert cell.is_dir()
+    page_text(page, "seam.mod")
+    change = {"from": [4, 28], "to": [4, 30], "text": "60"}
+    asked = {"path": "seam.mod", "version": 1, "changes": [change], "first": 0, "last": 9}
+    assert page.post("text/change", **asked).status == 200
+    scene = shown(page, "seam.mod")
+    assert scene["handles"][1]["position"] == [360.0, -50.0, 250.0]
+
+
+def test_what_cannot_be_shown_is_told(page: Page, cell: Path) -> None:
+    (cell / "broken.mod").write_text("MODULE broken\n  PROC main(\nENDMODULE\n")
+    (cell / "alone.process.toml").write_text('unit = "mm"\n')
+    assert page.post("scene/show", path="broken.mod").status == 422
+    assert codes(page.post("scene/show", path="alone.process.toml")) == ["ST051"]
+    assert codes(page.post("scene/show", path="../elsewhere.mod")) == ["ST023"]
+    lost = page.post("scene/moved", name="nothing", handle=0, position=[0, 0, 0])
+    assert codes(lost) == ["ST050"]
+    scene = shown(page, "seam.mod")
+    for wrong in ({"handle": 99}, {"handle": 0.5}, {"handle": 0, "position": [1, 2]}):
+        asked = {"name": scene["name"], "handle": 0, "position": [0, 0, 0], **wrong}
+        assert codes(page.post("scene/moved", **asked)) == ["ST011"]
+
+
+def test_a_text_that_has_changed_since_is_not_edited_blindly(page: Page, cell: Path) -> None:
+    scene = shown(page, "seam.mod")
+    file = cell / "seam.mod"
+    file.write_text(file.read_text().replace("robtarget left", "robtarget other"))
+    at = handle(scene, "left")
+    refused = page.post("scene/edit", name=scene["name"], handle=at, position=[330.0, -50.0, 250.0])
+    assert codes(refused) == ["ST052"]
