@@ -7,6 +7,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Final
 
+import numpy as np
+
+from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Diagnostic
 from assistant.studio import rules
 from assistant.studio.answering import findings
@@ -36,7 +39,7 @@ def compared(first: Wanted, second: Wanted) -> dict[str, Any]:
               for one in (first, second)}  # fmt: skip
     same = len(spoken) == 1
     like = likeness(*(runs if same else map(_motions, runs)))
-    far = deviation(done[0][1], done[1][1])
+    far = deviation(done[0][1], done[1][1], (_begins(runs[0]), _begins(runs[1])))
     found = [finding for _, _, one in done for finding in one]
     if like.unlike is not None:
         found.append(_differs(like.unlike, second))
@@ -74,6 +77,11 @@ def _run(wanted: Wanted) -> tuple[Run, Columns, Sequence[Diagnostic]]:
     wrong = ending(run, wanted.programs.sources())
     columns = motion_columns(run, given, kernel.motion)
     return run, columns, [] if wrong is None else [wrong]
+
+
+def _begins(run: Run) -> Floats:
+    """(k,) seconds."""
+    return np.array([row.time for row in run.log if isinstance(row.what, Moved)])
 
 
 def _motions(run: Run) -> Run:

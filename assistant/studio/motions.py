@@ -61,21 +61,43 @@ class Deviation:
     of: int
 
 
-def deviation(first: Columns, second: Columns) -> Deviation | None:
+def deviation(first: Columns, second: Columns, begins: tuple[Floats, Floats]) -> Deviation | None:
     """How far two tools' paths are apart at most, seen from either; None without both.
 
-    It says nothing of when the tools are there: what is slower alone has no deviation.
+    begins: seconds at which the motions of each begin. Where there are as many of both, a place is
+    compared with those of the same motion only. Nothing is said of when the tools are there: what
+    is slower alone has no deviation.
     """
     if "t" not in first or "t" not in second:
         return None
     one, two = _path(first), _path(second)
+    if len(begins[0]) != len(begins[1]):
+        begins = np.zeros(1), np.zeros(1)
     found = []
     for of, (here, there) in enumerate(((one, two), (two, one))):
-        distance, angle = _apart(here, there)
+        distance, angle = _by_motion(here, there, begins[of], begins[1 - of])
         at = int(np.argmax(distance))
         found.append(Deviation(float(distance[at]), float(angle.max()), float(here["t"][at]), of))
     worst = max(found, key=lambda each: each.distance)
     return Deviation(worst.distance, max(each.angle for each in found), worst.time, worst.of)
+
+
+def _by_motion(
+    here: Mapping[str, Floats], there: Mapping[str, Floats], begin: Floats, other: Floats
+) -> tuple[Floats, Floats]:
+    """(k,) mm and degrees of each place of a path from the same motion of the other one."""
+    ours = np.append(np.searchsorted(here["t"], begin), len(here["t"]))
+    ours[0] = 0
+    low = np.maximum(np.searchsorted(there["t"], other, side="right") - 1, 0)
+    high = np.append(np.searchsorted(there["t"], other[1:]) + 1, len(there["t"]))
+    low[0] = 0
+    distance, angle = np.zeros(len(here["t"])), np.zeros(len(here["t"]))
+    for k in range(len(begin)):
+        rows, window = slice(ours[k], ours[k + 1]), slice(low[k], max(high[k], low[k] + 1))
+        if ours[k] < ours[k + 1]:
+            pair = ({n: c[s] for n, c in p.items()} for p, s in ((here, rows), (there, window)))
+            distance[rows], angle[rows] = _apart(*pair)
+    return distance, angle
 
 
 def _path(columns: Columns) -> dict[str, Floats]:
@@ -90,26 +112,45 @@ def _path(columns: Columns) -> dict[str, Floats]:
 
 
 def _apart(here: Mapping[str, Floats], there: Mapping[str, Floats]) -> tuple[Floats, Floats]:
-    """(k,) mm and degrees of each place of a path from the lines about the nearest of another."""
+    """(k,) mm and degrees of each place of a path from the lines about the nearest of another.
+
+    Places are near each other by where they are and how they are turned, see TURNED.
+    """
     points, path = here["position"], there["position"]
-    nearest = np.empty(len(points), dtype=np.intp)
     squares = np.einsum("ij,ij->i", path, path)
+    nearest = np.empty(len(points), dtype=np.intp)
     for begin in range(0, len(points), TOGETHER):
         rows = slice(begin, begin + TOGETHER)
-        cosine = here["quaternion"][rows] @ there["quaternion"].T
-        unlike = squares - 2.0 * points[rows] @ path.T - TURNED**2 * cosine**2
+        cosine = np.abs(here["quaternion"][rows] @ there["quaternion"].T)
+        unlike = squares - 2.0 * points[rows] @ path.T - 2.0 * TURNED**2 * cosine
         nearest[rows] = np.argmin(unlike, axis=1)
-    distance = norms(points - path[nearest])
-    turn = there["quaternion"][nearest]
+    place, turn = path[nearest], there["quaternion"][nearest]
+    best = _unlike(points, here["quaternion"], place, turn)
     for side in (-1, 1):
         other = np.clip(nearest + side, 0, len(path) - 1)
         way = path[other] - path[nearest]
-        length = np.einsum("ij,ij->i", way, way)
-        along = np.einsum("ij,ij->i", points - path[nearest], way)
+        first, last = there["quaternion"][nearest], there["quaternion"][other]
+        step = _aligned(last, first) - first
+        along = np.sum((points - path[nearest]) * way, axis=1)
+        along += TURNED**2 * np.sum((_aligned(here["quaternion"], first) - first) * step, axis=1)
+        length = np.sum(way * way, axis=1) + TURNED**2 * np.sum(step * step, axis=1)
         part = np.clip(along / np.where(length > 0.0, length, 1.0), 0.0, 1.0)
-        off = norms(points - path[nearest] - part[:, None] * way)
-        nearer = off < distance
-        between = rotations.between(there["quaternion"][nearest], there["quaternion"][other], part)
-        distance = np.where(nearer, off, distance)
-        turn = np.where(nearer[:, None], between, turn)
-    return distance, rotations.angle_between(here["quaternion"], turn)
+        at, turned = path[nearest] + part[:, None] * way, rotations.between(first, last, part)
+        off = _unlike(points, here["quaternion"], at, turned)
+        nearer = (off < best)[:, None]
+        place, turn = np.where(nearer, at, place), np.where(nearer, turned, turn)
+        best = np.minimum(best, off)
+    return norms(points - place), rotations.angle_between(here["quaternion"], turn)
+
+
+def _unlike(points: Floats, turns: Floats, places: Floats, others: Floats) -> Floats:
+    """(k,) mm squared by which poses are unlike."""
+    turned = _aligned(turns, others) - others
+    return np.asarray(
+        np.sum((points - places) ** 2, axis=1) + TURNED**2 * np.sum(turned**2, axis=1)
+    )
+
+
+def _aligned(quaternions: Floats, others: Floats) -> Floats:
+    """(k, 4) the same rotations, each on the side of another one."""
+    return np.where(np.sum(quaternions * others, axis=1) < 0.0, -1.0, 1.0)[:, None] * quaternions
