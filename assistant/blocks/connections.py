@@ -16,7 +16,7 @@ from assistant.controllers.mitsubishi.cr import Cr
 from assistant.controllers.states import Position
 from assistant.program.diagnostics import Refused
 
-T = TypeVar("T")
+T = TypeVar("T", covariant=True)
 
 PATIENCE: Final = 10.0
 """Seconds that a statement has to come to its end once the arm was stopped."""

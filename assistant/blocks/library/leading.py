@@ -32,6 +32,8 @@ WINDOW: Final = 1.0
 ROUNDS: Final = 20
 CLOSE: Final = 1e-6
 """mm that a tool may be beside its place: steps end there, not before."""
+EDGE: Final = 0.02
+"""Degrees or mm by which what a controller tells of an axis at its end may be beyond."""
 ROUNDING: Final = 1e-6
 """Part of a speed that two moments of a run make of it."""
 
@@ -136,6 +138,7 @@ class Relative(Block):
             raise Refused(NO_NUMBERS(block=self.name))
         joints = self.stepped(self.leader.told, by)
         self._check(joints, seconds)
+        joints = np.clip(joints, *self.leader.arm.limits.T)
         period = self.leader.carrier.period
         self.leader.to(joints, period if math.isnan(seconds) else seconds)
         self._steps += 1
@@ -151,7 +154,7 @@ class Relative(Block):
     def _check(self, joints: Floats, seconds: float) -> None:
         arm = self.leader.arm
         for axis, value, (low, high) in zip(arm.axes, joints, arm.limits, strict=True):
-            if not low <= value <= high:
+            if not low - EDGE <= value <= high + EDGE:
                 told = {"low": low, "high": high, "robot": self.robot.name, "value": value}
                 raise Refused(OUT_OF_LIMITS(block=self.name, axis=int(axis[1:]), **told))
         if math.isnan(seconds):

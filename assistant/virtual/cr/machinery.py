@@ -219,7 +219,8 @@ class Machinery(Powered):
                 kernel.at(later, self._servo_on)
                 return
             for slot in self.controller.slots:
-                slot.stop()
+                if slot.condition == "START":  # others run before the servos are on, too
+                    slot.stop()
             self.halt_direct()
             self.controller.arm.servo = False
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Final, Literal
 
 import numpy as np
@@ -12,7 +13,7 @@ import pytest
 from numpy.typing import ArrayLike
 
 from assistant import robots
-from assistant.blocks.connections import Connection
+from assistant.blocks.connections import Connection, operated
 from assistant.blocks.diagrams.block import Port
 from assistant.blocks.diagrams.clocks import RealTime
 from assistant.blocks.diagrams.diagram import Diagram
@@ -20,8 +21,11 @@ from assistant.blocks.diagrams.running import Ran, run
 from assistant.blocks.leading import Leader, led, measured
 from assistant.blocks.library.kinematics import tool_pose
 from assistant.blocks.library.leading import Relative, RelCart, RelJoint, Status
+from assistant.blocks.library.moving import JointMovJoint
 from assistant.blocks.library.sources import Constant, Table
+from assistant.controllers import connect
 from assistant.controllers.following import Wishes
+from assistant.controllers.mitsubishi.control_mode.programs import MEASURE, texts
 from assistant.program import rotations
 from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
@@ -233,3 +237,48 @@ def test_a_step_of_the_tool_is_exact_for_six_axes_in_either_frame() -> None:
         order = (start[3:], turn) if in_tool else (turn, start[3:])
         assert found[:3] == pytest.approx(start[:3] + way, abs=1e-6)
         assert rotations.angle_between(found[3:], rotations.multiply(*order)) < 1e-6
+
+
+@pytest.mark.slow
+def test_a_slot_that_always_runs_measures_beside_moves_that_block(tmp_path: Path) -> None:
+    with VirtualCr("rv-2aj", folder=tmp_path) as first, connect(first.address) as session:
+        session.write(MEASURE, texts([MEASURE])[MEASURE])
+    virtual = VirtualCr("rv-2aj", folder=tmp_path, servo_time=0.02)
+    virtual.state.parameters.write("SLT2", f"{MEASURE}, REP, ALWAYS, 1", all_levels=True)
+    with virtual:
+        host, port = virtual.data_ports["COM2:"]
+        for _ in range(2):
+            diagram = Diagram()
+            moving = operated("cell", virtual.address, override=20)
+            status = diagram.add(Status("s", measured("line", f"{host}:{port}", ARM), ARM))
+            move = diagram.add(JointMovJoint("m", moving, ARM))
+            goal = [20.0 - virtual.state.joints[0], 0.0, 90.0, 0.0, 90.0, 0.0]
+            diagram.wire(diagram.add(Constant("goal", goal)), (move, "target"))
+            diagram.wire(diagram.add(Constant("on", 1.0)), (move, "start"))
+
+            def watch(now: float, move: JointMovJoint = move) -> bool:
+                return not now or move._done < 1
+
+            ran = run(diagram, 30.0, 0.05, clock=RealTime(), moving=["cell"], watch=watch)
+            joints = ran["s.joints"][:, 0]
+            assert status.moves == "" and joints[-1] == pytest.approx(goal[0], abs=0.02)
+            between = np.abs(joints - joints[0]) % 20.0 > 0.05
+            assert (ran["m.busy"][between] == 1.0).all() and between.sum() > 5
+            assert ran["s.speed"].max() > 50.0
+
+
+@pytest.mark.slow
+def test_an_arm_is_led_cycle_by_cycle_as_well() -> None:
+    with cell(pace=1.0) as here:
+        wishes = Wishes(port=here.virtual.mxt_port)
+        connection = led("cell", here.address, ARM, by="mxt", percent=PERCENT, wishes=wishes)
+        diagram = Diagram()
+        diagram.add(Status("status", connection, ARM))
+        rel = diagram.add(RelJoint("rel", connection, ARM))
+        diagram.wire(diagram.add(Constant("by", [1.0, 0.0, 0.0, 0.0, 0.0])), (rel, "by"))
+        go = diagram.add(Table("go", [0.0, 0.95, 1.0], [1.0, 1.0, 0.0], port=Port("value")))
+        diagram.wire((go, "value"), (rel, "go"))
+        ran = run(diagram, 2.0, STEP, clock=RealTime(), moving=["cell"])
+        assert ran["rel.steps"][-1] == 10.0
+        assert ran["status.joints"][-1, 0] == pytest.approx(10.0, abs=0.05)
+        assert np.isnan(ran["status.speed"]).all()
