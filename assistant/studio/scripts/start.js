@@ -8,6 +8,8 @@ import { beginDrawing } from "./drawing.js";
 import { beginEditor, goToFinding } from "./editor.js";
 import { beginScene } from "./scene.js";
 import { beginRun } from "./run.js";
+import { beginController } from "./controller.js";
+import { beginControl } from "./control.js";
 
 beginWords();
 beginTabs();
@@ -25,6 +27,8 @@ beginDrawing();
 beginEditor();
 beginScene();
 beginRun();
+beginController();
+beginControl();
 beginFindings((finding) => goToFinding(finding, chooseFile));
 await beginLine();
 await readProject();

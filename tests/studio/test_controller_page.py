@@ -1,0 +1,78 @@
+"""The controller in a real browser: deployed, changed there, taken back; moved and taught."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from assistant.virtual.cr import VirtualCr
+from tests.studio.browsing import clean, studio_page, until
+from tests.studio.cells import BENCHES
+
+
+def test_a_visitor_deploys_takes_back_moves_and_teaches(
+    browser: Any, address: str, folder: Path, tmp_path: Path
+) -> None:
+    with BENCHES["cr"](folder, tmp_path / "home") as bench:
+        assert isinstance(bench.cell, VirtualCr)
+        with studio_page(browser, address) as page, clean(page):
+            page.click("#tab-controller")
+            page.click("#connect-form button")
+            page.wait_for_selector("#monitor table")
+            _deployed_and_taken_back(page, bench)
+            _moved(page, bench.cell)
+            page.fill("#teach-name", "p1")
+            page.click("#teach-form button")
+            page.wait_for_selector("#taught >> text=p1")
+        while bench.cell.state.servo:  # the window has gone
+            browser.contexts  # noqa: B018
+    assert "p1" in (folder / "taught.toml").read_text("utf-8")
+
+
+def _deployed_and_taken_back(page: Any, bench: Any) -> None:
+    page.click("#build")
+    page.wait_for_selector("#files >> text=build/cell1")
+    page.click("#plan")
+    page.wait_for_selector("#programs >> text=create")
+    page.click("#deploy")
+    page.wait_for_selector("#programs >> text=installed")
+    bench.change(bench.text.format(555))
+    page.click("#verify")
+    page.wait_for_selector("#drift.changed")
+    assert "+555.00" in page.inner_text("#programs")
+    page.check("#programs input")
+    page.click("#roll-back")
+    page.wait_for_selector("#programs >> text=put back")
+    assert bench.read() == ""
+
+
+def _moved(page: Any, cell: VirtualCr) -> None:
+    page.fill("#control-name", "cell1")
+    page.click("#take-control")
+    page.wait_for_selector("#control:not([hidden])")
+    page.click("#motors-on")
+    until(page, "document.querySelector('#monitor p').textContent.includes('Motors on')")
+    page.focus("#dead-man")
+    page.keyboard.down(" ")
+    page.wait_for_selector("#dead-man.held")
+    _wait(page, lambda: cell.state.joints[0] > 1.0)
+    page.keyboard.up(" ")
+    page.wait_for_selector("#dead-man:not(.held)")
+    page.select_option("#jog-by", "−")
+    page.hover("#dead-man")
+    page.mouse.down()
+    page.wait_for_selector("#dead-man.held")
+    page.mouse.move(5, 5)  # away from the key
+    page.wait_for_selector("#dead-man:not(.held)")
+    page.mouse.up()
+    page.hover("#dead-man")
+    page.mouse.down()
+    page.wait_for_selector("#dead-man.held")
+    page.evaluate("dispatchEvent(new Event('blur'))")  # another window in front
+    page.wait_for_selector("#dead-man:not(.held)")
+    page.mouse.up()
+
+
+def _wait(page: Any, so: Any) -> None:
+    while not so():
+        page.wait_for_timeout(20)
