@@ -14,10 +14,12 @@ import tempfile
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import chdir
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Final
 
 from assistant.cli.app import app
+from docs import models
 
 PROJECT: Final = Path(__file__).parent.parent
 FOLDER: Final = PROJECT / "docs" / "pictures"
@@ -418,6 +420,7 @@ PICTURES: Final[dict[str, Callable[[], bytes]]] = {
     "learned": learned,
     "fmu": fmu,
     "calibrated": calibrated,
+    **{name: partial(models.model, name) for name in models.names()},
 }
 """Each picture by the name of its file."""
 
