@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import secrets
 from collections import Counter
 from collections.abc import Iterable
@@ -50,7 +51,10 @@ class Guard:
         inner["raw_path"] = inner["path"].encode()
         nonce = secrets.token_urlsafe(12)
         inner["state"] = {**scope.get("state", {}), "nonce": nonce}
-        await self._app(inner, _bounded(receive), _headed(send, nonce))
+        try:
+            await self._app(inner, _bounded(receive), _headed(send, nonce))
+        except asyncio.CancelledError:
+            return  # the studio ends, and whoever asked is not told any more
 
     def _wrong(self, scope: Scope) -> str | None:
         """Why a request is refused, None if it is not."""

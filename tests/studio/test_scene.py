@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from tests.cli.test_commands import SAMPLES
+from tests.studio.browsing import clean, studio_page, until
 from tests.studio.serving import Answer, Page
 
 PROGRAM = """\
@@ -259,3 +260,105 @@ def test_a_text_that_has_changed_since_is_not_edited_blindly(page: Page, cell: P
     at = handle(scene, "left")
     refused = page.post("scene/edit", name=scene["name"], handle=at, position=[330.0, -50.0, 250.0])
     assert codes(refused) == ["ST052"]
+
+
+FRAME = "document.querySelector('#scene iframe')?.contentWindow"
+
+
+def scene_is_there(window: Any, path: str) -> None:
+    window.get_by_role("treeitem", name=path).click()
+    until(window, f"{FRAME}?.view?.drawn() > 0")
+    until(window, "document.querySelector('#drag-state').textContent === ''")
+
+
+def on_page(window: Any, place: list[float]) -> tuple[float, float]:
+    """Where a place of the world is on the page, px."""
+    x, y = window.evaluate(f"{FRAME}?.view.seen({place})")
+    box = window.locator("#scene iframe").bounding_box()
+    return box["x"] + x, box["y"] + y
+
+
+def lines(window: Any) -> list[str]:
+    found: list[str] = window.locator("#editor .cm-line").all_text_contents()
+    return found
+
+
+def test_lines_lead_the_arm_and_what_is_dragged_changes_its_line(
+    browser: Any, address: str, cell: Path
+) -> None:
+    with studio_page(browser, address) as window, clean(window):
+        scene_is_there(window, "seam.mod")
+        view = f"{FRAME}?.view"
+        before = window.evaluate(f"{view}.carriers()")
+        window.locator("#editor .cm-line").nth(9).click()  # the line leads the arm
+        until(window, f"{view}.time() > 0")
+        assert window.evaluate(f"{view}.lineAt()") == {"path": "seam.mod", "line": 10}
+        assert window.evaluate(f"{view}.carriers()") != before
+        assert window.locator(".arm-here").inner_text().strip().startswith("MoveL right")
+        at = on_page(window, [320.0, -50.0, 250.0])
+        window.mouse.click(*at)  # the target leads to its line
+        until(window, "document.querySelector('.cm-activeLineGutter').textContent === '5'")
+        assert window.locator("#drag-name").inner_text() == "left"
+        kept = lines(window)
+        x, y = on_page(window, [320.0, -50.0, 250.0])
+        window.mouse.move(x, y)
+        window.mouse.down()
+        window.mouse.move(x + 400, y - 300, steps=4)
+        until(window, "document.querySelector('#drag-state').className === 'bad'")
+        window.keyboard.press("Escape")
+        window.mouse.up()
+        assert lines(window) == kept
+        window.mouse.move(x, y)
+        window.mouse.down()
+        window.mouse.move(x + 12, y - 9, steps=4)
+        until(window, "document.querySelector('#drag-state').className === 'good'")
+        window.mouse.up()
+        until(window, "document.querySelectorAll('#editor .cm-line')[4].textContent.length > 86")
+        assert [i for i, line in enumerate(lines(window)) if line != kept[i]] == [4]
+        assert (cell / "seam.mod").read_text() == PROGRAM  # nobody has saved it
+        window.locator("#undo").click()
+        assert lines(window) == kept
+
+
+@pytest.mark.slow
+def test_what_is_in_hand_is_moved_by_keys_and_by_numbers(
+    browser: Any, address: str, cell: Path
+) -> None:
+    assert cell.is_dir()
+    with studio_page(browser, address) as window, clean(window):
+        scene_is_there(window, "seam.mod")
+        view = f"{FRAME}?.view"
+        window.mouse.click(*on_page(window, [320.0, -50.0, 250.0]))
+        until(window, f"{view}.held() !== null")
+        window.locator("#scene iframe").focus()
+        window.keyboard.press("ArrowRight")
+        window.keyboard.press("Shift+PageUp")
+        until(window, f"{view}.held().place[2] === 260")
+        assert window.evaluate(f"{view}.held().place") == [321.0, -50.0, 260.0]
+        window.locator("#drag-y").fill("-42.5")
+        window.locator("#drag-y").press("ArrowUp")
+        window.locator("#drag-y").press("Enter")
+        until(
+            window,
+            "document.querySelectorAll('#editor .cm-line')[4].textContent.includes('[21,8.5,60]')",
+        )
+        until(window, f"{view}?.held()?.place[2] === 260")
+        window.keyboard.press("Escape")
+
+
+@pytest.mark.slow
+def test_a_drawing_is_dragged_as_a_whole(browser: Any, address: str, cell: Path) -> None:
+    assert cell.is_dir()
+    with studio_page(browser, address) as window, clean(window):
+        scene_is_there(window, "ring.dxf")
+        view = f"{FRAME}?.view"
+        window.evaluate(f"{view}.take(0)")
+        x, *_ = window.evaluate(f"{view}.held().place")
+        window.locator("#drag-x").fill(str(round(x + 15, 3)))
+        until(window, "document.querySelector('#drag-state').className === 'good'")
+        window.locator("#drag-form button").first.click()
+        until(
+            window,
+            "document.querySelector('#editor')?.textContent.includes('position = [15, 0, 0]')",
+        )
+        until(window, f"Math.abs({view}?.held()?.place[0] - {x + 15}) < 0.01")
