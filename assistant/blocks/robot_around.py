@@ -51,7 +51,7 @@ class ExternalControl(_Stepped, SampledBlock):
     nin = 2
     nout = 7
     inlabels = ("q", "go")
-    outlabels = ("q", "cmd", "!", "n", "lt", "max", "jit")
+    outlabels = ("q", "cmd", "!", "n", "n+", "max", "jit")
 
     def __init__(
         self,
