@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import importlib.util
 import io
+import re
 import shutil
 import subprocess
 import zipfile
@@ -35,6 +36,15 @@ def test_the_descriptions_pass_the_validator_of_fmpy(tmp_path: Path) -> None:
         file = tmp_path / f"{model.identifier}.fmu"
         file.write_bytes(model.packed({}))
         assert validation.validate_fmu(str(file)) == []
+        # It does look at what is not known before the start: one of them less is found.
+        with zipfile.ZipFile(file) as archive, zipfile.ZipFile(tmp_path / "less.fmu", "w") as less:
+            for name in archive.namelist():
+                text = archive.read(name)
+                if name == "modelDescription.xml":
+                    text = re.sub(rb"(<InitialUnknowns>\s*)<Unknown [^>]*/>", rb"\1", text)
+                less.writestr(name, text)
+        (found,) = validation.validate_fmu(str(tmp_path / "less.fmu"))
+        assert "InitialUnknowns" in found
 
 
 def test_the_source_compiles_without_a_warning_under_the_name_of_the_model(tmp_path: Path) -> None:
