@@ -8,19 +8,21 @@ function look(sort, marks) {
   if (!known.has(name)) known.set(name, Decoration.mark({ class: name }));
   return known.get(name);
 }
-/** Decorations that come as effects, and move with the text. */
-function field(effect) {
+/** Decorations that come as effects, and move with the text by then. */
+function field(effect, moving) {
   return StateField.define({
     create: () => Decoration.none,
     update(value, update) {
-      const moved = update.docChanged ? value.map(update.changes) : value;
+      const moved = update.docChanged ? moving(value, update) : value;
       return update.effects.reduce((now, one) => (one.is(effect) ? one.value : now), moved);
     },
     provide: (own) => EditorView.decorations.from(own),
   });
 }
 const setWords = StateEffect.define(), setArm = StateEffect.define(), setLinked = StateEffect.define(), setPoints = StateEffect.define();
-const words = field(setWords), armed = field(setArm), linkedLines = field(setLinked);
+const withLines = (name) => (value, update) => lineSet(update.state.doc, numbersOf(value, update.state.doc, (at) => update.changes.mapPos(at, 1)), name);
+const words = field(setWords, (value, update) => value.map(update.changes));
+const armed = field(setArm, withLines("arm-here")), linkedLines = field(setLinked, withLines("linked"));
 
 /** Colours of some lines, [line, column, length, sort, marks] each, from 0; all others lose theirs. */
 export function coloured(doc, rows) {
@@ -46,19 +48,18 @@ const point = new Point();
 const points = StateField.define({
   create: () => Decoration.none,
   update(value, update) {
-    const moved = update.docChanged ? onLines(value.map(update.changes), update.state.doc) : value;
+    const moved = update.docChanged ? placed(update.state.doc, numbersOf(value, update.state.doc, (at) => update.changes.mapPos(at, 1))) : value;
     return update.effects.reduce((now, one) => (one.is(setPoints) ? one.value : now), moved);
   },
 });
 const placed = (doc, numbers) => Decoration.none.update({ add: [...new Set(numbers)].sort((a, b) => a - b).map((one) => point.range(doc.line(one).from)) });
-/** One at the beginning of each line that has any. */
-const onLines = (value, doc) => placed(doc, numbersOf(value, doc));
-function numbersOf(value, doc) {
+/** Lines in which marks stand, once they are moved. */
+function numbersOf(value, doc, moved = (at) => at) {
   const found = [];
-  for (let at = value.iter(); at.value; at.next()) found.push(doc.lineAt(Math.min(at.from, doc.length)).number);
-  return found;
+  for (let at = value.iter(); at.value; at.next()) found.push(doc.lineAt(moved(at.from)).number);
+  return [...new Set(found)];
 }
-export const pointLines = (state) => [...new Set(numbersOf(state.field(points), state.doc))];
+export const pointLines = (state) => numbersOf(state.field(points), state.doc);
 export function setPoint(state, at) {
   const all = pointLines(state);
   return setPoints.of(placed(state.doc, at >= 1 && at <= state.doc.lines ? [...all, at] : all));

@@ -1,7 +1,7 @@
 // What the studio knows of a text: each change goes there in its order, and what is found comes back.
 import { setDiagnostics } from "../codemirror/codemirror.js";
 import { ask } from "./server.js";
-import { showOfFile } from "./findings.js";
+import { changedText, showOfFile } from "./findings.js";
 import { state as window_ } from "./line.js";
 import { markdown } from "./editor_markdown.js";
 import { showOutline } from "./editor_outline.js";
@@ -25,6 +25,7 @@ export class Service {
     this.#before ??= before;
     this.#pending = this.#pending ? this.#pending.compose(changes) : changes;
     this.#fixes = [];
+    changedText(this.#text.path);
     clearTimeout(this.#soon);
     this.#soon = setTimeout(() => this.#send(), SOON);
     this.settle();

@@ -7,7 +7,15 @@ export const beginFindings = (goTo) => { open = goTo; };
 let ofFile = [], ofDoing = [];
 
 /** Findings of the open file, with their cures: {finding, fixes: [{title, use}]}. */
-export function showOfFile(found) { ofFile = found; show(); }
+export function showOfFile(found) {
+  const gone = new Set(ofFile.map(keyOf));
+  for (const one of found) gone.delete(keyOf(one));
+  ofDoing = ofDoing.filter((one) => !gone.has(keyOf(one)));
+  ofFile = found;
+  show();
+}
+/** A text has changed: what an action said of its lines is no more true of them. */
+export function changedText(path) { ofDoing = ofDoing.filter(({ finding }) => finding.path !== path || finding.line === undefined); }
 export function showOfDoing(found) { ofDoing = found.map((finding) => ({ finding, fixes: [] })); show(); }
 
 /** Does something; what is refused stands in the list then, and undefined comes back. */
@@ -22,10 +30,12 @@ export async function doing(does) {
     return undefined;
   }
 }
+const keyOf = ({ finding }) => `${finding.code} ${finding.path} ${finding.line} ${finding.message}`;
 function show() {
+  const own = new Set(ofFile.map(keyOf)); // those of the file come with their cures
   const seen = new Set(), list = find("findings"), items = [];
-  for (const { finding, fixes } of [...ofDoing, ...ofFile]) {
-    const key = `${finding.code} ${finding.path} ${finding.line} ${finding.message}`;
+  for (const { finding, fixes } of [...ofDoing.filter((one) => !own.has(keyOf(one))), ...ofFile]) {
+    const key = keyOf({ finding });
     if (seen.has(key)) continue;
     seen.add(key);
     const item = made("li", undefined, finding.severity), button = made("button");
