@@ -20,6 +20,7 @@ export function showOfDoing(found) { ofDoing = found.map((finding) => ({ finding
 
 /** Does something; what is refused stands in the list then, and undefined comes back. */
 export async function doing(does) {
+  busy(1);
   try {
     const answer = await does();
     showOfDoing(answer?.findings ?? []);
@@ -28,7 +29,14 @@ export async function doing(does) {
     if (!(refused instanceof Refused)) throw refused;
     showOfDoing(refused.findings);
     return undefined;
+  } finally {
+    busy(-1);
   }
+}
+let going = 0;
+function busy(step) {
+  going += step;
+  find("findings").setAttribute("aria-busy", String(going > 0));
 }
 const keyOf = ({ finding }) => `${finding.code} ${finding.path} ${finding.line} ${finding.message}`;
 function show() {
