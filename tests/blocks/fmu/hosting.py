@@ -25,7 +25,9 @@ LETTERS = {"Real": "r", "Integer": "i", "Boolean": "b", "String": "s"}
 
 @dataclass(frozen=True)
 class Speed:
-    """steps: a second. nanoseconds: of a step. bytes: of an instance. peak: KiB of the process."""
+    """steps: a second of the processor. nanoseconds: of a step. bytes: of an instance. peak: KiB of
+    the process.
+    """
 
     steps: float
     nanoseconds: float
