@@ -33,7 +33,7 @@ from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots import Robot
 from assistant.robots.timing import drive_of
 
-CONTINUOUS: Final = ("data-link", "mxt", "egm")
+CONTINUOUS: Final = tuple(name for name, mode in MODES.items() if not mode.waits)
 """Ways of leading in which the arm does not stop at each step."""
 MOST_WAITING: Final = 50
 """Setpoints that have not gone out yet."""
@@ -149,7 +149,7 @@ def led(
 ) -> Connection[Leader]:
     """An arm that blocks lead, without stops between their setpoints.
 
-    address: of the controller, or its name in the project. by: `data-link`, `mxt` or `egm`.
+    address: of the controller, or its name in the project. by: one of `CONTINUOUS`.
     percent: of the speeds of its axes, which no setpoint may exceed. tool: on the flange. wishes:
     lines and ports, None for the usual ones. servo: whether the servos are switched on before and
     off after. Raises Refused for another way.

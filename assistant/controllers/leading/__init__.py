@@ -28,7 +28,7 @@ Make = Callable[[Programs, Arm, Wishes, Floats], Carrier]
 class Mode:
     """title: in words. make: a carrier that is not entered. operates: whether the session must be
     one that operates the controller. check: is asked before anybody confirms. unbegun: codes of
-    refusals after which nothing has been sent or started.
+    refusals after which nothing has been sent or started. waits: as of its carrier.
     """
 
     title: str
@@ -36,6 +36,7 @@ class Mode:
     operates: bool
     check: Check
     unbegun: frozenset[str] = frozenset()
+    waits: bool = False
 
 
 def _jog(session: Programs, arm: Arm, wishes: Wishes, near: Floats) -> Carrier:  # noqa: ARG001
@@ -81,16 +82,16 @@ def _exchange(session: Programs, arm: Arm, wishes: Wishes, near: Floats) -> Carr
     return PoseCarrier(session, arm, near)
 
 
-def _mode(name: str, title: str, make: Make) -> Mode:
+def _mode(name: str, title: str, make: Make, *, waits: bool = False) -> Mode:
     """Needs what following a trajectory by the same way does."""
     other = FOLLOWING[name]
-    return Mode(title, make, other.operates, other.check, other.unbegun)
+    return Mode(title, make, other.operates, other.check, other.unbegun, waits)
 
 
 MODES: Final[Mapping[str, Mode]] = {
-    "jog": Mode("jogs of its joints, step by step", _jog, True, _jogs_joints),
+    "jog": Mode("jogs of its joints, step by step", _jog, True, _jogs_joints, waits=True),
     "data-link": _mode("data-link", "joint positions on a line of data", _data_link),
     "mxt": _mode("mxt", "joints cycle by cycle", _mxt),
     "egm": _mode("egm", "joints cycle by cycle, as a program asks for them", _egm),
-    "exchange": _mode("exchange", "poses by files, one after the other", _exchange),
+    "exchange": _mode("exchange", "poses by files, one after the other", _exchange, waits=True),
 }

@@ -37,7 +37,7 @@ ARM = robots.get("rv-2aj")
 STEP = 0.1
 PERCENT = 20.0
 MOST = STEP * PERCENT / 100.0 * ARM.speeds
-SLOW = 0.4
+SLOW = 0.25
 """Pace at which an arm is behind its steps, however busy this computer is."""
 NETWORK = ", ".join(f"OPT{i}" for i in range(12, 19)) + ", "
 
