@@ -207,7 +207,7 @@ def _deployed(studio: Studio, asked: Asked, *, only_planned: bool) -> dict[str, 
         answers = []
         for target in _targets(studio, found.one):
             made = planned(
-                [str(file) for file in target.files()],
+                [studio.named(file) for file in target.files()],
                 found.one,
                 found.client(),
                 task=target.task,
@@ -233,7 +233,7 @@ def verify(studio: Studio, asked: Asked) -> dict[str, Any]:  # noqa: ARG001
     def records(session: Programs) -> list[dict[str, Any]]:  # noqa: ARG001
         answers = []
         for target in _targets(studio, found.one):
-            files = [str(file) for file in target.files()]
+            files = [studio.named(file) for file in target.files()]
             seen = deploying.verify(found.client(), files, history=target.history)
             answers.append({"target": target.name, **verified_record(seen)})
         return answers

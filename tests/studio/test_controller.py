@@ -136,3 +136,18 @@ def test_whoever_is_not_connected_is_told(page: Page, folder: Path) -> None:
     assert codes(page.get("controller/log")) == ["ST040"]
     assert codes(page.post("control/stop")) == ["ST040"]
     assert codes(page.post("controller/connect", name="melfa://127.0.0.1:1")) == ["CN104"]
+
+
+def test_virtual_controllers_of_the_project_run_while_they_are_connected_to(
+    folder: Path, page: Page
+) -> None:
+    table = '[controllers]\ntrial = "virtual:cr"\nother = "virtual:irc5"\n'
+    (folder / "assistant.toml").write_text(table, encoding="utf-8")
+    for name in ("trial", "other", "trial"):
+        found = done(page.post("controller/connect", name=name))
+        assert (found["name"], found["virtual"], found["operates"]) == (name, True, True)
+        assert done(page.post("control/stop"))["stands"]
+        done(page.post("control/take", word=name))
+        done(page.post("control/motors", on=True))
+    done(page.post("controller/leave"))
+    assert codes(page.post("controller/plan")) == ["ST040"]

@@ -7,7 +7,7 @@ import { bar, button, fill, filled, form, group, input, labelled } from "./parts
 import { confirmed, connection, stopAll, whenConnected } from "./controller.js";
 
 const ALONG = ["X", "Y", "Z", "A", "B", "C"];
-let mine = null; // what the studio said when control was taken: {watch, fastest}
+let mine = null; // what the studio said when control was taken: {name, watch, fastest}
 let hold = 0, presses = 0, tick = 0, joints = [];
 
 function shape() {
@@ -42,8 +42,6 @@ async function take() {
   fill(find("jog-axis"), [...axes, ...ALONG]);
   find("jog-speed").max = done.fastest;
   find("jog-speed").value = done.fastest;
-  find("control-of").textContent = `${word("control_of")} ${done.name}`;
-  find("watch-time").textContent = filled("watch_time", { ms: Math.round(1000 * done.watch), percent: done.fastest });
   showLimits();
   show();
   find("dead-man").focus();
@@ -68,13 +66,18 @@ function show() {
   find("control").hidden = !mine;
   find("control-ask").hidden = Boolean(mine);
   find("take-control").disabled = !window_.writes || !connection.operates;
+  if (mine) {
+    find("control-of").textContent = `${word("control_of")} ${mine.name}`;
+    find("watch-time").textContent = filled("watch_time", { ms: Math.round(1000 * mine.watch), percent: mine.fastest });
+  }
   showHold();
 }
-function showHold(text = "") {
+function showHold(key = hold ? "held" : "released") {
   const dead = find("dead-man");
   dead.classList.toggle("held", hold > 0);
   dead.setAttribute("aria-pressed", String(hold > 0));
-  find("hold-state").textContent = text || word(hold ? "held" : "released");
+  find("hold-state").dataset.word = key;
+  find("hold-state").textContent = word(key);
 }
 function showLimits() {
   const axis = find("jog-axis").value, limit = connection.axes.find((one) => one.axis === axis);
@@ -130,10 +133,11 @@ export function beginControl() {
     hold = 0;
     if (message.ended) mine = null;
     show();
-    if (message.cut) showHold(word(message.stands ? "cut" : "may_move"));
+    if (message.cut) showHold(message.stands ? "cut" : "may_move");
   });
   on("monitor", (sample) => { joints = sample.position?.joints ?? []; if (mine) showLimits(); });
   on("window", show);
+  find("languages").addEventListener("change", show);
   on("lost", () => { mine = null; hold = 0; show(); });
   whenConnected((found) => {
     if (!found.controlled) mine = null;

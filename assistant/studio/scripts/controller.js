@@ -134,15 +134,20 @@ async function watch() {
 // ----------------------------------------------------------------------------- deploying
 const replaced = () => [...find("programs").querySelectorAll("input:checked")].map((one) => one.value);
 const replacing = (name) => labelled("replace_there", input("", "input", { type: "checkbox", value: name }));
+/** A row of a program, and one below it with what differs. */
+function programRows(name, state, more, differences) {
+  const below = made("td");
+  below.colSpan = 3;
+  below.append(...differences);
+  return [row(name, state, more), ...(differences.length ? [row(below)] : [])];
+}
 function planned(file) {
-  const name = made("td"), differences = made("td"), state = made("td", file.state ?? file.change, file.change === "unchanged" ? "same" : "");
-  name.append(file.name);
-  if (file.reason) differences.append(made("p", file.reason, "changed"));
-  if (file.change === "conflict") differences.append(replacing(file.name));
-  if (file.since) differences.append(folded(word("drift"), file.since, true));
-  if (file.taught && !file.since) differences.append(folded(word("taught_there"), file.taught, true));
-  if (file.diff) differences.append(folded(word("to_send"), file.diff));
-  return row(name, state, differences);
+  const conflict = file.change === "conflict", differences = file.reason ? [made("p", file.reason, "changed")] : [];
+  if (file.since) differences.push(folded(word("drift"), file.since, true));
+  if (file.taught && !file.since) differences.push(folded(word("taught_there"), file.taught, true));
+  if (file.diff) differences.push(folded(word("to_send"), file.diff, !file.since));
+  const state = made("td", file.state ?? file.change, { unchanged: "same", conflict: "changed" }[file.change] ?? "");
+  return programRows(file.name, state, conflict ? replacing(file.name) : "", differences);
 }
 function showPlan(done) {
   if (!done) return;
@@ -150,7 +155,7 @@ function showPlan(done) {
     const others = [...target.foreign, ...target.left];
     const listed = others.length ? [made("p", `${word("not_ours")}: ${others.join(", ")}`)] : [];
     const kept = target["kept in"] ? [made("p", `${word("kept_in")} ${target["kept in"]}`)] : [];
-    return [table(["program", "state", ""], target.files.map(planned)), ...listed, ...kept];
+    return [table(["program", "state", ""], target.files.flatMap(planned)), ...listed, ...kept];
   });
   find("programs").replaceChildren(...parts);
 }
@@ -164,11 +169,9 @@ async function deploy() {
 }
 const SEEN = { "as deployed": "same", changed: "changed", gone: "changed" };
 function showSeen(done) {
-  const rows = done.targets.flatMap((target) => target.programs).map((program) => {
-    const { name, seen, since } = program, what = made("td");
-    if (seen === "changed") what.append(replacing(name));
-    if (since) what.append(folded(word("drift"), since, true));
-    return row(name, made("td", seen === "as deployed" ? word("as_left") : seen, SEEN[seen] ?? ""), what);
+  const rows = done.targets.flatMap((target) => target.programs).flatMap(({ name, seen, since }) => {
+    const state = made("td", seen === "as deployed" ? word("as_left") : seen, SEEN[seen] ?? "");
+    return programRows(name, state, seen === "changed" ? replacing(name) : "", since ? [folded(word("drift"), since, true)] : []);
   });
   const summary = made("p", word(done.ok ? "as_left" : "drift"), done.ok ? "same" : "changed");
   summary.id = "drift";
