@@ -27,8 +27,8 @@ DECLARATION, READONLY, PREDEFINED = 1, 2, 4
 Columns = tuple[tuple[int, ...], tuple[int, ...], tuple[int, ...], tuple[int, ...]]
 
 
-def tokens(document: Document) -> Tokens:
-    """All words; see `service.tokens`."""
+def tokens(document: Document, first: int, last: int | None) -> Tokens:
+    """See `service.tokens`."""
     speaks = document.spoken
     editable = None if speaks is None else speaks.editable
     if editable is None:
@@ -42,7 +42,9 @@ def tokens(document: Document) -> Tokens:
     lines = document.lines
     rows: list[tuple[int, int, int, int, int]] = []
     known, narrow = editable.known(), document.text.isascii()
-    for number, facts in enumerate(document.facts):
+    for number, facts in enumerate(
+        document.facts[first : None if last is None else last + 1], first
+    ):
         text = "" if narrow else lines.line(number)
         ascii_line = narrow or text.isascii()
         for start, end, sort, marks in _line(editable, facts, declared, known):

@@ -81,9 +81,12 @@ def fixes(document: Document, found: Found) -> tuple[Fix, ...]:
     return fixing.fixes(document, found)
 
 
-def tokens(document: Document) -> Tokens:
-    """The words of a document, each with its sort, in columns."""
-    return colouring.tokens(document)
+def tokens(document: Document, first: int = 0, last: int | None = None) -> Tokens:
+    """The words of a document, each with its sort, in columns.
+
+    first, last: lines from 0 whose words are asked for; None for up to the end.
+    """
+    return colouring.tokens(document, max(first, 0), last)
 
 
 def completions(document: Document, place: Place) -> tuple[Completion, ...]:

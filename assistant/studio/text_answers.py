@@ -6,8 +6,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path as FilePath
 from typing import Any, Final
 
-import numpy as np
-
 from assistant import languages
 from assistant.editing import service
 from assistant.editing.service import (
@@ -34,6 +32,8 @@ MOST: Final = 500
 """Findings of a text that are told; a page shows fewer."""
 LINES: Final = 400
 """Whose words are told at once."""
+TRANSLATED: Final = 10_000
+"""The same of a translation, which nobody scrolls while he types."""
 STALE: Final = {"stale": True}
 """What is told of a text that has been changed since it was asked about."""
 _kept: set[str] = set()
@@ -86,14 +86,14 @@ def change(studio: Studio, asked: Asked) -> dict[str, Any]:
     known = one.workspace.is_known(document)
     return {
         "findings": _findings(service.findings(document)) if known else None,
-        "words": _words(service.tokens(document), asked),
+        "words": _words(document, asked),
     }
 
 
 def words(studio: Studio, asked: Asked) -> dict[str, Any]:
     """Words of some lines, for their colours."""
     document = _document(studio, asked)
-    return STALE if document is None else {"words": _words(service.tokens(document), asked)}
+    return STALE if document is None else {"words": _words(document, asked)}
 
 
 def settled(studio: Studio, asked: Asked) -> dict[str, Any]:
@@ -280,21 +280,21 @@ def _item(item: OutlineItem) -> dict[str, Any]:
     }
 
 
-def _words(tokens: Tokens, asked: Asked) -> list[list[int | str]]:
+def _words(document: Document, asked: Asked) -> list[list[int | str]]:
     """Line, column, length, sort and marks of each word of some lines."""
     first = int(asked.number("first", 0))
-    return _rows(tokens, first, min(int(asked.number("last", first)), first + LINES))
+    last = min(int(asked.number("last", first)), first + LINES)
+    return _rows(service.tokens(document, first, max(first, last)))
 
 
 def _words_of(name: str, text: str, language: str) -> list[list[int | str]]:
-    tokens = service.tokens(Workspace().open(name, text, language=language))
-    return _rows(tokens, 0, LINES * 25)
+    document = Workspace().open(name, text, language=language)
+    return _rows(service.tokens(document, 0, TRANSLATED))
 
 
-def _rows(tokens: Tokens, first: int, last: int) -> list[list[int | str]]:
-    begin, end = np.searchsorted(tokens.line, [first, last + 1])
+def _rows(tokens: Tokens) -> list[list[int | str]]:
     columns = (tokens.line, tokens.column, tokens.length, tokens.sort, tokens.marks)
-    rows = zip(*(column[begin:end].tolist() for column in columns), strict=True)
+    rows = zip(*(column.tolist() for column in columns), strict=True)
     return [[line, at, length, SORTS[sort], marks] for line, at, length, sort, marks in rows]
 
 

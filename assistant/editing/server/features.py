@@ -154,9 +154,9 @@ def _tokens(server: Server) -> None:
 
     @server.feature(lsp.TEXT_DOCUMENT_SEMANTIC_TOKENS_RANGE, options)
     def part(ls: Server, params: lsp.SemanticTokensRangeParams) -> lsp.SemanticTokens:
-        tokens = service.tokens(ls.document(params.text_document.uri))
         first, last = params.range.start.line, params.range.end.line
-        return lsp.SemanticTokens(words.encoded(words.within(tokens, first, last)))
+        tokens = service.tokens(ls.document(params.text_document.uri), first, last)
+        return lsp.SemanticTokens(words.encoded(tokens))
 
 
 def _commands(server: Server) -> None:

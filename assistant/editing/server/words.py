@@ -150,13 +150,6 @@ def encoded(tokens: Tokens) -> list[int]:
     return [int(number) for number in rows.ravel().tolist()]
 
 
-def within(tokens: Tokens, first: int, last: int) -> Tokens:
-    """Those of some lines, the last one included."""
-    kept = (tokens.line >= first) & (tokens.line <= last)
-    columns = (tokens.line, tokens.column, tokens.length, tokens.sort, tokens.marks)
-    return Tokens(*(column[kept] for column in columns))
-
-
 def delta(before: Sequence[int], after: Sequence[int]) -> list[lsp.SemanticTokensEdit]:
     """One edit that makes the one row of numbers of the other, none if they are the same."""
     start, most = 0, min(len(before), len(after))
