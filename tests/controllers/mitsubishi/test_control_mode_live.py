@@ -5,8 +5,8 @@ from contextlib import contextmanager
 import pytest
 
 from assistant.controllers import connect
-from assistant.controllers.mitsubishi.control_mode import ControlMode
-from assistant.controllers.mitsubishi.control_mode.programs import NAMES
+from assistant.controllers.mitsubishi.control_mode import ControlMode, Measuring
+from assistant.controllers.mitsubishi.control_mode.programs import NAMES, texts
 from assistant.controllers.mitsubishi.data_link import DataLink, Rate
 from assistant.controllers.rules import Lost
 from assistant.program.diagnostics import Refused
@@ -98,3 +98,28 @@ def test_a_controller_that_is_not_ready_is_left_alone(wrong):
             mode._replace = True
             with mode:
                 assert len(controller.read("DATALINK").splitlines()) > 20
+
+
+def test_a_measurement_goes_on_by_itself_and_ends_with_its_client():
+    with cell() as (virtual, controller, _):
+        host, port = virtual.data_ports["COM2:"]
+        for _ in range(2):
+            with Measuring(controller, f"{host}:{port}", timeout=5) as measuring:
+                assert controller.state().running
+                assert measuring.status.feedback.values[2] == pytest.approx(90, abs=0.01)
+            assert not controller.state().running
+        assert controller.names() == ("MEASURE",)
+
+
+@pytest.mark.slow
+def test_a_measurement_whose_client_says_nothing_more_ends():
+    with cell() as (virtual, controller, _):
+        host, port = virtual.data_ports["COM2:"]
+        controller.write("MEASURE", texts(["MEASURE"])["MEASURE"])
+        controller.load("MEASURE", task="2")
+        controller.start("2")
+        with DataLink(f"{host}:{port}", timeout=30) as link:
+            link.send("2")
+            while link.receive() != "END":
+                """It tells where the arm is for 2 s."""
+        assert not controller.state().running
