@@ -11,7 +11,7 @@ from collections import deque
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Final, Protocol
+from typing import ClassVar, Final, Protocol
 
 import numpy as np
 
@@ -64,7 +64,9 @@ class Measures(Protocol):
 
 
 class Stream:
-    """The status on a data link."""
+    """The status on a data link. real_time: both sides end it for what does not come in time."""
+
+    real_time: ClassVar[bool] = True
 
     def __init__(self, source: Measuring, robot: Robot) -> None:
         self._source, self._axes = source, robot.axes
@@ -77,8 +79,10 @@ class Leader:
     """Takes an arm to where blocks want it, in a thread of its own: they wait for nothing.
 
     Setpoints go out in their order, as fast as the way takes them. told: (a,) the last one, from
-    which the next one is told.
+    which the next one is told. real_time: as of `Stream`.
     """
+
+    real_time: ClassVar[bool] = True
 
     def __init__(self, carrier: Carrier, arm: Arm) -> None:
         self.carrier, self.arm = carrier, arm

@@ -68,7 +68,13 @@ class LockStep:
                 cell.free()
 
     def begin(self) -> None:
-        """Raises Refused for a controller that does not come to the moment."""
+        """Raises Refused for a controller that does not come to the moment, and for a line that
+        goes by real time.
+        """
+        for connection in self.connections:
+            if getattr(connection.value, "real_time", False):
+                reason = f"`{connection.name}` has a line on which both sides count real seconds"
+                raise Refused(NOT_IN_STEP(reason=reason))
         self._to(self.begins)
 
     def reach(self, moment: float) -> float:

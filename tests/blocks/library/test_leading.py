@@ -23,6 +23,7 @@ from assistant.blocks.library.kinematics import tool_pose
 from assistant.blocks.library.leading import Relative, RelCart, RelJoint, Status
 from assistant.blocks.library.moving import JointMovJoint
 from assistant.blocks.library.sources import Constant, Table
+from assistant.blocks.lock_step import LockStep
 from assistant.controllers import connect
 from assistant.controllers.following import Wishes
 from assistant.controllers.mitsubishi.control_mode.programs import MEASURE, texts
@@ -213,6 +214,18 @@ def test_an_emergency_stop_ends_the_run_and_is_told() -> None:
             run(diagram, 30.0, STEP, clock=RealTime(), watch=watch, moving=["cell"])
         assert connection.users == 0
         assert here.track.speed[-1] == 0.0
+
+
+def test_lines_that_go_by_real_time_take_no_lock_step() -> None:
+    with VirtualCr("rv-2aj", lock_step=True) as virtual:
+        host, port = virtual.data_ports["COM2:"]
+        line = measured("line", f"{host}:{port}", ARM, address=virtual.address)
+        diagram = Diagram()
+        diagram.add(Status("status", line, ARM))
+        clock = LockStep(virtual, connections=[line], begins=1.0)
+        with pytest.raises(Refused, match=r"BL204.*`line`"):
+            run(diagram, 1.0, STEP, clock=clock)
+        assert line.users == 0
 
 
 def test_other_ways_and_controllers_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
