@@ -7,7 +7,7 @@ export function showOutline(items) {
 }
 function item({ name, kind, detail, line, children }) {
   const row = made("li"), button = made("button", `${name} `);
-  button.append(made("small", [kind, detail].filter(Boolean).join(" ")));
+  button.append(made("small", [...new Set([kind, detail.replace(/\s*=$/, "")])].filter(Boolean).join(" ")));
   button.addEventListener("click", () => openText(current().text.path, line + 1));
   row.append(button);
   if (children.length) {

@@ -4,6 +4,7 @@ import {
   highlightActiveLine, highlightActiveLineGutter, highlightSpecialChars, history, historyKeymap, hoverTooltip, keymap,
   lineNumbers, lintGutter, lintKeymap, search, searchKeymap,
 } from "../codemirror/codemirror.js";
+import { word } from "./words.js";
 import { state as window_ } from "./line.js";
 import { marks, seenMarks } from "./editor_marks.js";
 import { cureHere, formatText, goToDeclaration, rename } from "./editor_doing.js";
@@ -31,10 +32,17 @@ const LOOKS = EditorView.theme({
   ".cm-diagnostic": { padding: ".3rem .6rem", whiteSpace: "pre-line", maxWidth: "40rem" },
   ".cm-diagnosticAction": { backgroundColor: "var(--accent)", color: "var(--paper)", font: "inherit", minHeight: "1.6rem", margin: ".2rem .3rem .1rem 0" },
   ".cm-searchMatch": { backgroundColor: "light-dark(#ffe08a, #6b5410)" },
-  ".cm-button, .cm-textfield": { backgroundImage: "none", backgroundColor: "var(--side)", color: "inherit", border: "1px solid var(--line)" },
+  ".cm-panel.cm-search": { padding: ".3rem .5rem", font: "inherit" }, ".cm-panel.cm-search label": { fontSize: "1em", whiteSpace: "nowrap", marginRight: ".5rem" },
+  ".cm-panel.cm-search [name=close]": { minHeight: "1.6rem", minWidth: "1.8rem", fontSize: "1.1em" },
+  ".cm-button, .cm-textfield": { backgroundImage: "none", fontSize: "1em", padding: ".15rem .5rem", minHeight: "1.8rem", borderRadius: "4px", backgroundColor: "var(--side)", color: "inherit", border: "1px solid var(--line)" },
 });
-const common = [
-  EditorView.cspNonce.of(nonce), LOOKS, highlightSpecialChars(), EditorState.tabSize.of(4), drawSelection(), lineNumbers(),
+const SAID = {
+  Find: "find_text", next: "find_next", previous: "find_previous", all: "find_all", "match case": "find_case", regexp: "find_pattern",
+  "by word": "find_words", Replace: "replace_text", replace: "replace_text", "replace all": "replace_all",
+}; // what the editor says by itself, and our words for it
+const phrases = () => EditorState.phrases.of(Object.fromEntries(Object.entries(SAID).map(([theirs, ours]) => [theirs, word(ours)])));
+const common = () => [
+  EditorView.cspNonce.of(nonce), LOOKS, phrases(), highlightSpecialChars(), EditorState.tabSize.of(4), drawSelection(), lineNumbers(),
   EditorView.contentAttributes.of({ "aria-label": "text" }),
 ];
 export const reads = (on) => setReading.of(on);
@@ -51,7 +59,7 @@ export function begun(doc, text, { told, point }) {
   return EditorState.create({
     doc,
     extensions: [
-      reading.of(EditorState.readOnly.of(!window_.writes)), follows, common, history(), highlightActiveLine(), highlightActiveLineGutter(),
+      reading.of(EditorState.readOnly.of(!window_.writes)), follows, common(), history(), highlightActiveLine(), highlightActiveLineGutter(),
       closeBrackets(), search({ top: true }), lintGutter(), marks(point),
       autocompletion({ override: [(context) => service.completions(context)], icons: false, maxRenderedOptions: 60 }),
       hoverTooltip(async (view, at) => {
@@ -76,7 +84,7 @@ export function lookedAt(doc, moved) {
   return EditorState.create({
     doc,
     extensions: [
-      EditorState.readOnly.of(true), common, seenMarks, keymap.of([...searchKeymap, ...defaultKeymap]), search({ top: true }),
+      EditorState.readOnly.of(true), common(), seenMarks, keymap.of([...searchKeymap, ...defaultKeymap]), search({ top: true }),
       EditorView.updateListener.of((update) => {
         if (update.selectionSet) moved(update.state.doc.lineAt(update.state.selection.main.head).number);
       }),
