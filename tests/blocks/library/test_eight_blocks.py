@@ -7,6 +7,7 @@ Status; over real sockets and over a pseudo terminal.
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -16,9 +17,14 @@ from assistant import robots
 from assistant.blocks.connections import operated
 from assistant.blocks.diagrams.clocks import RealTime
 from assistant.blocks.diagrams.running import Ran
-from assistant.blocks.leading import measured
+from assistant.blocks.leading import led, measured
 from assistant.blocks.running_bdsim import run_paced
+from assistant.controllers.following import Wishes
+from assistant.virtual.irc5 import VirtualIrc5
+from assistant.virtual.irc5.controller import USER
+from assistant.virtual.irc5.egm import Guidance, VirtualEgm
 from tests.blocks.library.test_leading import MOST, STEP, Cell, cell, check_continuous
+from tests.vision.servoing.scenes import free_port
 
 bdsim = pytest.importorskip("bdsim")
 ARM = robots.get("rv-2aj")
@@ -186,3 +192,36 @@ def test_two_robots_in_one_model(sim: Any) -> None:
         assert (first.users, second.users) == (0, 0)
         assert [move.kind for move in one.moves] == ["joint"]
         assert len(other.moves) >= 2 and one.track.joints[-1][0] == pytest.approx(0.0, abs=0.01)
+
+
+@pytest.mark.slow
+def test_robots_of_two_makers_in_one_model(
+    sim: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One over data links, the other cycle by cycle, each by a connection of its own."""
+    monkeypatch.setenv("ROBOT_ASSISTANT_PASSWORD", "secret")
+    robot, port = robots.get("irb1200-7-0.7"), free_port()
+    arm = Guidance(
+        "joints", tuple(robot.home), tuple(robot.speeds),
+        comm_timeout=60.0, cond_time=600.0, waiting=None,
+    )  # fmt: skip
+    with (
+        cell() as one,
+        VirtualIrc5(tmp_path / "home", password="secret") as irc5,
+        VirtualEgm(arm, ("127.0.0.1", port)) as virtual,
+    ):
+        diagram, first, ends = led_model(sim, one, "RELJOINT", BY["RELJOINT"], 3)
+        second = led(
+            "irc5", f"ftp://{USER}@127.0.0.1:{irc5.port}", robot,
+            by="egm", percent=20.0, wishes=Wishes(port=port),
+        )  # fmt: skip
+        rel = diagram.RELJOINT(diagram.clock(STEP), second, robot, "other")
+        diagram.connect(diagram.CONSTANT(np.array([2.0, 0.0, -1.0, 0.0, 0.0, 0.0])), rel[0])
+        diagram.connect(diagram.CONSTANT(1.0), rel[1])
+        ran = run_paced(sim, diagram, ends + STEP, STEP, clock=RealTime(), moving=["cell", "irc5"])
+        assert (first.users, second.users) == (0, 0)
+        assert one.moves and one.track.joints[-1, 0] > 1.0
+    told = ran["other[0]"][-1]
+    rows = np.array(virtual.track)
+    assert told[0] - robot.home[0] == pytest.approx(2.0 * ran["other[1]"][-1])
+    assert np.abs(rows[-1] - told).max() < 3.0 and np.abs(rows[-1] - robot.home).max() > 1.0
