@@ -8,7 +8,7 @@ import { applied, current, markLine, onLine, onText, openText, texts } from "./e
 
 const KINDS = new Set(["program", "table", "drawing", "process"]);
 const REST = 700; // ms without a key until the scene is worked out anew
-const stage = { name: "", path: "", edits: "", handles: [], frame: null, view: null, held: -1, look: null };
+const stage = { name: "", path: "", edits: "", handles: [], frame: null, newest: null, view: null, held: -1, look: null };
 let wanted = "", waiting = 0, round = 0, asked = null, next = null, quiet = false;
 
 /** The scripts of the page that is shown, null for none; see `window.view` there. */
@@ -30,15 +30,16 @@ export async function showScene(path) {
 }
 /** A new frame stands behind the old one until it draws, so that nothing flickers. */
 function open(answer) {
-  const before = stage.frame, frame = made("iframe"), look = stage.path === answer.path && stage.view ? [stage.view.camera(), stage.view.time()] : null;
+  const frame = stage.newest = made("iframe"), look = stage.path === answer.path && stage.view ? [stage.view.camera(), stage.view.time()] : null;
   const chosen = stage.path === answer.path ? stage.handles[stage.held]?.name : undefined;
   frame.title = `${word("scene")}: ${answer.path}`;
   frame.src = `scene/${answer.name}/page`;
   find("scene").querySelector(".empty")?.remove();
   find("scene").prepend(frame);
   return new Promise((resolve) => frame.addEventListener("load", () => {
+    if (frame !== stage.newest) { frame.remove(); resolve(); return; } // another one was asked for since
     const view = frame.contentWindow.view;
-    before?.remove();
+    for (const other of find("scene").querySelectorAll("iframe")) if (other !== frame) other.remove();
     Object.assign(stage, { name: answer.name, path: answer.path, edits: answer.edits, handles: answer.handles, frame, view: view ?? null, held: -1 });
     form(-1);
     if (view) {
