@@ -51,11 +51,11 @@ def drawn(page: Any, folder: Path) -> None:
 
 
 def processed(page: Any, folder: Path) -> None:
-    page.get_by_label("tip of the tool, mm").fill("0, 0, 120")
-    page.get_by_label("place of the work, mm").fill("150, 0, 100")
-    page.get_by_label("GLUE: process").fill("gluing")
-    page.get_by_label("GLUE: speed, mm/s").fill("80")
-    page.get_by_role("button", name="Write the process file").click()
+    page.fill("[data-path='tools.tool.tip']", "0, 0, 120")
+    page.fill("[data-path='frames.work.position']", "150, 0, 100")
+    page.fill("[data-layer=GLUE] [data-key=process]", "gluing")
+    page.fill("[data-layer=GLUE] [data-key=speed]", "80")
+    page.click("#panel-drawing form > button")
     until(page, "!document.querySelector('#findings').innerText.includes('CT303')")
     stated = tomllib.loads((folder / "drawings" / "plate.process.toml").read_text("utf-8"))
     assert stated["layers"]["GLUE"]["process"] == "gluing"
@@ -67,17 +67,18 @@ def programmed(page: Any, folder: Path) -> None:
     page.locator("#findings .fix", has_text="move").first.click()
     until(page, "!document.querySelector('#findings li.error')")
     page.click("#save")
-    until(page, "document.querySelector('#file-state').innerText === 'saved'")
+    until(page, "document.querySelector('#file-state').dataset.word === 'saved'")
     text = (folder / "programs" / "greeting.pseudo").read_text("utf-8")
     assert text == GREETING.replace("mve", "move")
 
 
 def seen(page: Any, folder: Path) -> None:
-    """The drawing in its cell: a canvas on which something is drawn."""
+    """The drawing in its cell, and not what was shown before."""
     page.locator("#files [data-path='drawings/plate.dxf']").click()
     page.click("#tab-scene")
     page.click("#show-scene")
-    page.frame_locator("#scene iframe").locator("canvas").first.wait_for()
+    page.locator("#scene iframe[title*='plate.dxf']").wait_for()
+    until(page, "document.querySelectorAll('#scene iframe').length === 1")
 
 
 def ran(page: Any, folder: Path) -> None:
