@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from assistant.compiler.source_map import Places
-from assistant.program.diagnostics import Diagnostic
+from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.lines import lines_of
 from assistant.program.path import Kind
 from assistant.program.text import SourceText
@@ -64,6 +64,7 @@ class Moves:
         self.keys = list(simulation.labels)
         self.places = {key: i for i, key in enumerate(self.keys)}
         self._in_run = set[Key]()  # statements that are a line each of a run with one span
+        self._run: tuple[Span, Sequence[str]] | None = None
         self._lines = dict(self._numbered())
         self.begins: list[tuple[float, int, int]] = []
         self.until = until
@@ -161,6 +162,12 @@ class Moves:
                     if told and len(run) > 1:
                         self._in_run.add((name, number))
 
+    def _lines_of_run(self, span: Span, text: str) -> Sequence[str]:
+        """Those of the run that was asked for last are kept: its moves come one after the other."""
+        if self._run is None or self._run[0] != span:
+            self._run = span, lines_of(text)
+        return self._run[1]
+
     def _record(self, key: Key, time: float | None) -> Record:
         procedure, number = key
         leg = self._leg(key)
@@ -169,11 +176,10 @@ class Moves:
         path = None if place is None or place.path is None else visible(place.path)
         line = self.line_of(key)
         if place is not None and span is not None:
-            own = line - self.texts.lines(span)[0]
             if key in self._in_run:
-                place = replace(
-                    place, line=place.line + own, text=lines_of(place.text)[own].strip()
-                )
+                own = line - self.texts.lines(span)[0]
+                text = self._lines_of_run(span, place.text)[own].strip()
+                place = replace(place, line=place.line + own, text=text)
         return {
             "procedure": visible(procedure),
             "number": number,

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from bisect import bisect_right
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import accumulate
 from typing import Final
 
 import numpy as np
@@ -27,15 +30,20 @@ class Passed:
     skipped: int
     start: float
     plan: Plan
+    _ends: Sequence[int] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        ends = list(accumulate(len(piece.moves) for piece in self.pieces))
+        object.__setattr__(self, "_ends", ends)
 
     def piece_of(self, row: int) -> tuple[Piece, int]:
         """The statement that a move of the plan belongs to, and which of its rows it is."""
         at = row + self.skipped
-        for piece in self.pieces:
-            if at < len(piece.moves):
-                return piece, at
-            at -= len(piece.moves)
-        raise IndexError(row)
+        number = bisect_right(self._ends, at)
+        if number >= len(self.pieces):
+            raise IndexError(row)
+        piece = self.pieces[number]
+        return piece, at - (self._ends[number] - len(piece.moves))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
