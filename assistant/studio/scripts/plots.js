@@ -36,8 +36,10 @@ export function plot({ id, title, unit, over, curves, across }) {
     return { item, value };
   });
   caption.append(made("strong", `${title}, ${unit}`), " ", ...values.map(({ item }) => item));
-  figure.append(caption, svg);
-  let scale = null, cursor = null;
+  const field = made("div", undefined, "field"), cursor = made("div", undefined, "cursor"); // of its own, so that curves are not drawn anew
+  field.append(svg, cursor);
+  figure.append(caption, field);
+  let scale = null;
   const draw = () => {
     const wide = Math.max(220, svg.clientWidth || figure.clientWidth || 480), inside = wide - LEFT - RIGHT, high = HIGH - TOP - BELOW;
     let end = 0, low = Infinity, top = -Infinity;
@@ -67,15 +69,13 @@ export function plot({ id, title, unit, over, curves, across }) {
       const points = column.map((value, k) => `${k ? "L" : "M"}${x(t[k]).toFixed(1)} ${y(value).toFixed(1)}`).join("");
       svg.append(part("path", { d: points || "M0 0", class: `curve-${colour ?? i}${second ? " second" : ""}` }));
     });
-    cursor = part("line", { y1: TOP, y2: TOP + high, class: "cursor" });
-    svg.append(cursor);
     scale = { x, end, wide, inside };
     mark();
   };
   const mark = () => {
     if (!scale) return;
-    cursor.style.display = at === null ? "none" : "";
-    if (at !== null) for (const key of ["x1", "x2"]) cursor.setAttribute(key, scale.x(Math.min(at, scale.end)));
+    cursor.hidden = at === null;
+    if (at !== null) cursor.style.transform = `translateX(${scale.x(Math.min(at, scale.end)).toFixed(1)}px)`;
     curves.forEach(({ t, values: column }, i) => { values[i].value.textContent = at === null || !t.length ? "" : short(column[indexAt(t, at)]); });
   };
   const seconds = (event) => {

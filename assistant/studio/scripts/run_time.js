@@ -5,8 +5,9 @@ import { doing, showOfDoing } from "./findings.js";
 import { sceneView } from "./scene.js";
 import { indexAt, markTime, plot, showPlots } from "./plots.js";
 
+const FOLLOWS = 150; // ms between two lines that are shown
 const AXES = ["x", "y", "z"], TURNS = ["z", "y", "x"];
-let motion = { samples: 0, t: [] }, moves = [], playing = null;
+let motion = { samples: 0, t: [] }, moves = [], times = [], playing = null, followed = 0, following = 0;
 
 /** The arm of the scene stands there, by degrees of its axes; null says nothing. */
 export function pose(joints) {
@@ -42,6 +43,7 @@ function signals(all, across, prefix, over) {
 export async function showMotion(rows) {
   motion = await look("run/motion").catch(() => ({ samples: 0, t: [] }));
   moves = rows.filter(({ line, path }) => path && line);
+  times = moves.map((row) => row.time);
   const end = motion.t.at(-1) ?? 0, slider = find("run-time");
   find("run-over-time").hidden = motion.samples < 2;
   slider.max = end;
@@ -73,7 +75,15 @@ export function scrub(time) {
   const i = indexAt(motion.t, time), j = Math.min(i + 1, motion.t.length - 1), span = motion.t[j] - motion.t[i];
   const share = span > 0 ? Math.min(1, Math.max(0, (time - motion.t[i]) / span)) : 0;
   pose(motion.joints[i].map((value, axis) => value + share * (motion.joints[j][axis] - value)), motion.axes, time);
-  if (moves.length) lineThere?.(moves[indexAt(moves.map((row) => row.time), time)]);
+  if (moves.length) follow(moves[indexAt(times, time)]);
+}
+/** The text follows less often than the arm: a text that is scrolled is laid out anew. */
+function follow(row) {
+  const wait = FOLLOWS - (performance.now() - followed);
+  clearTimeout(following);
+  if (wait > 0) { following = setTimeout(() => follow(row), wait); return; }
+  followed = performance.now();
+  lineThere?.(row);
 }
 function stop() {
   if (playing !== null) cancelAnimationFrame(playing);
@@ -109,7 +119,12 @@ async function compare(asked) {
 }
 /** asked: what the run is asked for now. */
 export function beginRunTime(asked) {
-  find("run-time").addEventListener("input", () => { stop(); scrub(Number(find("run-time").value)); });
+  let drawing = 0;
+  find("run-time").addEventListener("input", () => {
+    stop();
+    cancelAnimationFrame(drawing);
+    drawing = requestAnimationFrame(() => scrub(Number(find("run-time").value)));
+  });
   find("run-play").addEventListener("click", play);
   find("compare-form").addEventListener("submit", (event) => { event.preventDefault(); compare(asked); });
 }
