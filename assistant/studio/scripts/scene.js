@@ -172,7 +172,8 @@ function dragForm() {
 export function beginScene() {
   find("scene").before(dragForm());
   find("show-scene").addEventListener("click", () => {
-    const path = current()?.text.path ?? wanted;
+    const typing = find("tab-text").getAttribute("aria-selected") === "true";
+    const path = (typing ? current()?.text.path : "") || wanted;
     if (path) showScene(path);
   });
   whenChosen((file) => { if (KINDS.has(file.kind) || project.programs.some(({ source }) => source === file.path)) showScene(file.path); });
