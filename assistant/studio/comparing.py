@@ -33,10 +33,11 @@ def compared(first: Wanted, second: Wanted) -> dict[str, Any]:
     unlike; programs of two languages are compared by their motions alone, since each calls signals
     otherwise. Raises Refused where a program can not be run.
     """
-    done = [_run(first), _run(second)]
+    pair = (first, second)
+    done = [_run(one) for one in pair]
     runs = [run for run, _, _ in done]
     spoken = {None if one.programs.language is None else one.programs.language.family
-              for one in (first, second)}  # fmt: skip
+              for one in pair}  # fmt: skip
     same = len(spoken) == 1
     like = likeness(*(runs if same else map(_motions, runs)))
     far = deviation(done[0][1], done[1][1], (_begins(runs[0]), _begins(runs[1])))
@@ -46,7 +47,7 @@ def compared(first: Wanted, second: Wanted) -> dict[str, Any]:
     return {
         "names": [first.programs.title, second.programs.title],
         "seconds": [run.seconds for run in runs],
-        "motions": [shown(columns) for _, columns, _ in done],
+        "motions": [shown(made[1], one.robot) for made, one in zip(done, pair, strict=True)],
         "deviation": None if far is None else {
             "distance": far.distance, "angle": far.angle, "time": far.time, "of": far.of,
         },

@@ -10,6 +10,7 @@ import numpy as np
 
 from assistant.program import rotations
 from assistant.program.arrays import Floats, norms
+from assistant.robots import Robot
 
 MOST_POINTS: Final = 2_000
 """Of each curve that the page draws."""
@@ -25,14 +26,15 @@ Columns = Mapping[str, np.ndarray]
 """As `motion_columns` gives them; empty where motions take no time."""
 
 
-def shown(columns: Columns, most: int = MOST_POINTS) -> dict[str, Any]:
+def shown(columns: Columns, robot: Robot | None, most: int = MOST_POINTS) -> dict[str, Any]:
     """Columns of a run as lists: samples evenly picked, the first and the last among them.
 
     t: seconds. position: mm, rows of x, y, z; quaternion: (w, x, y, z); orientation: degrees about
-    z, y, x, each without jumps; joints: degrees, rows by `axes`; speed: mm/s; inputs and outputs:
+    z, y, x, each without jumps; joints: degrees, rows by `axes`; chain: the same as the scene poses
+    the arm; speed: mm/s; inputs and outputs:
     rows by their names. samples: how many there are in all.
     """
-    if "t" not in columns:
+    if "t" not in columns or robot is None:
         return {"samples": 0, "t": []}
     count = len(columns["t"])
     some = np.unique(np.linspace(0, count - 1, max(2, most)).astype(np.intp))
@@ -44,6 +46,7 @@ def shown(columns: Columns, most: int = MOST_POINTS) -> dict[str, Any]:
         **{name: columns[name][some].tolist() for name in picked},
         **{name: columns[name].tolist() for name in names},
         "orientation": angles[some].tolist(),
+        "chain": robot.chained(columns["joints"][some]).tolist(),
     }
 
 

@@ -147,7 +147,7 @@ def motion(studio: Studio, asked: Asked) -> dict[str, Any]:
         kernel.catch_up()
         return motion_columns(run.told(), run.given, kernel.motion)
 
-    return shown(run.ask(columns), int(asked.number("points", MOST_POINTS)))
+    return shown(run.ask(columns), run.wanted.robot, int(asked.number("points", MOST_POINTS)))
 
 
 def compare(studio: Studio, asked: Asked) -> dict[str, Any]:

@@ -16,6 +16,8 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final, Literal, TypeVar
 
+import numpy as np
+
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.failing import failure
 from assistant.program.system.watchdog import Reached
@@ -347,7 +349,7 @@ class Running:
             "question": self._question,
             "waits": self._waits,
             "logged": len(self.log),
-            "joints": self._joints(),
+            "chain": self._chain(),
             **shown_signals(kernel.board),
             **(shown_data(task) if held and task is not None else {"stack": [], "data": []}),
             "findings": [finding_record(one) for one in self.findings],
@@ -356,13 +358,16 @@ class Running:
             "summary": "" if run is None else summary(run),
         }
 
-    def _joints(self) -> list[float] | None:
-        """(a,) degrees by axes, None without an arm, or while a program is ahead of it."""
+    def _chain(self) -> list[float] | None:
+        """(a,) of the arm's chain as the scene poses it; None without an arm, or while a program is
+        ahead of it.
+        """
         robot, motion = self.wanted.robot, self.kernel.motion
-        if robot is None or motion.behind:
+        standing = None if robot is None or motion.behind else motion.where()
+        if robot is None or standing is None:
             return None
-        standing = motion.where()
-        return None if standing is None else list(robot.own_joints(standing[1]))
+        joints = np.array([robot.own_joints(standing[1])], dtype=np.float64)
+        return list(robot.chained(joints)[0].tolist())
 
 
 def _row(row: Logged | Given) -> dict[str, Any]:

@@ -82,7 +82,7 @@ async function start(at_once) {
 }
 /** Nothing is pressed twice: it counts as running until it is told how it stands. */
 async function go(how) {
-  show({ ...run, state: "running", joints: null });
+  show({ ...run, state: "running", chain: null });
   if (!await doing(() => ask("run/go", { how }))) show(await look("run"));
 }
 
@@ -98,7 +98,7 @@ function show(now) {
   find("run-question").firstChild.textContent = run.question ?? "";
   signals();
   data();
-  if (run.joints && going) pose(run.joints);
+  if (run.chain && going) pose(run.chain);
   markHeld(going && !(is("running") && !find("run-real").checked) ? run : null);
   readLog();
   if (is("ended")) showOfDoing(run.findings);

@@ -9,9 +9,9 @@ const FOLLOWS = 150; // ms between two lines that are shown
 const AXES = ["x", "y", "z"], TURNS = ["z", "y", "x"];
 let motion = { samples: 0, t: [] }, moves = [], times = [], playing = null, followed = 0, following = 0;
 
-/** The arm of the scene stands there, by degrees of its axes; null says nothing. */
-export function pose(joints) {
-  if (joints) sceneView()?.stand?.(joints);
+/** The arm of the scene stands there, by the joints of its chain; null says nothing. */
+export function pose(chain) {
+  if (chain) sceneView()?.stand?.(chain);
 }
 const column = (rows, i) => rows.map((row) => row[i]);
 
@@ -74,7 +74,7 @@ export function scrub(time) {
   if (!motion.samples) return;
   const i = indexAt(motion.t, time), j = Math.min(i + 1, motion.t.length - 1), span = motion.t[j] - motion.t[i];
   const share = span > 0 ? Math.min(1, Math.max(0, (time - motion.t[i]) / span)) : 0;
-  pose(motion.joints[i].map((value, axis) => value + share * (motion.joints[j][axis] - value)), motion.axes, time);
+  pose(motion.chain[i].map((value, axis) => value + share * (motion.chain[j][axis] - value)));
   if (moves.length) follow(moves[indexAt(times, time)]);
 }
 /** The text follows less often than the arm: a text that is scrolled is laid out anew. */
