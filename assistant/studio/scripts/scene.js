@@ -4,12 +4,13 @@ import { ask } from "./server.js";
 import { doing } from "./findings.js";
 import { on, state as window_ } from "./line.js";
 import { project, whenChosen } from "./project.js";
-import { applied, current, markLine, onLine, onText, openText, texts } from "./editor.js";
+import { applied, markLine, onLine, onText, openText, texts } from "./editor.js";
 
 const KINDS = new Set(["program", "table", "drawing", "process"]);
 const REST = 700; // ms without a key until the scene is worked out anew
-const stage = { name: "", path: "", edits: "", handles: [], frame: null, newest: null, view: null, held: -1, look: null };
-let wanted = "", waiting = 0, round = 0, asked = null, next = null, quiet = false;
+const stage = { name: "", path: "", edits: "", handles: [], frame: null, newest: null, opened: "", view: null, held: -1, look: null };
+let last = ""; // the file that was chosen, or in whose text the cursor was moved
+let waiting = 0, round = 0, asked = null, next = null, quiet = false;
 
 /** The scripts of the page that is shown, null for none; see `window.view` there. */
 export const sceneView = () => stage.view;
@@ -17,14 +18,13 @@ export const sceneView = () => stage.view;
 /** Shows a file, as it stands in the editor; whether that could be done. */
 export async function showScene(path) {
   const mine = ++round;
-  wanted = path;
   clearTimeout(waiting);
   await texts.get(path)?.service.ask("words", { first: 0, last: 0 }).catch(() => undefined); // what was typed is there then
   tell("working", "busy");
   const answer = await doing(() => ask("scene/show", { path }));
   if (mine !== round) return false;
   if (!answer) { tell("", ""); return false; }
-  if (answer.name !== stage.name) await open(answer);
+  if (answer.name !== stage.opened) await open(answer);
   tell("", "");
   return true;
 }
@@ -34,6 +34,7 @@ function open(answer) {
   const chosen = stage.path === answer.path ? stage.handles[stage.held]?.name : undefined;
   frame.title = `${word("scene")}: ${answer.path}`;
   frame.src = `scene/${answer.name}/page`;
+  stage.opened = answer.name;
   find("scene").querySelector(".empty")?.remove();
   find("scene").prepend(frame);
   return new Promise((resolve) => frame.addEventListener("load", () => {
@@ -172,12 +173,10 @@ function dragForm() {
 export function beginScene() {
   find("scene").before(dragForm());
   find("show-scene").addEventListener("click", () => {
-    const typing = find("tab-text").getAttribute("aria-selected") === "true";
-    const path = (typing ? current()?.text.path : "") || wanted;
-    if (path) showScene(path);
+    if (last) showScene(last);
   });
-  whenChosen((file) => { if (KINDS.has(file.kind) || project.programs.some(({ source }) => source === file.path)) showScene(file.path); });
-  onLine(follows);
+  whenChosen((file) => { last = file.path; if (KINDS.has(file.kind) || project.programs.some(({ source }) => source === file.path)) showScene(file.path); });
+  onLine((place) => { last = place.path; follows(place); });
   onText((path) => {
     if (path !== stage.edits && path !== stage.path) return;
     clearTimeout(waiting);
@@ -185,5 +184,5 @@ export function beginScene() {
   });
   on("window", () => { if (stage.view) stage.view.movable = window_.writes; });
   on("disk", ({ files }) => { if (stage.path && !files.includes(stage.edits)) { clearTimeout(waiting); waiting = setTimeout(() => showScene(stage.path), REST); } });
-  on("project", () => { stage.frame?.remove(); Object.assign(stage, { name: "", path: "", edits: "", handles: [], frame: null, view: null }); form(-1); });
+  on("project", () => { for (const one of find("scene").querySelectorAll("iframe")) one.remove(); Object.assign(stage, { name: "", path: "", edits: "", handles: [], frame: null, newest: null, opened: "", view: null }); form(-1); });
 }
