@@ -67,6 +67,7 @@ EXCEPTIONS: Final = {
     ("sources/drawing/attributes.py", "movel"): "what people write into drawings",
     ("sources/drawing/attributes.py", "mov"): "what people write into drawings",
     ("sources/drawing/attributes.py", "mvs"): "what people write into drawings",
+    ("studio/controller_routes.py", "connect"): "the name of a route",
     ("studio/guard.py", "connect"): "a word of the policy that browsers keep to",
 }
 """File and word → why it stays."""

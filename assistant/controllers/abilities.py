@@ -1,17 +1,31 @@
 """What some controllers can do beside `Programs`; ask with isinstance.
 
 `Disk`: programs are files, and other files may stand beside them. `Memory`: what runs was loaded
-from a file, and what is taught is changed there, not in the file.
+from a file, and what is taught is changed there, not in the file. `JogsHeld`: a jog can be
+broken off.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from typing import Protocol, runtime_checkable
+
+from assistant.controllers.states import Jog
 
 Rests = Mapping[str, Collection[bytes] | None]
 """Files beside which transfers may have left something, each with what it may have been: a file
 that waits aside goes only if it is that, for somebody else may have named it so. None: it goes."""
+
+Held = Callable[[], bool]
+"""Whether somebody still wants a motion."""
+
+
+@runtime_checkable
+class JogsHeld(Protocol):
+    """A controller that breaks a jog off on the session that asked for it."""
+
+    def jog_while(self, jog: Jog, held: Held) -> None:
+        """Jogs, and asks meanwhile; stops the arm and raises Refused once it is not held."""
 
 
 @runtime_checkable

@@ -53,14 +53,26 @@ def brought_to_rest(again: Callable[[], Programs]) -> Rest:
     """Stops on a session of its own. again: gives a client that is not connected yet."""
     try:
         with again() as session:
-            if not isinstance(session, Controller):
-                return Rest(False, reason="the address tells nothing of the arm")
-            session.stop()
-            return _watched(session)
+            return stopped(session)
     except Refused as refused:
-        return Rest(False, reason="; ".join(f.message for f in refused.findings))
+        return _unknown(refused)
     except OSError as error:
         return Rest(False, reason=error.strerror or str(error))
+
+
+def stopped(session: Programs) -> Rest:
+    """Stops on a session that is connected, and looks whether the arm stands."""
+    if not isinstance(session, Controller):
+        return Rest(False, reason="the address tells nothing of the arm")
+    try:
+        session.stop()
+        return _watched(session)
+    except Refused as refused:
+        return _unknown(refused)
+
+
+def _unknown(refused: Refused) -> Rest:
+    return Rest(False, reason="; ".join(f.message for f in refused.findings))
 
 
 def _watched(session: Controller) -> Rest:

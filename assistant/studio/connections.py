@@ -15,6 +15,7 @@ from assistant.controllers import Controller, Named, Programs, connect
 from assistant.controllers import rules as controller_rules
 from assistant.controllers.rules import Lost
 from assistant.controllers.states import Identity, Sample, record
+from assistant.controllers.stopping import Rest, brought_to_rest, stopped
 from assistant.findings.formats import finding_record
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.studio import rules
@@ -107,6 +108,26 @@ class Connection:
             self._gone(lost.findings)
             raise
 
+    def apart(self, does: Callable[[Programs], T]) -> T:
+        """What opens a session by itself, with ours: many controllers have no line for another."""
+
+        def done(session: Programs) -> T:
+            self._end_looks()
+            session.__exit__(None, None, None)
+            try:
+                return does(session)
+            finally:
+                self._back(session)
+
+        return self.kept(done)
+
+    def stop(self) -> Rest:
+        """Stops the arm and all programs; where no line is free for that, after what goes on."""
+        rest = brought_to_rest(self.client)
+        if rest.state is not None:
+            return rest
+        return self.kept(stopped)
+
     def look_at(self, signals: Sequence[str]) -> None:
         """Signals whose values are told from now on; raises Refused if there are none such."""
         wanted = tuple(signals)
@@ -130,10 +151,19 @@ class Connection:
             watcher.join(ENDING)
 
     def _leave(self) -> None:
-        looks, self._looks = self._looks, None
         with self._open:
-            if isinstance(looks, Generator):
-                looks.close()
+            self._end_looks()
+
+    def _end_looks(self) -> None:
+        looks, self._looks = self._looks, None
+        if isinstance(looks, Generator):
+            looks.close()
+
+    def _back(self, session: Programs) -> None:
+        try:
+            session.__enter__()
+        except Refused as refused:  # what was done meanwhile is told all the same
+            self._gone(refused.findings)
 
     def _watch(self) -> None:
         while not self._ended.wait(LOOKS):

@@ -21,9 +21,10 @@ from functools import partial
 from typing import Any, Final
 
 from assistant.compiler.jogging import JOINTS, check_jog
-from assistant.controllers import Controller
+from assistant.controllers import Controller, Programs
+from assistant.controllers.abilities import JogsHeld
 from assistant.controllers.states import Jog, record
-from assistant.controllers.stopping import Rest, brought_to_rest, stop_at_once
+from assistant.controllers.stopping import Rest, stop_at_once
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.studio import rules
 from assistant.studio.connections import Connection, told
@@ -62,7 +63,8 @@ class Control:
     """An arm that one window moves until it gives that up; raises Refused.
 
     window: its name. say: tells that window something. over: is called when control has to be
-    given up because the window is away. A session of its own waits for the stop.
+    given up because the window is away. A session of its own waits for the stop, where the
+    controller has a line for it.
     """
 
     def __init__(self, connection: Connection, window: str, say: Say, over: Callable[[], None]):
@@ -76,7 +78,9 @@ class Control:
         self._fresh = time.monotonic()
         connection.do(lambda controller: controller.state())  # one that keeps programs says so
         self._open = ExitStack()
-        self._stopper = self._open.enter_context(connection.client())
+        self._stopper: Programs | None = None
+        with suppress(Refused):  # where there is no line for it, the session that jogs stops it
+            self._stopper = self._open.enter_context(connection.client())
         self._stopping = threading.Lock()
         self._threads = [
             threading.Thread(target=does, name=f"control {does.__name__}", daemon=True)
@@ -118,9 +122,13 @@ class Control:
     def stop(self) -> Rest:
         """Stops the arm, and all programs, where they are; tells whether the arm stands."""
         self.let_go()
+        self._stop_at_once()
+        return self._connection.stop()
+
+    def _stop_at_once(self) -> None:
         with self._stopping:
-            stop_at_once(self._stopper)
-        return brought_to_rest(self._connection.client)
+            if self._stopper is not None:
+                stop_at_once(self._stopper)
 
     def motors(self, on: bool) -> None:
         """Switches the motors; those that were switched on here go off when control ends."""
@@ -143,8 +151,7 @@ class Control:
             self._held = None
             self._changed.notify_all()
         if self._moving or self._switched:
-            with self._stopping:
-                stop_at_once(self._stopper)
+            self._stop_at_once()
         for thread in self._threads:
             if thread is not threading.current_thread():
                 thread.join(ENDING)
@@ -192,7 +199,10 @@ class Control:
 
     def _cut_off(self) -> None:
         began = time.monotonic()
-        rest = self.stop()
+        try:
+            rest = self.stop()
+        except Refused as refused:  # it was left meanwhile
+            rest = Rest(False, reason=refused.findings[0].message)
         with self._changed:
             self._fresh += time.monotonic() - began  # nobody was told a tick meanwhile
         self._say({"kind": "control", "cut": True, **rest_record(rest)})
@@ -217,7 +227,10 @@ class Control:
     def _take(self, hold: Hold, controller: Controller) -> None:
         check_jog(hold.step, controller.position(), self._connection.robot)
         self._moving = True
-        if self._is_held(hold):
+        held = partial(self._is_held, hold)
+        if isinstance(controller, JogsHeld):
+            controller.jog_while(hold.step, held)
+        elif held():
             controller.jog(hold.step)
 
     def _is_held(self, hold: Hold) -> bool:

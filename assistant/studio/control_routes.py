@@ -66,11 +66,10 @@ def give_up(studio: Studio, asked: Asked) -> dict[str, Any]:
 
 def stop(studio: Studio, asked: Asked) -> dict[str, Any]:  # noqa: ARG001
     """Stops the arm and all programs; any window may, at any time."""
-    from assistant.controllers.stopping import brought_to_rest
     from assistant.studio.control import Control, rest_record
 
     found, control = connection_of(studio), studio.live.get("control")
-    rest = control.stop() if isinstance(control, Control) else brought_to_rest(found.client)
+    rest = (control if isinstance(control, Control) else found).stop()
     return rest_record(rest)
 
 

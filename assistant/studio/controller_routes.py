@@ -203,13 +203,13 @@ def _deployed(studio: Studio, asked: Asked, *, only_planned: bool) -> dict[str, 
 
     found, replace = connection_of(studio), asked.texts("replace")
 
-    def records(session: Programs) -> list[dict[str, Any]]:  # noqa: ARG001 (one after the other)
+    def records(session: Programs) -> list[dict[str, Any]]:
         answers = []
         for target in _targets(studio, found.one):
             made = planned(
                 [studio.named(file) for file in target.files()],
                 found.one,
-                found.client(),
+                session,
                 task=target.task,
                 load=target.load,
                 replace=replace,
@@ -220,7 +220,7 @@ def _deployed(studio: Studio, asked: Asked, *, only_planned: bool) -> dict[str, 
             answers.append({"target": target.name, **plan_record(made, done, told)})
         return answers
 
-    return _together(found.kept(records))
+    return _together(found.apart(records))
 
 
 def verify(studio: Studio, asked: Asked) -> dict[str, Any]:  # noqa: ARG001
@@ -230,15 +230,15 @@ def verify(studio: Studio, asked: Asked) -> dict[str, Any]:  # noqa: ARG001
 
     found = connection_of(studio)
 
-    def records(session: Programs) -> list[dict[str, Any]]:  # noqa: ARG001
+    def records(session: Programs) -> list[dict[str, Any]]:
         answers = []
         for target in _targets(studio, found.one):
             files = [studio.named(file) for file in target.files()]
-            seen = deploying.verify(found.client(), files, history=target.history)
+            seen = deploying.verify(session, files, history=target.history)
             answers.append({"target": target.name, **verified_record(seen)})
         return answers
 
-    return _together(found.kept(records))
+    return _together(found.apart(records))
 
 
 def roll_back(studio: Studio, asked: Asked) -> dict[str, Any]:
@@ -248,8 +248,8 @@ def roll_back(studio: Studio, asked: Asked) -> dict[str, Any]:
 
     found, replace = connection_of(studio), asked.texts("replace")
     history = _targets(studio, found.one)[0].history
-    done = found.kept(
-        lambda _: deploying.rollback(found.client(), history=history, replace=replace)
+    done = found.apart(
+        lambda session: deploying.rollback(session, history=history, replace=replace)
     )
     return deployment_record(done, back=True)
 
@@ -317,7 +317,7 @@ ROUTES: Final = (
     changes("/controller/leave", leave),
     changes("/controller/watch", watch),
     looks("/controller/log", log),
-    changes("/controller/reset", reset),
+    changes("/controller/acknowledge", reset),
     looks("/controller/programs", programs),
     asks("/controller/parameters", parameters),
     changes("/controller/parameter", set_parameter),

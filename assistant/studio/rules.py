@@ -85,7 +85,7 @@ NOT_SHOWN = error(
 )
 NOT_MOVED = error("ST052", "`{name}` cannot be moved here: {reason}", "{cure}")
 
-NOT_CONNECTED = error("ST040", "no controller is connected", "connect to one of the project")
+NOT_CONNECTED = error("ST040", "no controller is connected", "choose one of the project")
 NOT_CONFIRMED = error(
     "ST041",
     "this {what}, and nobody confirmed it; nothing was changed",

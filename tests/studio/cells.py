@@ -72,6 +72,14 @@ def cr(folder: Path, home: Path) -> Iterator[Bench]:
 BENCHES = {"irc5": irc5, "cr": cr}
 
 
+@contextmanager
+def serial(folder: Path) -> Iterator[VirtualCr]:
+    """Behind its serial line, which one session has at a time."""
+    with VirtualCr("rv-4frl", language="melfa-basic-5", serial=True) as cell:
+        _project(folder, cell.serial_address, "rv-4frl", "seam.prg", STEPS.format(400))
+        yield cell
+
+
 def _project(folder: Path, address: str, robot: str, file: str, text: str) -> None:
     (folder / file).write_text(text, encoding="utf-8")
     table = f'[controllers.cell1]\naddress = "{address}"\nrobot = "{robot}"\ntimeout = 5\n'

@@ -20,7 +20,7 @@ from websockets.sync.client import ClientConnection
 from assistant import controllers
 from assistant.virtual.cr import VirtualCr
 from assistant.virtual.irc5 import VirtualIrc5
-from tests.studio.cells import BENCHES, PASSWORD, Bench
+from tests.studio.cells import BENCHES, PASSWORD, Bench, serial
 from tests.studio.serving import Page
 from tests.studio.test_controller import codes, done
 
@@ -295,6 +295,28 @@ def test_an_arm_that_cannot_be_jogged_says_so(folder: Path, tmp_path: Path, addr
             assert Window(page, line).told_of_while_held() == ["CN209"]
             assert _motors(bench)
         while _motors(bench):
+            time.sleep(0.05)
+
+
+def test_one_line_for_one_session_stops_by_that_session(folder: Path, address: str) -> None:
+    page = Page(address)
+    with serial(folder) as cell, recorded(cell) as record, page.line() as line:
+        while not page.writes:
+            page.hear(line)
+        taken(page)
+        done(page.post("project/build"))
+        window = Window(page, line)
+        cell.state.override = 2
+        window.press_until(lambda: record.now > STEP / 10)
+        before = record.now
+        where = record.until_it_stands()
+        assert before <= where < before + 0.7 * STEP
+        (plan,) = done(page.post("controller/plan"))["targets"]
+        assert [one["change"] for one in plan["files"]] == ["create"]
+        window.press_until(lambda: record.now > where)
+        window.line.socket.close()
+        assert record.until_it_stands() < where + 0.7 * STEP
+        while cell.state.servo:
             time.sleep(0.05)
 
 

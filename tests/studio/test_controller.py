@@ -129,7 +129,7 @@ def test_errors_have_their_text_and_are_acknowledged(
         connect(page)
         first = done(page.get("controller/log"))["log"][0]
         assert first["number"] == 2000 and first["text"] and first["cure"]
-        done(page.post("controller/reset"))
+        done(page.post("controller/acknowledge"))
 
 
 def test_whoever_is_not_connected_is_told(page: Page, folder: Path) -> None:

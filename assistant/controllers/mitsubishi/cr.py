@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path as FilePath
 from typing import Final, Self
 
+from assistant.controllers.abilities import Held
 from assistant.controllers.address import Address
 from assistant.controllers.mitsubishi import (
     backup,
@@ -187,6 +188,9 @@ class Cr:
 
     def jog(self, jog: Jog) -> None:
         jogging.jog(self.session, jog, self.check)
+
+    def jog_while(self, jog: Jog, held: Held) -> None:
+        jogging.jog(self.session, jog, self.check, held)
 
     def jog_joints(self, joints: Mapping[str, float], speed: float) -> None:
         jogging.jog_joints(self.session, joints, speed, self.check)

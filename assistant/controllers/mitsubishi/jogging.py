@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from assistant.controllers import rules
+from assistant.controllers.abilities import Held
 from assistant.controllers.mitsubishi import operating, position, values
 from assistant.controllers.mitsubishi.answers import BARE
 from assistant.controllers.mitsubishi.position import Shown
@@ -59,10 +60,16 @@ Check = Callable[[Goal], None]
 """Raises Refused for a goal that the arm must not be sent to."""
 
 
-def jog(session: Session, asked: Jog, check: Check | None) -> None:
+def always() -> bool:
+    """Nobody has to hold anything."""
+    return True
+
+
+def jog(session: Session, asked: Jog, check: Check | None, held: Held = always) -> None:
     """Moves, and comes back when the arm stands there; stops it for whatever else happens.
 
     check: is asked before anything moves; the joint limits of the controller are looked at, too.
+    held: is asked again and again while it moves: it is stopped, and refused, if it says no.
     """
     axis = asked.axis.upper()
     _sensible(asked, axis)
@@ -79,7 +86,7 @@ def jog(session: Session, asked: Jog, check: Check | None) -> None:
             name, value = POSE, position.text(place, goal.pose)
         if check is not None:
             check(goal)
-        _go(session, asked.speed, name, value, goal, doing)
+        _go(session, asked.speed, name, value, goal, doing, held)
 
 
 def jog_joints(
@@ -108,14 +115,24 @@ def jog_joints(
         _go(session, speed, JOINT, _joint_text(axes, goal), goal, doing)
 
 
-def _go(session: Session, speed: float, name: str, value: str, goal: Goal, doing: str) -> None:
+def _go(
+    session: Session,
+    speed: float,
+    name: str,
+    value: str,
+    goal: Goal,
+    doing: str,
+    held: Held = always,
+) -> None:
     """Moves to a variable that is given a value, and comes back when the arm stands there."""
     session.ask(f"EXECJOVRD {speed:g}", doing=doing, shape=BARE)
     session.ask(f"EXEC{name}={value}", doing=doing, shape=BARE)
+    if not held():
+        raise _not_there(session, doing, 0.0, "nothing has moved")
     with _stopping(session):
         state = "the arm may have begun to move"
         session.ask(f"EXECMOV {name}", doing=doing, state=state, shape=BARE)
-        _arrive(session, goal, doing)
+        _arrive(session, goal, doing, held)
 
 
 def _sensible(asked: Jog, axis: str) -> None:
@@ -229,7 +246,12 @@ def _stopping(session: Session) -> Iterator[None]:
         session.under_way = UNCHANGED
 
 
-def _arrive(session: Session, goal: Goal, doing: str) -> None:
+def _not_there(session: Session, doing: str, seconds: float, state: str) -> Refused:
+    place = str(session.address)
+    return Refused(rules.NOT_DONE(place=place, doing=doing, seconds=round(seconds, 1), state=state))
+
+
+def _arrive(session: Session, goal: Goal, doing: str, held: Held) -> None:
     """Comes back when the arm stands at the goal; raises Refused for errors and if it does not."""
     end = time.monotonic() + MOST_SECONDS
     began = time.monotonic()
@@ -239,15 +261,17 @@ def _arrive(session: Session, goal: Goal, doing: str) -> None:
         off = _off(session, goal)
         if off == before and max(off) <= NEAR:
             return
+        if not held():
+            state = "it was let go, and the arm has been stopped"
+            raise _not_there(session, doing, time.monotonic() - began, state)
         for fault in faults(session):
             if fault.level == "error":
                 raise Refused(session.alarm(fault.number, doing, "the arm has been stopped"))
         still = still + 1 if off == before else 0
         before = off
         if still >= STILL or time.monotonic() > end:
-            place, seconds = str(session.address), round(time.monotonic() - began, 1)
             state = "the arm does not get to its goal and has been stopped"
-            raise Refused(rules.NOT_DONE(place=place, doing=doing, seconds=seconds, state=state))
+            raise _not_there(session, doing, time.monotonic() - began, state)
         time.sleep(LOOK)
 
 

@@ -215,7 +215,7 @@ async function readErrors() {
   find("errors").replaceChildren(rows.length ? table(["time", "errors", ""], rows) : said("p", "none"));
 }
 async function acknowledge() {
-  if (await doing(() => ask("controller/reset"))) await readErrors();
+  if (await doing(() => ask("controller/acknowledge"))) await readErrors();
 }
 // ------------------------------------------------------------------------------- backups
 async function readBackups() {
