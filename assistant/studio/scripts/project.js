@@ -1,5 +1,5 @@
 // The project: its files, opening and creating, and what is dropped onto it.
-import { find, made, shown, word } from "./words.js";
+import { find, made, said, shown, word } from "./words.js";
 import { ask, look, send } from "./server.js";
 import { doing, showOfDoing } from "./findings.js";
 import { on } from "./line.js";
@@ -24,8 +24,8 @@ export async function readProject() {
 function showFiles() {
   const list = find("files"), had = list.contains(document.activeElement) ? document.activeElement.dataset.path : undefined;
   list.replaceChildren(...project.files.map(item));
-  if (!project.files.length) list.append(made("li", word("no_files"), "empty"));
-  if (project.more) list.append(made("li", word("more_files"), "empty"));
+  if (!project.files.length) list.append(said("li", "no_files", "empty"));
+  if (project.more) list.append(said("li", "more_files", "empty"));
   const buttons = [...list.querySelectorAll("button")];
   const first = buttons.find((one) => one.dataset.path === (had ?? current)) ?? buttons[0];
   if (first) first.tabIndex = 0;
@@ -38,7 +38,7 @@ function item(file) {
   button.setAttribute("aria-current", String(file.path === current));
   button.dataset.path = file.path;
   button.tabIndex = -1;
-  button.append(made("bdi", file.path), " ", made("small", file.kind));
+  button.append(made("bdi", file.path), " ", said("small", file.kind));
   button.addEventListener("click", () => chooseFile(file.path));
   row.append(button);
   return row;
