@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Final
 
 from assistant.cli.app import app
-from docs import models
+from docs import models, studio_pictures
 
 PROJECT: Final = Path(__file__).parent.parent
 FOLDER: Final = PROJECT / "docs" / "pictures"
@@ -421,6 +421,7 @@ PICTURES: Final[dict[str, Callable[[], bytes]]] = {
     "fmu": fmu,
     "calibrated": calibrated,
     **{name: partial(models.model, name) for name in models.names()},
+    **{name: partial(studio_pictures.picture, name) for name in studio_pictures.names()},
 }
 """Each picture by the name of its file."""
 

@@ -46,7 +46,7 @@ def run_studio(project: Path, host: str | None, port: int, opened: bool, format:
             if format is Format.JSON:
                 print_json({"folder": str(served.studio.folder), "address": served.address})
             else:
-                say(f"studio of {served.studio.folder} on {served.address}, until Ctrl-C")
+                say(f"studio of {served.studio.folder}, listening on {served.address} until Ctrl-C")
             sys.stdout.flush()
             if opened:  # a browser of the terminal would come back only when it is closed
                 Thread(target=webbrowser.open, args=(served.address,), daemon=True).start()

@@ -14,7 +14,8 @@ from tests.studio.test_whole_way import GREETING
 
 UNNAMED: Final = """() => {
   const named = (one) => one.getAttribute("aria-label") || one.labels?.length
-    || one.textContent.trim() || one.title || document.getElementById(one.getAttribute("aria-labelledby") ?? "");
+    || one.textContent.trim() || one.title
+    || document.getElementById(one.getAttribute("aria-labelledby") ?? "");
   return [...document.querySelectorAll("button, input, select, textarea, [role], summary, iframe")]
     .filter((one) => one.offsetParent && !one.closest(".cm-editor") && one.role !== "status")
     .filter((one) => !["none", "alert"].includes(one.getAttribute("role")) && !named(one))

@@ -38,7 +38,7 @@ function item(file) {
   button.setAttribute("aria-current", String(file.path === current));
   button.dataset.path = file.path;
   button.tabIndex = -1;
-  button.append(made("bdi", file.path), " ", said("small", file.kind));
+  button.append(made("bdi", file.path), " ", said("small", `kind_${file.kind}`));
   button.addEventListener("click", () => chooseFile(file.path));
   row.append(button);
   return row;
