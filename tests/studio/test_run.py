@@ -230,6 +230,7 @@ def test_a_run_ends_with_its_window_and_no_other_window_starts_one(
             stands(second, lambda now: now["state"] == "")
 
 
+@pytest.mark.slow
 def test_in_a_browser(browser: Any, address: str, folder: Path) -> None:
     path = written(folder)
     with studio_page(browser, address) as page, clean(page):
