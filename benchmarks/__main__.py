@@ -10,7 +10,17 @@ import subprocess
 import sys
 import time
 
-from benchmarks import editing, exchanging, generated, learning, models, planning, real_time, tasks
+from benchmarks import (
+    editing,
+    exchanging,
+    generated,
+    learning,
+    models,
+    planning,
+    real_time,
+    scenes,
+    tasks,
+)
 from benchmarks.arms import ROBOTS
 from benchmarks.collision import COLLISION
 from benchmarks.collision import TITLE as CELL
@@ -49,10 +59,12 @@ def main() -> None:
             "generated",
             "exchange",
             "editing",
+            "first-page",
             "planning",
             "learning",
             "real-time",
             "models",
+            "scenes",
             "growth",
             "tasks",
         ],
@@ -88,6 +100,8 @@ def main() -> None:
         exchanging.report()
     if chosen.only in (None, "editing"):
         editing.report()
+    if chosen.only in (None, "first-page"):
+        first_page.report()
     if chosen.only in (None, "planning"):
         planning.report()
     if chosen.only in (None, "learning"):
@@ -96,6 +110,8 @@ def main() -> None:
         real_time.report(chosen.seconds or 60.0)
     if chosen.only in (None, "models"):
         models.report(chosen.seconds or 30.0)
+    if chosen.only in (None, "scenes"):
+        scenes.report()
     _startup()
 
 

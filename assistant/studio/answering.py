@@ -13,7 +13,6 @@ from starlette.requests import ClientDisconnect, Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
-from assistant.findings.formats import finding_record
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.failing import failure
 from assistant.program.system.watchdog import Reached
@@ -104,6 +103,8 @@ def changes(path: str, does: Does) -> Route:
 
 def findings(found: Sequence[Diagnostic]) -> list[dict[str, Any]]:
     """Records of findings; files of the project have the names that the page calls them by."""
+    from assistant.findings.formats import finding_record  # the book of rules, which is large
+
     folder = FilePath.cwd()  # that of the project
     records = [finding_record(one) for one in found]
     for record in records:

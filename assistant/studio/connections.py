@@ -16,7 +16,6 @@ from assistant.controllers import rules as controller_rules
 from assistant.controllers.rules import Lost
 from assistant.controllers.states import Identity, Sample, record
 from assistant.controllers.stopping import Rest, brought_to_rest, stopped
-from assistant.findings.formats import finding_record
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.studio import rules
 from assistant.studio.windows import Tell
@@ -201,6 +200,8 @@ class Connection:
 
 def told(findings: Sequence[Diagnostic]) -> list[dict[str, object]]:
     """Findings as windows are told them."""
+    from assistant.findings.formats import finding_record  # the book of rules, which is large
+
     return [finding_record(finding) for finding in findings]
 
 

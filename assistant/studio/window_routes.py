@@ -13,7 +13,6 @@ from starlette.routing import WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from assistant.studio.studio import Studio
-from assistant.studio.tree import stamps
 
 LOOKS: Final = 1.0
 """Seconds between two looks at the files of the project."""
@@ -69,6 +68,8 @@ async def _sent(line: WebSocket, news: asyncio.Queue[Mapping[str, Any]]) -> None
 
 async def _looked(studio: Studio, tell: Any) -> None:
     """Tells of files that came, went or changed."""
+    from assistant.studio.tree import stamps  # readers and languages, after the page is there
+
     before = await run_in_threadpool(stamps, studio.folder)
     at: FilePath = studio.folder
     while True:
