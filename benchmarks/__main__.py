@@ -13,6 +13,7 @@ import time
 from benchmarks import (
     editing,
     exchanging,
+    first_page,
     generated,
     learning,
     models,
