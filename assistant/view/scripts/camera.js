@@ -2,8 +2,15 @@
 const camera = new THREE.PerspectiveCamera(40, 1, 1, 1e5);
 camera.up.set(0, 0, 1);
 let renderer = null;
+/** Whether a processor draws, and no card: smooth edges would take most of its time. */
+function drawnByHand() {
+  const one = document.createElement("canvas").getContext("webgl2"), told = one?.getExtension("WEBGL_debug_renderer_info");
+  const name = told ? String(one.getParameter(told.UNMASKED_RENDERER_WEBGL)) : "";
+  one?.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software|basic render/i.test(name);
+}
 try {
-  renderer = new THREE.WebGLRenderer({ antialias: true });
+  renderer = new THREE.WebGLRenderer({ antialias: !drawnByHand() });
 } catch {
   notice("This browser draws no scenes, as it has no WebGL; the lists beside this place work all the same.");
 }
@@ -59,9 +66,28 @@ function look() {
   scene.add(grid);
 }
 
-function draw() {
+const MANY = 500 * 22; // characters of zones: 22 a ball
+const SLOW = 40, REST = 150, OFTEN = 5; // ms of a frame, ms of rest, and how many slow frames make it coarse
+const pace = { last: 0, slow: 0, coarse: false };
+/** What moves is drawn coarser where it would jerk otherwise, and sharp again as soon as it rests. */
+function paced(at) {
+  const gone = at - pace.last;
+  if (dirty) {
+    pace.last = at;
+    if (gone < REST * 4) pace.slow = Math.min(OFTEN, Math.max(0, pace.slow + (gone > SLOW ? 1 : -1)));
+    if (pace.slow === OFTEN && !pace.coarse) sharpen(false);
+  } else if (pace.coarse && gone > REST) sharpen(true);
+}
+function sharpen(on) {
+  pace.coarse = !on;
+  renderer.setPixelRatio(window.devicePixelRatio * (on ? 1 : 0.5));
+  zones.material.visible = on || data.zones.length < MANY; // thousands of balls take longest
+  dirty = true;
+}
+function draw(at) {
   if (!renderer) return;
   if (controls.update()) dirty = true;
+  paced(at);
   if (!dirty) return;
   dirty = false;
   const whole = [0, 0, stage.clientWidth, stage.clientHeight];
@@ -85,7 +111,7 @@ function resized() {
   if (!renderer) return;
   camera.aspect = stage.clientWidth / Math.max(1, stage.clientHeight);
   camera.updateProjectionMatrix();
-  renderer.setPixelRatio(window.devicePixelRatio);
+  renderer.setPixelRatio(window.devicePixelRatio * (pace.coarse ? 0.5 : 1));
   renderer.setSize(stage.clientWidth, stage.clientHeight);
   if (plan.on) flat(true);
   dirty = true;

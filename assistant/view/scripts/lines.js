@@ -47,18 +47,24 @@ if (!data.tips.length && mover >= 0) tips.add(cross(40));
 carriers[flange].add(tips);
 
 const targets = new THREE.Group();
-for (const target of data.targets) {
-  const lines = framed(target.pose, 30);
-  targets.add(lines);
-  name(target.name, lines, targets);
-}
+const stood = data.targets.map((target) => {
+  const at = new THREE.Group();
+  at.applyMatrix4(matrix(target.pose));
+  targets.add(at);
+  name(target.name, at, targets);
+  return matrix(target.pose);
+});
+if (stood.length) targets.add(crosses(stood, 30));
 scene.add(targets);
 
-/** Balls about centres, (x, y, z, radius) each, as one surface. */
+const FINEST = 10, CORNERS = 60000; // parts around a ball, and corners of all of them
+/** Balls about centres, (x, y, z, radius) each, as one surface; of many each is the coarser. */
 function balls(places, material) {
-  const around = 10, up = 6, one = (around * (up + 1));
+  const count = Math.max(1, places.length / 4);
+  const around = Math.max(4, Math.min(FINEST, Math.floor(Math.sqrt(CORNERS / count))));
+  const up = Math.max(2, Math.round(0.6 * around)), one = around * (up + 1);
   const points = new Float32Array((places.length / 4) * one * 3);
-  const triangles = new Uint32Array((places.length / 4) * around * up * 6);
+  const triangles = new Uint32Array((places.length / 4) * around * (up - 1) * 6);
   let p = 0, t = 0;
   for (let i = 0; i < places.length; i += 4) {
     const first = p / 3, [x, y, z, r] = places.subarray(i, i + 4);
@@ -70,12 +76,13 @@ function balls(places, material) {
     }
     for (let k = 0; k < up; k++) for (let j = 0; j < around; j++) {
       const a = first + k * around + j, b = first + k * around + ((j + 1) % around);
-      for (const corner of [a, a + around, b, b, a + around, b + around]) triangles[t++] = corner;
+      const upper = k ? [a, a + around, b] : [], lower = k < up - 1 ? [b, a + around, b + around] : [];
+      for (const corner of [...upper, ...lower]) triangles[t++] = corner;
     }
   }
   return surface(points, triangles, false, material);
 }
-const zones = balls(numbers(data.zones), { color: "#7a4fb5", transparent: true, opacity: 0.28, depthWrite: false });
+const zones = balls(numbers(data.zones), { color: "#7a4fb5", transparent: true, opacity: 0.28, depthWrite: false, forceSinglePass: true });
 scene.add(zones);
 
 const drawn = new THREE.Group();

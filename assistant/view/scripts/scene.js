@@ -35,10 +35,11 @@ function line(points, colour) {
   attribute(shape, "position", points);
   return new THREE.Line(shape, new THREE.LineBasicMaterial({ color: colour }));
 }
-function cross(size) {
-  const points = [], colours = [];
-  [[1, 0, 0], [0, 1, 0], [0, 0, 1]].forEach((axis) => {
-    points.push(0, 0, 0, ...axis.map((v) => v * size));
+/** Axes of frames as one object, however many there are: each object that is drawn takes its time. */
+function crosses(places, size) {
+  const points = [], colours = [], end = new THREE.Vector3();
+  for (const at of places) [[1, 0, 0], [0, 1, 0], [0, 0, 1]].forEach((axis) => {
+    for (const far of [0, size]) points.push(...end.set(...axis).multiplyScalar(far).applyMatrix4(at).toArray());
     colours.push(...axis.map((v) => v * 0.85), ...axis.map((v) => v * 0.85));
   });
   const shape = new THREE.BufferGeometry();
@@ -46,6 +47,7 @@ function cross(size) {
   attribute(shape, "color", new Float32Array(colours));
   return new THREE.LineSegments(shape, new THREE.LineBasicMaterial({ vertexColors: true }));
 }
+const cross = (size) => crosses([new THREE.Matrix4()], size);
 function framed(pose, size) {
   const lines = cross(size);
   lines.applyMatrix4(matrix(pose));

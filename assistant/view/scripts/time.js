@@ -55,6 +55,6 @@ function tick(at) {
   }
   led(gone);
   last = at;
-  draw();
+  draw(at);
   requestAnimationFrame(tick);
 }
