@@ -11,6 +11,7 @@ import pytest
 
 from assistant import studio
 from assistant.studio.page import FIRST, words
+from assistant.studio.tree import KINDS
 
 FOLDER: Final = Path(studio.__file__).parent
 USED: Final = (
@@ -41,6 +42,14 @@ def test_every_word_that_is_asked_for_has_a_row() -> None:
     }
     assert len(asked) > 60
     assert sorted((name, key) for name, key in asked if key not in known) == []
+
+
+def test_every_row_is_asked_for() -> None:
+    names = set(re.findall(r"\w+", "\n".join(sources().values())))
+    kinds = {*KINDS.values(), "process", "program", "project", "settings", "table", "file"}
+    composed = {f"kind_{kind}" for kind in kinds}  # of files, as the tree has them
+    assert sorted(set(table(FIRST)) - names - composed) == []
+    assert composed <= set(table(FIRST))
 
 
 @pytest.mark.parametrize("language", sorted(set(words()) - {FIRST}))
