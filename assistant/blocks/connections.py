@@ -9,10 +9,12 @@ from concurrent.futures import Future
 from contextlib import AbstractContextManager, contextmanager, suppress
 from typing import Final, Generic, TypeVar
 
+from assistant.blocks.diagrams.running import ending
 from assistant.blocks.rules import NO_STATEMENTS
 from assistant.controllers import connect
 from assistant.controllers.controller import Controller
 from assistant.controllers.mitsubishi.cr import Cr
+from assistant.controllers.rules import Lost
 from assistant.controllers.states import Position
 from assistant.program.diagnostics import Refused
 
@@ -79,6 +81,8 @@ class Operator:
         )
         self._open: Future[Position] | None = None
         self._asking = False
+        self._lost = False
+        """Whether the last statement has no answer: the arm may go on."""
         self._thread = threading.Thread(target=self._run, name="operator", daemon=True)
         self._thread.start()
 
@@ -106,17 +110,24 @@ class Operator:
         return self._open
 
     def close(self) -> None:
-        """Stops what is under way, and ends."""
-        if self.busy:
-            assert self._open is not None
-            other = connect(self.session.address)
-            assert isinstance(other, Controller)
-            with other:
-                other.stop()
-            with suppress(Refused, TimeoutError):  # what ended it was this stop
-                self._open.result(PATIENCE)
-        self._jobs.put(None)
-        self._thread.join(PATIENCE)
+        """Stops what is under way or may be, and ends."""
+        try:
+            if self.busy:
+                self._stop()
+            elif self._lost:
+                self.session.stop()
+        finally:
+            self._jobs.put(None)
+            self._thread.join(PATIENCE)
+
+    def _stop(self) -> None:
+        assert self._open is not None
+        other = connect(self.session.address)
+        assert isinstance(other, Controller)
+        with other:
+            other.stop()
+        with suppress(Refused, TimeoutError):  # what ended it was this stop
+            self._open.result(PATIENCE)
 
     def _run(self) -> None:
         while (job := self._jobs.get()) is not None:
@@ -129,6 +140,7 @@ class Operator:
                 done.set_result(self.session.position())
             except Exception as error:  # noqa: BLE001 - it is the block's, which raises it
                 self._asking = False
+                self._lost = isinstance(error, Lost)
                 done.set_exception(error)
 
 
@@ -146,16 +158,13 @@ def operated(
         session = connect(address, timeout=timeout)
         if not isinstance(session, Cr):
             raise Refused(NO_STATEMENTS(name=name, address=session.address), exit_status=2)
-        with session:
+        with session, ending() as last:
             session.set_override(override)
             if servo:
+                last.callback(session.motors, False)
                 session.motors(True)
             operator = Operator(session)
-            try:
-                yield operator
-            finally:
-                operator.close()
-                if servo:
-                    session.motors(False)
+            last.callback(operator.close)
+            yield operator
 
     return Connection(name, opening, moves=True)

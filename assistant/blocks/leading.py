@@ -16,6 +16,7 @@ from typing import ClassVar, Final, Protocol
 import numpy as np
 
 from assistant.blocks.connections import Connection
+from assistant.blocks.diagrams.running import ending
 from assistant.blocks.library.arrays import pose_signal
 from assistant.blocks.library.kinematics import tool_pose
 from assistant.blocks.rules import BEHIND, NO_MEASURING, NO_WAY
@@ -170,18 +171,13 @@ def led(
             if isinstance(session, Controller):
                 near = np.array(own_joints(session.position(), robot))
                 switched = session if servo and mode.operates else None
-            if switched:
-                switched.motors(True)
-            try:
-                with mode.make(session, arm, given, near) as carrier:
-                    leader = Leader(carrier, arm)
-                    try:
-                        yield leader
-                    finally:
-                        leader.close()
-            finally:
+            with ending() as last:
                 if switched:
-                    switched.motors(False)
+                    last.callback(switched.motors, False)
+                    switched.motors(True)
+                leader = Leader(last.enter_context(mode.make(session, arm, given, near)), arm)
+                last.callback(leader.close)
+                yield leader
 
     return Connection(name, opening, moves=True)
 

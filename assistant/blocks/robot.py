@@ -27,11 +27,10 @@ from spatialmath import SE3
 
 from assistant.blocks.connections import Connection, Operator
 from assistant.blocks.diagrams.block import Block
-from assistant.blocks.diagrams.rules import NOT_CONFIRMED
+from assistant.blocks.diagrams.running import check_confirmed, named
 from assistant.blocks.library import arms, kinematics, moving, sources
 from assistant.program import rotations
 from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.robot import Robot
 
@@ -75,7 +74,8 @@ class _Direct(_Adapted):
 
     def output(self, t: float, u: Sequence[Any], x: Any) -> list[Any]:
         del x
-        return self._shown(self._inner.give(t, self._given(u)))
+        with named(self._inner, t):
+            return self._shown(self._inner.give(t, self._given(u)))
 
 
 class _Stepped(_Adapted):
@@ -83,7 +83,7 @@ class _Stepped(_Adapted):
 
     def __init__(self, inner: Block, clock: Clock, **blockargs: Any) -> None:
         super().__init__(inner, clock=clock, ndstates=1, **blockargs)
-        self._begun = False
+        self._begun = self._open = False
         self._at: float | None = None
         self._taken: float | None = None
         self._shows = self._shown([np.zeros(port.size) for port in inner.outputs])
@@ -91,10 +91,10 @@ class _Stepped(_Adapted):
     def start(self, simstate: Any) -> None:
         """Raises Refused for an arm that nobody confirmed to move."""
         super().start(simstate)  # type: ignore[misc]
-        moves = self._inner.moves
-        if moves and moves not in CONFIRMED.get():
-            raise Refused(NOT_CONFIRMED(block=self._inner.name, name=moves), exit_status=2)
-        self._inner.begin()
+        check_confirmed([self._inner], CONFIRMED.get())
+        self._open = True
+        with named(self._inner, 0.0):
+            self._inner.begin()
         self._begun, self._at, self._taken = True, None, None
 
     def output(self, t: float, u: Sequence[Any], x: Any) -> list[Any]:
@@ -102,7 +102,8 @@ class _Stepped(_Adapted):
         del u, x
         if self._begun and t != self._at:
             self._at = t
-            self._shows = self._shown(self._inner.give(t, ()))
+            with named(self._inner, t):
+                self._shows = self._shown(self._inner.give(t, ()))
         return self._shows
 
     def next(self, t: float, u: Sequence[Any], x: Floats) -> Floats:
@@ -111,13 +112,14 @@ class _Stepped(_Adapted):
         ticks = (t - clock.offset) / clock.T
         if t != self._taken and abs(ticks - round(ticks)) < NEAR:
             self._taken = t
-            self._inner.take(t, self._given(u))
+            with named(self._inner, t):
+                self._inner.take(t, self._given(u))
         return x
 
     def done(self, **arguments: Any) -> None:
         super().done(**arguments)  # type: ignore[misc]
-        if self._begun:
-            self._begun = False
+        if self._open:  # also if its begin failed half way
+            self._begun = self._open = False
             self._inner.end()
 
 

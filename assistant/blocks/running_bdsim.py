@@ -11,8 +11,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from assistant.blocks.diagrams.clocks import Clock, Simulated
-from assistant.blocks.diagrams.rules import BAD_STEP, NOT_CONFIRMED
-from assistant.blocks.diagrams.running import LATE, Ran, steps_of
+from assistant.blocks.diagrams.rules import BAD_STEP
+from assistant.blocks.diagrams.running import (
+    LATE,
+    Ran,
+    check_confirmed,
+    confirmed,
+    ending,
+    steps_of,
+)
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Refused
 
@@ -36,11 +43,9 @@ def run_bdsim(
     step. moving: names of the controllers whose arms somebody confirmed that it moves. options: of
     `BDSim.run`. Raises Refused for an arm that is not among them.
     """
-    with _confirmed(diagram, moving), _in_time(diagram, clock):
-        try:
-            return sim.run(diagram, T=seconds, **options)
-        finally:
-            _end(diagram)
+    with ending() as ends, _confirmed(diagram, moving), _in_time(diagram, clock):
+        _end_behind(diagram, ends)
+        return sim.run(diagram, T=seconds, **options)
 
 
 def run_paced(
@@ -64,8 +69,8 @@ def run_paced(
     if not diagram.compiled:
         _compile(diagram)
     stepping = _Stepping(sim, diagram, step)
-    with _confirmed(diagram, moving), contextlib.ExitStack() as left:
-        left.callback(_end, diagram)
+    with ending() as ends, _confirmed(diagram, moving):
+        _end_behind(diagram, ends)
         stepping.begin(seconds)
         clock.begin()
         for number in range(count):
@@ -95,12 +100,8 @@ def _confirmed(diagram: BlockDiagram, names: Iterable[str]) -> Iterator[None]:
     """Raises Refused before anything begins; what a block refuses later comes as it is."""
     from assistant.blocks.robot import CONFIRMED
 
-    known = frozenset(names)
-    moving = [one._inner for one in diagram.blocklist if getattr(one, "_inner", None) is not None]
-    wanting = [one for one in moving if one.moves and one.moves not in known]
-    if wanting:
-        told = (NOT_CONFIRMED(block=one.name, name=one.moves) for one in wanting)
-        raise Refused(*told, exit_status=2)
+    known = confirmed(names)
+    check_confirmed((one._inner for one in diagram.blocklist if hasattr(one, "_inner")), known)
     token = CONFIRMED.set(known)
     try:
         yield
@@ -139,11 +140,11 @@ def _in_time(diagram: BlockDiagram, clock: Clock | None) -> Iterator[None]:
         diagram.evaluate = evaluate
 
 
-def _end(diagram: BlockDiagram) -> None:
-    """Ends the blocks that hold something; figures of bdsim are its own affair."""
+def _end_behind(diagram: BlockDiagram, ends: contextlib.ExitStack) -> None:
+    """Has the blocks ended that hold something; figures of bdsim are its own affair."""
     for block in diagram.blocklist:
         if hasattr(block, "_inner"):
-            block.done()
+            ends.callback(block.done)
 
 
 class _Stepping:

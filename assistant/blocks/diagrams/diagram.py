@@ -33,7 +33,7 @@ class Diagram:
     diagram = Diagram()
     way = diagram.add(Ramp("way", ...))
     arm = diagram.add(SimulatedArm("arm", robot))
-    diagram.wire(way, arm, "joints")
+    diagram.wire((way, "joints"), arm)
     """
 
     def __init__(self, name: str = "main") -> None:

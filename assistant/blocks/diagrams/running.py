@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import ExitStack
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -73,7 +74,7 @@ def run(
     *,
     clock: Clock | None = None,
     watch: Callable[[float], bool] | None = None,
-    moving: Sequence[str] = (),
+    moving: Iterable[str] = (),
 ) -> Ran:
     """Steps a diagram from 0 to so many seconds.
 
@@ -84,17 +85,14 @@ def run(
     """
     count = steps_of(seconds, step)
     plan = diagram.plan()
-    wanting = [block for block in plan.order if block.moves and block.moves not in moving]
-    if wanting:
-        told = (rules.NOT_CONFIRMED(block=one.name, name=one.moves) for one in wanting)
-        raise Refused(*told, exit_status=2)
+    check_confirmed(plan.order, confirmed(moving))
     clock = clock or Simulated()
-    recorder = _Recorder(plan.order, count)
-    with ExitStack() as open_blocks:
+    stepper, recorder = _Stepper(plan, step), _Recorder(plan.order, count)
+    with ending() as open_blocks:
         for block in plan.order:
             open_blocks.callback(block.end)
-            block.begin()
-        stepper = _Stepper(plan, step)
+            with named(block, 0.0):
+                block.begin()
         clock.begin()
         for number in range(count):
             now = number * step
@@ -116,6 +114,54 @@ def steps_of(seconds: float, step: float) -> int:
     return int(np.floor(seconds / step + 1e-9)) + 1
 
 
+def confirmed(moving: Iterable[str]) -> frozenset[str]:
+    """Names of controllers whose arms may move; a text by itself is one name."""
+    return frozenset([moving] if isinstance(moving, str) else moving)
+
+
+def check_confirmed(blocks: Iterable[Block], names: frozenset[str]) -> None:
+    """Raises Refused for blocks that move an arm which is not among the names."""
+    wanting = [block for block in blocks if block.moves and block.moves not in names]
+    if wanting:
+        told = (rules.NOT_CONFIRMED(block=one.name, name=one.moves) for one in wanting)
+        raise Refused(*told, exit_status=2)
+
+
+@contextmanager
+def ending() -> Iterator[ExitStack]:
+    """For what is ended behind a run, each of it whatever the others raise.
+
+    What ended the run is told first, and behind it what its end met.
+    """
+    first: Refused | None = None
+    try:
+        with ExitStack() as ends:
+            try:
+                yield ends
+            except Refused as refused:
+                first = refused
+                raise
+    except Refused as last:
+        if first is None or last is first:
+            raise
+        more = (one for one in last.findings if one not in first.findings)
+        raise Refused(*first.findings, *more, exit_status=first.exit_status) from first
+
+
+@contextmanager
+def named(block: Block, now: float) -> Iterator[None]:
+    """What a block raises is told with its name and the moment; a Refused says it already."""
+    try:
+        yield
+    except Refused:
+        raise
+    except Exception as error:
+        reason = str(error) or type(error).__name__
+        if not isinstance(error, ValueError | ArithmeticError):
+            reason = f"{type(error).__name__}: {error}"
+        raise Refused(rules.BROKE(name=block.name, now=now, reason=reason)) from error
+
+
 class _Stepper:
     """signals: of each block by now, one array an output."""
 
@@ -132,10 +178,8 @@ class _Stepper:
             given = self._given(block) if block.direct else ()
             self.signals[block] = _checked(block, now, given)
         for block in due:
-            try:
+            with named(block, now):
                 block.take(now, self._given(block))
-            except (ValueError, ArithmeticError) as error:
-                raise _broke(block, now, error) from None
 
     def _given(self, block: Block) -> tuple[Floats, ...]:
         return tuple(self.signals[start][number] for start, number in self._plan.sources[block])
@@ -145,7 +189,7 @@ def _every(block: Block, step: float) -> int:
     """Steps of the diagram from one step of a block to its next."""
     if block.period is None:
         return 1
-    count = round(block.period / step)
+    count = round(block.period / step) if math.isfinite(block.period) else 0
     if count < 1 or abs(count * step - block.period) > 1e-6 * block.period:
         cure = f"let it be a multiple of the step of {step:g} s"
         what = f"the period of `{block.name}`"
@@ -154,20 +198,11 @@ def _every(block: Block, step: float) -> int:
 
 
 def _checked(block: Block, now: float, given: Sequence[Floats]) -> tuple[Floats, ...]:
-    try:
+    with named(block, now):
         values = tuple(block.give(now, given))
         if len(values) != len(block.outputs):
             raise ValueError(f"{len(values)} signals for {len(block.outputs)} outputs")
         return tuple(signal(v, port) for v, port in zip(values, block.outputs, strict=True))
-    except (ValueError, ArithmeticError) as error:
-        raise _broke(block, now, error) from None
-
-
-def _broke(block: Block, now: float, error: Exception) -> Exception:
-    """Refused is a ValueError, and says already what is wrong."""
-    if isinstance(error, Refused):
-        return error
-    return Refused(rules.BROKE(name=block.name, now=now, reason=error))
 
 
 @dataclass(slots=True, eq=False)

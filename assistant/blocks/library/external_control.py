@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 
 from assistant.blocks.connections import Connection
 from assistant.blocks.diagrams.block import Block, Port
+from assistant.blocks.diagrams.running import ending
 from assistant.blocks.library.arrays import joints_port
 from assistant.blocks.library.rules import NOT_OPERATED, OUTSIDE, TOO_FAR, TWO_LEADERS
 from assistant.blocks.rules import NO_NUMBERS
@@ -108,21 +109,21 @@ def by_mxt(
         if not isinstance(session, Controller):
             raise Refused(NOT_OPERATED(name=name, address=session.address), exit_status=2)
         on_network(session, wanted)
-        with session:
+        with session, ending() as last:
             install_mxt(session, wanted)
             if servo:
+                last.callback(session.motors, False)
                 session.motors(True)
-            made = (session, MXT_PROGRAM, guard.arm(), wanted.port, wanted.cycle)
             led = None
-            try:
-                with cycles.by_mxt(*made) as carrier:
-                    led = Led(guard, carrier)
-                    yield led
-            finally:
+
+            def stop_what_failed() -> None:
                 if led is None or led.failed:
                     session.stop()
-                if servo:
-                    session.motors(False)
+
+            last.callback(stop_what_failed)
+            made = (session, MXT_PROGRAM, guard.arm(), wanted.port, wanted.cycle)
+            led = Led(guard, last.enter_context(cycles.by_mxt(*made)))
+            yield led
 
     return Connection(name, opening, moves=True)
 
