@@ -47,10 +47,14 @@ class Record:
             self.rows.append((time.monotonic(), self.now))
 
     def last_motion(self) -> float:
-        """When it moved the last time."""
+        """When it was seen for the first time where it is now."""
         rows = list(self.rows)
-        end = rows[-1][1]
-        return next((when for when, value in reversed(rows) if value != end), rows[0][0])
+        first = rows[-1][0]
+        for when, value in reversed(rows):
+            if value != rows[-1][1]:
+                break
+            first = when
+        return first
 
     def until_it_stands(self) -> float:
         """Where it is when it has not moved for a while."""
