@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shutil
 import tempfile
 import time
 from collections.abc import Iterator
@@ -18,7 +19,7 @@ LEAST: Final = 30.0
 """Frames a second that are promised."""
 PATIENCE: Final = 600_000.0
 """ms until a page shows the program on a slow machine."""
-SIZE: Final = {"width": 1280, "height": 800}
+SIZE: Final[Any] = {"width": 1280, "height": 800}
 HOSTED: Final = "document.querySelector('#scene iframe')?.contentWindow"
 
 COUNTED: Final = """
@@ -87,7 +88,7 @@ def _used(window: Any) -> float:
     line = window.context.browser.new_browser_cdp_session()
     told = line.send("SystemInfo.getProcessInfo")["processInfo"]
     line.detach()
-    return sum(one["cpuTime"] for one in told if one["type"].lower() in ("gpu", "renderer"))
+    return float(sum(one["cpuTime"] for one in told if one["type"].lower() in ("gpu", "renderer")))
 
 
 def _project(folder: Path, moves: int) -> Path:
@@ -117,7 +118,7 @@ def _window(folder: Path) -> Iterator[Any]:
     from playwright.sync_api import sync_playwright
 
     from tests.studio.serving import served
-    from tests.view.test_browser import BROWSERS, SOFTWARE, shutil
+    from tests.view.test_browser import BROWSERS, SOFTWARE
 
     found = next(filter(None, map(shutil.which, BROWSERS)), None)
     with served(folder) as address, sync_playwright() as one:
