@@ -85,9 +85,10 @@ def ran(page: Any, folder: Path) -> None:
     """The drawing as a program, on the virtual controller: what it did, and its plots."""
     page.click("#tab-run")
     until(page, "document.querySelector('#run-program').value === 'drawings/plate.dxf'")
+    until(page, "document.querySelector('#run-robot').value === 'irb1200-7-0.7'")
     page.click("#run-start:not(:disabled)")
     page.locator("#plot-joints path").first.wait_for(state="attached")
-    page.click("#run-log-part summary")
+    page.press("#run-log-part summary", "Enter")
     page.wait_for_selector("#run-log >> text=line to")
 
 
@@ -124,8 +125,10 @@ def drifted(page: Any, folder: Path) -> None:
 
 def rolled_back(page: Any, folder: Path) -> None:
     """First it is refused, as what was changed there would be lost; then it is said."""
+    page.evaluate("document.querySelector('#programs table').classList.add('before')")
     page.click("#roll-back")
     page.wait_for_selector("#findings li.error")
+    page.wait_for_selector("#programs table:not(.before)")
     assert there(folder).is_file()
     page.check("#programs input[value='greeting.mod']")
     page.click("#roll-back")

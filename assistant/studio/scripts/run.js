@@ -75,6 +75,7 @@ async function start(at_once) {
   forgetMotion();
   rows = [];
   find("run-log").replaceChildren();
+  delete find("run-log").dataset.shown;
   motionOf = "";
   const points = Object.fromEntries(runnable().map((path) => [path, breakPoints(path)]).filter(([, lines]) => lines.length));
   const begun = await doing(() => ask("run/start", { ...wanted, points, at_once }));
