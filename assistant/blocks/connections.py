@@ -14,11 +14,13 @@ from assistant.blocks.rules import NO_STATEMENTS
 from assistant.controllers import connect
 from assistant.controllers.controller import Controller
 from assistant.controllers.mitsubishi.cr import Cr
+from assistant.controllers.mitsubishi.jogging import Goal
 from assistant.controllers.rules import Lost
 from assistant.controllers.states import Position
 from assistant.program.diagnostics import Refused
 
 T = TypeVar("T", covariant=True)
+Job = tuple[Sequence[str], Goal, Future[Position]]
 
 PATIENCE: Final = 10.0
 """Seconds that a statement has to come to its end once the arm was stopped."""
@@ -71,14 +73,15 @@ class Connection(Generic[T]):
 class Operator:
     """Has a CR controller carry out statements, one after the other, and does not wait for them.
 
-    What is under way is stopped when it is closed, over a connection of its own.
+    What is under way is stopped when it is closed: over a connection of its own, and on a serial
+    line, which has room for one, by the same.
     """
 
     def __init__(self, session: Cr) -> None:
         self.session = session
-        self._jobs: queue.SimpleQueue[tuple[Sequence[str], Future[Position]] | None] = (
-            queue.SimpleQueue()
-        )
+        self._alone = session.address.port == 0
+        self._held = True
+        self._jobs: queue.SimpleQueue[Job | None] = queue.SimpleQueue()
         self._open: Future[Position] | None = None
         self._asking = False
         self._lost = False
@@ -102,11 +105,14 @@ class Operator:
         """
         return not self.busy or (self._asking and executing())
 
-    def carry_out(self, statements: Sequence[str]) -> Future[Position]:
-        """Begins with statements; what comes of it is where the arm stands then."""
+    def carry_out(self, statements: Sequence[str], goal: Goal) -> Future[Position]:
+        """Begins with statements; what comes of it is where the arm stands then.
+
+        goal: where the last one, which moves the arm, brings it.
+        """
         assert not self.busy, "one block at a time moves an arm"
         self._open = Future()
-        self._jobs.put((statements, self._open))
+        self._jobs.put((statements, goal, self._open))
         return self._open
 
     def close(self) -> None:
@@ -122,20 +128,25 @@ class Operator:
 
     def _stop(self) -> None:
         assert self._open is not None
-        other = connect(self.session.address)
-        assert isinstance(other, Controller)
-        with other:
-            other.stop()
+        self._held = False
+        if not self._alone:
+            other = connect(self.session.address)
+            assert isinstance(other, Controller)
+            with other:
+                other.stop()
         with suppress(Refused, TimeoutError):  # what ended it was this stop
             self._open.result(PATIENCE)
 
     def _run(self) -> None:
         while (job := self._jobs.get()) is not None:
-            statements, done = job
+            statements, goal, done = job
             try:
-                for statement in statements:
+                for number, statement in enumerate(statements, 1):
                     self._asking = True
-                    self.session.execute(statement, wait=True)
+                    if self._alone and number == len(statements):
+                        self.session.execute_while(statement, goal, lambda: self._held)
+                    else:
+                        self.session.execute(statement, wait=True)
                     self._asking = False
                 done.set_result(self.session.position())
             except Exception as error:  # noqa: BLE001 - it is the block's, which raises it

@@ -27,10 +27,11 @@ from spatialmath import SE3
 
 from assistant.blocks.connections import Connection, Operator
 from assistant.blocks.diagrams.block import Block
-from assistant.blocks.diagrams.running import check_confirmed, named
+from assistant.blocks.diagrams.running import check_confirmed, named, outputs
 from assistant.blocks.library import arms, kinematics, moving, sources
 from assistant.program import rotations
 from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Refused
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.robot import Robot
 
@@ -55,6 +56,12 @@ class _Adapted:
             **blockargs,
         )
 
+    def _raise_runtime_error(self, operation: str, err: Exception, **more: Any) -> None:
+        """A Refused as it is; of others bdsim prints much, and ends with an error of its own."""
+        if isinstance(err, Refused):
+            raise err
+        super()._raise_runtime_error(operation, err, **more)  # type: ignore[misc]
+
     def _given(self, values: Sequence[Any]) -> list[Floats]:
         ports = self._inner.inputs
         arrays = [np.atleast_1d(np.asarray(value, dtype=np.float64)).ravel() for value in values]
@@ -63,10 +70,9 @@ class _Adapted:
             raise ValueError(f"`{self._inner.name}` is given another size at {', '.join(wrong)}")
         return arrays
 
-    def _shown(self, values: Sequence[Any]) -> list[Any]:
+    def _shown(self, values: Sequence[Floats]) -> list[Any]:
         """Single numbers as such, as bdsim's own blocks give them."""
-        arrays = [np.atleast_1d(np.asarray(value, dtype=np.float64)) for value in values]
-        return [float(one[0]) if one.shape == (1,) else one for one in arrays]
+        return [float(one[0]) if one.shape == (1,) else one for one in values]
 
 
 class _Direct(_Adapted):
@@ -75,7 +81,7 @@ class _Direct(_Adapted):
     def output(self, t: float, u: Sequence[Any], x: Any) -> list[Any]:
         del x
         with named(self._inner, t):
-            return self._shown(self._inner.give(t, self._given(u)))
+            return self._shown(outputs(self._inner, t, self._given(u)))
 
 
 class _Stepped(_Adapted):
@@ -102,8 +108,7 @@ class _Stepped(_Adapted):
         del u, x
         if self._begun and t != self._at:
             self._at = t
-            with named(self._inner, t):
-                self._shows = self._shown(self._inner.give(t, ()))
+            self._shows = self._shown(outputs(self._inner, t, ()))
         return self._shows
 
     def next(self, t: float, u: Sequence[Any], x: Floats) -> Floats:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import math
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING, Any
@@ -43,6 +44,8 @@ def run_bdsim(
     step. moving: names of the controllers whose arms somebody confirmed that it moves. options: of
     `BDSim.run`. Raises Refused for an arm that is not among them.
     """
+    if not diagram.compiled:
+        _compile(diagram)
     with ending() as ends, _confirmed(diagram, moving), _in_time(diagram, clock):
         _end_behind(diagram, ends)
         return sim.run(diagram, T=seconds, **options)
@@ -221,9 +224,10 @@ class _Stepping:
 
 def _every(clock: Any, step: float) -> tuple[int, int]:
     """Steps from tick to tick of a clock, and the first one."""
-    counts = round(clock.T / step), round(clock.offset / step)
-    off = max(abs(counts[0] * step - clock.T), abs(counts[1] * step - clock.offset))
-    if counts[0] < 1 or off > 1e-6 * clock.T:
+    told = clock.T, clock.offset
+    every, first = (round(one / step) if math.isfinite(one) else 0 for one in told)
+    off = max(abs(every * step - clock.T), abs(first * step - clock.offset))
+    if every < 1 or off > 1e-6 * clock.T:
         cure = f"let it be a multiple of the step of {step:g} s"
         raise Refused(BAD_STEP(what=f"clock `{clock.name}`", value=clock.T, cure=cure))
-    return counts[0], counts[1] % counts[0]
+    return every, first % every

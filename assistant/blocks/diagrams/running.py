@@ -141,11 +141,12 @@ def ending() -> Iterator[ExitStack]:
             except Refused as refused:
                 first = refused
                 raise
-    except Refused as last:
+    except Exception as last:
         if first is None or last is first:
             raise
-        more = (one for one in last.findings if one not in first.findings)
-        raise Refused(*first.findings, *more, exit_status=first.exit_status) from first
+        met = last.findings if isinstance(last, Refused) else ()
+        more = (one for one in met if one not in first.findings)
+        raise Refused(*first.findings, *more, exit_status=first.exit_status) from last
 
 
 @contextmanager
@@ -176,7 +177,7 @@ class _Stepper:
         due = [block for block in self._plan.order if number % self._every[block] == 0]
         for block in due:
             given = self._given(block) if block.direct else ()
-            self.signals[block] = _checked(block, now, given)
+            self.signals[block] = outputs(block, now, given)
         for block in due:
             with named(block, now):
                 block.take(now, self._given(block))
@@ -197,7 +198,8 @@ def _every(block: Block, step: float) -> int:
     return count
 
 
-def _checked(block: Block, now: float, given: Sequence[Floats]) -> tuple[Floats, ...]:
+def outputs(block: Block, now: float, given: Sequence[Floats]) -> tuple[Floats, ...]:
+    """What a block gives, one signal a port; raises Refused with its name."""
     with named(block, now):
         values = tuple(block.give(now, given))
         if len(values) != len(block.outputs):

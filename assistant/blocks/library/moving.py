@@ -18,6 +18,7 @@ from assistant.blocks.connections import Connection, Operator
 from assistant.blocks.diagrams.block import Block, Port
 from assistant.blocks.rules import NO_NUMBERS, OUT_OF_LIMITS
 from assistant.controllers.mitsubishi import single_moves
+from assistant.controllers.mitsubishi.jogging import Goal
 from assistant.controllers.states import Position
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Refused
@@ -90,11 +91,20 @@ class Move(Block):
         if self.of_joints:
             self._check(wanted)
         self._last = wanted
-        self._under_way = self._operator.carry_out(self.statements(given[:-1]))
+        self._under_way = self._operator.carry_out(
+            self.statements(given[:-1]), self._goal(given[-2])
+        )
 
     def statements(self, ways: Sequence[Floats]) -> Sequence[str]:
         """What the controller carries out, one after the other. ways: as its inputs are."""
         raise NotImplementedError
+
+    def _goal(self, target: Floats) -> Goal:
+        if self.of_joints:
+            return Goal(
+                joints={f"J{place + 1}": float(target[place]) for place in self.robot.places}
+            )
+        return Goal(pose=dict(zip("XYZABC", target.tolist(), strict=True)))
 
     def _check(self, wanted: Floats) -> None:
         for place, (low, high) in zip(self.robot.places, self.robot.limits, strict=True):

@@ -203,6 +203,10 @@ class Cr:
         slot = operating.slot_of(self.session, task)
         operating.execute(self.session, statement, wait_for_end=wait, slot=slot)
 
+    def execute_while(self, statement: str, goal: jogging.Goal, held: Held) -> None:
+        """Has it execute one that moves the arm to a goal; stops it once that is not held."""
+        jogging.execute_while(self.session, statement, goal, held)
+
     def backup(self, folder: FilePath) -> tuple[str, ...]:
         return backup.backup(self.session, folder)
 

@@ -1,4 +1,4 @@
-"""Moving one axis of a CR controller by hand: to a place worked out here, and no further.
+"""Moving an arm of a CR controller to a place worked out here, and no further: by hand, or told.
 
 JOG of the link moves for as long as it is repeated. Here the target is worked out from where the
 arm stands, put into a variable and moved to by Mov, as other clients do (`PCOSIROP`, `JCOSIROP`):
@@ -87,6 +87,21 @@ def jog(session: Session, asked: Jog, check: Check | None, held: Held = always) 
         if check is not None:
             check(goal)
         _go(session, asked.speed, name, value, goal, doing, held)
+
+
+def execute_while(session: Session, statement: str, goal: Goal, held: Held) -> None:
+    """Has a statement move the arm to a goal, and comes back when it stands there.
+
+    For lines with room for one: they stay free for the stop, which goes out once it is not held.
+    """
+    doing = f"executing `{statement[:40]}`"
+    with session.right(doing):
+        if goal.pose is not None:  # an arm of five axes shows no turn about its third
+            shown = position.pose(session).values
+            goal = Goal(pose={n: v for n, v in goal.pose.items() if shown.get(n) is not None})
+        with _stopping(session):
+            operating.execute(session, statement, wait_for_end=False)
+            _arrive(session, goal, doing, held)
 
 
 def jog_joints(

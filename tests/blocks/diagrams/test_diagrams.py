@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ import pytest
 from assistant.blocks.diagrams.block import Block, Port
 from assistant.blocks.diagrams.clocks import RealTime
 from assistant.blocks.diagrams.diagram import Diagram
+from assistant.blocks.diagrams.rules import NO_PORT
 from assistant.blocks.diagrams.running import run
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Refused
@@ -37,10 +39,11 @@ class Held(Block):
     def __init__(self, name: str = "held") -> None:
         super().__init__(name, [Port("next")], [Port("value")])
         self.value = np.zeros(1)
-        self.open = 0
+        self.open = self.begun = 0
 
     def begin(self) -> None:
         self.open += 1
+        self.begun += 1
 
     def end(self) -> None:
         self.open -= 1
@@ -97,10 +100,12 @@ def test_what_fits_not_is_refused() -> None:
     lonely.add(Sum())
     with pytest.raises(Refused, match="BL104"):
         run(lonely, 1.0, 0.1)
-    uneven = Diagram()
-    uneven.add(Time(period=0.25))
-    with pytest.raises(Refused, match="BL108"):
-        run(uneven, 1.0, 0.1)
+    for period in (0.25, np.nan, np.inf, -0.1):
+        uneven, held = Diagram(), Held()
+        uneven.wire(uneven.add(Time(period=period)), uneven.add(held))
+        with pytest.raises(Refused, match="BL108"):
+            run(uneven, 1.0, 0.1)
+        assert not held.begun  # nothing is opened before that
 
 
 def test_a_loop_without_a_delay_is_told_by_its_blocks() -> None:
@@ -124,6 +129,56 @@ def test_a_block_that_fails_ends_the_others() -> None:
     with pytest.raises(Refused, match=r"BL110.*`wrong` failed at 0.5 s"):
         run(diagram, 1.0, 0.1)
     assert held.open == 0
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        (lambda: None, "TypeError"),
+        (lambda: [][1], "IndexError: list index out of range"),
+        (lambda: Path("/nowhere").stat(), "FileNotFoundError"),
+        (lambda: next(iter(())), "StopIteration"),
+        (lambda: 1 / 0, "division by zero"),
+    ],
+)
+def test_whatever_an_own_block_raises_is_told_with_its_name(
+    given: Callable[[], Sequence[Floats]], told: str
+) -> None:
+    class Own(Block):
+        def give(self, now: float, signals: Sequence[Floats]) -> Sequence[Floats]:
+            return given()
+
+    diagram = Diagram()
+    diagram.add(Own("own", [], [Port("value")]))
+    with pytest.raises(Refused, match=f"BL110.*`own` failed at 0 s: {told}") as found:
+        run(diagram, 1.0, 0.1)
+    assert found.value.__cause__ is not None  # the line of the own code
+
+
+def test_what_ended_a_run_is_told_before_what_its_end_met() -> None:
+    class Lost(Sum):
+        def give(self, now: float, given: Sequence[Floats]) -> Sequence[Floats]:
+            raise Refused(NO_PORT(block="first", kind="output", name="x", known="y"))
+
+        def end(self) -> None:
+            raise Refused(NO_PORT(block="second", kind="output", name="x", known="y"))
+
+    diagram = Diagram()
+    lost, held = diagram.add(Lost("lost")), diagram.add(Held())
+    diagram.wire(diagram.add(Time()), (lost, "a"), (lost, "b"))
+    diagram.wire(lost, held)
+    with pytest.raises(Refused, match=r"`first`.*`second`"):
+        run(diagram, 1.0, 0.1)
+    assert held.open == 0
+
+
+def test_one_name_confirms_no_other_that_it_holds() -> None:
+    diagram = Diagram()
+    diagram.add(Time()).moves = "cell"
+    for names in ("cell-2", ["cell-2"], ()):
+        with pytest.raises(Refused, match="BL111"):
+            run(diagram, 0.1, 0.1, moving=names)
+    assert len(run(diagram, 0.1, 0.1, moving="cell").seconds) == 2
 
 
 def test_sizes_that_differ_are_an_error_and_units_a_warning() -> None:

@@ -187,3 +187,48 @@ def test_a_diagram_of_its_editor_is_loaded_with_our_blocks(sim, tmp_path) -> Non
     bdload(diagram, str(file), globalvars=known, allow_eval=True)
     ran = run_paced(sim, diagram, 1.0, 0.01)
     assert ran["arm[0]"][-1, 0] == pytest.approx(10.0, abs=0.01)
+
+
+@pytest.mark.parametrize("runner", ["bdsim", "paced"])
+def test_every_block_is_ended_whose_begin_or_end_fails(sim, runner: str) -> None:
+    ended: list[str] = []
+
+    class Fails(Block):
+        direct = False
+
+        def begin(self) -> None:
+            if self.name == "second":
+                raise LookupError("no camera")
+
+        def give(self, now, given):
+            return [0.0]
+
+        def end(self) -> None:
+            ended.append(self.name)
+            raise ValueError(f"{self.name} cannot be ended")
+
+    diagram = sim.blockdiagram()
+    clock = diagram.clock(0.1)
+    for name in ("first", "second"):
+        made = add(diagram, Fails(name, [], [Port("value")]), clock)
+        diagram.connect(made, diagram.NULL())
+    diagram.compile(verbose=False)
+    with pytest.raises(Refused, match=r"BL110.*`second` failed at 0 s: LookupError: no camera"):
+        if runner == "bdsim":
+            run_bdsim(sim, diagram, 0.3)
+        else:
+            run_paced(sim, diagram, 0.3, 0.1)
+    assert sorted(ended) == ["first", "second"]
+
+
+@pytest.mark.parametrize("given", [lambda: 1 / 0, lambda: [1.0, 2.0], lambda: [[1.0, 2.0]]])
+def test_what_an_own_block_does_wrong_in_bdsim_is_told_as_by_us(sim, given, capsys) -> None:
+    class Own(Block):
+        def give(self, now, signals):
+            return given()
+
+    diagram = sim.blockdiagram()
+    diagram.connect(add(diagram, Own("own", [], [Port("value")])), diagram.NULL())
+    with pytest.raises(Refused, match=r"BL110.*`own` failed at 0 s"):
+        run_bdsim(sim, diagram, 0.3)
+    assert "Traceback" not in capsys.readouterr().out

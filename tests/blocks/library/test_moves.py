@@ -195,3 +195,32 @@ def test_a_run_that_ends_stops_the_arm_on_its_way(cell: VirtualCr) -> None:
     with connect(cell.address) as session:
         assert isinstance(session, Controller)
         assert not session.state().motors
+
+
+@pytest.mark.parametrize("line", ["serial", "lost"])
+def test_no_arm_goes_on_behind_a_run_on_a_line_that_takes_no_other_or_is_lost(line: str) -> None:
+    """Somebody interrupts a move on a serial line; an answer comes too late for the time-out."""
+    with VirtualCr("rv-2aj", pace=1.0, serial=line == "serial") as cell:
+        address = cell.serial_address if line == "serial" else cell.address
+        late = 0.4 if line == "lost" else 60.0
+        connection = operated("cell", address, override=3, timeout=late)
+        diagram = Diagram()
+        block = diagram.add(JointMovJoint("move", connection, ARM))
+        diagram.wire(diagram.add(Constant("to", [140, 0, 0, 0, 0, 0])), (block, "target"))
+        diagram.wire(diagram.add(Constant("on", 1.0)), (block, "start"))
+
+        def interrupted(now: float) -> bool:
+            if line == "serial" and now > 0.4:
+                raise KeyboardInterrupt
+            return True
+
+        lost = pytest.raises(Refused, match=r"^CN204.*executing `MOV J99`")
+        with pytest.raises(KeyboardInterrupt) if line == "serial" else lost:
+            run(diagram, 8.0, STEP, clock=RealTime(), watch=interrupted, moving=["cell"])
+        there = cell.state.machinery.joints()
+        assert there[0] < 100.0
+        with connect(cell.address) as session:
+            assert isinstance(session, Controller)
+            assert not session.state().running
+        assert tuple(cell.state.machinery.joints()) == tuple(there)
+        assert connection.users == 0
