@@ -8,7 +8,6 @@ Scenes are pages of `view`, photographed by Chromium, which the system has to ha
 from __future__ import annotations
 
 import io
-import shutil
 import sys
 import tempfile
 from collections.abc import Callable, Iterable, Sequence
@@ -20,16 +19,12 @@ from typing import Final
 
 from assistant.cli.app import app
 from docs import models, studio_pictures
+from docs.browsing import chromium
 
 PROJECT: Final = Path(__file__).parent.parent
 FOLDER: Final = PROJECT / "docs" / "pictures"
 SIZE: Final = {"width": 1000, "height": 560}
 COLOURS: Final = 96  # of a palette, which keeps a picture below 80 KiB
-BROWSERS: Final = ("chromium", "chromium-browser", "google-chrome")
-SOFTWARE: Final = (  # draws without a graphics card
-    *("--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader"),
-    *("--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"),
-)
 
 
 def scene(*view: str, does: Sequence[str] = ()) -> bytes:
@@ -46,20 +41,13 @@ def scene(*view: str, does: Sequence[str] = ()) -> bytes:
 
 def photographed(page: Path, does: Sequence[str] = ()) -> bytes:
     """A page as PNG, after scripts were run on it."""
-    from playwright.sync_api import sync_playwright
-
-    browser = next(filter(None, map(shutil.which, BROWSERS)), None)
-    if browser is None:
-        raise SystemExit("there is no Chromium here: install it by the system's packages")
-    with sync_playwright() as one:
-        opened = one.chromium.launch(executable_path=browser, args=list(SOFTWARE))
+    with chromium() as opened:
         tab = opened.new_page(viewport=SIZE)
         tab.goto(page.as_uri())
         for script in does:
             tab.evaluate(script)
         tab.wait_for_timeout(1000)
         taken: bytes = tab.screenshot()
-        opened.close()
     return taken
 
 

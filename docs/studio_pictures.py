@@ -8,6 +8,8 @@ from contextlib import chdir, contextmanager
 from pathlib import Path
 from typing import Any, Final
 
+from docs.browsing import chromium
+
 PROJECT: Final = Path(__file__).parent.parent
 SIZE: Final = {"width": 1280, "height": 720}
 SEAM: Final = """\
@@ -117,23 +119,13 @@ def picture(name: str) -> bytes:
 @contextmanager
 def _page() -> Iterator[tuple[Any, Path]]:
     """A studio of an empty folder, in a browser."""
-    import shutil
-
-    from playwright.sync_api import sync_playwright
-
     from assistant.studio.server import serving
-    from docs.pictures import BROWSERS, SOFTWARE
 
-    browser = next(filter(None, map(shutil.which, BROWSERS)), None)
-    if browser is None:
-        raise SystemExit("there is no Chromium here: install it by the system's packages")
     with tempfile.TemporaryDirectory() as name, chdir(PROJECT):
         folder = Path(name) / "cell"
         folder.mkdir()
-        with serving(folder) as served, sync_playwright() as one:
-            opened = one.chromium.launch(executable_path=browser, args=list(SOFTWARE))
+        with serving(folder) as served, chromium() as opened:
             page = opened.new_page(viewport=SIZE, locale="en", color_scheme="light")
             page.goto(served.address)
             page.wait_for_selector("body.ready")
             yield page, folder
-            opened.close()

@@ -55,18 +55,30 @@ PATHS: Final = (
     *("file://{outside}/secret.mod", "C:\\secret.mod", "\\\\server\\share\\secret.mod"),
     *(".robot-assistant/secret.mod", "../outside", "..", "", "a\0b.mod"),
 )
-JUNK: Final = (None, True, -1, 10**400, [], [[1]], {"a": {"b": []}}, "\ud800", "x" * 10_000)
+JUNK: Final[tuple[Any, ...]] = (
+    None,
+    True,
+    -1,
+    10**400,
+    [],
+    [[1]],
+    {"a": {"b": []}},
+    "\ud800",
+    "x" * 10_000,
+)
 
 
 def named_values() -> list[str]:
     """All that any route asks for by name, as its source tells."""
-    found = set()
+    found: set[str] = set()
     for file in Path(studio.__file__).parent.glob("*.py"):
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute):
                 whose = ast.unparse(node.func.value)
                 if whose in ("asked", "asked.values") and node.args:
-                    found |= {one.value for one in node.args[:1] if isinstance(one, ast.Constant)}
+                    found |= {
+                        str(one.value) for one in node.args[:1] if isinstance(one, ast.Constant)
+                    }
     return sorted(found)
 
 

@@ -6,8 +6,8 @@ import os
 from pathlib import Path
 from typing import Any, Final
 
-import ezdxf
 import pytest
+from ezdxf.document import Drawing
 
 from tests.studio.browsing import clean, studio_page, until
 
@@ -55,7 +55,7 @@ def hostile(folder: Path) -> list[str]:
         ):
             (folder / file).write_text(content, encoding="utf-8")
             names.append(file)
-    document = ezdxf.new()
+    document = Drawing.new()
     for layer in (LAYER, "__proto__", "constructor"):
         document.layers.add(layer)
         document.modelspace().add_line((0, 0), (50, 10), dxfattribs={"layer": layer})
@@ -108,7 +108,12 @@ def test_hostile_contents_are_texts(browser: Any, address: str, folder: Path) ->
     names = hostile(folder)
     with studio_page(browser, address) as page:
         dialogs: list[str] = []
-        page.on("dialog", lambda dialog: (dialogs.append(dialog.message), dialog.dismiss()))
+
+        def asked(dialog: Any) -> None:
+            dialogs.append(dialog.message)
+            dialog.dismiss()
+
+        page.on("dialog", asked)
         for name in names:
             page.evaluate(
                 "(name) => [...document.querySelectorAll('#files button')]"
@@ -128,10 +133,10 @@ def test_hostile_contents_are_texts(browser: Any, address: str, folder: Path) ->
 
 
 def test_a_layer_of_any_name_gets_its_process(browser: Any, address: str, folder: Path) -> None:
-    document = ezdxf.new()
+    document = Drawing.new()
     document.layers.add("__proto__")
     document.modelspace().add_line((0, 0), (50, 10), dxfattribs={"layer": "__proto__"})
-    document.units = ezdxf.units.MM
+    document.units = 4  # mm
     document.saveas(folder / "odd.dxf")
     with studio_page(browser, address) as page, clean(page):
         page.click("#files button")

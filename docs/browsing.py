@@ -1,0 +1,30 @@
+"""The system's Chromium, which takes pictures of pages."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, Final
+
+BROWSERS: Final = ("chromium", "chromium-browser", "google-chrome")
+SOFTWARE: Final = (  # draws without a graphics card
+    *("--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader"),
+    *("--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"),
+)
+
+
+@contextmanager
+def chromium() -> Iterator[Any]:
+    """The browser, for as long as the context; raises SystemExit where there is none."""
+    from playwright.sync_api import sync_playwright
+
+    found = next(filter(None, map(shutil.which, BROWSERS)), None)
+    if found is None:
+        raise SystemExit("there is no Chromium here: install it by the system's packages")
+    with sync_playwright() as one:
+        opened = one.chromium.launch(executable_path=found, args=list(SOFTWARE))
+        try:
+            yield opened
+        finally:
+            opened.close()
