@@ -233,7 +233,7 @@ def told(page: Page, method: str, path: str, values: Mapping[str, Any]) -> Answe
     return page.get(path[1:], **{k: v[:2000] for k, v in texts.items()})
 
 
-@pytest.mark.parametrize("paths", [PATHS[:4], pytest.param(PATHS[4:], marks=pytest.mark.slow)])
+@pytest.mark.parametrize("paths", [PATHS[:2], pytest.param(PATHS[2:], marks=pytest.mark.slow)])
 def test_no_route_is_led_out_of_the_project(
     page: Page, project: Path, paths: tuple[str, ...]
 ) -> None:
@@ -254,12 +254,13 @@ def test_no_route_is_led_out_of_the_project(
             assert answer.status in (200, 422), where
             assert SECRET not in json.dumps(answer.value), where
             assert "CL900" not in json.dumps(answer.value), where
-    assert tried == 3 * len(paths) * len(routes) > 400
+    assert tried == 3 * len(paths) * len(routes) > 300
     assert [one.name for one in outside.iterdir()] == ["secret.mod"]
     assert SECRET in (outside / "secret.mod").read_text("utf-8")
     assert {one.name for one in project.parent.iterdir()} == {"cell", "outside"}
 
 
+@pytest.mark.slow
 def test_no_route_fails_by_what_it_is_given(page: Page, project: Path) -> None:
     keys = named_values()
     routes = [one for one in ASKED if "{" not in one[1]]
@@ -269,6 +270,7 @@ def test_no_route_fails_by_what_it_is_given(page: Page, project: Path) -> None:
         assert "CL900" not in json.dumps(answer.value), (path, value)
 
 
+@pytest.mark.slow
 def test_a_body_that_is_no_question_is_told(page: Page, stranger: Stranger) -> None:
     good = {"Host": stranger.host, "Origin": stranger.origin, "X-Window": page.window}
     bodies = (b"[" * 100_000, b"\xff", b"[]", b"1" * 5000, b'{"a": NaN}', b'{"a": 1e999}', b'{"a":')

@@ -74,6 +74,7 @@ def walked(page: Any) -> list[str]:
     raise AssertionError(seen)
 
 
+@pytest.mark.slow
 def test_everything_is_reached_by_keys(browser: Any, address: str, folder: Path) -> None:
     with studio_page(browser, address) as page, clean(page):
         found = walked(page)
@@ -112,7 +113,8 @@ def test_a_file_is_opened_changed_and_saved_by_keys(
     assert (folder / "greeting.pseudo").read_text("utf-8").endswith("# by keys")
 
 
-@pytest.mark.parametrize("scheme", ["light", pytest.param("dark", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_all_that_is_seen_is_named_and_readable(
     browser: Any, address: str, folder: Path, scheme: str
 ) -> None:

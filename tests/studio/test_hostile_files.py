@@ -132,6 +132,7 @@ def test_hostile_contents_are_texts(browser: Any, address: str, folder: Path) ->
         assert page.wrong == []
 
 
+@pytest.mark.slow
 def test_a_layer_of_any_name_gets_its_process(browser: Any, address: str, folder: Path) -> None:
     document = Drawing.new()
     document.layers.add("__proto__")

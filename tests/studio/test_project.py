@@ -186,6 +186,7 @@ def test_programs_and_tables_are_dropped(page: Page, folder: Path) -> None:
     assert (folder / "programs" / "seam.mod").read_bytes() == SEAM
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["broken.dxf", "broken.csv", "broken.mod"])
 def test_a_file_that_says_nothing_is_dropped_with_its_findings(page: Page, name: str) -> None:
     answer = page.send("project/drop", bytes(range(256)) * 40, name=name)
@@ -262,6 +263,7 @@ def test_what_changes_on_the_disk_is_told(page: Page, folder: Path) -> None:
     assert told == {"kind": "disk", "files": ["new.csv"]}
 
 
+@pytest.mark.slow
 def test_a_drawing_is_dropped_and_worked_in_a_browser(
     browser: Any, address: str, folder: Path
 ) -> None:
@@ -299,6 +301,7 @@ def _changed_elsewhere(page: Any, file: Path) -> None:
     assert speed.input_value() == "96"
 
 
+@pytest.mark.slow
 def test_files_are_walked_by_keys(browser: Any, address: str, folder: Path) -> None:
     for name in ("a.csv", "b.csv", "c.csv"):
         (folder / name).write_text("1\n", encoding="utf-8")
