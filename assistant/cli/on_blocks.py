@@ -76,7 +76,8 @@ def fmu(
         FmuKind | None, typer.Option(help="What it is of; default what the source tells.")
     ] = None,
     lag: Annotated[
-        float, typer.Option(min=0.0, help="Of an arm: seconds by which its joints follow.")
+        float,
+        typer.Option(min=0.0, max=3600.0, help="Of an arm: seconds by which its joints follow."),
     ] = 0.0,
     period: Annotated[
         float | None,

@@ -75,6 +75,13 @@ def test_a_file_of_another_kind_is_refused(capsys: Capture, tmp_path: Path) -> N
     assert status == 2 and "CL560" in err
 
 
+@pytest.mark.parametrize("lag", ["inf", "nan", "-1", "1e300"])
+def test_a_lag_that_is_none_is_refused(capsys: Capture, tmp_path: Path, lag: str) -> None:
+    status, _, err = run(capsys, "fmu", "rv-2aj", "--lag", lag, "-o", str(tmp_path / "a.fmu"))
+    assert status == 2 and "--lag" in err
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_live_controller_has_its_own_cycle(capsys: Capture, tmp_path: Path) -> None:
     file = tmp_path / "live.fmu"
     words = ("--kind", "live", "-o", str(file), "--format", "json")

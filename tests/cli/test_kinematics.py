@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.cli.test_commands import run
-from tests.robots.test_urdf import OFFSET
+from tests.robots.test_urdf import OFFSET, WRISTED
 
 Capture = pytest.CaptureFixture[str]
 
@@ -45,3 +45,14 @@ def test_an_arm_without_a_closed_form_is_refused(capsys: Capture, tmp_path: Path
 def test_a_robot_that_is_not_there(capsys: Capture, tmp_path: Path) -> None:
     status, _, err = run(capsys, "kinematics", "rv-3x", "-o", str(tmp_path / "made"))
     assert status == 2 and "CO002" in err
+
+
+def test_an_arm_that_is_never_away_from_singularities_is_refused(
+    capsys: Capture, tmp_path: Path
+) -> None:
+    """An upper arm of 0.4 mm: no joints can be drawn that test its source."""
+    file = tmp_path / "own.urdf"
+    file.write_text(WRISTED.replace("0 0 0.35", "0 0 0.0004"), encoding="utf-8")
+    status, _, err = run(capsys, "kinematics", str(file), "-o", str(tmp_path / "made"))
+    assert status == 1 and "BL302" in err
+    assert not (tmp_path / "made").exists()

@@ -40,7 +40,7 @@ class Named:
 def kinematics(robot: Robot, language: Language) -> Mapping[str, bytes]:
     """The files of the source by their names: the source, a table of vectors, and what checks it.
 
-    Raises Refused for an arm without a closed form.
+    Raises Refused for an arm without a closed form, and one that is never away from singularities.
     """
     stem = identifier(robot.name)
     named = Named(stem, stem)

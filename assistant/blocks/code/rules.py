@@ -11,3 +11,8 @@ NO_CLOSED_FORM: Final = error(
     "{title} has no kinematics in closed form, so no source of it can be written",
     "choose an arm of six axes with a spherical wrist, of five, or a SCARA",
 )
+ALWAYS_SINGULAR: Final = error(
+    "BL302",
+    "{title} is near a singularity wherever its limits let it go, and no table can test its source",
+    "look at the lengths and the limits of its file",
+)

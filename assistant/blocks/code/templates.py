@@ -66,5 +66,8 @@ def identifier(text: str) -> str:
     return plain
 
 
-_TAKEN: Final = frozenset({"con", "prn", "aux", "nul", "std", "com1", "lpt1"})
+_TAKEN: Final = frozenset(
+    {"con", "prn", "aux", "nul", "std"}
+    | {f"{port}{number}" for port in ("com", "lpt") for number in range(1, 10)}
+)
 """Names of devices, which no file of Windows may have."""

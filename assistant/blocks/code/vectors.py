@@ -7,8 +7,10 @@ from typing import Final
 
 import numpy as np
 
+from assistant.blocks.code import rules
 from assistant.cell.reach.singularities import away, jacobian
 from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Refused
 from assistant.robots import Robot
 
 ROWS: Final = 200
@@ -16,10 +18,16 @@ SEED: Final = 22
 AWAY: Final = 0.02
 """How far from a singularity the rows are, as `away` tells it: nearer to one, the rounding of a
 pose turns joints by more than the test allows."""
+TRIES: Final = 100
+"""Times that four times as many joints are drawn as rows are wanted."""
 
 
 def vectors_csv(robot: Robot, rows: int = ROWS) -> bytes:
-    """A CSV with a row of names, then joints at random inside the limits and what is of them."""
+    """A CSV with a row of names, then joints at random inside the limits and what is of them.
+
+    There are fewer rows where hardly any joints are away from singularities; raises Refused where
+    none are.
+    """
     columns = np.hstack(list(_columns(robot, _joints(robot, rows))))
     names = ",".join(_names(robot))
     lines = [",".join(map(repr, row)) for row in columns.tolist()]
@@ -27,12 +35,16 @@ def vectors_csv(robot: Robot, rows: int = ROWS) -> bytes:
 
 
 def _joints(robot: Robot, rows: int) -> Floats:
-    """(rows, a), the same ones of each robot, none of them near a singularity."""
+    """(rows, a) at most, the same ones of each robot, none of them near a singularity."""
     random, (low, high) = np.random.default_rng(SEED), robot.limits.T
     found = np.empty((0, len(low)))
-    while len(found) < rows:
+    for _ in range(TRIES):
+        if len(found) >= rows:
+            break
         more = random.uniform(low, high, (4 * rows, len(low)))
         found = np.concatenate([found, more[away(robot, more) > AWAY]])
+    if not len(found):
+        raise Refused(rules.ALWAYS_SINGULAR(title=robot.title))
     return found[:rows]
 
 
