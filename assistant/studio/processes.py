@@ -41,7 +41,9 @@ FIELDS: Final = (
     ("placement", "euler_zyx"),
     ("motion", "speed"),
 )
-"""What the page asks for beside the layers, in its order."""
+"""What the page asks for beside the layers, in its order, by the names of a new process file."""
+CHOSEN: Final = {"tools": "tool", "frames": "frame"}
+"""Which of a table's entries the motion takes, under `[motion]`."""
 
 
 def layers(studio: Studio, path: str) -> dict[str, Any]:
@@ -70,10 +72,27 @@ def layers(studio: Studio, path: str) -> dict[str, Any]:
             for one in seen.layers
             if one.kinds
         ],
-        "values": [{"key": list(key), "value": _plain(_at(content, key))} for key in FIELDS],
+        "values": _values(content),
         "lines": _lines(drawing, process),
         "findings": findings([*seen.findings, *found]),
     }
+
+
+def _values(content: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """What `FIELDS` are in a file, with the names that it has for its tool and its frame.
+
+    A turn that the file tells by a quaternion is not asked for.
+    """
+    found = []
+    for field in FIELDS:
+        table, *rest = field
+        said = _at(content, ("motion", CHOSEN.get(table, "")))
+        key = (table, said, *rest[1:]) if isinstance(said, str) else field
+        if rest[-1] == "euler_zyx" and _at(content, (*key[:-1], "quaternion")) is not None:
+            continue
+        value = _plain(_at(content, key))
+        found.append({"field": ".".join(field), "key": list(key), "value": value})
+    return found
 
 
 def _is_used(layer: SurveyedLayer, process: Process) -> bool:

@@ -70,6 +70,21 @@ def test_the_example_is_checked_and_built(page: Page, folder: Path) -> None:
     assert all((folder / name).is_file() for one in built["programs"] for name in one["files"])
 
 
+def test_tool_and_frame_of_a_process_have_the_names_of_its_file(page: Page, folder: Path) -> None:
+    page.post("project/create")
+    got = page.get("drawing", path="drawings/plate.dxf").value["values"]
+    keys = {one["field"]: one for one in got}
+    assert keys["tools.tool.tip"]["key"] == ["tools", "nozzle", "tip"]
+    assert keys["tools.tool.tip"]["value"] == [0, 0, 80]
+    assert keys["frames.work.position"]["value"] == [330, -50, 250]
+    assert "frames.work.euler_zyx" not in keys  # the file has a quaternion
+    values = {"tools": {"nozzle": {"tip": [0, 0, 90]}}}
+    assert page.post("drawing/process", path="drawings/plate.dxf", values=values).status == 200
+    text = (folder / "drawings" / "plate.process.toml").read_text(encoding="utf-8")
+    assert "tip = [0, 0, 90]  " in text
+    assert "# in the flange frame" in text
+
+
 def test_a_drawing_that_is_dropped_has_its_process_and_its_place(page: Page, folder: Path) -> None:
     path = dropped(page)
     assert path == "drawings/plate.dxf"

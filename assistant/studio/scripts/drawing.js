@@ -103,10 +103,11 @@ function layerTable(found) {
 function values(found) {
   const group = made("fieldset");
   group.append(said("legend", "process"));
-  for (const { key, value } of found.values) {
-    const label = made("label"), input = made("input"), name = key.join(".");
+  for (const { field: name, key, value } of found.values) {
+    const label = made("label"), input = made("input");
     input.type = "text";
     input.dataset.path = name;
+    input.dataset.keys = JSON.stringify(key);
     if (!name.endsWith("speed")) input.dataset.many = "";
     input.value = input.dataset.was = Array.isArray(value) ? value.join(", ") : value ?? "";
     label.append(said("span", NAMES[name] ?? name), " ", input);
@@ -128,7 +129,7 @@ function stated(form) {
     else if (input.value !== input.dataset.was) put(keys, input.value === "" ? null : input.type === "number" ? Number(input.value) : input.value);
   }
   for (const input of form.querySelectorAll("input[data-path]")) {
-    if (input.value !== input.dataset.was) put(input.dataset.path.split("."), typed(input.value, "many" in input.dataset));
+    if (input.value !== input.dataset.was) put(JSON.parse(input.dataset.keys), typed(input.value, "many" in input.dataset));
   }
   return out;
 }
