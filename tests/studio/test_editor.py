@@ -71,6 +71,7 @@ def test_a_fault_is_found_cured_and_undone_by_keys(edited: Any) -> None:
         assert page.locator("#file-state").inner_text() == "not saved"
 
 
+@pytest.mark.slow
 def test_words_are_completed_named_anew_and_saved_by_keys(edited: Any, folder: Path) -> None:
     page = edited
     with sound(page):
@@ -129,6 +130,7 @@ def test_what_changes_on_the_disk_is_taken_in_or_asked_about(edited: Any, folder
     assert "# more" in file.read_text()
 
 
+@pytest.mark.slow
 def test_lines_of_a_translation_are_shown_both_ways(edited: Any) -> None:
     page = edited
     with sound(page):
@@ -142,6 +144,7 @@ def test_lines_of_a_translation_are_shown_both_ways(edited: Any) -> None:
         until(page, "document.querySelector('#editor .linked')?.textContent.includes('+ 1')")
 
 
+@pytest.mark.slow
 def test_other_parts_of_the_page_edit_and_mark_a_text(edited: Any) -> None:
     page = edited
     with sound(page):
@@ -173,6 +176,7 @@ def test_other_parts_of_the_page_edit_and_mark_a_text(edited: Any) -> None:
         assert "# two" not in text_of(page)
 
 
+@pytest.mark.slow
 def test_a_second_window_reads_only_and_follows_the_disk(
     edited: Any, browser: Any, folder: Path, address: str
 ) -> None:

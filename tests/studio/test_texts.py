@@ -21,7 +21,7 @@ procedure main
 end
 """
 MODULE = "MODULE Main\r\n  PROC main()\r\n    other;\r\n  ENDPROC\r\nENDMODULE\r\n"
-OTHER = "MODULE Other\r\n  PROC other()\r\n  ENDPROC\r\nENDMODULE\r\n"
+OTHER = "MODULE Parts\r\n  PROC other()\r\n  ENDPROC\r\nENDMODULE\r\n"
 
 
 class Typing:

@@ -5,7 +5,7 @@ import { Refused, ask } from "./server.js";
 import { showOfDoing, showOfFile } from "./findings.js";
 import { on, state as window_ } from "./line.js";
 import { choose } from "./tabs.js";
-import { project, whenChosen } from "./project.js";
+import { markFile, project, whenChosen } from "./project.js";
 import { bar, keep } from "./editor_bar.js";
 import { begun, reads } from "./editor_view.js";
 import { arm, pointLines, setPoint, togglePoint } from "./editor_marks.js";
@@ -134,6 +134,7 @@ function show(text) {
     translate(text);
   }
   bar(text);
+  markFile(text.path);
   view.focus();
   said();
 }

@@ -133,7 +133,8 @@ export class Service {
     dispatch(this.#text, setDiagnostics(this.state, told.map(({ finding, fixes }) => {
       const from = offset(doc, finding.from);
       return {
-        from, to: Math.max(from, offset(doc, finding.to)), severity: finding.severity, source: finding.code,
+        from, to: Math.max(from, Math.min(offset(doc, finding.to), doc.lineAt(from).to)), // of a whole module its first line
+        severity: finding.severity, source: finding.code,
         message: [finding.message, finding.cure].filter(Boolean).join("\n"),
         actions: fixes.map(({ title, use }) => ({ name: title, apply: use })),
       };

@@ -53,12 +53,16 @@ function walkFiles(event) {
   buttons[to].tabIndex = 0;
   buttons[to].focus();
 }
-export function chooseFile(path) {
+/** Shows in the list which file is looked at. */
+export function markFile(path) {
   current = path;
-  const file = project.files.find((one) => one.path === path) ?? { path, kind: "file" };
   for (const button of find("files").querySelectorAll("button")) {
     button.setAttribute("aria-current", String(button.dataset.path === path));
   }
+}
+export function chooseFile(path) {
+  markFile(path);
+  const file = project.files.find((one) => one.path === path) ?? { path, kind: "file" };
   return Promise.all(opened.map((does) => does(file)));
 }
 async function dropFiles(files) {
