@@ -120,11 +120,15 @@ class Leader:
         return Measured(math.nan, shown, joints, self.carrier.told())
 
     def close(self) -> None:
-        """What did not go out by now does not; what is on its way is waited for."""
+        """What did not go out by now does not; what is on its way is waited for.
+
+        Raises what it met, of which no block has asked any more.
+        """
         with self._news:
             self._over = True
             self._news.notify_all()
         self._thread.join()
+        self.check()
 
     def _run(self) -> None:
         while (step := self._wanted()) is not None:

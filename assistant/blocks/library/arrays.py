@@ -36,3 +36,10 @@ def parts(pose: Floats) -> tuple[Floats, Floats]:
     if not np.isfinite(pose).all() or not np.abs(turn).max() > 0.0:
         raise ValueError("a pose is x, y, z and a quaternion that is not 0")
     return position, rotations.canonical(turn)
+
+
+def at_least_0(name: str, value: float) -> float:
+    """A bound that holds: NaN compares with nothing, and would let all through."""
+    if not value >= 0.0:
+        raise ValueError(f"`{name}` is 0 or more, not {value}")
+    return value

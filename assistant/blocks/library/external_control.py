@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from assistant.blocks.connections import Connection
 from assistant.blocks.diagrams.block import Block, Port
 from assistant.blocks.diagrams.running import ending
-from assistant.blocks.library.arrays import joints_port
+from assistant.blocks.library.arrays import at_least_0, joints_port
 from assistant.blocks.library.rules import NOT_OPERATED, OUTSIDE, TOO_FAR, TWO_LEADERS
 from assistant.blocks.rules import NO_NUMBERS
 from assistant.controllers import connect
@@ -135,7 +135,7 @@ class ExternalControl(Block):
     is behind, as fast as it can brake for, and never beyond the bounds of its connection; `limited`
     tells that these hold it back. Else it comes to rest. cycles, late, worst, jitter: see `Timing`.
     approach: degrees or mm that what is wanted may be away when it is enabled. `report` and
-    `summary` tell of all cycles once the run has ended.
+    `summary` tell of all cycles once the run has ended. Raises ValueError for an approach below 0.
     """
 
     direct: ClassVar[bool] = False
@@ -154,7 +154,7 @@ class ExternalControl(Block):
         inputs = [joints_port(robot, "wanted"), Port("enable")]
         super().__init__(name, inputs, ports, period=period)
         self.robot, self.connection, self.moves = robot, connection, connection.name
-        self.approach = approach
+        self.approach = at_least_0("approach", approach)
         self.report: Report | None = None
         self._led: Led | None = None
 

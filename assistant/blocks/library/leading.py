@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from assistant.blocks.connections import Connection
 from assistant.blocks.diagrams.block import Block, Port
 from assistant.blocks.leading import Leader, Measures
-from assistant.blocks.library.arrays import joints_port, pose_port
+from assistant.blocks.library.arrays import at_least_0, joints_port, pose_port
 from assistant.blocks.library.kinematics import jacobian, tool_pose
 from assistant.blocks.rules import NO_JOINTS, NO_NUMBERS, OUT_OF_LIMITS, TOO_FAR, TOO_FAST
 from assistant.program import rotations
@@ -167,7 +167,10 @@ class Relative(Block):
 
 
 class RelJoint(Relative):
-    """by: degrees (mm) of each axis. most: degrees or mm that one may go in a step."""
+    """by: degrees (mm) of each axis. most: degrees or mm that one may go in a step.
+
+    Raises ValueError for a `most` that is no number, which would bound nothing.
+    """
 
     def __init__(
         self,
@@ -179,7 +182,7 @@ class RelJoint(Relative):
         period: float | None = None,
     ) -> None:
         super().__init__(name, connection, robot, joints_port(robot, "by"), period)
-        self.most = most
+        self.most = at_least_0("most", most)
 
     def stepped(self, joints: Floats, by: Floats) -> Floats:
         self._small(float(np.abs(by).max()), self.most, "degrees or mm")
@@ -190,7 +193,7 @@ class RelCart(Relative):
     """by: x, y, z in mm and a turn about x, y, z in degrees, in the base or in the tool's frame.
 
     The turn is about the place of the tool. An arm of fewer than six axes goes to the place, and
-    turns as near to what is wanted as it can. most: mm and degrees of a step.
+    turns as near to what is wanted as it can. most: mm and degrees of a step; see `RelJoint`.
     """
 
     def __init__(
@@ -205,7 +208,8 @@ class RelCart(Relative):
         period: float | None = None,
     ) -> None:
         super().__init__(name, connection, robot, Port("by", 6), period)
-        self.tool, self.in_tool, self.most = tool, in_tool, most
+        self.tool, self.in_tool = tool, in_tool
+        self.most = at_least_0("mm", most[0]), at_least_0("degrees", most[1])
 
     def stepped(self, joints: Floats, by: Floats) -> Floats:
         way, turn = by[:3], by[3:]

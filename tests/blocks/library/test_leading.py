@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -19,6 +20,7 @@ from assistant.blocks.diagrams.clocks import RealTime
 from assistant.blocks.diagrams.diagram import Diagram
 from assistant.blocks.diagrams.running import Ran, run
 from assistant.blocks.leading import Leader, led, measured
+from assistant.blocks.library.external_control import ExternalControl
 from assistant.blocks.library.kinematics import tool_pose
 from assistant.blocks.library.leading import Relative, RelCart, RelJoint, Status
 from assistant.blocks.library.moving import JointMovJoint
@@ -197,7 +199,9 @@ def test_nothing_is_opened_that_nobody_confirmed(shared: Cell) -> None:
     assert connection.value is None and shared.moves == []
 
 
-def test_an_emergency_stop_ends_the_run_and_is_told() -> None:
+@pytest.mark.parametrize("seconds", [30.0, 1.0])
+def test_an_emergency_stop_ends_the_run_and_is_told(seconds: float) -> None:
+    """Also by a run that is over before the silence is long enough."""
     with cell(pace=1.0) as here:
         diagram, connection = Diagram(), here.led()
         diagram.add(Status("status", connection, ARM))
@@ -211,7 +215,7 @@ def test_an_emergency_stop_ends_the_run_and_is_told() -> None:
             return True
 
         with pytest.raises(Refused, match=r"CN6\d\d"):
-            run(diagram, 30.0, STEP, clock=RealTime(), watch=watch, moving=["cell"])
+            run(diagram, seconds, STEP, clock=RealTime(), watch=watch, moving=["cell"])
         assert connection.users == 0
         assert here.track.speed[-1] == 0.0
 
@@ -295,3 +299,15 @@ def test_an_arm_is_led_cycle_by_cycle_as_well() -> None:
         assert ran["rel.steps"][-1] == 10.0
         assert ran["status.joints"][-1, 0] == pytest.approx(10.0, abs=0.05)
         assert np.isnan(ran["status.speed"]).all()
+
+
+@pytest.mark.parametrize("bound", [math.nan, -1.0])
+def test_bounds_that_bound_nothing_are_refused(shared: Cell, bound: float) -> None:
+    connection: Any = shared.led()
+    for make in (
+        lambda: RelJoint("rel", connection, ARM, most=bound),
+        lambda: RelCart("rel", connection, ARM, most=(5.0, bound)),
+        lambda: ExternalControl("external", connection, ARM, approach=bound),
+    ):
+        with pytest.raises(ValueError, match="is 0 or more"):
+            make()
