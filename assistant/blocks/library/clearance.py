@@ -50,7 +50,10 @@ class CollisionDistance(Block):
         self.nearest: tuple[str, str] | None = None
 
     def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:
+        """Raises ValueError for joints that are no numbers: nothing is known of these."""
         del now
+        if not all(np.isfinite(one).all() for one in given):
+            raise ValueError("joints are no numbers")
         joints = list(self._joints)
         for place, one in zip(self._places, given, strict=True):
             joints[place] = one

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from assistant.blocks.asking import Asked
 from assistant.blocks.connections import Connection
 from assistant.blocks.diagrams.block import Block, Port
+from assistant.blocks.library.arrays import at_least_0
 from assistant.blocks.library.rules import BOTH, NO_GRIP
 from assistant.controllers.controller import Controller
 from assistant.program.arrays import Floats
@@ -65,9 +66,9 @@ class Signals(_Asking):
         *,
         period: float | None = None,
     ) -> None:
-        ports = [Port("values", len(names)), Port("age", unit="s")]
+        self.names = (names,) if isinstance(names, str) else tuple(names)
+        ports = [Port("values", len(self.names)), Port("age", unit="s")]
         super().__init__(name, connection, (), ports, period)
-        self.names = tuple(names)
 
     def begin(self) -> None:
         self._values, self._at = np.full(len(self.names), np.nan), np.nan
@@ -182,7 +183,8 @@ class Gripper(_Asking):
     ) -> None:
         ports = [Port("state"), Port("confirmed"), Port("busy")]
         super().__init__(name, connection, [Port("close")], ports, period)
-        self.by, self.opened, self.closed, self.within = by, opened, closed, within
+        self.by, self.opened, self.closed = by, opened, closed
+        self.within = at_least_0("within", within)
         self.moves = connection.name
 
     def begin(self) -> None:

@@ -24,11 +24,15 @@ FILL: Final = "#eef4f8"
 MOST_SIGNALS: Final = 8
 MOST_ROWS: Final = 4000
 """What is drawn of a run; of more rows every second, third …"""
+MOST_BOXES: Final = 300
+"""Blocks of a diagram that is drawn: a picture of more is as wide as a wall, and takes minutes."""
 
 
 def diagram_png(diagram: Any) -> bytes | None:
-    """A diagram of ours or of bdsim; None without matplotlib."""
+    """A diagram of ours or of bdsim; None without matplotlib, and of more than `MOST_BOXES`."""
     found = outline(diagram)
+    if len(found.boxes) > MOST_BOXES:
+        return None
     columns = max((box.column for box in found.boxes), default=0) + 1
     figure = _figure(1.6 * columns, 0.9 * _height(found))
     if figure is None:

@@ -162,6 +162,9 @@ def test_the_least_distance_is_that_of_the_cell_and_its_bodies_are_named() -> No
     assert ran["apart.distance"][-1] < ran["apart.distance"][0]
     contact = model.contact(down, int(which[-1]))
     assert block.nearest == (contact.one, contact.other)
+    nowhere = Constant("joints", [np.nan, *down[1:]])
+    with pytest.raises(Refused, match=r"BL110.*`apart`.*no numbers"):  # not "nothing is near"
+        alone(CollisionDistance("apart", file), nowhere, seconds=0.0)
 
 
 def test_each_robot_has_an_input_and_others_stay_at_home(tmp_path: Path) -> None:

@@ -90,6 +90,13 @@ def test_inputs_are_read_while_the_model_goes_on(cr: VirtualCr) -> None:
     assert (ages > 0.0).all()
 
 
+def test_one_name_is_one_signal_and_a_gripper_has_to_confirm_in_some_time(cr: VirtualCr) -> None:
+    cell = asked("cell", cr.address)
+    assert Signals("inputs", cell, "12").names == ("12",)
+    with pytest.raises(ValueError, match="`within`"):
+        Gripper("gripper", cell, Hand(1), closed="5", within=np.nan)
+
+
 def test_an_output_is_set_once_and_what_is_refused_ends_the_run(cr: VirtualCr) -> None:
     connection = asked("cell", cr.address)
     block = Output("lamp", connection, "7")

@@ -68,6 +68,14 @@ def test_a_loop_and_a_block_alone_are_drawn():
     assert Diagram()._repr_png_()[:4] == b"\x89PNG"
 
 
+def test_a_diagram_too_large_for_a_picture_shows_itself_in_words():
+    diagram = Diagram()
+    for number in range(400):
+        diagram.add(Constant(f"c{number}", 1.0))
+    assert diagram._repr_png_() is None
+    assert repr(diagram) == "<Diagram main: 400 blocks, 0 wires>"
+
+
 def test_a_run_shows_its_signals_and_names_are_no_markup(monkeypatch):
     diagram = tracking(NASTY)
     ran = run(diagram, 0.5, 0.01)
