@@ -14,12 +14,12 @@ from bdsim.components import Clock
 from assistant.blocks.connections import Connection
 from assistant.blocks.leading import Leader, Measures
 from assistant.blocks.library import leading
-from assistant.blocks.robot import _Stepped
+from assistant.blocks.library.adapted import Stepped
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.robot import Robot
 
 
-class Status(_Stepped, SampledBlock):
+class Status(Stepped, SampledBlock):
     """Where the arm is by data link, all the time; it moves nothing.
 
     It gives the pose of the tool, the joints, the joints that are asked for, the speed of the tool
@@ -48,7 +48,7 @@ class Status(_Stepped, SampledBlock):
         super().__init__(leading.Status(name, connection, robot), clock, **blockargs)
 
 
-class RelJoint(_Stepped, SampledBlock):
+class RelJoint(Stepped, SampledBlock):
     """On by a step of the joints, at any time: it waits for nothing, and the arm does not stop.
 
     While `go` is above 0.5 each tick is a step from where the arm was told to be last. It gives
@@ -83,7 +83,7 @@ class RelJoint(_Stepped, SampledBlock):
         super().__init__(inner, clock, **blockargs)
 
 
-class RelCart(_Stepped, SampledBlock):
+class RelCart(Stepped, SampledBlock):
     """On by a step of the tool (mm, and a turn in degrees about x, y, z); as `RelJoint` else.
 
     :param clock: at whose ticks it steps

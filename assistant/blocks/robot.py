@@ -17,7 +17,6 @@ for these: q joints, T a pose, go start, b busy, n how many moves are done.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextvars import ContextVar
 from typing import Any, ClassVar, Final
 
 import numpy as np
@@ -26,112 +25,19 @@ from bdsim.components import Clock
 from spatialmath import SE3
 
 from assistant.blocks.connections import Connection, Operator
-from assistant.blocks.diagrams.block import Block
-from assistant.blocks.diagrams.running import check_confirmed, named, outputs
 from assistant.blocks.library import arms, kinematics, moving, sources
+from assistant.blocks.library.adapted import Direct, Stepped
 from assistant.program import rotations
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.robot import Robot
 
-CONFIRMED: Final[ContextVar[frozenset[str]]] = ContextVar("confirmed", default=frozenset())
-"""Names of the controllers whose arms may be moved by the run that begins."""
 METRE: Final = 1000.0
-NEAR: Final = 1e-6
-"""Part of a period by which a moment may be beside a tick, as it is added up."""
-
-
-class _Adapted:
-    """What a block of ours is to bdsim; its class of bdsim stands behind this one."""
-
-    def __init__(self, inner: Block, **blockargs: Any) -> None:
-        self._inner = inner
-        super().__init__(  # type: ignore[call-arg]
-            nin=len(inner.inputs),
-            nout=len(inner.outputs),
-            inames=[port.name for port in inner.inputs] or None,
-            onames=[f"{port.name}_" for port in inner.outputs] or None,
-            name=inner.name,
-            **blockargs,
-        )
-
-    def _raise_runtime_error(self, operation: str, err: Exception, **more: Any) -> None:
-        """A Refused as it is; of others bdsim prints much, and ends with an error of its own."""
-        if isinstance(err, Refused):
-            raise err
-        super()._raise_runtime_error(operation, err, **more)  # type: ignore[misc]
-
-    def _given(self, values: Sequence[Any]) -> list[Floats]:
-        ports = self._inner.inputs
-        arrays = [np.atleast_1d(np.asarray(value, dtype=np.float64)).ravel() for value in values]
-        wrong = [p.name for p, a in zip(ports, arrays, strict=True) if a.shape != (p.size,)]
-        if wrong:
-            raise ValueError(f"`{self._inner.name}` is given another size at {', '.join(wrong)}")
-        return arrays
-
-    def _shown(self, values: Sequence[Floats]) -> list[Any]:
-        """Single numbers as such, as bdsim's own blocks give them."""
-        return [float(one[0]) if one.shape == (1,) else one for one in values]
-
-
-class _Direct(_Adapted):
-    """A function of the signals of the moment."""
-
-    def output(self, t: float, u: Sequence[Any], x: Any) -> list[Any]:
-        del x
-        with named(self._inner, t):
-            return self._shown(outputs(self._inner, t, self._given(u)))
-
-
-class _Stepped(_Adapted):
-    """A block that steps with a clock. Until a run begins it gives zeros."""
-
-    def __init__(self, inner: Block, clock: Clock, **blockargs: Any) -> None:
-        super().__init__(inner, clock=clock, ndstates=1, **blockargs)
-        self._begun = self._open = False
-        self._at: float | None = None
-        self._taken: float | None = None
-        self._shows = self._shown([np.zeros(port.size) for port in inner.outputs])
-
-    def start(self, simstate: Any) -> None:
-        """Raises Refused for an arm that nobody confirmed to move."""
-        super().start(simstate)  # type: ignore[misc]
-        check_confirmed([self._inner], CONFIRMED.get())
-        self._open = True
-        with named(self._inner, 0.0):
-            self._inner.begin()
-        self._begun, self._at, self._taken = True, None, None
-
-    def output(self, t: float, u: Sequence[Any], x: Any) -> list[Any]:
-        """What it gives at a moment is worked out once, however often bdsim asks."""
-        del u, x
-        if self._begun and t != self._at:
-            self._at = t
-            self._shows = self._shown(outputs(self._inner, t, ()))
-        return self._shows
-
-    def next(self, t: float, u: Sequence[Any], x: Floats) -> Floats:
-        """At the tick of any clock bdsim asks all blocks: here that of its own counts, and once."""
-        clock: Clock = self._clock  # type: ignore[attr-defined]
-        ticks = (t - clock.offset) / clock.T
-        if t != self._taken and abs(ticks - round(ticks)) < NEAR:
-            self._taken = t
-            with named(self._inner, t):
-                self._inner.take(t, self._given(u))
-        return x
-
-    def done(self, **arguments: Any) -> None:
-        super().done(**arguments)  # type: ignore[misc]
-        if self._open:  # also if its begin failed half way
-            self._begun = self._open = False
-            self._inner.end()
 
 
 # ------------------------------------------------------------------- controller operation
 
 
-class _Move(_Stepped):
+class _Move(Stepped):
     """Busy until the arm stands where it was told to go."""
 
     nin = 2
@@ -231,7 +137,7 @@ class CircularMov(_Move, SampledBlock):
 # -------------------------------------------------------------------- kinematics and arms
 
 
-class ArmFK(_Direct, FunctionBlock):
+class ArmFK(Direct, FunctionBlock):
     """joints → pose of the tool.
 
     :param robot: an arm
@@ -249,7 +155,7 @@ class ArmFK(_Direct, FunctionBlock):
         super().__init__(kinematics.ForwardKinematics(name, robot, tool or IDENTITY), **blockargs)
 
 
-class ArmIK(_Direct, FunctionBlock):
+class ArmIK(Direct, FunctionBlock):
     """pose, branch → joints, whether there are any, all branches, which are valid.
 
     :param robot: an arm
@@ -269,7 +175,7 @@ class ArmIK(_Direct, FunctionBlock):
         super().__init__(kinematics.InverseKinematics(name, robot, tool or IDENTITY), **blockargs)
 
 
-class ArmJacobian(_Direct, FunctionBlock):
+class ArmJacobian(Direct, FunctionBlock):
     """joints → Jacobian, row by row.
 
     :param robot: an arm
@@ -287,7 +193,7 @@ class ArmJacobian(_Direct, FunctionBlock):
         super().__init__(kinematics.Jacobian(name, robot, tool or IDENTITY), **blockargs)
 
 
-class SimArm(_Stepped, SampledBlock):
+class SimArm(Stepped, SampledBlock):
     """joints that are wanted → joints, pose, whether a limit holds: a simulated arm.
 
     :param clock: at whose ticks it steps
@@ -332,7 +238,7 @@ class SimArm(_Stepped, SampledBlock):
 # --------------------------------------------------------------------------------- sources
 
 
-class MotionTable(_Direct, FunctionBlock):
+class MotionTable(Direct, FunctionBlock):
     """Rows at times, in lines between them → their values, whether it is over.
 
     :param seconds: times that rise
@@ -349,7 +255,7 @@ class MotionTable(_Direct, FunctionBlock):
         super().__init__(sources.Table(name, seconds, rows), **blockargs)
 
 
-class PoseLine(_Direct, FunctionBlock):
+class PoseLine(Direct, FunctionBlock):
     """From one pose to another on a line → pose, whether it is over.
 
     :param first: where it begins

@@ -21,7 +21,7 @@ from bdsim.components import Clock
 from assistant.blocks.asking import Asked
 from assistant.blocks.connections import Connection
 from assistant.blocks.library import clearance, external_control, pose_exchange, seeing, signals
-from assistant.blocks.robot import _Direct, _Stepped
+from assistant.blocks.library.adapted import Direct, Stepped
 from assistant.cell.scene import Scene
 from assistant.controllers.abb.exchange import PoseExchange
 from assistant.controllers.controller import Controller
@@ -35,7 +35,7 @@ from assistant.vision.servoing.things import Thing
 Cell = Connection[Asked[Controller]]
 
 
-class ExternalControl(_Stepped, SampledBlock):
+class ExternalControl(Stepped, SampledBlock):
     """wanted joints, enable → joints, commanded joints, limited, cycles, late, worst, jitter.
 
     :param clock: at whose ticks it steps
@@ -67,7 +67,7 @@ class ExternalControl(_Stepped, SampledBlock):
         super().__init__(inner, clock, **blockargs)
 
 
-class ExchangedPose(_Stepped, SampledBlock):
+class ExchangedPose(Stepped, SampledBlock):
     """pose, start → busy, poses reached, pose where it stands, seconds of the last motion.
 
     :param clock: at whose ticks it steps
@@ -91,7 +91,7 @@ class ExchangedPose(_Stepped, SampledBlock):
         super().__init__(pose_exchange.ExchangedPose(name, connection), clock, **blockargs)
 
 
-class InputSignals(_Stepped, SampledBlock):
+class InputSignals(Stepped, SampledBlock):
     """Inputs of a controller → values, age in seconds.
 
     :param clock: at whose ticks it steps
@@ -117,7 +117,7 @@ class InputSignals(_Stepped, SampledBlock):
         super().__init__(signals.Signals(name, connection, names), clock, **blockargs)
 
 
-class OutputSignal(_Stepped, SampledBlock):
+class OutputSignal(Stepped, SampledBlock):
     """value → what the output was set to.
 
     :param clock: at whose ticks it steps
@@ -139,7 +139,7 @@ class OutputSignal(_Stepped, SampledBlock):
         super().__init__(signals.Output(name, connection, output), clock, **blockargs)
 
 
-class Gripper(_Stepped, SampledBlock):
+class Gripper(Stepped, SampledBlock):
     """close → state, confirmed, busy.
 
     :param clock: at whose ticks it steps
@@ -177,7 +177,7 @@ class Gripper(_Stepped, SampledBlock):
         super().__init__(inner, clock, **blockargs)
 
 
-class ProjectedMarker(_Direct, FunctionBlock):
+class ProjectedMarker(Direct, FunctionBlock):
     """pose of a thing (and of the camera's carrier) → pixels of its points, seen.
 
     :param camera: that sees it
@@ -208,7 +208,7 @@ class ProjectedMarker(_Direct, FunctionBlock):
         super().__init__(inner, **blockargs)
 
 
-class SeenMarker(_Stepped, SampledBlock):
+class SeenMarker(Stepped, SampledBlock):
     """Pictures of a camera → pixels of the points of a thing, seen, number of the picture.
 
     :param clock: at whose ticks it steps
@@ -243,7 +243,7 @@ class SeenMarker(_Stepped, SampledBlock):
         super().__init__(inner, clock, **blockargs)
 
 
-class PointingDevice(_Stepped, SampledBlock):
+class PointingDevice(Stepped, SampledBlock):
     """Cameras → pose that a device shows, confidence, seen.
 
     :param clock: at whose ticks it steps
@@ -273,7 +273,7 @@ class PointingDevice(_Stepped, SampledBlock):
         super().__init__(seeing.PointingDevice(name, rig, device, rate=rate), clock, **blockargs)
 
 
-class CollisionDistance(_Direct, FunctionBlock):
+class CollisionDistance(Direct, FunctionBlock):
     """joints of robots → the least distance of any two bodies of a cell in mm.
 
     :param cell: a scene, or its file

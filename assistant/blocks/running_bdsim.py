@@ -21,6 +21,7 @@ from assistant.blocks.diagrams.running import (
     ending,
     steps_of,
 )
+from assistant.blocks.library.adapted import CONFIRMED
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Refused
 
@@ -101,8 +102,6 @@ def _compile(diagram: BlockDiagram) -> None:
 @contextlib.contextmanager
 def _confirmed(diagram: BlockDiagram, names: Iterable[str]) -> Iterator[None]:
     """Raises Refused before anything begins; what a block refuses later comes as it is."""
-    from assistant.blocks.robot import CONFIRMED
-
     known = confirmed(names)
     check_confirmed((one._inner for one in diagram.blocklist if hasattr(one, "_inner")), known)
     token = CONFIRMED.set(known)

@@ -1,14 +1,112 @@
-"""Blocks of one's own in diagrams of bdsim, without a class of bdsim for each of them."""
+"""What a block of ours is to bdsim, and blocks of one's own in it without a class each."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from contextvars import ContextVar
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from assistant.blocks.diagrams.block import Block
+from assistant.blocks.diagrams.running import check_confirmed, named, outputs
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Refused
 
 if TYPE_CHECKING:
     from bdsim.blockdiagram import BlockDiagram
     from bdsim.components import Clock
 
-    from assistant.blocks.diagrams.block import Block
+CONFIRMED: Final[ContextVar[frozenset[str]]] = ContextVar("confirmed", default=frozenset())
+"""Names of the controllers whose arms may be moved by the run that begins."""
+NEAR: Final = 1e-6
+"""Part of a period by which a moment may be beside a tick, as it is added up."""
+
+
+class Adapted:
+    """What a block of ours is to bdsim; its class of bdsim stands behind this one."""
+
+    def __init__(self, inner: Block, **blockargs: Any) -> None:
+        self._inner = inner
+        super().__init__(  # type: ignore[call-arg]
+            nin=len(inner.inputs),
+            nout=len(inner.outputs),
+            inames=[port.name for port in inner.inputs] or None,
+            onames=[f"{port.name}_" for port in inner.outputs] or None,
+            name=inner.name,
+            **blockargs,
+        )
+
+    def _raise_runtime_error(self, operation: str, err: Exception, **more: Any) -> None:
+        """A Refused as it is; of others bdsim prints much, and ends with an error of its own."""
+        if isinstance(err, Refused):
+            raise err
+        super()._raise_runtime_error(operation, err, **more)  # type: ignore[misc]
+
+    def _given(self, values: Sequence[Any]) -> list[Floats]:
+        ports = self._inner.inputs
+        arrays = [np.atleast_1d(np.asarray(value, dtype=np.float64)).ravel() for value in values]
+        wrong = [p.name for p, a in zip(ports, arrays, strict=True) if a.shape != (p.size,)]
+        if wrong:
+            raise ValueError(f"`{self._inner.name}` is given another size at {', '.join(wrong)}")
+        return arrays
+
+    def _shown(self, values: Sequence[Floats]) -> list[Any]:
+        """Single numbers as such, as bdsim's own blocks give them."""
+        return [float(one[0]) if one.shape == (1,) else one for one in values]
+
+
+class Direct(Adapted):
+    """A function of the signals of the moment."""
+
+    def output(self, t: float, u: Sequence[Any], x: Any) -> list[Any]:
+        del x
+        with named(self._inner, t):
+            return self._shown(outputs(self._inner, t, self._given(u)))
+
+
+class Stepped(Adapted):
+    """A block that steps with a clock. Until a run begins it gives zeros."""
+
+    def __init__(self, inner: Block, clock: Clock, **blockargs: Any) -> None:
+        super().__init__(inner, clock=clock, ndstates=1, **blockargs)
+        self._begun = self._open = False
+        self._at: float | None = None
+        self._taken: float | None = None
+        self._shows = self._shown([np.zeros(port.size) for port in inner.outputs])
+
+    def start(self, simstate: Any) -> None:
+        """Raises Refused for an arm that nobody confirmed to move."""
+        super().start(simstate)  # type: ignore[misc]
+        check_confirmed([self._inner], CONFIRMED.get())
+        self._open = True
+        with named(self._inner, 0.0):
+            self._inner.begin()
+        self._begun, self._at, self._taken = True, None, None
+
+    def output(self, t: float, u: Sequence[Any], x: Any) -> list[Any]:
+        """What it gives at a moment is worked out once, however often bdsim asks."""
+        del u, x
+        if self._begun and t != self._at:
+            self._at = t
+            self._shows = self._shown(outputs(self._inner, t, ()))
+        return self._shows
+
+    def next(self, t: float, u: Sequence[Any], x: Floats) -> Floats:
+        """At the tick of any clock bdsim asks all blocks: here that of its own counts, and once."""
+        clock: Clock = self._clock  # type: ignore[attr-defined]
+        ticks = (t - clock.offset) / clock.T
+        if t != self._taken and abs(ticks - round(ticks)) < NEAR:
+            self._taken = t
+            with named(self._inner, t):
+                self._inner.take(t, self._given(u))
+        return x
+
+    def done(self, **arguments: Any) -> None:
+        super().done(**arguments)  # type: ignore[misc]
+        if self._open:  # also if its begin failed half way
+            self._begun = self._open = False
+            self._inner.end()
 
 
 def add(diagram: BlockDiagram, block: Block, clock: Clock | None = None) -> Any:
@@ -19,16 +117,14 @@ def add(diagram: BlockDiagram, block: Block, clock: Clock | None = None) -> Any:
     """
     from bdsim.block import FunctionBlock, SampledBlock
 
-    from assistant.blocks import robot
-
     if clock is None and not block.direct:
         raise ValueError(f"block `{block.name}` steps with a clock, and none is given")
     name = type(block).__name__
     if clock is None:
         ports = {"nin": len(block.inputs)}
-        made = type(name, (robot._Direct, FunctionBlock), ports)(block)
+        made = type(name, (Direct, FunctionBlock), ports)(block)
     else:
-        made = type(name, (robot._Stepped, SampledBlock), {})(block, clock)
+        made = type(name, (Stepped, SampledBlock), {})(block, clock)
     made.type = name.lower()
     diagram.add_block(made)
     return made
