@@ -13,6 +13,6 @@ NO_CLOSED_FORM: Final = error(
 )
 ALWAYS_SINGULAR: Final = error(
     "BL302",
-    "{title} is near a singularity wherever its limits let it go, and no table can prove its source",
+    "{title} is near a singularity wherever its limits let it go; no table can prove its source",
     "look at the lengths and the limits of its file",
 )
