@@ -27,6 +27,11 @@ def control_of(studio: Studio, asked: Asked) -> Control:
 
 def take(studio: Studio, asked: Asked) -> dict[str, Any]:
     """From now on the window may move the arm; its name has to be typed."""
+    with studio.beginning:
+        return _taken(studio, asked)
+
+
+def _taken(studio: Studio, asked: Asked) -> dict[str, Any]:
     from assistant.compiler.jogging import check_place
     from assistant.studio.control import FASTEST, WATCH, Control
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import hashlib
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from datetime import datetime
 from pathlib import Path as FilePath
@@ -16,6 +17,7 @@ from assistant.studio.studio import Studio
 
 if TYPE_CHECKING:
     from assistant.controllers import Controller, Named, Programs
+    from assistant.deploy import Plan
     from assistant.project import Target
 
 MOST_LOGGED: Final = 50
@@ -87,7 +89,6 @@ def connect(studio: Studio, asked: Asked) -> dict[str, Any]:
     if name not in there:
         known = ", ".join(f"`{one}`" for one in there) or "none"
         raise Refused(UNKNOWN_NAME(place=name, name=name, known=known))
-    leave(studio, asked)
 
     def lost() -> None:
         if studio.live.get("connection") is made:
@@ -95,10 +96,12 @@ def connect(studio: Studio, asked: Asked) -> dict[str, Any]:
             studio.windows.tell({"kind": "controller"})
 
     one, password = there[name], asked.text("password", "") or None
-    made = Connection(one, _kept(studio), studio.windows.tell, lost, password)
-    studio.live["connection"] = made
-    if not studio.windows.writes(asked.window):  # it has gone meanwhile
+    with studio.beginning:
         leave(studio, asked)
+        made = Connection(one, _kept(studio), studio.windows.tell, lost, password)
+        studio.live["connection"] = made
+        if not studio.windows.writes(asked.window):  # it has gone meanwhile
+            leave(studio, asked)
     studio.windows.tell({"kind": "controller"})
     return controller(studio, asked) | {"findings": findings(tuple(_open_to_others(studio, one)))}
 
@@ -188,39 +191,80 @@ def _targets(studio: Studio, one: Named) -> list[Target]:
 
 
 def plan(studio: Studio, asked: Asked) -> dict[str, Any]:
-    """What a deployment would change, with the differences."""
-    return _deployed(studio, asked, only_planned=True)
+    """What a deployment would change, with the differences; `plan` names it for `deploy`."""
+    from assistant.project.deploying import plan_record
+
+    found = connection_of(studio)
+
+    def records(session: Programs) -> dict[str, Any]:
+        plans = _plans(studio, found.one, session, asked)
+        return {"plan": _named(plans)} | _together(
+            [
+                {
+                    "target": target.name,
+                    **plan_record(made, None, (*made.findings, *made.unseen)),
+                }
+                for target, made in plans
+            ]
+        )
+
+    return found.apart(records)
 
 
 def deploy(studio: Studio, asked: Asked) -> dict[str, Any]:
-    return _deployed(studio, asked, only_planned=False)
-
-
-def _deployed(studio: Studio, asked: Asked, *, only_planned: bool) -> dict[str, Any]:
-    """replace: programs that go there although no deployment left them as they are."""
+    """Sends what the plan of that name showed; raises Refused where that is another one by now."""
     from assistant import deploy as deploying
-    from assistant.project.deploying import plan_record, planned
+    from assistant.project.deploying import plan_record
 
-    found, replace = connection_of(studio), asked.texts("replace")
+    found, shown = connection_of(studio), asked.text("plan", "")
 
     def records(session: Programs) -> list[dict[str, Any]]:
+        plans = _plans(studio, found.one, session, asked)
+        if _named(plans) != shown:
+            raise Refused(rules.OTHER_PLAN(name=found.one.name))
         answers = []
-        for target in _targets(studio, found.one):
-            made = planned(
+        for target, made in plans:
+            done = deploying.deploy(made, history=target.history)
+            told = (*made.findings, *done.findings)
+            answers.append({"target": target.name, **plan_record(made, done, told)})
+        return answers
+
+    return _together(found.apart(records))
+
+
+def _plans(
+    studio: Studio, one: Named, session: Programs, asked: Asked
+) -> list[tuple[Target, Plan]]:
+    """Of each target. replace: programs that go there though no deployment left them like that."""
+    from assistant.project.deploying import planned
+
+    replace = asked.texts("replace")
+    return [
+        (
+            target,
+            planned(
                 [studio.named(file) for file in target.files()],
-                found.one,
+                one,
                 session,
                 task=target.task,
                 load=target.load,
                 replace=replace,
                 history=target.history,
-            )
-            done = None if only_planned else deploying.deploy(made, history=target.history)
-            told = (*made.findings, *(made.unseen if done is None else done.findings))
-            answers.append({"target": target.name, **plan_record(made, done, told)})
-        return answers
+            ),
+        )
+        for target in _targets(studio, one)
+    ]
 
-    return _together(found.apart(records))
+
+def _named(plans: Sequence[tuple[Target, Plan]]) -> str:
+    """A digest of what is there and what would be sent; what may be replaced is no part of it."""
+    told = hashlib.sha256()
+    for target, made in plans:
+        told.update(repr((target.name, target.task, target.load, str(made.address))).encode())
+        for one in made.files:
+            held = (one.before.file, one.before.loaded, one.data)
+            told.update(repr((one.name, held)).encode())
+    return told.hexdigest()
 
 
 def verify(studio: Studio, asked: Asked) -> dict[str, Any]:  # noqa: ARG001

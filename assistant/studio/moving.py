@@ -47,11 +47,22 @@ def edit(
     x, y, z = handle.frame.inverse().moved(np.array([position]))[0]
     place = (_rounded(x), _rounded(y), _rounded(z))
     text = open_text(studio, window, handle.path)
+    if handle.path == (stage.process or stage.path) and not _same_beside(handle, stage.text, text):
+        raise _refused(handle, "the text has changed since it was shown", "show it again")
     if handle.kind == DRAWING:
         return handle.path, _of_drawing(handle, text, place)
     if handle.path.lower().endswith(TAUGHT):
         return handle.path, _of_taught(handle, text, place)
     return handle.path, _of_program(studio, stage, handle, text, position, place)
+
+
+def _same_beside(handle: Handle, before: str, now: str) -> bool:
+    """Whether texts are the same but for the line that is moved, which is read anew."""
+    if before == now:
+        return True
+    one, other = Lines(before), Lines(now)
+    rows = [i for i in range(len(one)) if i != handle.line - 1]
+    return len(one) == len(other) and all(one.line(i) == other.line(i) for i in rows)
 
 
 def change_between(before: str, after: str) -> Change:
@@ -142,6 +153,7 @@ def _of_program(
         written = _in_pseudo(part, handle, target)
     else:
         written = _in_language(document, replace_target(before, key, target))
+        written = _with_head(part, written, handle.name)
     found = _line_change(handle, part, written, text)
     _check(handle, speaks.program(source_of(written, document.path), ()), before, key, target)
     return found
@@ -173,6 +185,13 @@ def _in_pseudo(part: str, handle: Handle, target: Target) -> str:
 def _in_language(document: Document, program: Program) -> str:
     language: Any = language_of(document.language)
     return str(language.render(language.lower(program, None)))
+
+
+def _with_head(part: str, written: str, name: str) -> str:
+    """What stands in front of the name stays: who else knows it, and how it is kept."""
+    head = re.compile(rf"^[^\r\n]*?(?<!\w){re.escape(name)}(?!\w)", FLAGS)
+    kept = head.search(part)
+    return written if kept is None else head.sub(lambda _: kept[0], written, count=1)
 
 
 def _line_change(handle: Handle, part: str, written: str, text: str) -> Change:

@@ -85,8 +85,10 @@ def open_folder(studio: Studio, asked: Asked) -> dict[str, Any]:
     folder = FilePath(asked.text("folder")).expanduser()
     if not folder.is_absolute():
         folder = studio.folder / folder
-    studio.end()
-    studio.go_to(folder)
+    studio.folder_at(folder)  # for one that is not there nothing ends
+    with studio.beginning:
+        studio.end()
+        studio.go_to(folder)
     studio.windows.tell({"kind": "project"})
     return {"folder": str(studio.folder)}
 

@@ -106,6 +106,11 @@ FOLDER_THERE = error(
     "ST045", "`{name}` is there already: a backup gets a folder of its own", "name another one"
 )
 NO_BACKUP = error("ST046", "there is no folder `{name}`", "name one that a backup was written into")
+OTHER_PLAN = error(
+    "ST048",
+    "what would be sent to {name}, or what is there, is not what was shown; nothing was changed",
+    "compare again, look at the differences, and deploy then",
+)
 NO_TARGET = error(
     "ST047",
     "no target of the project is for `{name}`, so nothing is meant to be on it",

@@ -41,12 +41,13 @@ def start(studio: Studio, asked: Asked) -> dict[str, Any]:
     """Runs a program from its beginning, in place of whatever ran before."""
     from assistant.studio.running import Running
 
-    studio.drop(RUN)
-    wanted = _wanted(studio, asked, asked.text("path"))
-    points = {name: _lines(lines) for name, lines in asked.table("points").items()}
-    made = Running(wanted, points, studio.windows.tell)
-    made.start()
-    studio.live[RUN] = made
+    with studio.beginning:
+        studio.drop(RUN)
+        wanted = _wanted(studio, asked, asked.text("path"))
+        points = {name: _lines(lines) for name, lines in asked.table("points").items()}
+        made = Running(wanted, points, studio.windows.tell)
+        made.start()
+        studio.live[RUN] = made
     return dict(made.now())
 
 

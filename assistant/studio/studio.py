@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import threading
 from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 
@@ -19,12 +20,14 @@ KEPT_OUT = frozenset({".git", ".robot-assistant", ".venv", "__pycache__", "node_
 class Studio:
     """folder: of the project, absolute. windows: that are open, one of which writes.
 
-    live: what runs or is connected to while windows are open, by its kind.
+    live: what runs or is connected to while windows are open, by its kind. beginning: held by
+    whoever puts something there in place of another, so that of two none is left without an end.
     """
 
     folder: FilePath
     windows: Windows = field(default_factory=Windows)
     live: dict[str, object] = field(default_factory=dict)
+    beginning: threading.RLock = field(default_factory=threading.RLock, repr=False)
 
     def file(self, name: str) -> FilePath:
         """A file of the project that is there; raises Refused."""
@@ -49,11 +52,16 @@ class Studio:
 
     def go_to(self, folder: FilePath) -> None:
         """Works on another folder from now on; raises Refused if there is none."""
+        there = self.folder_at(folder)
+        os.chdir(there)  # commands take the project of the working folder
+        self.folder = FilePath.cwd()
+
+    def folder_at(self, folder: FilePath) -> FilePath:
+        """A folder, absolute; raises Refused if there is none."""
         there = folder.absolute()
         if not there.is_dir():
             raise Refused(rules.NO_FOLDER(name=folder), exit_status=2)
-        os.chdir(there)  # commands take the project of the working folder
-        self.folder = FilePath.cwd()
+        return there
 
     def end(self) -> None:
         """Ends whatever runs or is connected to."""

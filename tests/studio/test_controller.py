@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -45,10 +47,12 @@ def connect(page: Page) -> Any:
 def test_deployed_changed_there_seen_and_taken_back(bench: Bench, page: Page) -> None:
     connect(page)
     assert done(page.post("project/build"))["ok"]
-    (plan,) = done(page.post("controller/plan"))["targets"]
+    compared = done(page.post("controller/plan"))
+    (plan,) = compared["targets"]
     assert [(one["name"], one["change"]) for one in plan["files"]] == [(bench.name, "create")]
     assert bench.read() == ""
-    (deployed,) = done(page.post("controller/deploy"))["targets"]
+    assert codes(page.post("controller/deploy")) == ["ST048"]  # nobody has looked
+    (deployed,) = done(page.post("controller/deploy", plan=compared["plan"]))["targets"]
     assert [one["state"] for one in deployed["files"]] == ["installed"]
     assert "400" in bench.read()
     assert done(page.post("controller/verify"))["ok"]
@@ -59,6 +63,44 @@ def test_deployed_changed_there_seen_and_taken_back(bench: Bench, page: Page) ->
     assert codes(refused) and "555" in bench.read()
     back = done(page.post("controller/rollback", replace=["*"]))
     assert back["ok"] and bench.read() == ""
+
+
+def test_only_what_was_shown_is_deployed(folder: Path, tmp_path: Path, page: Page) -> None:
+    with BENCHES["cr"](folder, tmp_path / "home") as bench:
+        connect(page)
+        done(page.post("project/build"))
+        shown = done(page.post("controller/plan"))["plan"]
+        bench.change(bench.text.format(555))
+        asked = {"plan": shown, "replace": ["*"]}
+        assert codes(page.post("controller/deploy", **asked)) == ["ST048"]
+        assert "555" in bench.read()
+        shown = done(page.post("controller/plan"))["plan"]
+        (folder / bench.file).write_text(bench.text.format(410), encoding="utf-8")
+        done(page.post("project/build"))
+        asked = {"plan": shown, "replace": ["*"]}
+        assert codes(page.post("controller/deploy", **asked)) == ["ST048"]
+        assert "555" in bench.read()
+        shown = done(page.post("controller/plan"))["plan"]
+        asked = {"plan": shown, "replace": ["*"]}
+        assert done(page.post("controller/deploy", **asked))["ok"] and "410" in bench.read()
+        assert codes(page.post("controller/deploy", **asked)) == ["ST048"]  # a second click
+
+
+def test_of_two_connections_at_once_one_is_left(folder: Path, address: str) -> None:
+    page = Page(address)
+    (folder / "assistant.toml").write_text('[controllers]\ntrial = "virtual:cr"\n', "utf-8")
+    with ThreadPoolExecutor(2) as both, page.line() as line:
+        while not page.writes:
+            page.hear(line)
+        for answer in both.map(lambda _: page.post("controller/connect", name="trial"), "12"):
+            done(answer)
+        heard(line, "monitor")
+        done(page.post("controller/leave"))
+        told = []
+        with suppress(TimeoutError):
+            while True:
+                told.append(json.loads(line.recv(1.0))["kind"])
+        assert "monitor" not in told[-2:]
 
 
 def test_a_password_is_asked_for_and_kept_nowhere(folder: Path, tmp_path: Path, page: Page) -> None:

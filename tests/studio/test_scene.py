@@ -202,6 +202,25 @@ def test_a_target_that_is_moved_is_one_edit(
     assert (cell / path).read_text().split("\n") == before  # whoever edits saves as well
 
 
+def test_who_knows_a_target_that_is_moved_stays_as_it_is(page: Page, cell: Path) -> None:
+    text = PROGRAM.replace("CONST robtarget left", "LOCAL  CONST robtarget left")
+    (cell / "seam.mod").write_text(text)
+    _, after = edited(page, shown(page, "seam.mod"), "left", (1.5, 0.0, 0.0))
+    assert "  LOCAL  CONST robtarget left := [[21.5,0,50]," in after
+
+
+def test_a_target_is_not_moved_by_a_frame_that_is_another_one_now(page: Page, cell: Path) -> None:
+    assert cell.is_dir()
+    scene, text = shown(page, "seam.mod"), page_text(page, "seam.mod")
+    asked = {"name": scene["name"], "handle": handle(scene, "left"), "position": [321, -50, 250]}
+    changed = text.replace("[300,-50,200]", "[300,-90,200]")
+    done = page.post("text/change", path="seam.mod", version=1, text=changed, first=0, last=0)
+    assert done.status == 200
+    assert codes(page.post("scene/edit", **asked)) == ["ST052"]
+    asked |= {"name": shown(page, "seam.mod")["name"]}
+    assert page.post("scene/edit", **asked).status == 200
+
+
 def test_a_drawing_is_placed_by_its_process_file(page: Page, cell: Path) -> None:
     scene = shown(page, "ring.dxf")
     assert shown(page, "ring.process.toml") == scene

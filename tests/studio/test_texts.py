@@ -140,6 +140,14 @@ def test_a_file_that_changed_on_the_disk_is_not_written_over(typing: Typing, fol
     assert not file.exists()
 
 
+def test_a_folder_that_is_not_there_leaves_the_texts_as_they_are(
+    typing: Typing, folder: Path
+) -> None:
+    page = typing.page
+    assert page.post("project/open", folder=str(folder / "nowhere")).status == 422
+    assert "findings" in typing.ask("settled").value
+
+
 def test_a_window_that_only_looks_saves_nothing_and_has_texts_of_its_own(
     typing: Typing, folder: Path
 ) -> None:

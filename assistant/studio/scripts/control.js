@@ -38,6 +38,7 @@ async function take() {
   const done = await doing(() => ask("control/take", { word: name }));
   if (!done) return;
   mine = done;
+  tick = 0; // those of an earlier control tell nothing
   const axes = connection.axes.length ? connection.axes.map((one) => one.axis) : ["J1", "J2", "J3", "J4", "J5", "J6"];
   fill(find("jog-axis"), [...axes, ...ALONG]);
   find("jog-speed").max = done.fastest;
@@ -105,22 +106,20 @@ function beat() {
   const axis = find("jog-axis").value, by = find("jog-by").value === "+" ? 1 : -1;
   say({ kind: "beat", tick, hold, axis, by, frame: find("jog-frame").value, speed: Number(find("jog-speed").value) });
 }
-function typing(target) {
-  return target.closest("input, select, textarea, [contenteditable=true], button:not(#dead-man), a, summary, [role=slider]") !== null;
-}
 function beginHold() {
   const dead = find("dead-man");
   dead.addEventListener("pointerdown", (event) => { if (event.isPrimary && event.button === 0) { event.preventDefault(); dead.focus(); press(); } });
   for (const name of ["pointerup", "pointercancel", "pointerleave", "lostpointercapture", "contextmenu"]) dead.addEventListener(name, (event) => { if (name === "contextmenu") event.preventDefault(); release(); });
   dead.addEventListener("click", (event) => event.preventDefault());
   dead.addEventListener("blur", release);
-  document.addEventListener("keydown", (event) => {
-    if (event.key !== " " || !mine || typing(event.target)) return;
+  dead.addEventListener("keydown", (event) => { // elsewhere the space bar scrolls, types, or opens a file
+    if (event.key !== " ") { if (event.key !== "Shift") release(); return; }
     event.preventDefault();
     if (!event.repeat) press();
   });
-  document.addEventListener("keyup", (event) => { if (event.key === " ") { if (mine && !typing(event.target)) event.preventDefault(); release(); } });
-  for (const name of ["blur", "pagehide"]) addEventListener(name, release);
+  document.addEventListener("keyup", (event) => { if (event.key === " ") { if (event.target === dead) event.preventDefault(); release(); } });
+  document.addEventListener("chosen", release); // another tab hides what is held
+  for (const name of ["blur", "pagehide", "freeze"]) addEventListener(name, release);
   document.addEventListener("visibilitychange", () => { if (document.hidden) release(); });
 }
 export function beginControl() {

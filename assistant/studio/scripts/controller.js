@@ -3,6 +3,8 @@ import { find, made, said, word } from "./words.js";
 import { ask, look, Refused } from "./server.js";
 import { doing, showOfDoing } from "./findings.js";
 import { on } from "./line.js";
+import { choose } from "./tabs.js";
+import { saveAll } from "./editor_saving.js";
 import { project, whenRead } from "./project.js";
 import { bar, button, fill, filled, folded, form, group, input, labelled, row, table } from "./parts.js";
 
@@ -93,20 +95,26 @@ async function refresh() {
   find("controller-state").textContent = connected
     ? [connection.name, connection.virtual ? word("virtual") : connection.address, connection.identity.robot, connection.identity.version].filter(Boolean).join(" · ")
     : word("not_connected");
-  if (!connected) confirmBy("");
+  if (!connected || connection.name !== before) confirmBy("");
   if (connected && connection.name !== before) {
     for (const id of ["programs", "parameters", "errors", "restoring", "monitor"]) find(id).replaceChildren();
-    find("deploy").disabled = true;
+    shownPlan("");
     await readBackups();
   }
   for (const does of told) does(connection);
 }
 export function stopAll() {
   return doing(async () => {
-    const rest = await ask("control/stop");
-    find("controller-state").textContent = rest.stands ? word("stands") : `${word("may_move")} ${rest.reason}`;
+    find("controller-state").textContent = ""; // what was true before is not told meanwhile
+    const rest = await ask("control/stop").catch((refused) => { showRest({ stands: false, reason: "" }); throw refused; });
+    showRest(rest);
     return rest;
   });
+}
+/** Whether the arm stands; that nobody knows is shown whatever is looked at. */
+function showRest({ stands, reason }) {
+  find("controller-state").textContent = stands ? word("stands") : `${word("may_move")} ${reason}`;
+  if (!stands) choose("tab-controller");
 }
 // ------------------------------------------------------------------------------- looking
 const number = (value) => value === null || value === undefined ? "–" : Number(value).toFixed(MOST_DIGITS).replace(/\.?0+$/, "");
@@ -160,12 +168,20 @@ function showPlan(done) {
   find("programs").replaceChildren(...parts);
 }
 async function plan() {
+  if (!await saveAll()) return;
   const done = await doing(() => ask("controller/plan", { replace: replaced() }));
   showPlan(done);
-  find("deploy").disabled = !done;
+  shownPlan(done?.plan ?? "");
+}
+/** Only a plan that is in sight is deployed, and as it is there. */
+function shownPlan(name) {
+  find("deploy").disabled = !name;
+  find("deploy").dataset.plan = name;
 }
 async function deploy() {
-  showPlan(await doing(() => ask("controller/deploy", { replace: replaced() })));
+  const { plan } = find("deploy").dataset, replace = replaced();
+  shownPlan("");
+  showPlan(await doing(() => ask("controller/deploy", { plan, replace })));
 }
 const SEEN = { "as deployed": "same", changed: "changed", gone: "changed" };
 function showSeen(done) {
@@ -178,10 +194,12 @@ function showSeen(done) {
   find("programs").replaceChildren(summary, table(["program", "state", ""], rows));
 }
 async function verify() {
+  shownPlan("");
   const done = await doing(() => ask("controller/verify"));
   if (done) showSeen(done);
 }
 async function rollBack() {
+  shownPlan("");
   const done = await doing(() => ask("controller/rollback", { replace: replaced() }));
   if (done) find("programs").replaceChildren(table(["program", "state"], done.files.map((file) => row(file.name, file.state))));
   else showSeen(await ask("controller/verify")); // beside why it was refused
@@ -192,7 +210,8 @@ function showParameters(found) {
     const field = input("", "input", { value, spellcheck: false });
     field.setAttribute("aria-label", name);
     const change = button("", "set_input", async () => {
-      const done = await doing(() => confirmed((word_) => ask("controller/parameter", { name, value: field.value, word: word_ })));
+      const wanted = { name, value: field.value }; // what is confirmed is what was asked about
+      const done = await doing(() => confirmed((word_) => ask("controller/parameter", { ...wanted, word: word_ })));
       if (done) field.value = done.parameters[name] ?? field.value;
     });
     return row(name, field, change);

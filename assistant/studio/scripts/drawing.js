@@ -16,8 +16,9 @@ async function show(file) {
     file.kind === "process" && one.kind === "drawing" && one.path.replace(/\.[^.]+$/, "") === file.path.replace(/\.process\.toml$/, ""))?.path;
   if (!drawing) return;
   path = drawing;
-  const found = await doing(() => look("drawing", { path }));
-  if (!found) return;
+  find("panel-drawing").replaceChildren(); // values of one drawing are not written to another
+  const found = await doing(() => look("drawing", { path: drawing }));
+  if (!found || path !== drawing) return;
   fill(found);
   if (file.kind === "drawing") choose("tab-drawing");
 }
@@ -28,8 +29,8 @@ function fill(found) {
   read = JSON.stringify(found);
   form.addEventListener("submit", async (event) => {
     event.preventDefault();
-    const done = await doing(() => ask("drawing/process", { path, values: stated(form) }));
-    if (done) { fill(done); await readProject(); }
+    const done = await doing(() => ask("drawing/process", { path: found.path, values: stated(form) }));
+    if (done && path === found.path) { fill(done); await readProject(); }
   });
 }
 /** What the disk has now is shown at once, if nothing is being typed here; else it is asked. */

@@ -24,10 +24,15 @@ export async function save(text) {
   keep(text);
   showConflict(current()?.text);
 }
+/** Saves every text; whether all of them are. What the studio builds, runs or sends is on the disk. */
+export async function saveAll() {
+  for (const text of texts.values()) if (!isSaved(text)) await save(text);
+  return !window_.writes || [...texts.values()].every(isSaved);
+}
 /** Looks what stands on the disk: taken in where nothing was typed, asked about otherwise. */
 export async function disk(text) {
-  const found = await ask("text/on_disk", { path: text.path, stamp: text.stamp }).catch(() => ({ stamp: "" }));
-  if (found.stamp === text.stamp) return;
+  const found = await ask("text/on_disk", { path: text.path, stamp: text.stamp }).catch(() => null);
+  if (!found || found.stamp === text.stamp) return; // what cannot be read now is asked about again when it is saved
   text.theirs = found;
   if (found.text !== undefined && (isSaved(text) || !window_.writes)) take(text);
   else if (found.text !== undefined && found.text.replace(/\r\n?/g, "\n") === stateOf(text).doc.toString()) take(text);
@@ -48,6 +53,7 @@ function take(text) {
 export function showConflict(text) {
   const notice = find("conflict");
   notice.hidden = !text?.theirs;
+  find("take-theirs").hidden = text?.theirs?.text === undefined; // of a file that is gone there is nothing to take
   if (text?.theirs) notice.querySelector("span").textContent = `${text.path} ${word("changed_on_disk")}`;
 }
 export function beginSaving() {

@@ -9,8 +9,17 @@ export function button(id, key, does, name) {
   const one = said("button", key, name);
   one.id = id;
   one.type = "button";
-  if (does) one.addEventListener("click", does);
+  if (does) one.addEventListener("click", name === "alarm" ? does : once(does));
   return one;
+}
+/** Once for each click: the second of two that come as one, or of an impatient one, does nothing. */
+function once(does) {
+  let going = false;
+  return async (event) => {
+    if (going || event.detail > 1) return;
+    going = true;
+    try { await does(event); } finally { going = false; }
+  };
 }
 export function form(id, does, ...parts) {
   const one = input(id, "form", { className: "bar", autocomplete: "off" });

@@ -3,6 +3,7 @@ import { find, made, said, shown, word } from "./words.js";
 import { ask, look, send } from "./server.js";
 import { doing, showOfDoing } from "./findings.js";
 import { on } from "./line.js";
+import { saveAll } from "./editor_saving.js";
 
 const opened = []; // called with a file that is chosen
 const told = []; // called with the project whenever it is read
@@ -88,11 +89,11 @@ export function beginProject() {
   }
   find("open-form").addEventListener("submit", async (event) => {
     event.preventDefault();
-    await doing(() => ask("project/open", { folder: find("open-path").value }));
+    if (await saveAll()) await doing(() => ask("project/open", { folder: find("open-path").value }));
   });
   find("files").addEventListener("keydown", walkFiles);
-  find("check").addEventListener("click", () => doing(() => ask("project/check")));
-  find("build").addEventListener("click", async () => { await doing(() => ask("project/build")); await readProject(); });
+  find("check").addEventListener("click", async () => { if (await saveAll()) await doing(() => ask("project/check")); });
+  find("build").addEventListener("click", async () => { if (!await saveAll()) return; await doing(() => ask("project/build")); await readProject(); });
   on("disk", readProject);
   on("project", readProject);
 }

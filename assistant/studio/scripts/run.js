@@ -5,8 +5,8 @@ import { ask, look } from "./server.js";
 import { doing, showOfDoing } from "./findings.js";
 import { on, state as window_ } from "./line.js";
 import { project, whenChosen, whenRead } from "./project.js";
-import { breakPoints, current, markLine, offset, onBreakPoints, openText, texts } from "./editor.js";
-import { isSaved, save } from "./editor_saving.js";
+import { breakPoints, current, markLine, offset, onBreakPoints, openText } from "./editor.js";
+import { saveAll } from "./editor_saving.js";
 import { beginRunTime, forgetMotion, goesToLine, pose, scrub, showMotion } from "./run_time.js";
 
 const RUNS = new Set(["program", "drawing", "table"]), MOST_ROWS = 500;
@@ -69,9 +69,7 @@ const asked = () => ({ path: find("run-program").value, robot: find("run-robot")
 async function start(at_once) {
   const wanted = asked();
   if (!wanted.path) return;
-  const text = texts.get(wanted.path);
-  if (text && !isSaved(text)) await save(text);
-  if (text && !isSaved(text)) return;
+  if (!await saveAll()) return;
   forgetMotion();
   rows = [];
   find("run-log").replaceChildren();

@@ -2,6 +2,7 @@
 import { find, made, said, word } from "./words.js";
 import { ask, look } from "./server.js";
 import { doing, showOfDoing } from "./findings.js";
+import { saveAll } from "./editor_saving.js";
 import { sceneView } from "./scene.js";
 import { indexAt, markTime, plot, showPlots } from "./plots.js";
 
@@ -105,7 +106,7 @@ function play() {
 /** Runs two programs to their ends, and lays their curves over each other. */
 async function compare(asked) {
   const second = find("compare-with").value, result = find("compare-result");
-  if (!second) return;
+  if (!second || !await saveAll()) return;
   result.textContent = word("running");
   showPlots("compare-plots", []);
   const done = await doing(() => ask("run/compare", { ...asked(), first: asked().path, second }));
