@@ -12,7 +12,7 @@ the same model gives the same columns each time, and as fast as it can be comput
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, Final, Protocol
 
 from assistant.blocks.connections import Connection
@@ -36,12 +36,6 @@ class SteppedCell(Protocol):
     def advance(self, moment: float) -> None: ...
 
     def free(self) -> None: ...
-
-
-class InStep(Protocol):
-    """What a connection leads to, if it can tell whether anything is on its way."""
-
-    def settled(self, executing: Callable[[], bool]) -> bool: ...
 
 
 class LockStep:
