@@ -71,6 +71,7 @@ def _wanted(studio: Studio, asked: Asked, path: str) -> Wanted:
         found,
         arm,
         read_script(script) if script else Script(),
+        path=path,
         real_time=asked.truth("real_time"),
         at_once=asked.truth("at_once"),
     )

@@ -55,13 +55,14 @@ T = TypeVar("T")
 class Wanted:
     """What runs, and how. real_time: as fast as the arm would be, else as fast as possible.
 
-    at_once: whether it is held before its first statement.
+    path: of the file that was asked for. at_once: whether it is held before its first statement.
     """
 
     programs: Programs
     robot: Robot | None = None
     script: Script = field(default_factory=Script)
     entry: str | None = None
+    path: str = ""
     real_time: bool = False
     at_once: bool = False
 
@@ -341,6 +342,7 @@ class Running:
         return {
             "state": self.state,
             "title": self.wanted.programs.title,
+            "program": self.wanted.path,
             "robot": None if self.wanted.robot is None else self.wanted.robot.name,
             "time": kernel.clock,
             "task": "" if task is None else task.name,

@@ -56,6 +56,18 @@ def _moved(page: Any, cell: VirtualCr) -> None:
     page.wait_for_selector("#control:not([hidden])")
     page.click("#motors-on")
     until(page, "document.querySelector('#monitor p').textContent.includes('Motors on')")
+    for elsewhere in ("document.activeElement.blur()", "document.getElementById('drop').focus()"):
+        page.evaluate(elsewhere)  # where the space bar scrolls, or opens a file
+        page.keyboard.down(" ")
+        assert page.get_attribute("#dead-man", "aria-pressed") == "false"
+        page.keyboard.up(" ")
+    page.focus("#dead-man")
+    page.keyboard.down(" ")
+    page.wait_for_selector("#dead-man.held")
+    page.keyboard.press("Alt+3")  # what is held is not seen any more
+    page.keyboard.up(" ")
+    assert page.get_attribute("#dead-man", "aria-pressed") == "false"
+    page.click("#tab-controller")
     page.focus("#dead-man")
     page.keyboard.down(" ")
     page.wait_for_selector("#dead-man.held")

@@ -328,3 +328,8 @@ def test_files_are_walked_by_keys(browser: Any, address: str, folder: Path) -> N
         (folder / "0.csv").touch()
         page.wait_for_selector("#files [data-path='0.csv']")
         assert page.evaluate("document.activeElement.dataset.path") == "a.csv"
+        (folder / "backups").mkdir()
+        (folder / "backups" / "d.csv").touch()
+        page.wait_for_selector("#files details:not([open])")  # what controllers had is folded
+        page.keyboard.press("End")
+        assert page.evaluate("document.activeElement.dataset.path") == "c.csv"

@@ -252,6 +252,8 @@ def test_in_a_browser(browser: Any, address: str, folder: Path) -> None:
         page.click("#run-go:not(:disabled)")
         until(page, "document.getElementById('run-state').textContent.startsWith('ended')")
         page.wait_for_selector("#plot-joints path.curve-5")
+        frame = "document.querySelector('#scene iframe')?.contentDocument"
+        until(page, f"{frame}?.querySelector('body.led #clock')?.textContent === '–'")
         assert page.locator("#run-plots figure").count() == 5
         page.focus("#run-time")
         page.keyboard.press("Home")

@@ -307,6 +307,11 @@ def test_lines_lead_the_arm_and_what_is_dragged_changes_its_line(
 ) -> None:
     with studio_page(browser, address) as window, clean(window):
         scene_is_there(window, "seam.mod")
+        bar, scene = window.locator("#panel-scene .bar").first, window.locator("#scene iframe")
+        assert scene.bounding_box()["y"] == sum(bar.bounding_box()[key] for key in ("y", "height"))
+        window.click("#theme")
+        ground = f"{FRAME}.getComputedStyle({FRAME}.document.body).backgroundColor"
+        assert window.evaluate(ground) == "rgb(22, 27, 34)"
         view = f"{FRAME}?.view"
         before = window.evaluate(f"{view}.carriers()")
         window.locator("#editor .cm-line").nth(9).click()  # the line leads the arm
@@ -337,6 +342,11 @@ def test_lines_lead_the_arm_and_what_is_dragged_changes_its_line(
         assert (cell / "seam.mod").read_text() == PROGRAM  # nobody has saved it
         window.locator("#undo").click()
         assert lines(window) == kept
+        window.locator("#editor .cm-line").nth(0).click()
+        window.keyboard.press("Control+Home")
+        window.keyboard.type("x")  # what the scene shows is what was there before
+        until(window, "document.querySelector('#drag-state').className === 'doubtful'")
+        assert not window.evaluate(f"{view}.movable")
 
 
 @pytest.mark.slow

@@ -10,6 +10,7 @@ const told = []; // called with the project whenever it is read
 export const whenChosen = (does) => opened.push(does);
 export const whenRead = (does) => told.push(does);
 export const project = { files: [], programs: [], targets: [], controllers: [] };
+const FOLDED = "backups/"; // what controllers had is no part of the work
 let current = "";
 
 export async function readProject() {
@@ -24,14 +25,28 @@ export async function readProject() {
 /** The list; the one that had the keyboard has it still. */
 function showFiles() {
   const list = find("files"), had = list.contains(document.activeElement) ? document.activeElement.dataset.path : undefined;
-  list.replaceChildren(...project.files.map(item));
+  const inside = project.files.filter(isFolded);
+  const open = list.querySelector("details")?.open || isFolded({ path: had ?? current });
+  list.replaceChildren(...project.files.filter((file) => !isFolded(file)).map(item), ...(inside.length ? [folder(inside, open)] : []));
   if (!project.files.length) list.append(said("li", "no_files", "empty"));
   if (project.more) list.append(said("li", "more_files", "empty"));
-  const buttons = [...list.querySelectorAll("button")];
+  const buttons = walked();
   const first = buttons.find((one) => one.dataset.path === (had ?? current)) ?? buttons[0];
   if (first) first.tabIndex = 0;
   if (had !== undefined) first?.focus();
 }
+const isFolded = ({ path }) => path.startsWith(FOLDED);
+function folder(files, open) {
+  const row = made("li"), part = made("details"), list = made("ul");
+  list.setAttribute("role", "group");
+  list.append(...files.map(item));
+  part.append(made("summary", `${FOLDED} (${files.length})`), list);
+  part.open = open;
+  row.append(part);
+  return row;
+}
+/** Files that are seen, in their order. */
+const walked = () => [...find("files").querySelectorAll("button")].filter((one) => one.closest("details")?.open ?? true);
 function item(file) {
   const row = made("li"), button = made("button");
   row.setAttribute("role", "none");
@@ -46,7 +61,7 @@ function item(file) {
 }
 /** From file to file by arrow keys; Tab goes past all of them. */
 function walkFiles(event) {
-  const buttons = [...find("files").querySelectorAll("button")], at = buttons.indexOf(document.activeElement);
+  const buttons = walked(), at = buttons.indexOf(document.activeElement);
   const to = { ArrowDown: at + 1, ArrowUp: at - 1, Home: 0, End: buttons.length - 1 }[event.key];
   if (at < 0 || to === undefined || !buttons[to]) return;
   event.preventDefault();

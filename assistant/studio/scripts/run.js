@@ -5,13 +5,14 @@ import { ask, look } from "./server.js";
 import { doing, showOfDoing } from "./findings.js";
 import { on, state as window_ } from "./line.js";
 import { project, whenChosen, whenRead } from "./project.js";
-import { breakPoints, current, markLine, offset, onBreakPoints, openText } from "./editor.js";
+import { breakPoints, current, markLine, offset, onBreakPoints, onText, openText } from "./editor.js";
+import { sceneOf, showScene } from "./scene.js";
 import { saveAll } from "./editor_saving.js";
-import { beginRunTime, forgetMotion, goesToLine, pose, scrub, showMotion } from "./run_time.js";
+import { beginRunTime, forgetMotion, goesToLine, pose, ranBy, scrub, showMotion } from "./run_time.js";
 
 const RUNS = new Set(["program", "drawing", "table"]), MOST_ROWS = 500;
 const KEYS = { F8: "run-go", F7: "run-step", F10: "run-over", "Shift+F8": "run-end" };
-let run = { state: "" }, rows = [], reading = null, marked = null, motionOf = "";
+let run = { state: "" }, rows = [], reading = null, marked = null, motionOf = "", changed = false;
 
 const is = (...states) => states.includes(run.state);
 function shape() {
@@ -70,6 +71,8 @@ async function start(at_once) {
   const wanted = asked();
   if (!wanted.path) return;
   if (!await saveAll()) return;
+  changed = false;
+  if (sceneOf() !== wanted.path) showScene(wanted.path); // whose arm shows the run
   forgetMotion();
   rows = [];
   find("run-log").replaceChildren();
@@ -88,11 +91,12 @@ async function go(how) {
 // ------------------------------------------------------------------ how it stands
 function show(now) {
   run = now;
+  ranBy(run.program);
   const held = is("held"), going = is("running", "waits", "asks", "held"), writes = window_.writes;
   const can = { "run-start": writes, "run-go": writes && held, "run-pause": writes && is("running", "waits"), "run-end": writes && going };
   for (const id of ["run-step", "run-over", "run-out"]) can[id] = writes && (held || (!going && id === "run-step"));
   for (const [id, may] of Object.entries(can)) find(id).disabled = !may;
-  find("run-state").textContent = told();
+  find("run-state").textContent = [told(), changed && run.state ? word("text_changed") : ""].filter(Boolean).join(" · ");
   find("run-question").hidden = !is("asks");
   find("run-question").firstChild.textContent = run.question ?? "";
   signals();
@@ -237,6 +241,7 @@ export function beginRun() {
   whenChosen((file) => { if (RUNS.has(file.kind) && !is("running", "held", "waits", "asks")) { find("run-program").value = file.path; choicesOf(file.path); } });
   whenRead(() => { options(find("run-program"), runnable()); options(find("compare-with"), runnable()); if (find("run-program").value) choicesOf(find("run-program").value); });
   onBreakPoints((path) => { if (is("running", "held", "waits", "asks")) doing(() => ask("run/points", { path, lines: breakPoints(path) })); });
+  onText((path) => { if (!changed && run.state && (path === run.program || path === run.path)) { changed = true; show(run); } });
   on("run", show);
   on("window", async () => show(await look("run").catch(() => ({ state: "" }))));
   on("project", () => { forgetMotion(); show({ state: "" }); });

@@ -3,16 +3,18 @@ import { find, made, said, word } from "./words.js";
 import { ask, look } from "./server.js";
 import { doing, showOfDoing } from "./findings.js";
 import { saveAll } from "./editor_saving.js";
-import { sceneView } from "./scene.js";
+import { sceneOf, sceneView } from "./scene.js";
 import { indexAt, markTime, plot, showPlots } from "./plots.js";
 
 const FOLLOWS = 150; // ms between two lines that are shown
 const AXES = ["x", "y", "z"], TURNS = ["z", "y", "x"];
 let motion = { samples: 0, t: [] }, moves = [], times = [], playing = null, followed = 0, following = 0;
 
-/** The arm of the scene stands there, by the joints of its chain; null says nothing. */
+let program = ""; // that ran
+export const ranBy = (path) => { program = path ?? ""; };
+/** The arm of the scene stands there, by the joints of its chain; null says nothing. The scene of another program has an arm of its own. */
 export function pose(chain) {
-  if (chain) sceneView()?.stand?.(chain);
+  if (chain && sceneOf() === program) sceneView()?.stand?.(chain);
 }
 const column = (rows, i) => rows.map((row) => row[i]);
 

@@ -14,6 +14,8 @@ let waiting = 0, round = 0, asked = null, next = null, quiet = false;
 
 /** The scripts of the page that is shown, null for none; see `window.view` there. */
 export const sceneView = () => stage.view;
+/** The file that is shown, empty for none. */
+export const sceneOf = () => stage.path;
 
 /** Shows a file, as it stands in the editor; whether that could be done. */
 export async function showScene(path) {
@@ -23,10 +25,16 @@ export async function showScene(path) {
   tell("working", "busy");
   const answer = await doing(() => ask("scene/show", { path }));
   if (mine !== round) return false;
-  if (!answer) { tell("", ""); return false; }
+  if (!answer) { stale(path); return false; }
   if (answer.name !== stage.opened) await open(answer);
   tell("", "");
   return true;
+}
+/** The scene of the text as it was stays in sight, but nothing is dragged in it. */
+function stale(path) {
+  const old = stage.view && stage.path === path;
+  if (old) stage.view.movable = false;
+  tell(old ? word("text_changed") : "", old ? "doubtful" : "");
 }
 /** A new frame stands behind the old one until it draws, so that nothing flickers. */
 function open(answer) {
@@ -42,6 +50,8 @@ function open(answer) {
     const view = frame.contentWindow.view;
     for (const other of find("scene").querySelectorAll("iframe")) if (other !== frame) other.remove();
     Object.assign(stage, { name: answer.name, path: answer.path, edits: answer.edits, handles: answer.handles, frame, view: view ?? null, held: -1 });
+    find("scene-of").textContent = answer.path;
+    themed();
     form(-1);
     if (view) {
       view.movable = window_.writes;
@@ -51,6 +61,9 @@ function open(answer) {
     }
     resolve();
   }));
+}
+function themed() {
+  stage.view?.theme(document.documentElement.className);
 }
 /** The line of what was clicked: of a target what declares it, of the path the move. */
 async function picked({ handle, line }) {
@@ -86,7 +99,7 @@ function follows({ path, line }) {
 function form(i) {
   stage.held = i;
   const one = stage.handles[i], box = find("drag-form");
-  box.classList.toggle("idle", !one); // it keeps its room: the scene must not move under a finger
+  box.hidden = !one; // it lies over the scene, which must not move under a finger
   find("drag-state").textContent = one && window_.writes ? word("dragging") : "";
   find("drag-state").className = "";
   if (!one) return;
@@ -140,8 +153,9 @@ function typed() {
   if (place.every(Number.isFinite)) stage.view?.drag(place);
 }
 function dragForm() {
-  const box = made("form", undefined, "bar idle");
+  const box = made("form", undefined, "bar");
   box.id = "drag-form";
+  box.hidden = true;
   const name = made("strong");
   name.id = "drag-name";
   box.append(name);
@@ -171,7 +185,7 @@ function dragForm() {
   return box;
 }
 export function beginScene() {
-  find("scene").before(dragForm());
+  find("scene").append(dragForm());
   find("show-scene").addEventListener("click", () => {
     if (last) showScene(last);
   });
@@ -182,7 +196,8 @@ export function beginScene() {
     clearTimeout(waiting);
     waiting = setTimeout(() => showScene(stage.path), REST);
   });
+  find("theme").addEventListener("themed", themed);
   on("window", () => { if (stage.view) stage.view.movable = window_.writes; });
   on("disk", ({ files }) => { if (stage.path && !files.includes(stage.edits)) { clearTimeout(waiting); waiting = setTimeout(() => showScene(stage.path), REST); } });
-  on("project", () => { for (const one of find("scene").querySelectorAll("iframe")) one.remove(); Object.assign(stage, { name: "", path: "", edits: "", handles: [], frame: null, newest: null, opened: "", view: null }); form(-1); });
+  on("project", () => { for (const one of find("scene").querySelectorAll("iframe")) one.remove(); Object.assign(stage, { name: "", path: "", edits: "", handles: [], frame: null, newest: null, opened: "", view: null }); find("scene-of").textContent = ""; form(-1); });
 }

@@ -21,6 +21,7 @@ find("theme").addEventListener("click", () => {
   document.documentElement.classList.remove("dark", "light");
   document.documentElement.classList.add(dark ? "light" : "dark");
   localStorage.setItem("theme", dark ? "light" : "dark");
+  find("theme").dispatchEvent(new Event("themed"));
 });
 beginProject();
 beginDrawing();

@@ -60,7 +60,8 @@ function look() {
   aim(ball.center, far);
   grow(scene);
   const cells = 20, size = Math.pow(10, Math.ceil(Math.log10(ball.radius * 2)));
-  const grid = new THREE.GridHelper(size, cells, "#aab4bf", "#d3d9df");
+  const grid = new THREE.GridHelper(size, cells, "#c8c8c8", "#ffffff");
+  inked.push([grid.material, "borderTopColor"]);
   grid.rotation.x = Math.PI / 2;
   grid.position.z = Math.min(around.min.z, 0) - 0.5;
   scene.add(grid);

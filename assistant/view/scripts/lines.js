@@ -41,7 +41,7 @@ function colourBy(what) {
 
 const tips = new THREE.Group();
 for (const tip of data.tips) {
-  tips.add(line(new Float32Array([0, 0, 0, ...tip.slice(0, 3)]), "#1d2733"), framed(tip, 40));
+  tips.add(ink(new Float32Array([0, 0, 0, ...tip.slice(0, 3)])), framed(tip, 40));
 }
 if (!data.tips.length && mover >= 0) tips.add(cross(40));
 carriers[flange].add(tips);
@@ -86,7 +86,7 @@ const zones = balls(numbers(data.zones), { color: "#7a4fb5", transparent: true, 
 scene.add(zones);
 
 const drawn = new THREE.Group();
-for (const one of data.drawn) drawn.add(line(numbers(one.points), "#14202e"));
+for (const one of data.drawn) drawn.add(ink(numbers(one.points)));
 scene.add(drawn);
 
 const marks = new THREE.Group();

@@ -105,6 +105,6 @@ toggle(data.still ? "path: straight and arcs red, joint moves blue" : data.motio
 toggle(rest("targets", data.left.targets), null, (on) => { targets.visible = on; });
 toggle("names", null, () => {}, "with-names");
 if (data.zones && !data.still) toggle(rest("zones", data.left.zones), "#7a4fb5", (on) => { zones.visible = on; });
-if (data.drawn.length) toggle(rest("lines of the drawing", data.left.drawn), "#14202e", (on) => { drawn.visible = on; });
+if (data.drawn.length) toggle(rest("lines of the drawing", data.left.drawn), "var(--text)", (on) => { drawn.visible = on; });
 if (marks.children.length) toggle("places of findings", null, (on) => { marks.visible = on; });
 for (const body of bodies) toggle(body.name, body.colour, (on) => want(body, on));

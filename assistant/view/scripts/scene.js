@@ -2,12 +2,22 @@
 const stage = find("stage");
 const notice = (text) => { find("notice").textContent = text; find("notice").hidden = !text; };
 const scene = new THREE.Scene();
-scene.background = new THREE.Color("#eef1f4");
+scene.background = new THREE.Color();
 scene.add(new THREE.HemisphereLight("#ffffff", "#8a8f98", 2.2));
 const sun = new THREE.DirectionalLight("#ffffff", 1.6);
 sun.position.set(0.5, -1, 1.5);
 scene.add(sun);
 let dirty = true; // whether what is drawn has changed
+
+const inked = []; // materials that have a colour of the page, each with whose
+/** Ground and ink are those of the page, light or dark. */
+function themed() {
+  const colours = getComputedStyle(stage);
+  scene.background.set(colours.backgroundColor);
+  for (const [material, whose] of inked) material.color.set(colours[whose]);
+  dirty = true;
+}
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", themed);
 
 const carriers = frames(jointsAt(0)).map(() => {
   const group = new THREE.Group();
@@ -34,6 +44,11 @@ function line(points, colour) {
   const shape = new THREE.BufferGeometry();
   attribute(shape, "position", points);
   return new THREE.Line(shape, new THREE.LineBasicMaterial({ color: colour }));
+}
+function ink(points) {
+  const one = line(points, "#1d2733");
+  inked.push([one.material, "color"]);
+  return one;
 }
 /** Axes of frames as one object, however many there are: each object that is drawn takes its time. */
 function crosses(places, size) {

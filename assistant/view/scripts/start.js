@@ -37,6 +37,7 @@ colourBy("speed");
 setTime(0);
 scene.updateMatrixWorld(true);
 look();
+themed();
 if (renderer) beginPlan();
 if (renderer) beginPicking();
 if (renderer && data.plan) { fitted(); flat(true); } else flat(false);
@@ -47,6 +48,7 @@ requestAnimationFrame(tick);
 // What tests and other scripts on the page may ask.
 window.view = {
   setTime, play, seconds,
+  theme: (name) => { document.documentElement.className = name; themed(); }, // "light", "dark", or as the system has it
   aim: (place, far) => aim(new THREE.Vector3(...place), far),
   choose: (i) => findingButtons[i].click(),
   time: () => now,
@@ -65,7 +67,12 @@ window.view = {
   take, drag: (place) => drag(new THREE.Vector3(...place)), drop, leave,
   held: () => (held.handle ? { at: handles.indexOf(held.handle), place: held.handle.place.toArray() } : null),
   goLine, goTarget: (name) => goMove(moveTo(name)), lineAt,
-  stand: (joints) => { play(false); stand(joints); },
+  stand: (joints) => { // it stands at no time of this program
+    play(false);
+    document.body.classList.add("led");
+    find("clock").textContent = "–";
+    stand(joints);
+  },
   seen: (place) => {
     const at = new THREE.Vector3(...place).project(camera);
     return [((at.x + 1) / 2) * stage.clientWidth, ((1 - at.y) / 2) * stage.clientHeight];

@@ -3,6 +3,7 @@ let now = 0, playing = false, last = 0;
 
 function setTime(time) {
   now = Math.min(seconds, Math.max(0, time));
+  document.body.classList.remove("led");
   find("time").value = String(now);
   find("clock").textContent = `${now.toFixed(2)} of ${seconds.toFixed(2)} s`;
   ride(now);
