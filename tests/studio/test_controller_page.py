@@ -44,6 +44,13 @@ def _deployed_and_taken_back(page: Any, bench: Any) -> None:
     page.click("#verify")
     page.wait_for_selector("#drift.changed")
     assert "+555.00" in page.inner_text("#programs")
+    page.click("#plan")
+    page.wait_for_selector("#deploy:not(:disabled)")
+    page.click("#verify")
+    page.wait_for_selector("#drift.changed")
+    assert page.is_disabled("#deploy")  # its plan is not in sight
+    page.click("#roll-back")
+    page.wait_for_selector("#findings >> text=replace what was changed there")
     page.check("#programs input")
     page.click("#roll-back")
     page.wait_for_selector("#programs >> text=put back")

@@ -2,6 +2,9 @@
 import { find, made, shown, word } from "./words.js";
 import { Refused } from "./server.js";
 
+const CONTROLS = { "--replace": "replace_there" }; // options of commands that are something to tick here
+/** A cure by what the page has for it. */
+const byPage = (cure) => cure?.replace(/`(--[a-z-]+)[^`]*`/g, (said, option) => (option in CONTROLS ? `“${word(CONTROLS[option])}”` : said));
 let open = null; // goes to a finding: (finding) => void
 export const beginFindings = (goTo) => { open = goTo; };
 let ofFile = [], ofDoing = [];
@@ -48,7 +51,7 @@ function show() {
     seen.add(key);
     const item = made("li", undefined, finding.severity), button = made("button");
     const where = [finding.path, finding.line, finding.column].filter((part) => part !== undefined).join(":");
-    button.append(made("strong", `${finding.code} `), shown(finding.message), made("br"), made("small", [where, finding.cure].filter(Boolean).join(" · ")));
+    button.append(made("strong", `${finding.code} `), shown(finding.message), made("br"), made("small", [where, byPage(finding.cure)].filter(Boolean).join(" · ")));
     button.addEventListener("click", () => open?.(finding));
     item.append(button);
     for (const { title, use } of fixes) {
