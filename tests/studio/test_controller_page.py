@@ -82,6 +82,7 @@ def _moved(page: Any, cell: VirtualCr) -> None:
     page.keyboard.up(" ")
     page.wait_for_selector("#dead-man:not(.held)")
     page.select_option("#jog-by", "−")
+    page.fill("#jog-speed", "500")
     page.hover("#dead-man")
     page.mouse.down()
     page.wait_for_selector("#dead-man.held")
@@ -94,6 +95,15 @@ def _moved(page: Any, cell: VirtualCr) -> None:
     page.evaluate("dispatchEvent(new Event('blur'))")  # another window in front
     page.wait_for_selector("#dead-man:not(.held)")
     page.mouse.up()
+    assert float(page.input_value("#jog-speed")) <= 10
+    page.route("**/control/stop", lambda route: route.fulfill(status=500, body=""))
+    page.click("#tab-run")
+    page.click("#stop-all")
+    page.wait_for_selector("#controller-state:visible >> text=not known")
+    page.unroute("**/control/stop")
+    page.wrong = [said for said in page.wrong if "500" not in said]
+    page.click("#stop-all")
+    page.wait_for_selector("#controller-state >> text=stands")
 
 
 def _wait(page: Any, so: Any) -> None:

@@ -126,6 +126,9 @@ export function beginControl() {
   shape();
   beginHold();
   find("jog-axis").addEventListener("change", showLimits);
+  find("jog-speed").addEventListener("change", ({ target }) => { // what is shown is what it moves at
+    target.value = Math.min(mine?.fastest ?? 1, Math.max(1, Number(target.value) || 1));
+  });
   on("tick", (message) => { tick = message.tick; beat(); });
   on("control", (message) => {
     if (message.findings?.length) showOfDoing(message.findings);

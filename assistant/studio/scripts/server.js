@@ -11,7 +11,7 @@ export class Refused extends Error {
   }
 }
 async function answered(asked) {
-  const response = await asked.catch(() => { throw new Refused([{ severity: "error", code: "", message: word("lost") }]); });
+  const response = await asked.catch(() => { throw new Refused([{ severity: "error", code: "", message: word("not_answered") }]); });
   const answer = await response.json().catch(() => ({ findings: [] }));
   if (!response.ok) throw new Refused(answer.findings ?? []);
   return answer;
