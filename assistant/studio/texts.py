@@ -25,6 +25,8 @@ ENCODINGS: Final = ("utf-8-sig", "utf-8")
 """Of texts that are in no language of a controller."""
 LONGEST: Final = 8_000_000
 """Bytes of a text that is opened."""
+SAVING: Final = threading.Lock()
+"""Held from when a file is looked at until it is written."""
 GONE: Final = ""
 """Stamp of a file that is not there."""
 
@@ -66,6 +68,10 @@ class Desk:
         known: stamp of the file that it stands for. Raises Refused, and writes nothing, where the
         file is another one by now.
         """
+        with SAVING:
+            return self._saved(path, name, text, known)
+
+    def _saved(self, path: FilePath, name: str, text: str, known: str) -> str:
         now = stamp_of(path)
         if now != known:
             rule = rules.GONE if now == GONE else rules.CHANGED

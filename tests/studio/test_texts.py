@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -138,6 +139,14 @@ def test_a_file_that_changed_on_the_disk_is_not_written_over(typing: Typing, fol
     gone = typing.save(PROGRAM)
     assert gone.value["findings"][0]["code"] == "ST026"
     assert not file.exists()
+
+
+def test_of_texts_that_are_saved_at_once_one_is_written(typing: Typing, folder: Path) -> None:
+    texts = [f"{PROGRAM}# {number}\n" for number in range(6)]
+    with ThreadPoolExecutor(len(texts)) as every:
+        done = [answer.status for answer in every.map(typing.save, texts)]
+    assert sorted(done) == [200, *[422] * 5]
+    assert (folder / "part.pseudo").read_text() == texts[done.index(200)]
 
 
 def test_a_folder_that_is_not_there_leaves_the_texts_as_they_are(
