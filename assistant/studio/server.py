@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import secrets
 import socket
 import threading
@@ -53,10 +54,11 @@ def serving(folder: FilePath, host: str | None = None, port: int = 0) -> Iterato
     uvicorn, applied, guarded = _libraries()
     from assistant.studio.studio import Studio
 
-    studio = Studio(folder)
-    studio.go_to(folder)
-    listening = _listening(host or HERE, port)
-    with contextlib.closing(listening):
+    with contextlib.ExitStack() as left:
+        left.callback(os.chdir, FilePath.cwd())  # out of the folder again, whichever it is then
+        studio = Studio(folder)
+        studio.go_to(folder)
+        listening = left.enter_context(contextlib.closing(_listening(host or HERE, port)))
         number = listening.getsockname()[1]
         scheme = "http" if host is None else "https"
         names = [f"{_bracketed(one)}:{number}" for one in (NAMES if host is None else (host,))]

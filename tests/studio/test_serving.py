@@ -57,6 +57,8 @@ def test_what_is_asked_wrongly_is_told(page: Page) -> None:
 def test_a_place_that_is_not_ours_is_not_served(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    before = Path.cwd()
     status, _, told = run(capsys, "studio", tmp_path, "--no-open", "--host", "203.0.113.7")
+    assert Path.cwd() == before
     assert status == 2
     assert "ST002" in told
