@@ -15,7 +15,7 @@ const SORTS = { target: "constant", instruction: "function", procedure: "functio
 
 export class Service {
   version = 0;
-  #open; #text; #pending = null; #before = null; #sending = null; #soon = 0; #rest = 0; #findings = []; #fixes = []; #outline = []; #translated = []; #apart = false;
+  #open; #text; #pending = null; #before = null; #sending = null; #soon = 0; #rest = 0; #findings = []; #fixes = []; #outline = []; #translated = []; #apart = false; #seeing = false; #unseen = false;
 
   constructor(text, open) { this.#text = text; this.#open = open; }
   get state() { return this.#open.stateOf(); }
@@ -74,11 +74,17 @@ export class Service {
   #colour(rows) {
     if (this.#open.isHere()) dispatch(this.#text, { effects: coloured(this.state.doc, rows) });
   }
-  /** The lines that are seen have changed. */
+  /** The lines that are seen have changed; while they are asked about, only the newest wait. */
   async seen() {
-    if (!this.#open.isHere()) return;
-    const answer = await this.#quietly("words", this.#lines());
-    if (answer) this.#colour(answer.words);
+    this.#unseen = true;
+    if (this.#seeing) return;
+    this.#seeing = true;
+    while (this.#unseen && this.#open.isHere()) {
+      this.#unseen = false;
+      const answer = await this.#quietly("words", this.#lines());
+      if (answer) this.#colour(answer.words);
+    }
+    this.#seeing = false;
   }
   shown() {
     this.seen();
