@@ -96,9 +96,13 @@ def teach(studio: Studio, asked: Asked) -> dict[str, Any]:
     """Stores where the arm is under a name, as the command of that name does."""
     from assistant.compiler.teaching import Wanted
     from assistant.compiler.teaching import teach as stored
+    from assistant.program.text import is_file
+    from assistant.studio.dropping import check_name
 
     control_of(studio, asked)
     found, file = connection_of(studio), studio.place(asked.text("file"))
+    if not is_file(file):
+        check_name(file.name)
     wanted = Wanted(joints=asked.truth("joints"), again=asked.truth("replace"))
     position = found.do(lambda one: one.position())
     reading = stored(file, asked.text("name"), position, found.robot, wanted)

@@ -137,11 +137,16 @@ def _table(project: Project) -> tuple[str, ...]:
     return () if project.file.name == PROJECT else ("tool", "robot-assistant")
 
 
-def _kind(name: str) -> str:
-    """drawing, program or table; raises Refused for a bad name, and for what is none of them."""
+def check_name(name: str) -> None:
+    """Raises Refused for what cannot be the name of a new file here."""
     plain = NAME.fullmatch(name) and not DEVICE.fullmatch(name)
     if not plain or name.endswith((" ", ".")) or ".." in name:
         raise Refused(rules.NO_PLAIN_NAME(name=name), exit_status=2)
+
+
+def _kind(name: str) -> str:
+    """drawing, program or table; raises Refused for a bad name, and for what is none of them."""
+    check_name(name)
     suffix = PurePosixPath(name).suffix.lower()
     if suffix in DRAWINGS:
         return "drawing"

@@ -287,6 +287,7 @@ def test_a_place_is_taught(maker: str, folder: Path, tmp_path: Path, page: Page)
         assert page.post("control/teach", **asked).status == 422
         done(page.post("control/teach", **asked, replace=True))
         assert codes(page.post("control/teach", name="p2", file="../out.toml")) == ["ST023"]
+        assert codes(page.post("control/teach", name="p2", file="CON.toml")) == ["ST020"]
 
 
 def test_an_arm_that_cannot_be_jogged_says_so(folder: Path, tmp_path: Path, address: str) -> None:

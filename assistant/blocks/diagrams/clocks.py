@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from typing import Final, Protocol
 
@@ -33,9 +34,12 @@ class RealTime:
     """Time passes as it does. A step that comes late is made at once, and none is left out.
 
     pace: seconds of the run in each real one: that of a virtual controller which the run leads.
+    Raises ValueError for one that is none.
     """
 
     def __init__(self, pace: float = 1.0) -> None:
+        if not 0.0 < pace < math.inf:
+            raise ValueError(f"a pace is a number of seconds above 0, not {pace!r}")
         self.pace, self._began = pace, 0.0
 
     def begin(self) -> None:

@@ -215,3 +215,9 @@ def test_real_time_waits_for_each_step_and_tells_how_late_it_was() -> None:
 def test_a_run_ends_when_who_watches_says_so() -> None:
     diagram, _ = counting()
     assert len(run(diagram, 1.0, 0.1, watch=lambda now: now < 0.35).seconds) == 4
+
+
+@pytest.mark.parametrize("pace", [0.0, -1.0, np.nan, np.inf])
+def test_time_goes_on(pace: float) -> None:
+    with pytest.raises(ValueError, match="pace"):
+        RealTime(pace)
