@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 NO_FMU: Final = error(
     "CL560", "`{name}` is no name of an FMU", "end it in .fmu, as tools that import one expect"
 )
+OF_ANOTHER: Final = error(
+    "CL561", "{option} is for FMUs of kind {of}, and this one is of kind {kind}", "leave it out"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +70,7 @@ def run_fmu(wanted: Wanted, format: Format) -> int:
     output = wanted.output or Path("out") / f"{Path(wanted.source).stem}.fmu"
     if output.suffix.lower() != ".fmu" or output.is_dir():
         raise Refused(NO_FMU(name=str(output)), exit_status=2)
+    _check_options(wanted, kind)
     with working(f"writing {output}"):
         if kind != "program":
             model, findings = _arm(wanted, kind)
@@ -92,6 +96,18 @@ def run_fmu(wanted: Wanted, format: Format) -> int:
     say(f"{model.title}: {_told(model)}")
     say(f"wrote {written}")
     return 0
+
+
+def _check_options(wanted: Wanted, kind: str) -> None:
+    """Raises Refused for options that would do nothing."""
+    given = (
+        ("--lag", "arm", wanted.lag > 0.0),
+        ("--cycle", "live", wanted.cycle is not None),
+        ("--period", "program", wanted.options.period is not None),
+    )
+    for option, of, said in given:
+        if said and of != kind:
+            raise Refused(OF_ANOTHER(option=option, of=of, kind=kind), exit_status=2)
 
 
 def _kind(wanted: Wanted) -> str:

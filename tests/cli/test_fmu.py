@@ -97,3 +97,10 @@ def test_a_live_arm_of_another_maker_is_refused(capsys: Capture, tmp_path: Path)
     words = ("--kind", "live", "-o", str(tmp_path / "live.fmu"))
     status, _, err = run(capsys, "fmu", "irb1200-7-0.7", *words)
     assert status == 1 and "BL406" in err
+
+
+@pytest.mark.parametrize("option", [("--cycle", "0.01"), ("--period", "0.01")])
+def test_an_option_of_another_kind_is_refused(capsys: Capture, tmp_path: Path, option) -> None:
+    output = tmp_path / "arm.fmu"
+    status, _, said = run(capsys, "fmu", "rv-2aj", "-o", output, *option)
+    assert (status, "CL561" in said, output.exists()) == (2, True, False)
