@@ -290,6 +290,7 @@ class _Loop:
         if self.carrier.waits:  # the arm stood before, and stands now
             self.velocity = np.zeros_like(self.velocity)
             self.before = self.after = self.clock()
+            self.past.add(self.after, self.carrier.joints())
         if not self.guard.barred:
             return False
         speed = float(np.abs(self.velocity).max())
