@@ -85,6 +85,28 @@ def test_pictures_that_come_late_are_of_where_the_arm_was_then(make, tell):
         tell(told(f"{scene.robot.name}, {name}, pictures 0.4 s late", [row]))
 
 
+class Stepping(Ideal):
+    """It is where it was told to be when a step ends, and stands there until the next one."""
+
+    waits = True
+
+    def move(self, to, seconds):
+        super().move(to, seconds)
+        self._clock.wait(seconds)
+
+
+def test_an_arm_that_waits_stood_still_when_a_picture_was_taken():
+    """Pictures take their time, in which it does not move: few steps bring it to its goal."""
+    scene, rng = five_axes(), np.random.default_rng(7)
+    begin, clock = scene.start("image in hand", rng), Ticks()
+    arm = Stepping(begin, scene.guard.speeds, period=0.2, clock=clock)
+    eyes = scene.eyes("image in hand", arm.joints, clock=clock, delay=lambda _: 1.0)
+    settings = Settings(gain=10.0, share=0.95, stale=1.5, timeout=100.0)
+    servo(eyes, scene.law("image in hand"), arm, scene.guard, settings, clock=clock)
+    assert scene.off(arm.joints())[0] < 1.5
+    assert len(arm.rows) < 12
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", LAWS)
 @pytest.mark.parametrize("make", [five_axes, six_axes])
