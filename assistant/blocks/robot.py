@@ -17,19 +17,16 @@ for these: q joints, T a pose, go start, b busy, n how many moves are done.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, ClassVar, Final
+from typing import Any, Final
 
 import numpy as np
 from bdsim.block import FunctionBlock, SampledBlock
-from bdsim.components import Clock
 from spatialmath import SE3
 
-from assistant.blocks.connections import Connection, Operator
-from assistant.blocks.library import arms, kinematics, moving, sources
-from assistant.blocks.library.adapted import Direct, Stepped
+from assistant.blocks.library import arms, kinematics, leading, moving, sources
+from assistant.blocks.library.adapted import Direct, OfKind, Stepped
 from assistant.program import rotations
-from assistant.program.geometry import IDENTITY, Pose
-from assistant.robots.robot import Robot
+from assistant.program.geometry import Pose
 
 METRE: Final = 1000.0
 
@@ -37,24 +34,13 @@ METRE: Final = 1000.0
 # ------------------------------------------------------------------- controller operation
 
 
-class _Move(Stepped):
+class _Move(OfKind, Stepped):
     """Busy until the arm stands where it was told to go."""
 
     nin = 2
     nout = 3
     inlabels: tuple[str, ...] = ("q", "go")
     outlabels = ("b", "n", "q")
-    kind: ClassVar[type[moving.Move]]
-
-    def __init__(
-        self,
-        clock: Clock,
-        connection: Connection[Operator],
-        robot: Robot,
-        name: str,
-        **blockargs: Any,
-    ) -> None:
-        super().__init__(self.kind(name, connection, robot), clock, **blockargs)
 
 
 class JointMovJoint(_Move, SampledBlock):
@@ -134,10 +120,80 @@ class CircularMov(_Move, SampledBlock):
     inlabels = ("T", "T", "go")
 
 
+# ---------------------------------------------------------------- measuring, and led steps
+
+
+class Status(OfKind, Stepped, SampledBlock):
+    """Where the arm is by data link, all the time; it moves nothing.
+
+    It gives the pose of the tool, the joints, the joints that are asked for, the speed of the tool
+    in mm/s, the seconds of the controller's clock, and how many records a second come.
+
+    :param clock: at whose ticks it steps
+    :type clock: Clock
+    :param connection: given by `measured` or `led`
+    :type connection: Connection
+    :param robot: the arm
+    :type robot: Robot
+    """
+
+    kind = leading.Status
+    nin = 0
+    nout = 6
+    outlabels = ("T", "q", "q*", "v", "t", "n/s")
+
+
+class RelJoint(OfKind, Stepped, SampledBlock):
+    """On by a step of the joints, at any time: it waits for nothing, and the arm does not stop.
+
+    While `go` is above 0.5 each tick is a step from where the arm was told to be last. It gives
+    these joints, and how many steps were told.
+
+    :param clock: at whose ticks it steps
+    :type clock: Clock
+    :param connection: given by `led`
+    :type connection: Connection
+    :param robot: the arm that moves
+    :type robot: Robot
+    :param most: degrees or mm that an axis may go in a step
+    :type most: float
+    """
+
+    kind = leading.RelJoint
+    nin = 2
+    nout = 2
+    inlabels = ("dq", "go")
+    outlabels = ("q*", "n")
+
+
+class RelCart(OfKind, Stepped, SampledBlock):
+    """On by a step of the tool (mm, and a turn in degrees about x, y, z); as `RelJoint` else.
+
+    :param clock: at whose ticks it steps
+    :type clock: Clock
+    :param connection: given by `led`
+    :type connection: Connection
+    :param robot: the arm that moves
+    :type robot: Robot
+    :param tool: on the flange
+    :type tool: Pose
+    :param in_tool: whether steps are told in the frame of the tool, and else in the base
+    :type in_tool: bool
+    :param most: mm and degrees of a step
+    :type most: tuple
+    """
+
+    kind = leading.RelCart
+    nin = 2
+    nout = 2
+    inlabels = ("dT", "go")
+    outlabels = ("q*", "n")
+
+
 # -------------------------------------------------------------------- kinematics and arms
 
 
-class ArmFK(Direct, FunctionBlock):
+class ArmFK(OfKind, Direct, FunctionBlock):
     """joints → pose of the tool.
 
     :param robot: an arm
@@ -146,16 +202,13 @@ class ArmFK(Direct, FunctionBlock):
     :type tool: Pose
     """
 
+    kind = kinematics.ForwardKinematics
+    called = "fk"
     nin = 1
     nout = 1
 
-    def __init__(
-        self, robot: Robot, tool: Pose | None = None, name: str = "fk", **blockargs: Any
-    ) -> None:
-        super().__init__(kinematics.ForwardKinematics(name, robot, tool or IDENTITY), **blockargs)
 
-
-class ArmIK(Direct, FunctionBlock):
+class ArmIK(OfKind, Direct, FunctionBlock):
     """pose, branch → joints, whether there are any, all branches, which are valid.
 
     :param robot: an arm
@@ -164,18 +217,15 @@ class ArmIK(Direct, FunctionBlock):
     :type tool: Pose
     """
 
+    kind = kinematics.InverseKinematics
+    called = "ik"
     nin = 2
     nout = 4
     inlabels = ("T", "k")
     outlabels = ("q", "ok", "Q", "OK")
 
-    def __init__(
-        self, robot: Robot, tool: Pose | None = None, name: str = "ik", **blockargs: Any
-    ) -> None:
-        super().__init__(kinematics.InverseKinematics(name, robot, tool or IDENTITY), **blockargs)
 
-
-class ArmJacobian(Direct, FunctionBlock):
+class ArmJacobian(OfKind, Direct, FunctionBlock):
     """joints → Jacobian, row by row.
 
     :param robot: an arm
@@ -184,16 +234,13 @@ class ArmJacobian(Direct, FunctionBlock):
     :type tool: Pose
     """
 
+    kind = kinematics.Jacobian
+    called = "jacobian"
     nin = 1
     nout = 1
 
-    def __init__(
-        self, robot: Robot, tool: Pose | None = None, name: str = "jacobian", **blockargs: Any
-    ) -> None:
-        super().__init__(kinematics.Jacobian(name, robot, tool or IDENTITY), **blockargs)
 
-
-class SimArm(Stepped, SampledBlock):
+class SimArm(OfKind, Stepped, SampledBlock):
     """joints that are wanted → joints, pose, whether a limit holds: a simulated arm.
 
     :param clock: at whose ticks it steps
@@ -212,33 +259,18 @@ class SimArm(Stepped, SampledBlock):
     :type rests: bool
     """
 
+    kind = arms.SimulatedArm
+    called = "arm"
     nin = 1
     nout = 3
     inlabels = ("q",)
     outlabels = ("q", "T", "!")
 
-    def __init__(
-        self,
-        clock: Clock,
-        robot: Robot,
-        *,
-        name: str = "arm",
-        tool: Pose | None = None,
-        start: Any = None,
-        lag: float = 0.0,
-        percent: float = 100.0,
-        rests: bool = False,
-        **blockargs: Any,
-    ) -> None:
-        how = {"start": start, "lag": lag, "percent": percent, "rests": rests}
-        inner = arms.SimulatedArm(name, robot, tool=tool or IDENTITY, **how)
-        super().__init__(inner, clock, **blockargs)
-
 
 # --------------------------------------------------------------------------------- sources
 
 
-class MotionTable(Direct, FunctionBlock):
+class MotionTable(OfKind, Direct, FunctionBlock):
     """Rows at times, in lines between them → their values, whether it is over.
 
     :param seconds: times that rise
@@ -247,12 +279,11 @@ class MotionTable(Direct, FunctionBlock):
     :type rows: array_like
     """
 
+    kind = sources.Table
+    called = "table"
     nin = 0
     nout = 2
     outlabels = ("y", "end")
-
-    def __init__(self, seconds: Any, rows: Any, name: str = "table", **blockargs: Any) -> None:
-        super().__init__(sources.Table(name, seconds, rows), **blockargs)
 
 
 class PoseLine(Direct, FunctionBlock):

@@ -11,31 +11,13 @@ arm or a gripper runs as those of `assistant.blocks.robot`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from pathlib import Path as FilePath
-from typing import Any
-
 from bdsim.block import FunctionBlock, SampledBlock
-from bdsim.components import Clock
 
-from assistant.blocks.asking import Asked
-from assistant.blocks.connections import Connection
 from assistant.blocks.library import clearance, external_control, pose_exchange, seeing, signals
-from assistant.blocks.library.adapted import Direct, Stepped
-from assistant.cell.scene import Scene
-from assistant.controllers.abb.exchange import PoseExchange
-from assistant.controllers.controller import Controller
-from assistant.robots.robot import Robot
-from assistant.vision.cameras.camera import Camera
-from assistant.vision.cameras.camera_file import Rig
-from assistant.vision.pointing.devices import Device
-from assistant.vision.pointing.moments import RATE
-from assistant.vision.servoing.things import Thing
-
-Cell = Connection[Asked[Controller]]
+from assistant.blocks.library.adapted import Direct, OfKind, Stepped
 
 
-class ExternalControl(Stepped, SampledBlock):
+class ExternalControl(OfKind, Stepped, SampledBlock):
     """wanted joints, enable → joints, commanded joints, limited, cycles, late, worst, jitter.
 
     :param clock: at whose ticks it steps
@@ -48,26 +30,15 @@ class ExternalControl(Stepped, SampledBlock):
     :type approach: float
     """
 
+    kind = external_control.ExternalControl
+    called = "external"
     nin = 2
     nout = 7
     inlabels = ("q", "go")
     outlabels = ("q", "cmd", "!", "n", "n+", "max", "jit")
 
-    def __init__(
-        self,
-        clock: Clock,
-        connection: Connection[external_control.Led],
-        robot: Robot,
-        *,
-        name: str = "external",
-        approach: float = external_control.APPROACH,
-        **blockargs: Any,
-    ) -> None:
-        inner = external_control.ExternalControl(name, connection, robot, approach=approach)
-        super().__init__(inner, clock, **blockargs)
 
-
-class ExchangedPose(Stepped, SampledBlock):
+class ExchangedPose(OfKind, Stepped, SampledBlock):
     """pose, start → busy, poses reached, pose where it stands, seconds of the last motion.
 
     :param clock: at whose ticks it steps
@@ -76,22 +47,15 @@ class ExchangedPose(Stepped, SampledBlock):
     :type connection: Connection
     """
 
+    kind = pose_exchange.ExchangedPose
+    called = "exchange"
     nin = 2
     nout = 4
     inlabels = ("T", "go")
     outlabels = ("b", "n", "T", "s")
 
-    def __init__(
-        self,
-        clock: Clock,
-        connection: Connection[Asked[PoseExchange]],
-        name: str = "exchange",
-        **blockargs: Any,
-    ) -> None:
-        super().__init__(pose_exchange.ExchangedPose(name, connection), clock, **blockargs)
 
-
-class InputSignals(Stepped, SampledBlock):
+class InputSignals(OfKind, Stepped, SampledBlock):
     """Inputs of a controller → values, age in seconds.
 
     :param clock: at whose ticks it steps
@@ -102,22 +66,14 @@ class InputSignals(Stepped, SampledBlock):
     :type names: list
     """
 
+    kind = signals.Signals
+    called = "inputs"
     nin = 0
     nout = 2
     outlabels = ("y", "s")
 
-    def __init__(
-        self,
-        clock: Clock,
-        connection: Cell,
-        names: Sequence[str],
-        name: str = "inputs",
-        **blockargs: Any,
-    ) -> None:
-        super().__init__(signals.Signals(name, connection, names), clock, **blockargs)
 
-
-class OutputSignal(Stepped, SampledBlock):
+class OutputSignal(OfKind, Stepped, SampledBlock):
     """value → what the output was set to.
 
     :param clock: at whose ticks it steps
@@ -128,18 +84,15 @@ class OutputSignal(Stepped, SampledBlock):
     :type output: str
     """
 
+    kind = signals.Output
+    called = "output"
     nin = 1
     nout = 1
     inlabels = ("y",)
     outlabels = ("y",)
 
-    def __init__(
-        self, clock: Clock, connection: Cell, output: str, name: str = "output", **blockargs: Any
-    ) -> None:
-        super().__init__(signals.Output(name, connection, output), clock, **blockargs)
 
-
-class Gripper(Stepped, SampledBlock):
+class Gripper(OfKind, Stepped, SampledBlock):
     """close → state, confirmed, busy.
 
     :param clock: at whose ticks it steps
@@ -156,28 +109,15 @@ class Gripper(Stepped, SampledBlock):
     :type within: float
     """
 
+    kind = signals.Gripper
+    called = "gripper"
     nin = 1
     nout = 3
     inlabels = ("cl",)
     outlabels = ("y", "ok", "b")
 
-    def __init__(
-        self,
-        clock: Clock,
-        connection: Cell,
-        by: signals.Actuated,
-        *,
-        name: str = "gripper",
-        opened: str | None = None,
-        closed: str | None = None,
-        within: float = signals.WITHIN,
-        **blockargs: Any,
-    ) -> None:
-        inner = signals.Gripper(name, connection, by, opened=opened, closed=closed, within=within)
-        super().__init__(inner, clock, **blockargs)
 
-
-class ProjectedMarker(Direct, FunctionBlock):
+class ProjectedMarker(OfKind, Direct, FunctionBlock):
     """pose of a thing (and of the camera's carrier) → pixels of its points, seen.
 
     :param camera: that sees it
@@ -190,25 +130,14 @@ class ProjectedMarker(Direct, FunctionBlock):
     :type seed: int
     """
 
+    kind = seeing.ProjectedMarker
+    called = "camera"
     nin = 1
     nout = 2
     outlabels = ("px", "ok")
 
-    def __init__(
-        self,
-        camera: Camera,
-        thing: Thing,
-        *,
-        name: str = "camera",
-        noise: float = 0.0,
-        seed: int = seeing.SEED,
-        **blockargs: Any,
-    ) -> None:
-        inner = seeing.ProjectedMarker(name, camera, thing, noise=noise, seed=seed)
-        super().__init__(inner, **blockargs)
 
-
-class SeenMarker(Stepped, SampledBlock):
+class SeenMarker(OfKind, Stepped, SampledBlock):
     """Pictures of a camera → pixels of the points of a thing, seen, number of the picture.
 
     :param clock: at whose ticks it steps
@@ -223,27 +152,14 @@ class SeenMarker(Stepped, SampledBlock):
     :type rate: float
     """
 
+    kind = seeing.SeenMarker
+    called = "camera"
     nin = 0
     nout = 3
     outlabels = ("px", "ok", "n")
 
-    def __init__(
-        self,
-        clock: Clock,
-        camera: Camera,
-        thing: Thing,
-        source: str,
-        *,
-        name: str = "camera",
-        folder: FilePath = FilePath(),
-        rate: float = RATE,
-        **blockargs: Any,
-    ) -> None:
-        inner = seeing.SeenMarker(name, camera, thing, source, folder=folder, rate=rate)
-        super().__init__(inner, clock, **blockargs)
 
-
-class PointingDevice(Stepped, SampledBlock):
+class PointingDevice(OfKind, Stepped, SampledBlock):
     """Cameras → pose that a device shows, confidence, seen.
 
     :param clock: at whose ticks it steps
@@ -256,24 +172,14 @@ class PointingDevice(Stepped, SampledBlock):
     :type rate: float
     """
 
+    kind = seeing.PointingDevice
+    called = "device"
     nin = 0
     nout = 3
     outlabels = ("T", "p", "ok")
 
-    def __init__(
-        self,
-        clock: Clock,
-        rig: Rig,
-        device: Device,
-        *,
-        name: str = "device",
-        rate: float = RATE,
-        **blockargs: Any,
-    ) -> None:
-        super().__init__(seeing.PointingDevice(name, rig, device, rate=rate), clock, **blockargs)
 
-
-class CollisionDistance(Direct, FunctionBlock):
+class CollisionDistance(OfKind, Direct, FunctionBlock):
     """joints of robots → the least distance of any two bodies of a cell in mm.
 
     :param cell: a scene, or its file
@@ -282,15 +188,8 @@ class CollisionDistance(Direct, FunctionBlock):
     :type robots: list
     """
 
+    kind = clearance.CollisionDistance
+    called = "distance"
     nin = 1
     nout = 1
     outlabels = ("mm",)
-
-    def __init__(
-        self,
-        cell: Scene | str | FilePath,
-        robots: Sequence[str] | None = None,
-        name: str = "distance",
-        **blockargs: Any,
-    ) -> None:
-        super().__init__(clearance.CollisionDistance(name, cell, robots), **blockargs)

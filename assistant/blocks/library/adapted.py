@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextvars import ContextVar
-from typing import TYPE_CHECKING, Any, Final
+from inspect import Parameter, Signature, signature
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 
@@ -107,6 +108,44 @@ class Stepped(Adapted):
         if self._open:  # also if its begin failed half way
             self._begun = self._open = False
             self._inner.end()
+
+
+class OfKind:
+    """For a class of bdsim that stands for one kind of block of ours, and takes what that takes.
+
+    bdsim finds it by reading the file, without running it: its docstring and ports stand there.
+    kind: the kind. called: the name of one that is given none, "" where one has to be given. By
+    place come the clock of a block that steps, what the kind takes so, and the name; None stands
+    for what is left out, as in the forms of bdsim's editor. What else is told is bdsim's.
+    """
+
+    kind: ClassVar[type[Block]]
+    called: ClassVar[str] = ""
+    __signature__: ClassVar[Signature]
+
+    def __init_subclass__(cls, **more: Any) -> None:
+        super().__init_subclass__(**more)
+        if hasattr(cls, "kind"):
+            cls.__signature__ = _taken(cls.kind, cls.called, steps=issubclass(cls, Stepped))
+
+    def __init__(self, *given: Any, **told: Any) -> None:
+        bound = self.__signature__.bind(*given, **told)
+        bound.apply_defaults()
+        more = bound.arguments.pop("blockargs")
+        own = {key: value for key, value in bound.arguments.items() if value is not None}
+        clock = {"clock": own.pop("clock")} if "clock" in own else {}
+        super().__init__(self.kind(**own), **clock, **more)  # type: ignore[call-arg]
+
+
+def _taken(kind: type[Block], called: str, *, steps: bool) -> Signature:
+    """What a class of bdsim takes for a kind of block; its clock tells the period."""
+    place = Parameter.POSITIONAL_OR_KEYWORD
+    own = [p for p in signature(kind).parameters.values() if p.name not in ("name", "period")]
+    clock = [Parameter("clock", place)] if steps else []
+    name = Parameter("name", place, default=called or Parameter.empty)
+    by_place = [*clock, *(one for one in own if one.kind is place), name]
+    by_name = (one for one in own if one.kind is not place)
+    return Signature([*by_place, *by_name, Parameter("blockargs", Parameter.VAR_KEYWORD)])
 
 
 def add(diagram: BlockDiagram, block: Block, clock: Clock | None = None) -> Any:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from importlib import import_module
+from inspect import signature
 from pathlib import Path
 
 import numpy as np
@@ -160,6 +162,8 @@ def test_its_editor_finds_an_icon_of_each_block_and_its_ports(sim) -> None:
             named = getattr(block, labels, None)
             assert named is None or len(named) == found[ports]
             assert all(len(label) <= 3 for label in named or ())  # more is drawn over the icon
+        taken = signature(getattr(import_module(found["module"]), found["classname"])).parameters
+        assert set(found["params"]) <= set(taken)
 
 
 def test_a_diagram_of_its_editor_is_loaded_with_our_blocks(sim, tmp_path) -> None:
