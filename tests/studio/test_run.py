@@ -249,8 +249,11 @@ def test_in_a_browser(browser: Any, address: str, folder: Path) -> None:
         assert "n" in page.inner_text("#run-data")
         page.click("#run-over")
         page.wait_for_selector(".arm-here:has-text('Turn;')")
+        end = "Number(document.getElementById('run-time').max)"
+        held = page.evaluate(end)
         page.click("#run-go:not(:disabled)")
         until(page, "document.getElementById('run-state').textContent.startsWith('ended')")
+        until(page, f"{end} > {held}")  # the motion to its end has come
         page.wait_for_selector("#plot-joints path.curve-5")
         frame = "document.querySelector('#scene iframe')?.contentDocument"
         until(page, f"{frame}?.querySelector('body.led #clock')?.textContent === '–'")

@@ -1,5 +1,5 @@
 // Control of the arm: taken by its name, moved by a key that is held, given up by all that goes wrong.
-import { find, made, said, word } from "./words.js";
+import { find, said, word } from "./words.js";
 import { ask } from "./server.js";
 import { doing, showOfDoing } from "./findings.js";
 import { on, say, state as window_ } from "./line.js";

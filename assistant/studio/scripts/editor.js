@@ -5,7 +5,7 @@ import { Refused, ask } from "./server.js";
 import { showOfDoing, showOfFile } from "./findings.js";
 import { on, state as window_ } from "./line.js";
 import { choose } from "./tabs.js";
-import { markFile, project, whenChosen } from "./project.js";
+import { fileOf, markFile, project, whenChosen } from "./project.js";
 import { bar, keep } from "./editor_bar.js";
 import { begun, reads } from "./editor_view.js";
 import { arm, pointLines, setPoint, togglePoint } from "./editor_marks.js";
@@ -27,8 +27,6 @@ export const onLine = (does) => lines.push(does);
 export const onText = (does) => typed.push(does);
 /** Calls with a path when its break points change. */
 export const onBreakPoints = (does) => pointed.push(does);
-/** The text of an open file as it stands here, undefined if it is not open. */
-export const textOf = (path) => texts.has(path) ? stateOf(texts.get(path)).doc.toString() : undefined;
 /** Lines with break points, from 1. */
 export const breakPoints = (path) => texts.has(path) ? pointLines(stateOf(texts.get(path))) : [...(waiting.get(path) ?? [])].sort((a, b) => a - b);
 
@@ -167,7 +165,7 @@ function said(state = view.state) {
 /** Goes to a finding of any file; one of a drawing or of no file leaves the text as it is. */
 export async function goToFinding(finding, chooseFile) {
   if (!finding.path) return;
-  const before = `${project.folder}/`, path = finding.path.startsWith(before) ? finding.path.slice(before.length) : finding.path;
+  const path = fileOf(finding.path);
   const file = project.files.find((one) => one.path === path);
   if (!file) return;
   await chooseFile(path);

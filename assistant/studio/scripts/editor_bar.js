@@ -2,8 +2,7 @@
 import { find, made, word } from "./words.js";
 import { state as window_ } from "./line.js";
 import { closeText, openText, texts } from "./editor.js";
-import { isSaved } from "./editor_saving.js";
-import { showConflict } from "./editor_saving.js";
+import { isSaved, showConflict } from "./editor_saving.js";
 
 const WRITING = ["save", "format", "rename", "undo", "redo"];
 let shown = null;

@@ -42,8 +42,9 @@ export function row(...cells) {
   const one = made("tr");
   one.append(...cells.map((cell) => {
     if (cell instanceof HTMLTableCellElement) return cell;
+    if (!(cell instanceof Node)) return made("td", cell ?? "");
     const place = made("td");
-    place.append(cell ?? "");
+    place.append(cell);
     return place;
   }));
   return one;

@@ -12,6 +12,11 @@ export const whenRead = (does) => told.push(does);
 export const project = { files: [], programs: [], targets: [], controllers: [] };
 const FOLDED = "backups/"; // what controllers had is no part of the work
 let current = "";
+/** A file as the project names it, by whatever name it is told of. */
+export function fileOf(path) {
+  const before = `${project.folder}/`;
+  return path.startsWith(before) ? path.slice(before.length) : path;
+}
 
 export async function readProject() {
   Object.assign(project, await look("project"));

@@ -6,65 +6,59 @@ import { doing, showOfDoing } from "./findings.js";
 import { on, state as window_ } from "./line.js";
 import { project, whenChosen, whenRead } from "./project.js";
 import { breakPoints, current, markLine, offset, onBreakPoints, onText, openText } from "./editor.js";
+import { bar, button, fill, form, group, input, labelled, row } from "./parts.js";
 import { sceneOf, showScene } from "./scene.js";
 import { saveAll } from "./editor_saving.js";
-import { beginRunTime, forgetMotion, goesToLine, pose, ranBy, scrub, showMotion } from "./run_time.js";
+import { beginRunTime, compare, forgetMotion, goesToLine, pose, ranBy, scrub, showMotion } from "./run_time.js";
 
 const RUNS = new Set(["program", "drawing", "table"]), MOST_ROWS = 500;
 const KEYS = { F8: "run-go", F7: "run-step", F10: "run-over", "Shift+F8": "run-end" };
 let run = { state: "" }, rows = [], reading = null, marked = null, motionOf = "", changed = false;
 
 const is = (...states) => states.includes(run.state);
-function shape() {
-  const panel = find("panel-run");
-  const bar = (...parts) => { const one = made("div", undefined, "bar"); one.append(...parts); return one; };
-  const button = (id, key, keys) => { const one = said("button", key); one.id = id; one.type = "button"; if (keys) one.setAttribute("aria-keyshortcuts", keys); if (keys) one.title = keys; return one; };
-  const labelled = (key, input) => { const label = made("label"); label.append(said("span", key), " ", input); return label; };
-  const input = (id, kind, values = {}) => Object.assign(made(kind), { id, ...values });
-  const group = (key, ...parts) => { const one = made("fieldset"); one.append(said("legend", key), ...parts); return one; };
-  const folded = (id, key, inside) => { const one = made("details"); one.id = id; one.append(said("summary", key), inside); return one; };
-  const form = (id, ...parts) => { const one = made("form", undefined, "bar"); one.id = id; one.append(...parts); return one; };
-  const state = Object.assign(made("p"), { id: "run-state" });
-  state.setAttribute("role", "status");
-  const question = form("run-question", made("strong"), input("run-answer", "input"), said("button", "answer"));
-  question.hidden = true;
-  const signal = form("run-signal", labelled("input_name", input("signal-name", "input", { size: 10, autocomplete: "off" })), labelled("value", input("signal-value", "input", { type: "number", step: "any", value: "1" })), said("button", "set_input"));
-  const time = made("div"), results = made("div");
-  time.id = "run-over-time";
-  time.hidden = true;
-  const play = button("run-play", "play");
-  time.append(group("time", bar(play, input("run-at", "output")), labelledSlider()), group("plots", Object.assign(made("div"), { id: "run-plots" })));
-  results.append(Object.assign(made("p"), { id: "compare-result" }), Object.assign(made("div"), { id: "compare-plots" }));
-  panel.append(
-    bar(labelled("program", input("run-program", "select")), labelled("robot", input("run-robot", "select")), labelled("script", input("run-script", "select")), labelled("real_time", input("run-real", "input", { type: "checkbox" }))),
-    bar(button("run-start", "start"), button("run-go", "go_on", "F8"), button("run-pause", "pause"), button("run-step", "step", "F7"), button("run-over", "step_over", "F10"), button("run-out", "step_out"), button("run-end", "end", "Shift+F8")),
-    state, question,
-    group("inputs", Object.assign(made("div", undefined, "bar"), { id: "run-inputs" }), signal),
-    group("outputs", Object.assign(made("div", undefined, "bar numbers"), { id: "run-outputs" })),
-    folded("run-data-part", "variables", Object.assign(made("div"), { id: "run-data" })),
-    folded("run-log-part", "log", Object.assign(made("ol"), { id: "run-log" })),
-    time,
-    group("compare", form("compare-form", input("compare-with", "select"), said("button", "start")), results),
-  );
-  for (const [id, key] of [["run-answer", "answer"], ["compare-with", "compare"]]) find(id).setAttribute("aria-label", word(key));
+function keyed(id, key, keys) {
+  const one = Object.assign(button(id, key), { title: keys });
+  one.setAttribute("aria-keyshortcuts", keys);
+  return one;
 }
-function labelledSlider() {
-  const slider = Object.assign(made("input"), { id: "run-time", type: "range", min: "0", max: "1", value: "0" });
-  slider.setAttribute("aria-label", word("time"));
-  return slider;
+function shape() {
+  const fold = (id, key, inside) => { const one = input(id, "details"); one.append(said("summary", key), inside); return one; };
+  const state = input("run-state", "p");
+  state.setAttribute("role", "status");
+  const question = form("run-question", answer, made("strong"), input("run-answer", "input"), said("button", "answer"));
+  question.hidden = true;
+  const signal = form("run-signal", switchInput, labelled("input_name", input("signal-name", "input", { size: 10, autocomplete: "off" })), labelled("value", input("signal-value", "input", { type: "number", step: "any", value: "1" })), said("button", "set_input"));
+  const time = input("run-over-time", "div", { hidden: true }), results = made("div");
+  const slider = input("run-time", "input", { type: "range", min: "0", max: "1", value: "0" });
+  time.append(group("time", bar(button("run-play", "play"), input("run-at", "output")), slider), group("plots", input("run-plots", "div")));
+  results.append(input("compare-result", "p"), input("compare-plots", "div"));
+  find("panel-run").append(
+    bar(labelled("program", input("run-program", "select")), labelled("robot", input("run-robot", "select")), labelled("script", input("run-script", "select")), labelled("real_time", input("run-real", "input", { type: "checkbox" }))),
+    bar(button("run-start", "start"), keyed("run-go", "go_on", "F8"), button("run-pause", "pause"), keyed("run-step", "step", "F7"), keyed("run-over", "step_over", "F10"), button("run-out", "step_out"), keyed("run-end", "end", "Shift+F8")),
+    state, question,
+    group("inputs", input("run-inputs", "div", { className: "bar" }), signal),
+    group("outputs", input("run-outputs", "div", { className: "bar numbers" })),
+    fold("run-data-part", "variables", input("run-data", "div")),
+    fold("run-log-part", "log", input("run-log", "ol")),
+    time,
+    group("compare", form("compare-form", () => compare(asked()), input("compare-with", "select"), said("button", "start")), results),
+  );
+  for (const [id, key] of [["run-answer", "answer"], ["compare-with", "compare"], ["run-time", "time"]]) find(id).setAttribute("aria-label", word(key));
+}
+async function answer() {
+  await doing(() => ask("run/answer", { text: find("run-answer").value }));
+  find("run-answer").value = "";
+}
+function switchInput() {
+  return doing(() => ask("run/signal", { name: find("signal-name").value, value: Number(find("signal-value").value) }));
 }
 // ------------------------------------------------------------------ what to run
-function options(select, values, keep = select.value, empty = null) {
-  const all = empty === null ? values : ["", ...values];
-  select.replaceChildren(...all.map((value) => { const one = made("option", value || word(empty)); one.value = value; return one; }));
-  select.value = all.includes(keep) ? keep : all[0] ?? "";
-}
 const runnable = () => project.files.filter((file) => RUNS.has(file.kind)).map((file) => file.path);
 async function choicesOf(path) {
   const found = await look("run/choices", { path }).catch(() => null);
   if (!found) return;
-  options(find("run-robot"), [...new Set([found.robot, ...found.robots].filter(Boolean))], found.robot ?? find("run-robot").value, "no_robot");
-  options(find("run-script"), found.scripts, find("run-script").value, "none");
+  fill(find("run-robot"), [["", "no_robot"], ...new Set([found.robot, ...found.robots].filter(Boolean))], found.robot ?? find("run-robot").value);
+  fill(find("run-script"), [["", "none"], ...found.scripts]);
 }
 const asked = () => ({ path: find("run-program").value, robot: find("run-robot").value, script: find("run-script").value, real_time: find("run-real").checked });
 async function start(at_once) {
@@ -134,12 +128,12 @@ function signals() {
     key.addEventListener("click", () => doing(() => ask("run/signal", { name, value: isOn ? 0 : 1 })));
     return key;
   });
-  fill(find("run-inputs"), inputs.length ? inputs : [said("span", "none", "empty")], JSON.stringify([run.inputs, run.state, window_.writes]));
+  renew(find("run-inputs"), inputs.length ? inputs : [said("span", "none", "empty")], JSON.stringify([run.inputs, run.state, window_.writes]));
   const outputs = (run.outputs ?? []).map(({ name, value }) => made("span", `${name} = ${value}`, value ? "output-on" : ""));
-  fill(find("run-outputs"), outputs.length ? outputs : [said("span", "none", "empty")], JSON.stringify(run.outputs));
+  renew(find("run-outputs"), outputs.length ? outputs : [said("span", "none", "empty")], JSON.stringify(run.outputs));
 }
 /** Only what changed is made anew, so that a key that is being pressed stays. */
-function fill(element, parts, key) {
+function renew(element, parts, key) {
   if (element.dataset.shown === key) return;
   const focus = document.activeElement?.dataset.input;
   element.dataset.shown = key;
@@ -152,14 +146,10 @@ function data() {
   for (const { title, rows: shown } of run.data ?? []) {
     if (!shown.length) continue;
     const table = made("table", undefined, "numbers");
-    for (const { name, type, value } of shown) {
-      const row = made("tr");
-      row.append(made("td", name), made("td", type), made("td", value));
-      table.append(row);
-    }
+    table.append(...shown.map(({ name, type, value }) => row(name, type, value)));
     parts.push(made("h3", title), table);
   }
-  fill(find("run-data"), parts.length ? parts : [said("p", "only_held", "empty")], JSON.stringify([run.stack, run.data]));
+  renew(find("run-data"), parts.length ? parts : [said("p", "only_held", "empty")], JSON.stringify([run.stack, run.data]));
 }
 function lines(shown) {
   const list = made("ul");
@@ -209,22 +199,13 @@ async function markHeld(place) {
 }
 export function beginRun() {
   shape();
-  beginRunTime(asked);
+  beginRunTime();
   goesToLine((row) => markHeld(row));
   const press = {
     "run-start": () => start(false), "run-go": () => go("on"), "run-pause": () => doing(() => ask("run/pause")), "run-over": () => go("over"),
     "run-out": () => go("out"), "run-end": () => doing(() => ask("run/end")), "run-step": () => (is("held") ? go("step") : start(true)),
   };
   for (const [id, does] of Object.entries(press)) find(id).addEventListener("click", does);
-  find("run-question").addEventListener("submit", async (event) => {
-    event.preventDefault();
-    await doing(() => ask("run/answer", { text: find("run-answer").value }));
-    find("run-answer").value = "";
-  });
-  find("run-signal").addEventListener("submit", (event) => {
-    event.preventDefault();
-    doing(() => ask("run/signal", { name: find("signal-name").value, value: Number(find("signal-value").value) }));
-  });
   document.addEventListener("keydown", (event) => {
     const id = KEYS[`${event.shiftKey ? "Shift+" : ""}${event.key}`];
     if (!id || event.altKey || event.ctrlKey) return;
@@ -239,7 +220,7 @@ export function beginRun() {
   });
   find("run-program").addEventListener("change", () => choicesOf(find("run-program").value));
   whenChosen((file) => { if (RUNS.has(file.kind) && !is("running", "held", "waits", "asks")) { find("run-program").value = file.path; choicesOf(file.path); } });
-  whenRead(() => { options(find("run-program"), runnable()); options(find("compare-with"), runnable()); if (find("run-program").value) choicesOf(find("run-program").value); });
+  whenRead(() => { fill(find("run-program"), runnable()); fill(find("compare-with"), runnable()); if (find("run-program").value) choicesOf(find("run-program").value); });
   onBreakPoints((path) => { if (is("running", "held", "waits", "asks")) doing(() => ask("run/points", { path, lines: breakPoints(path) })); });
   onText((path) => { if (!changed && run.state && (path === run.program || path === run.path)) { changed = true; show(run); } });
   on("run", show);

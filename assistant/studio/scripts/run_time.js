@@ -105,13 +105,13 @@ function play() {
   find("run-play").setAttribute("aria-pressed", "true");
   playing = requestAnimationFrame(frame);
 }
-/** Runs two programs to their ends, and lays their curves over each other. */
-async function compare(asked) {
+/** Runs two programs to their ends, as a run is asked for now, and lays their curves over each other. */
+export async function compare(asked) {
   const second = find("compare-with").value, result = find("compare-result");
   if (!second || !await saveAll()) return;
   result.textContent = word("running");
   showPlots("compare-plots", []);
-  const done = await doing(() => ask("run/compare", { ...asked(), first: asked().path, second }));
+  const done = await doing(() => ask("run/compare", { ...asked, first: asked.path, second }));
   result.textContent = "";
   if (!done) return;
   showOfDoing(done.findings);
@@ -120,8 +120,7 @@ async function compare(asked) {
   result.append(made("strong", told, "numbers"), made("br"), word(done.same ? "same_motion" : "other_motion"), made("br"), names.map((name, i) => `${name}: ${done.seconds[i].toFixed(2)} s`).join(" · "));
   showPlots("compare-plots", figures(done.motions.map((found, i) => ({ name: names[i], found })), undefined, "compare"));
 }
-/** asked: what the run is asked for now. */
-export function beginRunTime(asked) {
+export function beginRunTime() {
   let drawing = 0;
   find("run-time").addEventListener("input", () => {
     stop();
@@ -129,5 +128,4 @@ export function beginRunTime(asked) {
     drawing = requestAnimationFrame(() => scrub(Number(find("run-time").value)));
   });
   find("run-play").addEventListener("click", play);
-  find("compare-form").addEventListener("submit", (event) => { event.preventDefault(); compare(asked); });
 }

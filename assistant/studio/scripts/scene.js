@@ -3,7 +3,7 @@ import { find, made, said, word } from "./words.js";
 import { ask } from "./server.js";
 import { doing } from "./findings.js";
 import { on, state as window_ } from "./line.js";
-import { project, whenChosen } from "./project.js";
+import { fileOf, project, whenChosen } from "./project.js";
 import { applied, markLine, onLine, onText, openText, texts } from "./editor.js";
 
 const KINDS = new Set(["program", "table", "drawing", "process"]);
@@ -70,11 +70,6 @@ async function picked({ handle, line }) {
   const one = stage.handles[handle];
   const to = one?.line ? one : line;
   if (to?.path) await quietly(() => openText(fileOf(to.path), to.line));
-}
-/** Names of files in the scene are those of the project. */
-function fileOf(path) {
-  const before = `${project.folder}/`;
-  return path.startsWith(before) ? path.slice(before.length) : path;
 }
 /** Moves the cursor without that leading the arm. */
 async function quietly(does) {

@@ -33,5 +33,4 @@ beginControl();
 beginFindings((finding) => goToFinding(finding, chooseFile));
 await beginLine();
 await readProject();
-window.studio = { ready: true };
 document.body.classList.add("ready");
