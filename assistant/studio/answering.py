@@ -46,7 +46,7 @@ class Asked:
         """A text; raises Refused where it is missing, unless there is another for it."""
         value = self.values.get(key, other)
         if not isinstance(value, str):
-            raise _wrong(f"`{key}` is no text")
+            raise not_asked(f"`{key}` is no text")
         return value
 
     def number(self, key: str, other: float | None = None) -> float:
@@ -57,9 +57,9 @@ class Asked:
             except ValueError:
                 value = None
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise _wrong(f"`{key}` is no number")
+            raise not_asked(f"`{key}` is no number")
         if not -LARGEST < value < LARGEST:
-            raise _wrong(f"`{key}` is no number")
+            raise not_asked(f"`{key}` is no number")
         return float(value)
 
     def truth(self, key: str) -> bool:
@@ -68,13 +68,13 @@ class Asked:
     def texts(self, key: str) -> list[str]:
         value = self.values.get(key, [])
         if not isinstance(value, list) or not all(isinstance(one, str) for one in value):
-            raise _wrong(f"`{key}` is no list of texts")
+            raise not_asked(f"`{key}` is no list of texts")
         return value
 
     def table(self, key: str) -> Mapping[str, Any]:
         value = self.values.get(key, {})
         if not isinstance(value, dict):
-            raise _wrong(f"`{key}` is no table")
+            raise not_asked(f"`{key}` is no table")
         return value
 
 
@@ -123,7 +123,7 @@ def _posted(does: Does, *, writes: bool) -> Callable[[Request], Awaitable[Respon
         try:
             body = await request.body()
         except ClientDisconnect:  # it is told to nobody
-            return _refused(_wrong("it was not asked to its end"))
+            return _refused(not_asked("it was not asked to its end"))
         if request.headers.get("content-type", "").startswith("application/octet-stream"):
             asked = Asked(dict(request.query_params), window, body)
         else:
@@ -132,7 +132,7 @@ def _posted(does: Does, *, writes: bool) -> Callable[[Request], Awaitable[Respon
             except (ValueError, RecursionError):
                 values = None
             if not isinstance(values, dict):
-                return _refused(_wrong("it is no JSON object"))
+                return _refused(not_asked("it is no JSON object"))
             asked = Asked(values, window)
         return await _answered(does, studio, asked)
 
@@ -146,9 +146,9 @@ async def _answered(does: Does, studio: Studio, asked: Asked) -> Response:
     except Refused as refused:
         return _refused(refused)
     except UnicodeEncodeError:  # a name that no file of ours can have
-        return _refused(_wrong("a text holds what is no character"))
+        return _refused(not_asked("a text holds what is no character"))
     except RecursionError:
-        return _refused(_wrong("it is nested too deep"))
+        return _refused(not_asked("it is nested too deep"))
     except Reached as reached:
         return _told([failure(reached)], FAILED)
     except OSError as wrong:
@@ -169,5 +169,6 @@ def _no_number(name: str) -> object:
     raise ValueError(name)
 
 
-def _wrong(reason: str) -> Refused:
+def not_asked(reason: str) -> Refused:
+    """For a page that asks what no page of ours asks."""
     return Refused(rules.NOT_ASKED(reason=reason), exit_status=2)

@@ -20,8 +20,7 @@ from assistant.sources.drawing.survey import Survey, SurveyedLayer, survey
 from assistant.sources.process import NO_PROCESS, Process
 from assistant.sources.process.file import parse_process
 from assistant.sources.process.lines import KeyPath
-from assistant.studio import rules
-from assistant.studio.answering import findings
+from assistant.studio.answering import findings, not_asked
 from assistant.studio.studio import Studio
 from assistant.studio.toml_edits import with_values, without_table
 
@@ -231,7 +230,7 @@ def _lines(drawing: FilePath, process: Process) -> list[dict[str, Any]]:
 
 def _tables(value: Any) -> dict[str, dict[str, Any]]:
     if not isinstance(value, dict) or not all(isinstance(one, dict) for one in value.values()):
-        raise Refused(rules.NOT_ASKED(reason="`layers` is no table of tables"), exit_status=2)
+        raise not_asked("`layers` is no table of tables")
     return {name: dict(table) for name, table in value.items()}
 
 

@@ -10,7 +10,7 @@ from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route
 
 from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.studio.answering import Asked, asks, findings
+from assistant.studio.answering import Asked, asks, findings, not_asked
 from assistant.studio.studio import Studio
 
 if TYPE_CHECKING:
@@ -86,22 +86,19 @@ def _found(stage: Stage) -> list[Diagnostic]:
 
 
 def _held(studio: Studio, asked: Asked) -> tuple[Stage, Handle]:
-    from assistant.studio import rules
     from assistant.studio.stages import stages
 
     stage = stages(studio).get(asked.text("name"))
     at = asked.number("handle")
     if at != int(at) or not 0 <= at < len(stage.handles):
-        raise Refused(rules.NOT_ASKED(reason="`handle` is no number of one"), exit_status=2)
+        raise not_asked("`handle` is no number of one")
     return stage, stage.handles[int(at)]
 
 
 def _place(asked: Asked) -> tuple[float, float, float]:
-    from assistant.studio import rules
-
     place = asked.values.get("position")
     if not isinstance(place, list) or len(place) != 3:
-        raise Refused(rules.NOT_ASKED(reason="`position` is no place"), exit_status=2)
+        raise not_asked("`position` is no place")
     x, y, z = (Asked({"it": value}).number("it") for value in place)
     return x, y, z
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import wraps
 from pathlib import Path as FilePath
 from typing import Any, Final
 
@@ -21,10 +23,8 @@ from assistant.editing.service import (
     Workspace,
 )
 from assistant.editing.speaking import PSEUDO, spoken
-from assistant.program.diagnostics import Refused
 from assistant.program.without_gc import keep_what_is_there
-from assistant.studio import rules
-from assistant.studio.answering import Asked, findings
+from assistant.studio.answering import Asked, Does, findings, not_asked
 from assistant.studio.studio import Studio
 from assistant.studio.texts import desk, read_text, stamp, stamp_of
 
@@ -37,6 +37,32 @@ TRANSLATED: Final = 10_000
 STALE: Final = {"stale": True}
 """What is told of a text that has been changed since it was asked about."""
 _kept: set[str] = set()
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """A state of a text that is asked about."""
+
+    studio: Studio
+    asked: Asked
+    document: Document
+
+    @property
+    def at(self) -> Place:
+        """Where in it."""
+        return _place(self.asked.values.get("at"))
+
+
+def of_state(does: Callable[[State], dict[str, Any]]) -> Does:
+    """An answer about the state of that number; STALE if the text is in another one by now."""
+
+    @wraps(does)
+    def answer(studio: Studio, asked: Asked) -> dict[str, Any]:
+        found = desk(studio, asked.window).document(studio.place(asked.text("path")))
+        current = found.version == asked.number("version")
+        return does(State(studio, asked, found)) if current else STALE
+
+    return answer
 
 
 def open_text(studio: Studio, asked: Asked) -> dict[str, Any]:
@@ -90,46 +116,40 @@ def change(studio: Studio, asked: Asked) -> dict[str, Any]:
     }
 
 
-def words(studio: Studio, asked: Asked) -> dict[str, Any]:
+@of_state
+def words(on: State) -> dict[str, Any]:
     """Words of some lines, for their colours."""
-    document = _document(studio, asked)
-    return STALE if document is None else {"words": _words(document, asked)}
+    return {"words": _words(on.document, on.asked)}
 
 
-def settled(studio: Studio, asked: Asked) -> dict[str, Any]:
+@of_state
+def settled(on: State) -> dict[str, Any]:
     """Findings of the whole program, as `check` has them, and the outline."""
-    document = _document(studio, asked)
-    if document is None:
-        return STALE
-    found = service.settled(document)
-    if document.language not in _kept:
-        _kept.add(document.language)
+    found = service.settled(on.document)
+    if on.document.language not in _kept:
+        _kept.add(on.document.language)
         keep_what_is_there()
     return {
         "findings": _findings(found),
-        "outline": [_item(one) for one in service.outline(document)],
+        "outline": [_item(one) for one in service.outline(on.document)],
     }
 
 
-def fixes(studio: Studio, asked: Asked) -> dict[str, Any]:
+@of_state
+def fixes(on: State) -> dict[str, Any]:
     """Cures of the findings in some lines that are definite edits."""
-    document = _document(studio, asked)
-    if document is None:
-        return STALE
-    first, last = int(asked.number("first")), int(asked.number("last"))
+    first, last = int(on.asked.number("first")), int(on.asked.number("last"))
     told = []
-    for found in service.findings(document):
+    for found in service.findings(on.document):
         if first <= found.range.start.line <= last:
-            made = [_fix(studio, one) for one in service.fixes(document, found)]
+            made = [_fix(on.studio, one) for one in service.fixes(on.document, found)]
             told.append({"finding": _finding(found), "fixes": made})
     return {"found": told}
 
 
-def completions(studio: Studio, asked: Asked) -> dict[str, Any]:
-    document = _document(studio, asked)
-    if document is None:
-        return STALE
-    found = service.completions(document, _place(asked.values.get("at")))
+@of_state
+def completions(on: State) -> dict[str, Any]:
+    found = service.completions(on.document, on.at)
     return {
         "words": [
             {
@@ -145,59 +165,47 @@ def completions(studio: Studio, asked: Asked) -> dict[str, Any]:
     }
 
 
-def hover(studio: Studio, asked: Asked) -> dict[str, Any]:
+@of_state
+def hover(on: State) -> dict[str, Any]:
     """Markdown without HTML."""
-    document = _document(studio, asked)
-    if document is None:
-        return STALE
-    found = service.hover(document, _place(asked.values.get("at")))
+    found = service.hover(on.document, on.at)
     return {} if found is None else {"text": found.text, **_range(found.range)}
 
 
-def definition(studio: Studio, asked: Asked) -> dict[str, Any]:
-    document = _document(studio, asked)
-    if document is None:
-        return STALE
-    found = service.definition(document, _place(asked.values.get("at")))
+@of_state
+def definition(on: State) -> dict[str, Any]:
+    found = service.definition(on.document, on.at)
     if found is None:
         return {}
-    return {"path": _named(studio, found.path), **_range(found.range)}
+    return {"path": _named(on.studio, found.path), **_range(found.range)}
 
 
-def renameable(studio: Studio, asked: Asked) -> dict[str, Any]:
+@of_state
+def renameable(on: State) -> dict[str, Any]:
     """The name that can be changed, and where it stands."""
-    document = _document(studio, asked)
-    if document is None:
-        return STALE
-    found = service.renameable(document, _place(asked.values.get("at")))
+    found = service.renameable(on.document, on.at)
     if found is None:
         return {}
-    span = document.lines.span(found)
-    return {"name": document.text[span.start : span.end], **_range(found)}
+    span = on.document.lines.span(found)
+    return {"name": on.document.text[span.start : span.end], **_range(found)}
 
 
-def rename(studio: Studio, asked: Asked) -> dict[str, Any]:
+@of_state
+def rename(on: State) -> dict[str, Any]:
     """Edits by file; the page makes them, and nothing is written before it is saved."""
-    document = _document(studio, asked)
-    if document is None:
-        return STALE
-    made = service.rename(document, _place(asked.values.get("at")), asked.text("name"))
-    return {"changes": _changes(studio, made)}
+    made = service.rename(on.document, on.at, on.asked.text("name"))
+    return {"changes": _changes(on.studio, made)}
 
 
-def formatted(studio: Studio, asked: Asked) -> dict[str, Any]:
-    document = _document(studio, asked)
-    if document is None:
-        return STALE
-    return {"edits": [_edit(one) for one in service.formatted(document)]}
+@of_state
+def formatted(on: State) -> dict[str, Any]:
+    return {"edits": [_edit(one) for one in service.formatted(on.document)]}
 
 
-def translation(studio: Studio, asked: Asked) -> dict[str, Any]:
+@of_state
+def translation(on: State) -> dict[str, Any]:
     """The first file of it, with the lines that each line of the source became."""
-    document = _document(studio, asked)
-    if document is None:
-        return STALE
-    done = service.translation(document, asked.text("language"))
+    done = service.translation(on.document, on.asked.text("language"))
     name, text = next(iter(done.files.items()), ("", ""))
     return {
         "name": name,
@@ -230,12 +238,6 @@ def _spoken() -> list[str]:
 def _title(name: str) -> str:
     one = spoken(name)
     return name if one is None else one.title
-
-
-def _document(studio: Studio, asked: Asked) -> Document | None:
-    """The state that is asked about, None if it is another one by now."""
-    found = desk(studio, asked.window).document(studio.place(asked.text("path")))
-    return found if found.version == asked.number("version") else None
 
 
 def _named(studio: Studio, path: str) -> str:
@@ -301,21 +303,17 @@ def _rows(tokens: Tokens) -> list[list[int | str]]:
 def _list(asked: Asked, key: str) -> list[Any]:
     value = asked.values.get(key)
     if not isinstance(value, list):
-        raise _wrong(f"`{key}` is no list")
+        raise not_asked(f"`{key}` is no list")
     return value
 
 
 def _change(value: Any) -> Change:
     if not isinstance(value, dict) or not isinstance(value.get("text"), str):
-        raise _wrong("a change has no text")
+        raise not_asked("a change has no text")
     return Change(Range(_place(value.get("from")), _place(value.get("to"))), value["text"])
 
 
 def _place(value: Any) -> Place:
     if not isinstance(value, list) or [type(one) for one in value] != [int, int]:
-        raise _wrong("a place is no line and column")
+        raise not_asked("a place is no line and column")
     return Place(*value)
-
-
-def _wrong(reason: str) -> Refused:
-    return Refused(rules.NOT_ASKED(reason=reason), exit_status=2)

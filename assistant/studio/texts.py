@@ -17,6 +17,7 @@ from assistant.program.system.bounded import read_file
 from assistant.program.system.writing import write_all
 from assistant.program.text import SourceText, decode, encode, is_file, read_bytes
 from assistant.studio import rules
+from assistant.studio.answering import not_asked
 from assistant.studio.studio import Studio
 
 KIND: Final = "texts"
@@ -52,7 +53,7 @@ class Desk:
         """The open state; raises Refused if it is not open."""
         found = self.workspace.documents.get(str(path))
         if found is None:
-            raise Refused(rules.NOT_ASKED(reason=f"`{path.name}` is not open"), exit_status=2)
+            raise not_asked(f"`{path.name}` is not open")
         return found
 
     def change(self, path: FilePath, changes: Sequence[Change], version: int) -> Document:
@@ -78,7 +79,7 @@ class Desk:
             raise Refused(rule(path=name, name=name), exit_status=2)
         before = self.read.get(str(path))
         if before is None:
-            raise Refused(rules.NOT_ASKED(reason=f"`{name}` is not open"), exit_status=2)
+            raise not_asked(f"`{name}` is not open")
         data = encode(replace(before, text=self._ended(path, text, before.newline), path=name))
         write_all({path: data})
         self.workspace.saved(str(path))
@@ -112,7 +113,7 @@ class Desks:
 def desk(studio: Studio, window: str) -> Desk:
     """The texts of a window; raises Refused for one that is not open."""
     if not studio.windows.has(window):
-        raise Refused(rules.NOT_ASKED(reason="this window has no line"), exit_status=2)
+        raise not_asked("this window has no line")
     desks = studio.live.setdefault(KIND, Desks())
     assert isinstance(desks, Desks)
     return desks.of(studio, window)

@@ -14,6 +14,7 @@ from assistant.program.diagnostics import Refused
 from assistant.project.drafting import WIDTH, quoted
 from assistant.sources.process.lines import KeyPath, key_spans, value_spans
 from assistant.studio import rules
+from assistant.studio.answering import not_asked
 
 BARE: Final = re.compile(r"[A-Za-z0-9_-]+")
 COMMENT: Final = re.compile(r"[^\S\n]*(#[^\n]*)?$")
@@ -58,7 +59,7 @@ def toml(value: Any) -> str:
             return "{" + ", ".join(pairs) + "}"
         case Sequence():
             return "[" + ", ".join(map(toml, value)) + "]"
-    raise Refused(rules.NOT_ASKED(reason=f"a TOML file has no {value}"), exit_status=2)
+    raise not_asked(f"a TOML file has no {value}")
 
 
 def _with_value(text: str, path: KeyPath, value: Any) -> str:
@@ -157,7 +158,7 @@ def _key(name: str) -> str:
 
 def _quoted(text: str) -> str:
     if any("\ud800" <= character <= "\udfff" for character in text):
-        raise Refused(rules.NOT_ASKED(reason="a text holds what is no character"), exit_status=2)
+        raise not_asked("a text holds what is no character")
     return quoted(text)
 
 
