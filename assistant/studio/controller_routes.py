@@ -154,10 +154,6 @@ def reset(studio: Studio, asked: Asked) -> dict[str, Any]:  # noqa: ARG001
     return {}
 
 
-def programs(studio: Studio, asked: Asked) -> dict[str, Any]:  # noqa: ARG001
-    return {"programs": list(connection_of(studio).kept(lambda one: one.names()))}
-
-
 def parameters(studio: Studio, asked: Asked) -> dict[str, Any]:
     """Those that are named, or those that were changed."""
     names = asked.texts("names")
@@ -362,7 +358,6 @@ ROUTES: Final = (
     changes("/controller/watch", watch),
     looks("/controller/log", log),
     changes("/controller/acknowledge", reset),
-    looks("/controller/programs", programs),
     asks("/controller/parameters", parameters),
     changes("/controller/parameter", set_parameter),
     asks("/controller/plan", plan),

@@ -12,7 +12,6 @@ import threading
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
-from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final, Literal, TypeVar
 
@@ -212,9 +211,7 @@ class Running:
         self._held = None
         self._report()
         self._stands.set()
-        with suppress(queue.Empty):
-            while True:
-                self._commands.get_nowait()()
+        self._take_all()
 
     def _made(self) -> Kernel:
         wanted = self.wanted
