@@ -178,7 +178,8 @@ def _moved(
 
 def _in_pseudo(part: str, handle: Handle, target: Target) -> str:
     name = re.escape(handle.name)
-    pattern = re.compile(rf"^(\s*target[ \t]+{name}[ \t]+)([^#\r\n]*?)([ \t]*(?:#.*)?)$", FLAGS)
+    head, rest = rf"^(\s*target[ \t]+{name}[ \t]+)", r"([^#\r\n]*?)([ \t]*(?:#.*)?\r?)$"
+    pattern = re.compile(head + rest, FLAGS)
     return pattern.sub(lambda m: f"{m[1]}{target_text(target)}{m[3]}", part, count=1)
 
 

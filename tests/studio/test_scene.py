@@ -202,6 +202,18 @@ def test_a_target_that_is_moved_is_one_edit(
     assert (cell / path).read_text().split("\n") == before  # whoever edits saves as well
 
 
+@pytest.mark.parametrize("path", ["seam.mod", "places.pseudo", "next.prg"])
+def test_lines_that_end_as_on_other_systems_stay_so(page: Page, cell: Path, path: str) -> None:
+    before = (cell / path).read_text().replace("  # the part", "").replace("\n", "\r\n")
+    (cell / path).write_text(before, newline="")
+    scene = shown(page, path)
+    name = scene["handles"][-1]["name"]
+    _, after = edited(page, scene, name, (1.5, 0.0, 0.0))
+    pairs = zip(before.split("\n"), after.split("\n"), strict=True)
+    changed = [one for one in pairs if one[0] != one[1]]
+    assert [(one.count("\r"), other.count("\r")) for one, other in changed] == [(1, 1)]
+
+
 def test_who_knows_a_target_that_is_moved_stays_as_it_is(page: Page, cell: Path) -> None:
     text = PROGRAM.replace("CONST robtarget left", "LOCAL  CONST robtarget left")
     (cell / "seam.mod").write_text(text)
