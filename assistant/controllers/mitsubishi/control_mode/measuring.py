@@ -5,21 +5,17 @@ The program MEASURE runs in slot 2, whatever the controller does in slot 1 meanw
 
 from __future__ import annotations
 
-from types import TracebackType
 from typing import Final, Self
 
 from assistant.controllers.controller import Controller
 from assistant.controllers.mitsubishi.control_mode import programs
-from assistant.controllers.mitsubishi.control_mode.status import Status, StatusStream
+from assistant.controllers.mitsubishi.control_mode.status import STOPPING, Streaming
 from assistant.controllers.mitsubishi.data_link import DataLink
-from assistant.controllers.recording import Recording
 
 TASK: Final = "2"
-STOPPING: Final = 5.0
-"""Seconds that the program has to end."""
 
 
-class Measuring:
+class Measuring(Streaming):
     """A context manager: entering starts the program and the stream, leaving ends both.
 
     controller: is connected; the program is installed and started through it. None: it runs there
@@ -36,22 +32,11 @@ class Measuring:
         timeout: float = 10.0,
         replace: bool = False,
     ) -> None:
-        link = line if isinstance(line, DataLink) else DataLink(line, timeout=timeout)
+        super().__init__(line, silence, timeout)
         self._controller, self._replace = controller, replace
-        self._stream = StatusStream(link, silence)
-
-    @property
-    def recording(self) -> Recording:
-        """Every status that came, in columns; `seconds` are those of this computer."""
-        return self._stream.recording
-
-    @property
-    def status(self) -> Status:
-        """The latest one; raises Refused if there is none any more."""
-        return self._stream.first()
 
     def __enter__(self) -> Self:
-        self._stream = StatusStream(self._stream.link, self._stream.silence)
+        self._anew()
         self._stream.link.prepare()
         if self._controller is not None:
             programs.install(self._controller, (programs.MEASURE,), replace=self._replace)
@@ -66,12 +51,7 @@ class Measuring:
             raise
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self._end()
 
     def _end(self) -> None:

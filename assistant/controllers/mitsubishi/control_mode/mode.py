@@ -19,9 +19,13 @@ from numpy.typing import ArrayLike
 from assistant.controllers.controller import Controller
 from assistant.controllers.mitsubishi.control_mode import programs
 from assistant.controllers.mitsubishi.control_mode.points import check_steps, checked, limits_of
-from assistant.controllers.mitsubishi.control_mode.status import Status, StatusStream
+from assistant.controllers.mitsubishi.control_mode.status import (
+    STOPPING,
+    Status,
+    Streaming,
+    link_to,
+)
 from assistant.controllers.mitsubishi.data_link import DataLink, Joints, rules
-from assistant.controllers.recording import Recording
 from assistant.controllers.rules import Lost
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Refused
@@ -32,13 +36,11 @@ line dies.
 """
 REACHED: Final = 0.02
 """Degrees; positions are printed with two decimals."""
-STOPPING: Final = 5.0
-"""Seconds that the programs have to end."""
 LOOK: Final = 0.1
 """Seconds between two looks whether they have."""
 
 
-class ControlMode:
+class ControlMode(Streaming):
     """A context manager: entering starts the programs and the status stream, leaving stops them.
 
     controller: is connected; the programs are installed and started through it. None: somebody
@@ -64,31 +66,21 @@ class ControlMode:
         timeout: float = 10.0,
         replace: bool = False,
     ) -> None:
+        super().__init__(status_line, silence, timeout)
         self.controller = controller
         self.limits = limits_of(limits)
         self.most_step = most_step
         self.ahead = ahead
         self.timeout = timeout
         self._replace = replace
-        self._control = _link(control_line, timeout)
-        self._stream = StatusStream(_link(status_line, timeout), silence)
+        self._control = link_to(control_line, timeout)
         self._sent = 0
         self._last: Floats | None = None
         """The point that was sent last, None before the first."""
         self._started = self._stopped = False
 
-    @property
-    def recording(self) -> Recording:
-        """Every status that came, in columns; `seconds` are those of this computer."""
-        return self._stream.recording
-
-    @property
-    def status(self) -> Status:
-        """The latest one; raises Refused if there is none any more."""
-        return self._stream.first()
-
     def __enter__(self) -> Self:
-        self._stream = StatusStream(self._stream.link, self._stream.silence)
+        self._anew()
         self._started = self._stopped = False
         try:
             self._begin()
@@ -272,7 +264,3 @@ def _moved(then: Status, now: Status | None) -> bool:
         now.taken != then.taken
         or not np.array_equal(now.commanded.values, then.commanded.values, equal_nan=True)
     )
-
-
-def _link(line: str | DataLink, timeout: float) -> DataLink:
-    return line if isinstance(line, DataLink) else DataLink(line, timeout=timeout)

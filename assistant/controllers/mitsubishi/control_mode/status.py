@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Final, NoReturn
 
 from assistant.controllers.mitsubishi.data_link import DataLink, Form, Joints, Position, rules
+from assistant.controllers.recording import Recording
 from assistant.controllers.rules import Lost
 from assistant.program.diagnostics import Refused, Rule
 
@@ -25,6 +26,8 @@ STOP: Final = "0"
 WATCHED: Final = "2"
 BEAT: Final = 0.4
 """Seconds between two messages of a client that is watched; two seconds stop the programs."""
+STOPPING: Final = 5.0
+"""Seconds that the programs have to end."""
 WATCHING: Final = "the programs stop by themselves within 2 s of the last message"
 UNWATCHED: Final = "no position was sent; programs that run may still wait for one"
 """What is known of a controller whose status line is gone."""
@@ -202,6 +205,31 @@ class StatusStream:
         raise Lost(
             rule(place=target, target=target, seconds=seconds, answer=answer, state=self.state)
         )
+
+
+class Streaming:
+    """What has a status stream; each time that it is entered it has another one."""
+
+    def __init__(self, line: str | DataLink, silence: float, timeout: float) -> None:
+        self._stream = StatusStream(link_to(line, timeout), silence)
+
+    @property
+    def recording(self) -> Recording:
+        """Every status that came, in columns; `seconds` are those of this computer."""
+        return self._stream.recording
+
+    @property
+    def status(self) -> Status:
+        """The latest one; raises Refused if there is none any more."""
+        return self._stream.first()
+
+    def _anew(self) -> None:
+        self._stream = StatusStream(self._stream.link, self._stream.silence)
+
+
+def link_to(line: str | DataLink, timeout: float) -> DataLink:
+    """line: a target of `DataLink`, or a link that is not open yet."""
+    return line if isinstance(line, DataLink) else DataLink(line, timeout=timeout)
 
 
 SLICE: Final = 0.1
