@@ -84,11 +84,16 @@ def named(text: str, folder: FilePath | None = None) -> Named:
     if NAME.fullmatch(text) is None:
         address = parse(text)
         return Named(str(address), address)
-    there = controllers_of(folder or FilePath.cwd())
-    if text not in there:
-        known = ", ".join(f"`{name}`" for name in there) or "none"
-        raise Refused(rules.UNKNOWN_NAME(place=text, name=text, known=known), exit_status=2)
-    return there[text]
+    return of_project(text, folder or FilePath.cwd())
+
+
+def of_project(name: str, folder: FilePath) -> Named:
+    """The controller of that name in a folder's project; raises Unreadable and Refused."""
+    there = controllers_of(folder)
+    if name not in there:
+        known = ", ".join(f"`{one}`" for one in there) or "none"
+        raise Refused(rules.UNKNOWN_NAME(place=name, name=name, known=known), exit_status=2)
+    return there[name]
 
 
 def controllers_of(folder: FilePath) -> dict[str, Named]:

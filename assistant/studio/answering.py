@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path as FilePath
@@ -112,6 +113,20 @@ def findings(found: Sequence[Diagnostic]) -> list[dict[str, Any]]:
         if path.is_absolute() and path.is_relative_to(folder):
             record["path"] = path.relative_to(folder).as_posix()
     return records
+
+
+def plain(value: Any) -> Any:
+    """What JSON can hold of a value; None for a number that is none."""
+    match value:
+        case dict():
+            return {key: plain(one) for key, one in value.items()}
+        case list():
+            return [plain(one) for one in value]
+        case bool() | int() | str() | None:
+            return value
+        case float():
+            return value if math.isfinite(value) else None
+    return str(value)
 
 
 def _posted(does: Does, *, writes: bool) -> Callable[[Request], Awaitable[Response]]:

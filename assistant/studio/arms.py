@@ -24,5 +24,4 @@ def likely_arm(studio: Studio, path: str) -> str | None:
     folders = set(PurePosixPath(path).parts[:-1])
     built = [place.controller.robot for place in project.places if place.name in folders]
     first = [one.robot or place.controller.robot for place, one in recipes]
-    found = next((name for name in (*own, *built, *first) if name), None)
-    return found
+    return next((name for name in (*own, *built, *first) if name), None)

@@ -18,6 +18,7 @@ from assistant.controllers.states import Identity, Sample, record
 from assistant.controllers.stopping import Rest, brought_to_rest, stopped
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.studio import rules
+from assistant.studio.answering import findings, plain
 from assistant.studio.windows import Tell
 
 if TYPE_CHECKING:
@@ -169,7 +170,7 @@ class Connection:
             try:
                 sample = self.do(self._look)
             except Refused as refused:
-                self._tell({"kind": "monitor", "findings": told(refused.findings)})
+                self._tell({"kind": "monitor", "findings": findings(refused.findings)})
             else:
                 self._tell({"kind": "monitor", **_plain(sample)})
 
@@ -182,9 +183,9 @@ class Connection:
             self._looks = None  # which has ended by that
             raise
 
-    def _gone(self, findings: Sequence[Diagnostic]) -> None:
+    def _gone(self, found: Sequence[Diagnostic]) -> None:
         if not self._ended.is_set():
-            self._tell({"kind": "monitor", "lost": True, "findings": told(findings)})
+            self._tell({"kind": "monitor", "lost": True, "findings": findings(found)})
             threading.Thread(target=self._lost, name="lost", daemon=True).start()
 
     def _only_keeps(self) -> Diagnostic:
@@ -198,24 +199,9 @@ class Connection:
         )
 
 
-def told(findings: Sequence[Diagnostic]) -> list[dict[str, object]]:
-    """Findings as windows are told them."""
-    from assistant.findings.formats import finding_record  # the book of rules, which is large
-
-    return [finding_record(finding) for finding in findings]
-
-
 def _plain(sample: Sample) -> Mapping[str, object]:
     """A sample as data, in which a number that is none is left out."""
     state = replace(sample.state, faults=sample.state.faults[:20])
     found = record(replace(sample, state=state))
     assert isinstance(found, dict)
-    return {key: _finite(value) for key, value in found.items()}
-
-
-def _finite(value: object) -> object:
-    if isinstance(value, float):
-        return value if abs(value) < float("inf") else None
-    if isinstance(value, dict):
-        return {key: _finite(one) for key, one in value.items()}
-    return [_finite(one) for one in value] if isinstance(value, list) else value
+    return {key: plain(value) for key, value in found.items()}

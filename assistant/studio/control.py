@@ -27,7 +27,9 @@ from assistant.controllers.states import Jog, record
 from assistant.controllers.stopping import Rest, stop_at_once
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.studio import rules
-from assistant.studio.connections import Connection, told
+from assistant.studio.answering import findings
+from assistant.studio.connections import Connection
+from assistant.studio.windows import Tell
 
 TICK: Final = 0.05
 """Seconds between two ticks."""
@@ -48,8 +50,6 @@ ENDING: Final = 10.0
 ALONG: Final = ("X", "Y", "Z")
 AXES: Final = frozenset({*JOINTS, *ALONG, "A", "B", "C"})
 
-Say = Callable[[Mapping[str, object]], None]
-
 
 @dataclass(frozen=True, slots=True)
 class Hold:
@@ -67,7 +67,7 @@ class Control:
     controller has a line for it.
     """
 
-    def __init__(self, connection: Connection, window: str, say: Say, over: Callable[[], None]):
+    def __init__(self, connection: Connection, window: str, say: Tell, over: Callable[[], None]):
         self.window = window
         self._connection, self._say, self._over = connection, say, over
         self._changed = threading.Condition()
@@ -155,10 +155,10 @@ class Control:
         for thread in self._threads:
             if thread is not threading.current_thread():
                 thread.join(ENDING)
-        findings = self._motors_off() if self._switched else ()
-        with suppress(Refused, OSError):
+        found = self._motors_off() if self._switched else ()
+        with suppress(Refused, OSError):  # the line for the stop has gone by itself
             self._open.close()
-        self._say({"kind": "control", "ended": True, "findings": told(findings)})
+        self._say({"kind": "control", "ended": True, "findings": findings(found)})
 
     def _motors_off(self) -> tuple[Diagnostic, ...]:
         """Findings if they may still be on."""
@@ -219,7 +219,7 @@ class Control:
                 self._connection.do(partial(self._take, hold))
             except Refused as refused:
                 if self.let_go(hold):  # else it is what the stop has brought about
-                    self._say({"kind": "control", "findings": told(refused.findings)})
+                    self._say({"kind": "control", "findings": findings(refused.findings)})
             finally:
                 self._moving = False
             time.sleep(LOOKS)

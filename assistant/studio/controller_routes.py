@@ -82,20 +82,17 @@ def _axes(found: Connection) -> list[dict[str, Any]]:
 
 def connect(studio: Studio, asked: Asked) -> dict[str, Any]:
     """Connects to a controller that the project names; a password is used and not kept."""
-    from assistant.controllers import controllers_of
-    from assistant.controllers.rules import UNKNOWN_NAME
-
-    name, there = asked.text("name"), controllers_of(studio.folder)
-    if name not in there:
-        known = ", ".join(f"`{one}`" for one in there) or "none"
-        raise Refused(UNKNOWN_NAME(place=name, name=name, known=known))
+    from assistant.controllers.named import of_project
 
     def lost() -> None:
         if studio.live.get("connection") is made:
             leave(studio, asked)
             studio.windows.tell({"kind": "controller"})
 
-    one, password = there[name], asked.text("password", "") or None
+    one, password = (
+        of_project(asked.text("name"), studio.folder),
+        asked.text("password", "") or None,
+    )
     with studio.beginning:
         leave(studio, asked)
         made = Connection(one, _kept(studio), studio.windows.tell, lost, password)
@@ -115,10 +112,11 @@ def leave(studio: Studio, asked: Asked) -> dict[str, Any]:  # noqa: ARG001
 
 def _kept(studio: Studio) -> FilePath:
     from assistant.project import project_of
+    from assistant.project.layout import KEPT
 
     with suppress(Refused):  # of another table than that of its controllers
         return project_of(studio.folder).kept
-    return studio.folder / ".robot-assistant"
+    return studio.folder / KEPT
 
 
 def _open_to_others(studio: Studio, one: Named) -> Iterator[Diagnostic]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path as FilePath
@@ -19,6 +18,7 @@ from assistant.report.track import stops
 from assistant.sources.process.lines import key_spans
 from assistant.studio.stages import DRAWING, TARGET, TAUGHT, Handle, Stage
 from assistant.studio.studio import Studio
+from assistant.studio.toml_edits import content_of
 
 MOST: Final = 20_000
 """That a page is told of."""
@@ -122,10 +122,7 @@ def _in_taught(path: str, text: str) -> Iterator[tuple[str, tuple[str, int]]]:
 
 def entries_of_taught(text: str) -> Iterator[tuple[str, str]]:
     """Names of taught targets in lower case, with their numbers as `key_spans` has them."""
-    try:
-        entries = tomllib.loads(text.replace("\r\n", "\n")).get("targets", [])
-    except (ValueError, RecursionError):
-        return
+    entries = (content_of(text) or {}).get("targets", [])
     for number, entry in enumerate(entries if isinstance(entries, list) else ()):
         name = entry.get("name") if isinstance(entry, dict) else None
         if isinstance(name, str):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Final
@@ -28,7 +27,7 @@ from assistant.studio.handles import entries_of_taught
 from assistant.studio.stages import DRAWING, TAUGHT, Handle, Stage
 from assistant.studio.studio import Studio
 from assistant.studio.texts import open_text
-from assistant.studio.toml_edits import toml, with_values
+from assistant.studio.toml_edits import content_of, toml, with_values
 
 DIGITS: Final = 3
 """Of mm that are written: more than an arm repeats."""
@@ -99,10 +98,9 @@ def _refused(handle: Handle, reason: str, cure: str = BY_HAND) -> Refused:
 
 
 def _of_drawing(handle: Handle, text: str, place: Vector) -> Change:
-    try:
-        content = tomllib.loads(text.replace("\r\n", "\n"))
-    except (ValueError, RecursionError):
-        raise _refused(handle, "its process file cannot be read", "mend that first") from None
+    content = content_of(text)
+    if content is None:
+        raise _refused(handle, "its process file cannot be read", "mend that first")
     placement = content.get("placement")
     if isinstance(placement, dict) and "drawing" in placement:
         marks = "the process file places it by marks that were taught"

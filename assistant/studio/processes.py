@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace
@@ -20,9 +19,9 @@ from assistant.sources.drawing.survey import Survey, SurveyedLayer, survey
 from assistant.sources.process import NO_PROCESS, Process
 from assistant.sources.process.file import parse_process
 from assistant.sources.process.lines import KeyPath
-from assistant.studio.answering import findings, not_asked
+from assistant.studio.answering import findings, not_asked, plain
 from assistant.studio.studio import Studio
-from assistant.studio.toml_edits import with_values, without_table
+from assistant.studio.toml_edits import content_of, with_values, without_table
 
 LEFT_OUT: Final = "leave_out"
 LAYERS: Final = "layers"
@@ -66,7 +65,7 @@ def layers(studio: Studio, path: str) -> dict[str, Any]:
                 "locations": one.locations,
                 "use": one.use,
                 USED: _is_used(one, process),
-                "values": _plain(named.get(one.name.casefold(), {})),
+                "values": plain(named.get(one.name.casefold(), {})),
             }
             for one in seen.layers
             if one.kinds
@@ -89,7 +88,7 @@ def _values(content: Mapping[str, Any]) -> list[dict[str, Any]]:
         key = (table, said, *rest[1:]) if isinstance(said, str) else field
         if rest[-1] == "euler_zyx" and _at(content, (*key[:-1], "quaternion")) is not None:
             continue
-        value = _plain(_at(content, key))
+        value = plain(_at(content, key))
         found.append({"field": ".".join(field), "key": list(key), "value": value})
     return found
 
@@ -124,7 +123,7 @@ def set_values(studio: Studio, path: str, values: Mapping[str, Any]) -> dict[str
 
 
 def _with_use(text: str, name: str, used: bool, file: str) -> str:
-    content = tomllib.loads(text)
+    content = content_of(text) or {}
     out = [one for one in content.get(LEFT_OUT, []) if one != name]
     if not used:
         known = next((k for k in content.get(LAYERS, {}) if k.casefold() == name.casefold()), None)
@@ -139,10 +138,8 @@ def _with_use(text: str, name: str, used: bool, file: str) -> str:
 
 def _check_tables(source: SourceText) -> None:
     """Raises Refused, with its own findings, for a file that layers cannot be put into."""
-    try:
-        content = tomllib.loads(source.text)
-    except (ValueError, RecursionError):
-        content = {LAYERS: None}
+    content = content_of(source.text)
+    content = {LAYERS: None} if content is None else content
     tables, out = content.get(LAYERS, {}), content.get(LEFT_OUT, [])
     if not (isinstance(tables, dict) and isinstance(out, list)):
         raise Refused(*_errors(source))
@@ -173,10 +170,7 @@ def _stated(drawing: FilePath, file: FilePath) -> tuple[dict[str, Any], Process,
     if not is_file(file):
         return {}, NO_PROCESS, []
     source = _text(drawing, file)
-    try:
-        content = tomllib.loads(source.text.replace("\r\n", "\n"))
-    except (ValueError, RecursionError):
-        content = {}
+    content = content_of(source.text) or {}
     try:
         return content, process_of(drawing), []
     except Refused as refused:
@@ -247,17 +241,3 @@ def _at(content: Mapping[str, Any], path: KeyPath) -> Any:
     for key in path:
         here = here.get(key) if isinstance(here, dict) else None
     return here
-
-
-def _plain(value: Any) -> Any:
-    """What JSON can hold of a TOML value."""
-    match value:
-        case dict():
-            return {key: _plain(one) for key, one in value.items()}
-        case list():
-            return [_plain(one) for one in value]
-        case bool() | int() | str() | None:
-            return value
-        case float():
-            return value if abs(value) < float("inf") else None
-    return str(value)

@@ -21,7 +21,9 @@ from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.failing import failure
 from assistant.program.system.watchdog import Reached
 from assistant.studio import rules
+from assistant.studio.answering import findings
 from assistant.studio.watching import Inputs, shown_data, shown_signals
+from assistant.studio.windows import Tell
 from assistant.virtual.debugging.holding import Holding, Step, Stride
 from assistant.virtual.events import Logged, Place, Run, Stopped
 from assistant.virtual.kernel import Ending, Kernel, Task
@@ -35,7 +37,6 @@ if TYPE_CHECKING:
 
 State = Literal["running", "held", "waits", "asks", "ended"]
 """`waits`: for what never comes unless somebody switches it. `asks`: a person for an answer."""
-Tell = Callable[[Mapping[str, object]], None]
 PATIENCE: Final = 5.0
 """Seconds that a command waits for its turn; a turn takes as long as a motion's planning."""
 BETWEEN: Final = 0.2
@@ -329,8 +330,6 @@ class Running:
             self._told({"kind": "run", **self._snapshot})
 
     def _seen(self) -> dict[str, Any]:
-        from assistant.findings.formats import finding_record
-
         kernel, run = self.kernel, self.run
         over = self.state == "ended"
         task = self._held or (None if over else next(iter(kernel.tasks), None))
@@ -351,7 +350,7 @@ class Running:
             "chain": self._chain(),
             **shown_signals(kernel.board),
             **(shown_data(task) if held and task is not None else {"stack": [], "data": []}),
-            "findings": [finding_record(one) for one in self.findings],
+            "findings": findings(self.findings),
             "ended": "" if run is None else run.ended,
             "message": "" if run is None else run.message,
             "summary": "" if run is None else summary(run),

@@ -6,10 +6,10 @@ import copy
 import json
 import math
 import re
-import tomllib
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
+from assistant.program import toml_text
 from assistant.program.diagnostics import Refused
 from assistant.project.drafting import WIDTH, quoted
 from assistant.sources.process.lines import KeyPath, key_spans, value_spans
@@ -26,9 +26,9 @@ def with_values(text: str, values: Mapping[KeyPath, Any], name: str) -> str:
     A key that stands there behind a `#`, as a choice, gets its place. Raises Refused if the text
     would say anything else than before beside that. name: of the file, for the finding.
     """
-    meant = _meant(_read(text), values)
+    meant = _meant(content_of(text), values)
     changed = None if meant is None else _changed(text, values)
-    if changed is None or _read(changed) != meant:
+    if changed is None or content_of(changed) != meant:
         key = ".".join(next(iter(values), ()))
         raise Refused(rules.NOT_KEPT(path=name, key=key, name=name))
     return changed
@@ -38,7 +38,7 @@ def _changed(text: str, values: Mapping[KeyPath, Any]) -> str | None:
     """None if a value breaks the text."""
     for path, value in values.items():
         text = _with_value(text, path, value)
-        if _read(text) is None:
+        if content_of(text) is None:
             return None
     return text
 
@@ -134,7 +134,7 @@ def _meant(content: dict[str, Any] | None, values: Mapping[KeyPath, Any]) -> dic
         here: Any = out
         for key in path[:-1]:
             here = here.setdefault(key, {}) if isinstance(here, dict) else None
-        said = {"it": None} if value is None else _read(f"it = {toml(value)}")
+        said = {"it": None} if value is None else content_of(f"it = {toml(value)}")
         if not isinstance(here, dict) or said is None:
             return None
         if value is None:
@@ -144,10 +144,10 @@ def _meant(content: dict[str, Any] | None, values: Mapping[KeyPath, Any]) -> dic
     return out
 
 
-def _read(text: str) -> dict[str, Any] | None:
-    """None for a text that is no TOML."""
+def content_of(text: str) -> dict[str, Any] | None:
+    """None for a text that is no TOML; raises Refused for one that takes too long to read."""
     try:
-        return tomllib.loads(text.replace("\r\n", "\n"))
+        return toml_text.toml(text)
     except (ValueError, RecursionError):
         return None
 
@@ -169,8 +169,8 @@ def without_table(text: str, table: KeyPath, name: str) -> str:
         return text
     line = text.rfind("\n", 0, start - 1) + 1
     changed = text[:line] + text[stop:]
-    meant = _meant(_read(text), {table: None})
-    if meant is None or _read(changed) != meant:
+    meant = _meant(content_of(text), {table: None})
+    if meant is None or content_of(changed) != meant:
         key = ".".join(table)
         raise Refused(rules.NOT_KEPT(path=name, key=key, name=name))
     return changed

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any, Final
 
+from assistant.studio.answering import plain
 from assistant.virtual.kernel import Board, Signals, Task
 
 MOST_ROWS: Final = 200
@@ -34,16 +34,11 @@ def _signals(signals: Signals) -> list[dict[str, Any]]:
     source = signals.source
     looked_at = source.read if isinstance(source, Inputs) else ()
     names = sorted({*signals.values, *looked_at}, key=_by_number)[:MOST_ROWS]
-    return [{"name": name, "value": _finite(signals.read(name))} for name in names]
+    return [{"name": name, "value": plain(signals.read(name))} for name in names]
 
 
 def _by_number(name: str) -> tuple[int, str]:
     return (int(name), "") if name.isascii() and name.isdecimal() else (-1, name)
-
-
-def _finite(value: float) -> float | None:
-    """JSON has no other number."""
-    return value if math.isfinite(value) else None
 
 
 def shown_data(task: Task) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import Mapping
+from collections.abc import AsyncIterator, Mapping
 from pathlib import Path as FilePath
 from typing import Any, Final
 
@@ -32,17 +32,26 @@ async def window(line: WebSocket) -> None:
     name = studio.windows.opened(tell)
     tasks = [asyncio.create_task(_sent(line, news)), asyncio.create_task(_looked(studio, tell))]
     try:
-        while True:
-            message = json.loads(await line.receive_text())
-            if isinstance(message, dict):
-                _heard(studio, name, message)
-    except (WebSocketDisconnect, ValueError, KeyError, RecursionError):
-        pass
+        async for message in _said(line):
+            _heard(studio, name, message)
     finally:
         for task in tasks:
             task.cancel()
         wrote = studio.windows.closed(name)
         await run_in_threadpool(_gone, studio, name, wrote)
+
+
+async def _said(line: WebSocket) -> AsyncIterator[Mapping[str, Any]]:
+    """What a window says, until it is gone or says what no page of ours says."""
+    while True:
+        try:
+            message = json.loads(await line.receive_text())
+        except WebSocketDisconnect:
+            return
+        except (KeyError, ValueError, RecursionError):  # bytes, no JSON, JSON without a bottom
+            return
+        if isinstance(message, dict):
+            yield message
 
 
 def _heard(studio: Studio, name: str, message: Mapping[str, Any]) -> None:
