@@ -30,7 +30,7 @@ KNOWN = {
     "languages/grammar.py": "kept like bytecode, and made anew where it is damaged",
     "project/checking.py": "in a folder for the moment",
     "virtual/irc5/backup.py": "in a folder that appears whole, on the disk of a virtual controller",
-    "virtual/irc5/rws/certificate.py": "a key, in a folder for the moment",
+    "program/system/certificate.py": "a key, in a folder for the moment",
     "virtual/irc5/rws/resources/files.py": "folders, on the disk of a virtual controller",
     "virtual/proving/sides.py": "modules that a run loads, on a disk for the moment",
     "virtual/tracing.py": "into memory",

@@ -122,8 +122,8 @@ def _listening(host: str, port: int) -> socket.socket:
 
 
 def _encrypt(config: object, host: str, folder: FilePath) -> None:
+    from assistant.program.system.certificate import certify
     from assistant.project.layout import inside
-    from assistant.virtual.irc5.rws.certificate import certify
 
     file = inside(folder, CERTIFICATE.as_posix())
     if file is None:  # a folder from elsewhere may hold a link to where it likes
@@ -131,7 +131,9 @@ def _encrypt(config: object, host: str, folder: FilePath) -> None:
         raise Refused(rules.NOT_SERVED(where=host, reason=reason), exit_status=2)
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
-        context = certify(host, file)
+        context = certify(host, "robot-assistant studio", file)
+    except ImportError:
+        raise Refused(rules.NO_LIBRARY(name="cryptography"), exit_status=2) from None
     except OSError as wrong:
         reason = wrong.strerror or str(wrong)
         raise Refused(rules.NOT_SERVED(where=host, reason=reason), exit_status=2) from None
