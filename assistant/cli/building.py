@@ -20,7 +20,6 @@ from assistant.program.diagnostics import Refused, error, fold_files
 
 if TYPE_CHECKING:
     from assistant.compiler.keeping import Wishes
-    from assistant.project import Build
 
 
 ONE_FOLDER = error(
@@ -84,10 +83,11 @@ def run_build(
     wishes: Wishes | None = None,
 ) -> int:
     from assistant.project import State, build, project_of
+    from assistant.project.building import build_record
 
     done = build(project_of(), names, jobs=jobs, anew=anew, working=_building, wishes=wishes)
     if format is FindingFormat.JSON:
-        print_json(_answer(done))
+        print_json(build_record(done, _shown))
     elif format is not FindingFormat.TEXT:
         print_for_programs(done.findings, (), format)
     else:
@@ -108,26 +108,6 @@ def _building(count: int) -> AbstractContextManager[None]:
 
 def _programs(count: int) -> str:
     return f"{count} program{'s' * (count != 1)}"
-
-
-def _answer(done: Build) -> dict[str, object]:
-    from assistant.findings.formats import finding_record
-
-    return {
-        "ok": done.ok,
-        "programs": [
-            {
-                "target": one.target,
-                "program": one.program,
-                "state": str(one.state),
-                "files": [_shown(file) for file in one.files],
-                "proof": list(one.proof),
-                "edits": {_shown(file): diff for file, diff in one.diffs.items()},
-            }
-            for one in done.programs
-        ],
-        "findings": [finding_record(finding) for finding in done.findings],
-    }
 
 
 def _shown(file: Path) -> str:

@@ -7,8 +7,10 @@ import enum
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
+from typing import Any
 
 from assistant.compiler.keeping import WRITTEN, Keeper, Kept, Wishes
+from assistant.findings.formats import finding_record
 from assistant.findings.project_severities import settle
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.system.bounded import read_file
@@ -58,6 +60,25 @@ class Build:
     @property
     def ok(self) -> bool:
         return all(one.state is not State.FAILED for one in self.programs)
+
+
+def build_record(done: Build, named: Callable[[FilePath], str]) -> dict[str, Any]:
+    """Of a build; keys are added, never renamed. named: a file as whoever asks calls it."""
+    return {
+        "ok": done.ok,
+        "programs": [
+            {
+                "target": one.target,
+                "program": one.program,
+                "state": str(one.state),
+                "files": [named(file) for file in one.files],
+                "proof": list(one.proof),
+                "edits": {named(file): diff for file, diff in one.diffs.items()},
+            }
+            for one in done.programs
+        ],
+        "findings": [finding_record(finding) for finding in done.findings],
+    }
 
 
 def build(

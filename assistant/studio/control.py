@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Final
 
-from assistant.compiler.jogging import JOINTS, check_jog
+from assistant.compiler.jogging import ABOUT, ALONG, JOINTS, check_jog
 from assistant.controllers import Controller, Programs
 from assistant.controllers.abilities import JogsHeld
 from assistant.controllers.states import Jog, record
@@ -47,8 +47,7 @@ DEGREES, LENGTH = 0.1, 0.5
 """Degrees, and mm along an axis, of a step at each percent of speed: a tenth of a second."""
 ENDING: Final = 10.0
 """Seconds that a step has to come to its end when control is given up."""
-ALONG: Final = ("X", "Y", "Z")
-AXES: Final = frozenset({*JOINTS, *ALONG, "A", "B", "C"})
+AXES: Final = frozenset({*JOINTS, *ALONG, *ABOUT})
 
 
 @dataclass(frozen=True, slots=True)

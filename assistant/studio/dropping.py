@@ -17,11 +17,12 @@ from assistant.project.layout import Project
 from assistant.project.starting import PROJECT, Started, start
 from assistant.resources import resource
 from assistant.sources import PROCESS_SUFFIX, READERS
+from assistant.sources.placements import DRAWN
 from assistant.studio import rules
 from assistant.studio.answering import findings
 from assistant.studio.studio import Studio
 from assistant.studio.toml_edits import with_values
-from assistant.studio.tree import DRAWINGS, programs
+from assistant.studio.tree import programs
 
 NAME: Final = re.compile(r"[^\W_][\w .+()-]{0,119}")
 """Of a file that is dropped: no folder, nothing hidden, nothing that a terminal is led by."""
@@ -148,13 +149,13 @@ def _kind(name: str) -> str:
     """drawing, program or table; raises Refused for a bad name, and for what is none of them."""
     check_name(name)
     suffix = PurePosixPath(name).suffix.lower()
-    if suffix in DRAWINGS:
+    if suffix in DRAWN:
         return "drawing"
     if suffix in programs():
         return "program"
     if suffix in READERS and suffix not in (".toml", ".json"):
         return "table"
-    known = ", ".join(sorted({*DRAWINGS, *programs(), *READERS} - {".toml", ".json"}))
+    known = ", ".join(sorted({*DRAWN, *programs(), *READERS} - {".toml", ".json"}))
     raise Refused(rules.NOT_TAKEN(path=name, name=name, known=known), exit_status=2)
 
 

@@ -124,22 +124,10 @@ def build(studio: Studio, asked: Asked) -> dict[str, Any]:  # noqa: ARG001
     """Compiles the programs of the project for its targets, as `build` does."""
     from assistant.project import build as built
     from assistant.project import project_of
+    from assistant.project.building import build_record
 
     done = built(project_of(studio.folder))
-    return {
-        "ok": done.ok,
-        "programs": [
-            {
-                "target": one.target,
-                "program": one.program,
-                "state": str(one.state),
-                "files": [studio.named(file) for file in one.files],
-                "proof": list(one.proof),
-            }
-            for one in done.programs
-        ],
-        "findings": findings(done.findings),
-    }
+    return build_record(done, studio.named) | {"findings": findings(done.findings)}
 
 
 ROUTES: Final = (

@@ -15,9 +15,6 @@ NOT_SERVED = error(
     "name another --port or --host, or leave them out",
 )
 NO_FOLDER = error("ST003", "there is no folder `{name}`", "name one that is there")
-NO_BROWSER = warning(
-    "ST004", "no browser could be opened here", "open the address in one by hand, on this computer"
-)
 READ_ONLY = error(
     "ST010",
     "another window of the studio is open, and only that one changes anything",
