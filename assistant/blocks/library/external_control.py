@@ -10,9 +10,9 @@ controller falls silent, which ends the run too.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager
-from typing import ClassVar, Final
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,6 +21,7 @@ from assistant.blocks.connections import Connection
 from assistant.blocks.diagrams.block import Block, Port
 from assistant.blocks.diagrams.running import ending
 from assistant.blocks.library.arrays import at_least_0, joints_port
+from assistant.blocks.library.connected import Connected
 from assistant.blocks.library.rules import NOT_OPERATED, OUTSIDE, TOO_FAR, TWO_LEADERS
 from assistant.blocks.rules import NO_NUMBERS
 from assistant.controllers import connect
@@ -54,9 +55,6 @@ class Led:
         self.guard, self.carrier = guard, carrier
         self.leader: Block | None = None
         self.failed = False
-
-
-Opening = Callable[[], AbstractContextManager[Led]]
 
 
 def by_egm(
@@ -128,7 +126,7 @@ def by_mxt(
     return Connection(name, opening, moves=True)
 
 
-class ExternalControl(Block):
+class ExternalControl(Connected[Led]):
     """wanted joints, enable → joints that are measured and commanded, and how the time was kept.
 
     While `enable` is above 0.5 the arm goes to what is wanted: as fast as it changes, plus what it
@@ -137,8 +135,6 @@ class ExternalControl(Block):
     approach: degrees or mm that what is wanted may be away when it is enabled. `report` and
     `summary` tell of all cycles once the run has ended. Raises ValueError for an approach below 0.
     """
-
-    direct: ClassVar[bool] = False
 
     def __init__(
         self,
@@ -152,11 +148,10 @@ class ExternalControl(Block):
         ports = [joints_port(robot), joints_port(robot, "commanded"), Port("limited")]
         ports += [Port("cycles"), Port("late"), Port("worst", unit="s"), Port("jitter", unit="s")]
         inputs = [joints_port(robot, "wanted"), Port("enable")]
-        super().__init__(name, inputs, ports, period=period)
-        self.robot, self.connection, self.moves = robot, connection, connection.name
+        super().__init__(name, connection, inputs, ports, period)
+        self.robot, self.moves = robot, connection.name
         self.approach = at_least_0("approach", approach)
         self.report: Report | None = None
-        self._led: Led | None = None
 
     @property
     def summary(self) -> str:
@@ -166,7 +161,8 @@ class ExternalControl(Block):
     def begin(self) -> None:
         """Raises Refused for an arm that another block leads, and one outside of its bounds."""
         self.report = None
-        led = self._led = self.connection.take()
+        super().begin()
+        led = self.share
         if led.leader is not None:
             other, name = led.leader.name, self.connection.name
             raise Refused(TWO_LEADERS(block=self.name, other=other, name=name))
@@ -180,26 +176,22 @@ class ExternalControl(Block):
         self._limited = False
 
     def end(self) -> None:
-        led, self._led = self._led, None
-        if led is None:
-            return
-        leading = led.carrier.leading
+        led = self._share
         try:
-            self.connection.leave()
+            super().end()
         finally:
-            if led.leader is self:
-                led.leader, self.report = None, leading.report
+            if led is not None and led.leader is self:
+                led.leader, self.report = None, led.carrier.leading.report
 
     def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:
         """Raises Refused for a controller that is silent or has ended the control."""
         del now, given
-        assert self._led is not None
         try:
-            joints = self._led.carrier.joints()
+            joints = self.share.carrier.joints()
         except Refused:
-            self._led.failed = True
+            self.share.failed = True
             raise
-        timing = self._led.carrier.leading.timing()
+        timing = self.share.carrier.leading.timing()
         return [joints, self._told, [float(self._limited)], *_signals(timing)]
 
     def take(self, now: float, given: Sequence[Floats]) -> None:
@@ -216,8 +208,7 @@ class ExternalControl(Block):
         self._wanted = wanted if going else None
 
     def _lead(self, wanted: Floats, going: bool, step: float) -> None:
-        assert self._led is not None
-        guard, velocity = self._led.guard, np.zeros(len(wanted))
+        guard, velocity = self.share.guard, np.zeros(len(wanted))
         if going and self._wanted is not None:
             behind = self._wanted - self._told
             catch = zip(np.abs(behind).tolist(), guard.rises.tolist(), strict=True)
@@ -229,7 +220,7 @@ class ExternalControl(Block):
         self._velocity = guard.limited(velocity, self._velocity, self._told, step)
         self._told = self._told + self._velocity * step
         self._limited = going and bool(np.abs(self._told - wanted).max() > HELD)
-        self._led.carrier.move(self._told, step + min(step, LATE))
+        self.share.carrier.move(self._told, step + min(step, LATE))
 
     def _check_near(self, wanted: Floats) -> None:
         away = np.abs(wanted - self._told)

@@ -10,15 +10,16 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Sequence
-from typing import ClassVar, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from assistant.blocks.connections import Connection
-from assistant.blocks.diagrams.block import Block, Port
+from assistant.blocks.diagrams.block import Port
 from assistant.blocks.leading import Leader, Measures
 from assistant.blocks.library.arrays import at_least_0, joints_port, pose_port
+from assistant.blocks.library.connected import Connected
 from assistant.blocks.library.kinematics import jacobian, tool_pose
 from assistant.blocks.rules import NO_JOINTS, NO_NUMBERS, OUT_OF_LIMITS, TOO_FAR, TOO_FAST
 from assistant.program import rotations
@@ -38,14 +39,12 @@ ROUNDING: Final = 1e-6
 """Part of a speed that two moments of a run make of it."""
 
 
-class Status(Block):
+class Status(Connected[Measures]):
     """→ pose of the tool, joints, joints that are asked for, speed, seconds, rate.
 
     What the controller tells at the moment, also while the arm moves. seconds: on the controller's
     clock; rate: records in a second of it, 0 before there are two. Nothing is moved by it.
     """
-
-    direct: ClassVar[bool] = False
 
     def __init__(
         self,
@@ -57,24 +56,16 @@ class Status(Block):
     ) -> None:
         own = [pose_port(), joints_port(robot), joints_port(robot, "told")]
         more = [Port("speed", 1, "mm/s"), Port("seconds", 1, "s"), Port("rate")]
-        super().__init__(name, (), [*own, *more], period=period)
-        self.connection = connection
-        self._source: Measures | None = None
+        super().__init__(name, connection, (), [*own, *more], period)
 
     def begin(self) -> None:
         self._seen: deque[tuple[float, int]] = deque()
-        self._source = self.connection.take()
-
-    def end(self) -> None:
-        if self._source is not None:
-            self._source = None
-            self.connection.leave()
+        super().begin()
 
     def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:
         """Raises Refused if the controller tells nothing any more."""
         del now, given
-        assert self._source is not None
-        found = self._source.measured()
+        found = self.share.measured()
         rate = self._rate(found.seconds, found.records)
         return [found.pose, found.joints, found.told, [found.speed], [found.seconds], [rate]]
 
@@ -87,14 +78,12 @@ class Status(Block):
         return (records - seen[0][1]) / passed if passed > 0.0 else 0.0
 
 
-class Relative(Block):
+class Relative(Connected[Leader]):
     """by, go → joints that the arm is told to be at, steps that were told.
 
     While `go` is above 0.5, the arm goes on by a step from where it was told to be last; steps may
     come at any time, and none is waited for. most: what a step may be at most.
     """
-
-    direct: ClassVar[bool] = False
 
     def __init__(
         self,
@@ -105,29 +94,18 @@ class Relative(Block):
         period: float | None,
     ) -> None:
         outputs = [joints_port(robot, "told"), Port("steps")]
-        super().__init__(name, [by, Port("go")], outputs, period=period)
-        self.robot, self.connection, self.moves = robot, connection, connection.name
-        self._leader: Leader | None = None
+        super().__init__(name, connection, [by, Port("go")], outputs, period)
+        self.robot, self.moves = robot, connection.name
 
     def begin(self) -> None:
         self._before, self._steps = math.nan, 0
-        self._leader = self.connection.take()
-
-    def end(self) -> None:
-        if self._leader is not None:
-            self._leader = None
-            self.connection.leave()
-
-    @property
-    def leader(self) -> Leader:
-        assert self._leader is not None, "a run has begun"
-        return self._leader
+        super().begin()
 
     def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:
         """Raises Refused for a step that the controller refused or did not make."""
         del now, given
-        self.leader.check()
-        return [self.leader.told, [float(self._steps)]]
+        self.share.check()
+        return [self.share.told, [float(self._steps)]]
 
     def take(self, now: float, given: Sequence[Floats]) -> None:
         seconds, self._before = now - self._before, now
@@ -136,11 +114,11 @@ class Relative(Block):
             return
         if not np.isfinite(by).all():
             raise Refused(NO_NUMBERS(block=self.name))
-        joints = self.stepped(self.leader.told, by)
+        joints = self.stepped(self.share.told, by)
         self._check(joints, seconds)
-        joints = np.clip(joints, *self.leader.arm.limits.T)
-        period = self.leader.carrier.period
-        self.leader.to(joints, period if math.isnan(seconds) else seconds)
+        joints = np.clip(joints, *self.share.arm.limits.T)
+        period = self.share.carrier.period
+        self.share.to(joints, period if math.isnan(seconds) else seconds)
         self._steps += 1
 
     def stepped(self, joints: Floats, by: Floats) -> Floats:
@@ -152,14 +130,14 @@ class Relative(Block):
             raise Refused(TOO_FAR(block=self.name, step=step, unit=unit, most=most))
 
     def _check(self, joints: Floats, seconds: float) -> None:
-        arm = self.leader.arm
+        arm = self.share.arm
         for axis, value, (low, high) in zip(arm.axes, joints, arm.limits, strict=True):
             if not low - EDGE <= value <= high + EDGE:
                 told = {"low": low, "high": high, "robot": self.robot.name, "value": value}
                 raise Refused(OUT_OF_LIMITS(block=self.name, axis=int(axis[1:]), **told))
         if math.isnan(seconds):
             return
-        speeds = np.abs(joints - self.leader.told) / seconds
+        speeds = np.abs(joints - self.share.told) / seconds
         fast = np.flatnonzero(speeds > arm.speeds * (1.0 + ROUNDING))
         if len(fast):
             told = {"axis": arm.axes[fast[0]], "speed": speeds[fast[0]]}
@@ -254,9 +232,5 @@ def near(robot: Robot, tool: Pose, joints: Floats, goal: Floats) -> Floats | Non
 
 def _between(pose: Floats, goal: Floats) -> Floats:
     """(6,) mm and degrees from a pose to another one, in the base."""
-    turn = rotations.multiply(goal[3:], rotations.conjugate(pose[3:]))
-    turn = turn if turn[0] >= 0.0 else -turn
-    size = float(np.linalg.norm(turn[1:]))
-    angle = 2.0 * math.degrees(math.atan2(size, float(turn[0])))
-    axis = turn[1:] / size if size > 0.0 else np.zeros(3)
-    return np.concatenate([goal[:3] - pose[:3], angle * axis])
+    turn = np.degrees(rotations.turns(pose[3:], goal[3:]))
+    return np.concatenate([goal[:3] - pose[:3], turn])

@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from assistant.blocks.connections import Connection, Operator
-from assistant.blocks.diagrams.block import Block, Port
+from assistant.blocks.diagrams.block import Port
+from assistant.blocks.library.connected import Connected
 from assistant.blocks.rules import NO_NUMBERS, OUT_OF_LIMITS
 from assistant.controllers.mitsubishi import single_moves
 from assistant.controllers.mitsubishi.jogging import Goal
@@ -28,7 +29,7 @@ NUMBERED: Final = 6
 """Joints by number, whichever the arm lacks, or X, Y, Z in mm and A, B, C in degrees."""
 
 
-class Move(Block):
+class Move(Connected[Operator]):
     """target (and what else leads there), start → busy, moves done, where it stood last.
 
     While `start` is above 0.5 and no move is under way, it moves to a target that is another one
@@ -37,7 +38,6 @@ class Move(Block):
     0 for one that the arm lacks, and NaN before the first move.
     """
 
-    direct: ClassVar[bool] = False
     ways: ClassVar[tuple[str, ...]] = ("target",)
     of_joints: ClassVar[bool] = False
 
@@ -52,20 +52,14 @@ class Move(Block):
         unit = "deg" if self.of_joints else ""
         ports = [Port(way, NUMBERED, unit) for way in self.ways]
         outputs = [Port("busy"), Port("done"), Port("joints", NUMBERED, "deg")]
-        super().__init__(name, [*ports, Port("start")], outputs, period=period)
-        self.robot, self.connection, self.moves = robot, connection, connection.name
-        self._operator: Operator | None = None
+        super().__init__(name, connection, [*ports, Port("start")], outputs, period)
+        self.robot, self.moves = robot, connection.name
 
     def begin(self) -> None:
         self._under_way: Future[Position] | None = None
         self._last: Floats | None = None
         self._done, self._stood = 0, np.full(NUMBERED, np.nan)
-        self._operator = self.connection.take()
-
-    def end(self) -> None:
-        if self._operator is not None:
-            self._operator = None
-            self.connection.leave()
+        super().begin()
 
     def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:
         """Raises Refused for a move that the controller refused or did not end."""
@@ -80,9 +74,8 @@ class Move(Block):
 
     def take(self, now: float, given: Sequence[Floats]) -> None:
         del now
-        assert self._operator is not None
         wanted = np.concatenate(given[:-1])
-        if self._under_way is not None or self._operator.busy or not given[-1][0] > 0.5:
+        if self._under_way is not None or self.share.busy or not given[-1][0] > 0.5:
             return
         if self._last is not None and np.array_equal(wanted, self._last):
             return
@@ -91,9 +84,7 @@ class Move(Block):
         if self.of_joints:
             self._check(wanted)
         self._last = wanted
-        self._under_way = self._operator.carry_out(
-            self.statements(given[:-1]), self._goal(given[-2])
-        )
+        self._under_way = self.share.carry_out(self.statements(given[:-1]), self._goal(given[-2]))
 
     def statements(self, ways: Sequence[Floats]) -> Sequence[str]:
         """What the controller carries out, one after the other. ways: as its inputs are."""
@@ -116,8 +107,7 @@ class Move(Block):
 
     def _posture(self) -> str:
         """How the arm is bent now, as its controller writes it."""
-        assert self._operator is not None
-        return self._operator.position().text.rpartition("(")[2]
+        return self.share.position().text.rpartition("(")[2]
 
 
 class JointMovJoint(Move):

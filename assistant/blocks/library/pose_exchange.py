@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Future
 from contextlib import contextmanager, suppress
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from assistant.blocks.asking import Asked
 from assistant.blocks.connections import PATIENCE, Connection
-from assistant.blocks.diagrams.block import Block, Port
+from assistant.blocks.diagrams.block import Port
 from assistant.blocks.library.arrays import POSE, parts, pose_port, pose_signal
+from assistant.blocks.library.connected import Connected
 from assistant.controllers import connect
 from assistant.controllers.abb.exchange import PoseExchange
 from assistant.controllers.abb.exchange.messages import Answer
@@ -71,15 +71,13 @@ def _outside(positions: Floats, box: tuple[Vector, Vector]) -> Mapping[int, str]
     return {int(row): "it is outside of the box of its block" for row in np.flatnonzero(wrong)}
 
 
-class ExchangedPose(Block):
+class ExchangedPose(Connected[Asked[PoseExchange]]):
     """pose, start → busy, poses reached, pose where it stood last, seconds of the last motion.
 
     While `start` is above 0.5 and nothing is under way, the tool of the module goes on a line to a
     pose that is another one than the last. Poses that come meanwhile are not waited for: the one
     that is there when it is free again is next. `pose` is that of its work object.
     """
-
-    direct: ClassVar[bool] = False
 
     def __init__(
         self,
@@ -89,26 +87,25 @@ class ExchangedPose(Block):
         period: float | None = None,
     ) -> None:
         outputs = [Port("busy"), Port("done"), pose_port("stands"), Port("motion", unit="s")]
-        super().__init__(name, [pose_port(), Port("start")], outputs, period=period)
-        self.connection, self.moves = connection, connection.name
-        self._asked: Asked[PoseExchange] | None = None
+        super().__init__(name, connection, [pose_port(), Port("start")], outputs, period)
+        self.moves = connection.name
 
     def begin(self) -> None:
-        self._asked = self.connection.take()
+        super().begin()
         self._done, self._motion = 0, 0.0
         self._last: Floats | None = None
         self._stands = np.full(POSE, np.nan)
-        self._under_way: Future[Answer] | None = self._asked.ask(
+        self._under_way: Future[Answer] | None = self.share.ask(
             lambda exchange: exchange.current_pose()
         )
         self._goes = False
 
     def end(self) -> None:
-        if self._asked is None:
+        asking = self._share
+        super().end()
+        if asking is None:
             return
-        asking, self._asked = self._asked, None
         under_way, self._under_way = self._under_way, None
-        self.connection.leave()
         if under_way is not None and not asking.busy:
             with suppress(Refused):  # what ended it was the stop
                 under_way.result(PATIENCE)
@@ -127,7 +124,6 @@ class ExchangedPose(Block):
 
     def take(self, now: float, given: Sequence[Floats]) -> None:
         del now
-        assert self._asked is not None
         wanted = given[0]
         if self._under_way is not None or not given[1][0] > 0.5:
             return
@@ -136,4 +132,4 @@ class ExchangedPose(Block):
         position, turn = parts(wanted)
         pose = Pose.of(position[0], turn[0])
         self._last, self._goes = wanted, True
-        self._under_way = self._asked.ask(lambda exchange: exchange.move_to(pose))
+        self._under_way = self.share.ask(lambda exchange: exchange.move_to(pose))

@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
-from typing import ClassVar, Final, Protocol
+from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from assistant.blocks.asking import Asked
 from assistant.blocks.connections import Connection
-from assistant.blocks.diagrams.block import Block, Port
+from assistant.blocks.diagrams.block import Port
 from assistant.blocks.library.arrays import at_least_0
+from assistant.blocks.library.connected import Connected
 from assistant.blocks.library.rules import BOTH, NO_GRIP
 from assistant.controllers.controller import Controller
 from assistant.program.arrays import Floats
@@ -25,33 +26,7 @@ WITHIN: Final = 2.0
 """Seconds in which a gripper has to confirm."""
 
 
-class _Asking(Block):
-    """A block with a connection by which it asks."""
-
-    direct: ClassVar[bool] = False
-
-    def __init__(
-        self,
-        name: str,
-        connection: Connection[Asked[Controller]],
-        inputs: Sequence[Port],
-        outputs: Sequence[Port],
-        period: float | None,
-    ) -> None:
-        super().__init__(name, inputs, outputs, period=period)
-        self.connection = connection
-        self._asked: Asked[Controller] | None = None
-
-    def begin(self) -> None:
-        self._asked = self.connection.take()
-
-    def end(self) -> None:
-        if self._asked is not None:
-            self._asked = None
-            self.connection.leave()
-
-
-class Signals(_Asking):
+class Signals(Connected[Asked[Controller]]):
     """Inputs of a controller by their names (numbers as text where it numbers them) → values, age.
 
     values: NaN until the first answer. age: seconds since these were asked for. They are asked for
@@ -87,12 +62,11 @@ class Signals(_Asking):
 
     def take(self, now: float, given: Sequence[Floats]) -> None:
         del given
-        assert self._asked is not None
         if self._coming is None:
-            self._coming = now, self._asked.ask(lambda session: session.inputs(self.names))
+            self._coming = now, self.share.ask(lambda session: session.inputs(self.names))
 
 
-class Output(_Asking):
+class Output(Connected[Asked[Controller]]):
     """value → what the output was set to last, NaN before. It is set when the value changes.
 
     Values that come while one is on its way are not waited for: the newest is next. A value that is
@@ -125,11 +99,10 @@ class Output(_Asking):
 
     def take(self, now: float, given: Sequence[Floats]) -> None:
         del now
-        assert self._asked is not None
         value = float(given[0][0])
         if self._coming is None and np.isfinite(value) and value != self._set:
             name = self.output
-            self._coming = value, self._asked.ask(lambda session: session.set_output(name, value))
+            self._coming = value, self.share.ask(lambda session: session.set_output(name, value))
 
 
 class Actuated(Protocol):
@@ -160,7 +133,7 @@ class Valve:
         session.set_output(self.output, self.closed if close else self.opened)
 
 
-class Gripper(_Asking):
+class Gripper(Connected[Asked[Controller]]):
     """close → state (1 closed, 0 open, 0.5 for neither), whether that is confirmed, busy.
 
     Above 0.5 it closes, below it opens, and what is no number leaves it as it is; it is told when
@@ -220,15 +193,14 @@ class Gripper(_Asking):
         return [[self._state], [float(done)], [float(busy)]]
 
     def take(self, now: float, given: Sequence[Floats]) -> None:
-        assert self._asked is not None
         wanted, by, inputs = float(given[0][0]), self.by, self._inputs
         if self._moving is None and np.isfinite(wanted) and (wanted > 0.5) != self._told:
             close = self._told = wanted > 0.5
             self._since, self._state = now, BETWEEN
             self._looking = None  # what was asked before tells of before
-            self._moving = self._asked.ask(lambda session: by.move(session, close=close))
+            self._moving = self.share.ask(lambda session: by.move(session, close=close))
         elif self._moving is None and self._looking is None and inputs:
-            self._looking = self._asked.ask(lambda session: session.inputs(inputs))
+            self._looking = self.share.ask(lambda session: session.inputs(inputs))
 
     def _read(self, found: dict[str, float]) -> float:
         """The state that the inputs tell."""
