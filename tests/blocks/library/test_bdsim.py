@@ -22,19 +22,11 @@ from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.virtual.cr import VirtualCr
 
-bdsim = pytest.importorskip("bdsim")
+pytest.importorskip("bdsim")
 bdload = pytest.importorskip("bdsim.blockdiagram").bdload
 ARM = robots.get("rv-2aj")
 IRB = robots.get("irb1200-7-0.7")
 DOWN = (0.0, 1.0, 0.0, 0.0)
-
-
-@pytest.fixture
-def sim() -> object:
-    return bdsim.BDSim(
-        packages="assistant", toolboxes=False, graphics=False, progress=False, quiet=True,
-        sysargs=False, hold=False,
-    )  # fmt: skip
 
 
 def test_bdsim_finds_the_blocks(sim) -> None:

@@ -23,19 +23,11 @@ from assistant.vision.servoing.things import Marker
 from tests.vision.pointing.scenes import LENS
 from tests.vision.servoing.scenes import PATIENT, free_port
 
-bdsim = pytest.importorskip("bdsim")
+pytest.importorskip("bdsim")
 IRB = robots.get("irb1200-7-0.7")
 HERE = np.array([10.0, 25.0, 15.0, 20.0, 60.0, 15.0])
 CELL = Path(__file__).parents[3] / "samples" / "cell" / "station-irb1200-7-0.7.toml"
 DOWN = (0.0, 1.0, 0.0, 0.0)
-
-
-@pytest.fixture
-def sim() -> object:
-    return bdsim.BDSim(
-        packages="assistant", toolboxes=False, graphics=False, progress=False, quiet=True,
-        sysargs=False, hold=False,
-    )  # fmt: skip
 
 
 def test_bdsim_finds_these_blocks(sim) -> None:

@@ -26,7 +26,7 @@ from assistant.virtual.irc5.egm import Guidance, VirtualEgm
 from tests.blocks.library.test_leading import MOST, STEP, Cell, cell, check_continuous
 from tests.vision.servoing.scenes import free_port
 
-bdsim = pytest.importorskip("bdsim")
+pytest.importorskip("bdsim")
 ARM = robots.get("rv-2aj")
 TICK, ANOTHER = 0.02, 0.03
 """Seconds of a step of the model, and when another target comes."""
@@ -46,14 +46,6 @@ MOVES: Final = {
 """What each is given, one after the other, and how the controller calls what it does."""
 SLOW: Final = {("serial link", name) for name in MOVES} - {("serial link", "JOINTMOVJOINT")}
 """In the fast suite each has one case."""
-
-
-@pytest.fixture
-def sim() -> Any:
-    return bdsim.BDSim(
-        packages="assistant", toolboxes=False, graphics=False, progress=False, quiet=True,
-        sysargs=False, hold=False,
-    )  # fmt: skip
 
 
 def both(names: Any, slow: Any) -> list[Any]:
