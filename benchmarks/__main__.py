@@ -15,6 +15,7 @@ from benchmarks import (
     exchanging,
     first_page,
     generated,
+    in_the_studio,
     learning,
     models,
     planning,
@@ -101,6 +102,7 @@ def main() -> None:
         exchanging.report()
     if chosen.only in (None, "editing"):
         editing.report()
+        in_the_studio.report()
     if chosen.only in (None, "first-page"):
         first_page.report()
     if chosen.only in (None, "planning"):

@@ -10,7 +10,6 @@ from typing import Final
 from assistant.editing import service
 from assistant.editing.service import Change, Place, Range, Workspace
 from assistant.program.without_gc import keep_what_is_there
-from benchmarks import in_the_studio
 from benchmarks.code import code
 
 LINES: Final = 5000
@@ -35,7 +34,6 @@ def report() -> None:
             f"{worst:>10.1f}{over:>12,}{whole:>12.2f}",
             flush=True,
         )
-    in_the_studio.report(TITLES)
 
 
 def measured(language: str, lines: int, places: int) -> tuple[float, list[float]]:

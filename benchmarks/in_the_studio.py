@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import statistics
-import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Iterator, Mapping
@@ -15,19 +13,20 @@ from pathlib import Path
 from typing import Any, Final
 from urllib.parse import urlsplit
 
+from benchmarks.editing import LIMIT, SUFFIXES, TITLES, keys, program
+from tests.studio.serving import Page, served
+
 LINES: Final = 5000
 PLACES: Final = 6
 SEEN: Final = 60
 """Lines of the text that the page shows."""
 
 
-def report(titles: Mapping[str, str]) -> None:
+def report() -> None:
     """A line a language: findings and colours of each key, by the server that people start."""
     print("\nThe same in the studio, with the colours of the lines that are seen\n")
     print(f"{'language':<20}{'keys':>8}{'median':>10}{'95 %':>10}{'worst':>10}{'over limit':>12}")
-    from benchmarks.editing import LIMIT
-
-    for language, title in titles.items():
+    for language, title in TITLES.items():
         times = measured(language)
         over = sum(one > LIMIT for one in times)
         print(
@@ -39,8 +38,6 @@ def report(titles: Mapping[str, str]) -> None:
 
 def measured(language: str, lines: int = LINES, places: int = PLACES) -> list[float]:
     """Milliseconds of each key."""
-    from benchmarks.editing import SUFFIXES, keys, program
-
     name, text = f"typed.{SUFFIXES[language]}", program(language, lines)
     times = []
     with tempfile.TemporaryDirectory() as folder:
@@ -65,23 +62,13 @@ def measured(language: str, lines: int = LINES, places: int = PLACES) -> list[fl
 @contextmanager
 def _asking(folder: str) -> Iterator[Any]:
     """A window of a studio, by what it asks of its texts."""
-    from websockets.sync.client import connect
-
-    command = [sys.executable, "-m", "assistant", "studio", folder, "--no-open"]
-    process = subprocess.Popen([*command, "--format", "json"], stdout=subprocess.PIPE, text=True)
-    assert process.stdout is not None
-    try:
-        said = process.stdout.readline()
-        while not said.endswith("}\n"):
-            said += process.stdout.readline()
-        address = json.loads(said)["address"]
-        parts = urlsplit(address)
-        origin = f"{parts.scheme}://{parts.netloc}"
-        line = address.replace("http", "ws", 1) + "window"
-        with connect(line, additional_headers={"Origin": origin}) as window:
-            name = json.loads(window.recv(10.0))["name"]
+    with served(Path(folder)) as address:
+        page = Page(address)
+        with page.line():
+            parts = urlsplit(address)
             kept = HTTPConnection(parts.netloc, timeout=120)
-            told = {"Origin": origin, "X-Window": name, "Content-Type": "application/json"}
+            told = {"Origin": page.origin, "X-Window": page.window}
+            told["Content-Type"] = "application/json"
 
             def ask(what: str, values: Mapping[str, Any]) -> Any:
                 kept.request("POST", f"{parts.path}text/{what}", json.dumps(values), told)
@@ -92,6 +79,3 @@ def _asking(folder: str) -> Iterator[Any]:
 
             yield ask
             kept.close()
-    finally:
-        process.terminate()
-        process.communicate(timeout=20)
