@@ -10,7 +10,7 @@ import json
 import socket
 import ssl
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from itertools import product
 from pathlib import Path
 from typing import Any, Final
@@ -146,24 +146,26 @@ def project(page: Page, folder: Path) -> Path:
 
 
 def test_whoever_is_not_our_page_is_refused_by_every_route(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, tell: Callable[[str], None]
 ) -> None:
     monkeypatch.chdir(tmp_path)  # the studio goes to its folder
     with serving(tmp_path) as ours, contextlib.closing(Stranger(ours.address)) as stranger:
         tried: Counter[str] = Counter()
         for method, path in ASKED:
-            path = path.replace("{name:path}", "x")
-            for reason, address, headers in stranger.attacks(
-                path.replace("{name:path}", "x"), method
-            ):
+            asked = stranger.attacks(path.replace("{name:path}", "x"), method)
+            for reason, address, headers in asked:
                 assert stranger.ask(method, address, headers) == REFUSED, (reason, address, headers)
                 tried[reason] += 1
         assert ours.guard.refused == tried
         assert len(ASKED) > 40 and tried.total() > 17 * len(ASKED) - 1
         assert list(tmp_path.iterdir()) == []
+    counts = ", ".join(f"{count} by {reason}" for reason, count in tried.items())
+    tell(f"studio: {tried.total()} of {tried.total()} strangers refused, {counts}")
 
 
-def test_a_form_of_another_page_does_nothing(stranger: Stranger, folder: Path) -> None:
+def test_a_form_of_another_page_does_nothing(
+    stranger: Stranger, folder: Path, tell: Callable[[str], None]
+) -> None:
     """Even with the token, the browser says where the form stands; without the window it ends."""
     kinds = ("text/plain", "application/x-www-form-urlencoded", "multipart/form-data; boundary=x")
     for kind, path in product(kinds, WRITING):
@@ -175,6 +177,7 @@ def test_a_form_of_another_page_does_nothing(stranger: Stranger, folder: Path) -
         ours = headers | {"Origin": stranger.origin}
         assert stranger.ask("POST", address, ours) == 422  # ST010: it has no window
     assert list(folder.iterdir()) == []
+    tell(f"studio: {3 * len(kinds) * len(WRITING)} posts of forms changed nothing")
 
 
 def test_no_other_page_has_a_line(address: str) -> None:
@@ -199,7 +202,9 @@ def test_no_other_page_has_a_line(address: str) -> None:
     assert len(wrong) == 6 * len(LINES) > 0
 
 
-def test_a_second_window_changes_nothing(page: Page, project: Path) -> None:
+def test_a_second_window_changes_nothing(
+    page: Page, project: Path, tell: Callable[[str], None]
+) -> None:
     before = {file: file.stat().st_mtime_ns for file in project.iterdir()}
     second = Page(page.address)
     with second.line():
@@ -209,6 +214,7 @@ def test_a_second_window_changes_nothing(page: Page, project: Path) -> None:
                 assert (told.status, told.value["findings"][0]["code"]) == (422, "ST010"), path
     assert len(WRITING) > 15
     assert {file: file.stat().st_mtime_ns for file in project.iterdir()} == before
+    tell(f"studio: {5 * len(WRITING)} writes of second windows refused")
 
 
 def test_the_next_window_writes_when_the_first_is_closed(address: str) -> None:
@@ -235,7 +241,7 @@ def told(page: Page, method: str, path: str, values: Mapping[str, Any]) -> Answe
 
 @pytest.mark.parametrize("paths", [PATHS[:2], pytest.param(PATHS[2:], marks=pytest.mark.slow)])
 def test_no_route_is_led_out_of_the_project(
-    page: Page, project: Path, paths: tuple[str, ...]
+    page: Page, project: Path, paths: tuple[str, ...], tell: Callable[[str], None]
 ) -> None:
     """Each value of each route is a path that leads out, alone and with all others."""
     outside = project.parent / "outside"
@@ -258,6 +264,7 @@ def test_no_route_is_led_out_of_the_project(
     assert [one.name for one in outside.iterdir()] == ["secret.mod"]
     assert SECRET in (outside / "secret.mod").read_text("utf-8")
     assert {one.name for one in project.parent.iterdir()} == {"cell", "outside"}
+    tell(f"studio: {tried} paths led out of no project")
 
 
 @pytest.mark.slow
