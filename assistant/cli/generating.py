@@ -80,7 +80,8 @@ def run_fmu(wanted: Wanted, format: Format) -> int:
             if has_errors(ready.findings):
                 robot = ready.solution.robot
                 return refused(wanted.source, robot, ready.findings, format, "written as an FMU")
-            model, findings = _program(wanted, options, ready), ready.findings
+            model, unplayed = _program(wanted, options, ready)
+            findings = [*ready.findings, *unplayed]
         data, more = compiled(model, everywhere=wanted.everywhere)
         findings = [*findings, *more]
         keep_sources([wanted.source], [output])
@@ -133,15 +134,18 @@ def _arm(wanted: Wanted, kind: str) -> tuple[Model, Sequence[Diagnostic]]:
     return arm_model(robot, lag=wanted.lag), robot.findings
 
 
-def _program(wanted: Wanted, options: Options, ready: Solved) -> Model:
+def _program(wanted: Wanted, options: Options, ready: Solved) -> tuple[Model, Sequence[Diagnostic]]:
+    """The motion of a program, and what of it only running it would tell."""
     from assistant.blocks.fmu import program_model, usual_period
+    from assistant.blocks.fmu.rules import NOT_PLAYED
     from assistant.blocks.playback import Motion
     from assistant.robots.timing import simulate
 
     done = simulate(ready.solution, period=options.period, acceleration=options.acceleration)
     if options.period is None:
         done = replace(done, wanted_period=usual_period(done.seconds))
-    return program_model(Motion.of(done), done.robot, Path(wanted.source).stem)
+    unplayed = [NOT_PLAYED(what=str(one)) for one in done.unknown]
+    return program_model(Motion.of(done), done.robot, Path(wanted.source).stem), unplayed
 
 
 def _told(model: Model) -> str:

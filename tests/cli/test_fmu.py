@@ -104,3 +104,14 @@ def test_an_option_of_another_kind_is_refused(capsys: Capture, tmp_path: Path, o
     output = tmp_path / "arm.fmu"
     status, _, said = run(capsys, "fmu", "rv-2aj", "-o", output, *option)
     assert (status, "CL561" in said, output.exists()) == (2, True, False)
+
+
+def test_what_only_running_a_program_tells_is_said_not_to_be_played(
+    capsys: Capture, tmp_path: Path
+) -> None:
+    words = ("-o", str(tmp_path / "pallet.fmu"), "--period", "0.05", "--format", "json")
+    pallet = str(SAMPLES / "melfa" / "PALLET.prg")
+    status, out, _ = run(capsys, "fmu", pallet, "--robot", "rv-4frl", *words)
+    told = [one["message"] for one in json.loads(out)["findings"] if one["code"] == "BL408"]
+    assert status == 0
+    assert any("move 3 to `PTo`: only running the program tells" in one for one in told)

@@ -38,3 +38,8 @@ NO_LINE: Final = error(
 NO_CYCLE: Final = error(
     "BL407", "{value:g} s is no cycle of a controller", "give 0.001 to 0.1 seconds"
 )
+NOT_PLAYED: Final = warning(
+    "BL408",
+    "the FMU plays the program as far as it is known before it runs: {what}",
+    "state its places in numbers, and look at a run of it beside the FMU",
+)
