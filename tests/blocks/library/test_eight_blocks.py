@@ -7,6 +7,7 @@ Status; over real sockets and over a pseudo terminal.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
 
@@ -58,7 +59,9 @@ def both(names: Any, slow: Any) -> list[Any]:
 
 
 @pytest.mark.parametrize(("way", "name"), both(MOVES, SLOW))
-def test_a_move_is_blocking_and_the_arm_stops_behind_it(sim: Any, way: str, name: str) -> None:
+def test_a_move_is_blocking_and_the_arm_stops_behind_it(
+    sim: Any, way: str, name: str, tell: Callable[[str], None]
+) -> None:
     ways, kind = MOVES[name]
     with cell(way, pace=2.0) as here:
         connection = operated("cell", here.address, override=50)
@@ -78,6 +81,7 @@ def test_a_move_is_blocking_and_the_arm_stops_behind_it(sim: Any, way: str, name
         assert connection.users == 0
         check_blocking(here, ran)
         assert [(one.kind, one.blend) for one in here.moves] == [(kind, 0.0)] * 2
+    tell(f"{name}, {way}: busy until the arm stands, one halt between two moves")
 
 
 def check_blocking(here: Cell, ran: Ran) -> None:
@@ -114,7 +118,9 @@ LED_SLOW: Final = {("sockets", "RELJOINT"), ("serial link", "RELCART")}
 
 
 @pytest.mark.parametrize(("way", "name"), both(BY, LED_SLOW))
-def test_relative_steps_are_continuous_and_not_blocking(sim: Any, way: str, name: str) -> None:
+def test_relative_steps_are_continuous_and_not_blocking(
+    sim: Any, way: str, name: str, tell: Callable[[str], None]
+) -> None:
     steps = 4
     with cell(way) as here:
         diagram, connection, ends = led_model(sim, here, name, BY[name], steps)
@@ -132,14 +138,17 @@ def test_relative_steps_are_continuous_and_not_blocking(sim: Any, way: str, name
         check_continuous(here, Ran(ran.seconds, shown, ran.lateness, ran.late), steps)
         if name == "RELCART":
             check_straight(here, steps * np.array(BY[name][:3]))
-        check_measured(ran)
+        rate = check_measured(ran)
+    tell(f"{name} and STATUS, {way}: {steps} steps without a halt, {rate:.0f} records a second")
 
 
-def check_measured(ran: Ran) -> None:
-    """All the time, and tens of times in each second of the controller's clock."""
+def check_measured(ran: Ran) -> float:
+    """All the time, and tens of times in each second of the controller's clock: how often."""
     seconds = ran["status[4]"]
     assert (np.diff(seconds) >= 0.0).all() and len(np.unique(seconds)) > len(seconds) / 2
-    assert ran["status[5]"][-1] > 20.0
+    rate = float(ran["status[5]"][-1])
+    assert rate > 20.0
+    return rate
 
 
 def check_straight(here: Cell, way: np.ndarray) -> None:
@@ -151,7 +160,9 @@ def check_straight(here: Cell, way: np.ndarray) -> None:
 
 
 @pytest.mark.parametrize("way", ["sockets", "serial line"])
-def test_status_measures_all_the_time_and_moves_nothing(sim: Any, way: str) -> None:
+def test_status_measures_all_the_time_and_moves_nothing(
+    sim: Any, way: str, tell: Callable[[str], None]
+) -> None:
     with cell(way, pace=1.0) as here:
         connection = measured("cell", here.lines[1], ARM, address=here.address)
         diagram = sim.blockdiagram()
@@ -163,7 +174,8 @@ def test_status_measures_all_the_time_and_moves_nothing(sim: Any, way: str) -> N
         p, q = ARM.fk(ARM.home)
         assert ran["status[0]"][-1] == pytest.approx([*p[0], *q[0]], abs=0.01)
         assert ran["status[1]"][-1] == pytest.approx(ARM.home, abs=0.01)
-        check_measured(ran)
+        rate = check_measured(ran)
+    tell(f"STATUS alone, {way}: {rate:.0f} records a second")
 
 
 @pytest.mark.slow
