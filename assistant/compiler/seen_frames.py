@@ -17,7 +17,6 @@ from assistant.compiler.locations import placed_in
 from assistant.program.diagnostics import Diagnostic, Findings, Refused, error, has_errors, info
 from assistant.program.geometry import IDENTITY, Frame, Pose
 from assistant.program.program import Program
-from assistant.program.pseudo.values import pose_text
 from assistant.program.subjects import Declared
 from assistant.sources.process.seen import Asking
 from assistant.sources.process.values import listed, shown
@@ -142,7 +141,7 @@ def _seen(name: str, frame: Frame, program: Program, arms: Arms, found: Findings
     if pose is None or doubted:
         return None
     if arms.seeing.ask is None:
-        said, mm, deg = pose_text(_rounded(pose)), sight.sigma_mm, sight.sigma_deg
+        said, mm, deg = _shown_pose(pose), sight.sigma_mm, sight.sigma_deg
         taken = TAKEN(frame=name, name=sight.name, pose=said, sigma_mm=mm, sigma_deg=deg)
         found.append(_about(taken, name))
     return pose
@@ -171,12 +170,15 @@ def _asked(
     usual: Mapping[str, tuple[str, Pose]], ask: Asking, within: float
 ) -> Iterator[Diagnostic]:
     for name, (object, pose) in usual.items():
-        where = pose_text(_rounded(pose))
+        where = _shown_pose(pose)
         yield _about(ASKED(name=object, whom=ask.spoken, within=within, pose=where), name)
 
 
-def _rounded(pose: Pose) -> Pose:
-    """For people."""
+def _shown_pose(pose: Pose) -> str:
+    """For people, as the pseudo-program writes it."""
+    # Loads lark, which checking a program of another language needs not.
+    from assistant.program.pseudo.values import pose_text
+
     x, y, z = (round(value, 2) + 0.0 for value in pose.position)
     w, i, j, k = (round(value, 4) + 0.0 for value in pose.quaternion)
-    return Pose((x, y, z), (w, i, j, k))
+    return pose_text(Pose((x, y, z), (w, i, j, k)))
