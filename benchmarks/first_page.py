@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 import statistics
 import subprocess
 import sys
@@ -11,10 +10,11 @@ import tempfile
 import time
 from typing import Any, Final
 
+from docs.browsing import chromium, installed
+
 RUNS: Final = 7
 LIMIT: Final = 1.0
 """Seconds in which the page has to appear."""
-BROWSERS: Final = ("chromium", "chromium-browser", "google-chrome")
 PAINTED: Final = """() => performance.timeOrigin
   + (performance.getEntriesByName("first-contentful-paint")[0]?.startTime ?? NaN)"""
 """When the first text was seen, in ms since 1970."""
@@ -23,18 +23,13 @@ PARTS: Final = ("address", "page", "ready")
 
 def report() -> None:
     """A line a part: when its address is told, its page seen, and its window ready to write."""
-    from playwright.sync_api import sync_playwright
-
     print("\nThe studio of a new project: seconds from the start of the command\n")
-    browser = next(filter(None, map(shutil.which, BROWSERS)), None)
-    if browser is None:
+    if installed() is None:
         print("there is no Chromium here")
         return
-    with sync_playwright() as one:
-        opened = one.chromium.launch(executable_path=browser, args=["--no-sandbox"])
+    with chromium() as opened:
         _measured(opened)  # files of the system are in its memory then
         times = [_measured(opened) for _ in range(RUNS)]
-        opened.close()
     print(f"{'until':<12}{'best':>8}{'median':>8}{'worst':>8}{'over limit':>12}")
     for part, of_part in zip(PARTS, zip(*times, strict=True), strict=True):
         over = sum(seconds > LIMIT for seconds in of_part)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import shutil
 import tempfile
 import time
 from collections.abc import Iterator
@@ -11,6 +10,8 @@ from contextlib import contextmanager
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Final
+
+from docs.browsing import chromium, installed
 
 MOVES: Final = 10_000
 SECONDS: Final = 5.0
@@ -59,6 +60,9 @@ position = [420, 0, 100]
 
 def report(moves: int = MOVES) -> None:
     print(f"\nStudio: a program of {moves:,} moves in a browser that draws without a card\n")
+    if installed() is None:
+        print("there is no Chromium here")
+        return
     with tempfile.TemporaryDirectory() as name, _window(_project(Path(name), moves)) as window:
         begun = time.perf_counter()
         window.get_by_role("treeitem", name="long.mod").click()
@@ -115,17 +119,11 @@ def program(moves: int) -> str:
 
 @contextmanager
 def _window(folder: Path) -> Iterator[Any]:
-    from playwright.sync_api import sync_playwright
-
     from tests.studio.serving import served
-    from tests.view.test_browser import BROWSERS, SOFTWARE
 
-    found = next(filter(None, map(shutil.which, BROWSERS)), None)
-    with served(folder) as address, sync_playwright() as one:
-        browser = one.chromium.launch(executable_path=found, args=list(SOFTWARE))
+    with served(folder) as address, chromium() as browser:
         page = browser.new_page(viewport=SIZE, bypass_csp=True)
         page.set_default_timeout(PATIENCE)
         page.goto(address)
         page.wait_for_selector("body.ready")
         yield page
-        browser.close()

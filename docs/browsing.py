@@ -14,12 +14,17 @@ SOFTWARE: Final = (  # draws without a graphics card
 )
 
 
+def installed() -> str | None:
+    """The path of the browser of this computer."""
+    return next(filter(None, map(shutil.which, BROWSERS)), None)
+
+
 @contextmanager
 def chromium() -> Iterator[Any]:
     """The browser, for as long as the context; raises SystemExit where there is none."""
     from playwright.sync_api import sync_playwright
 
-    found = next(filter(None, map(shutil.which, BROWSERS)), None)
+    found = installed()
     if found is None:
         raise SystemExit("there is no Chromium here: install it by the system's packages")
     with sync_playwright() as one:

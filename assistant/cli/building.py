@@ -28,14 +28,14 @@ ONE_FOLDER = error(
     "name one folder, and drawings that end in .dxf",
 )
 NO_DRAWING = error("CL052", "--unit is of drawings, and none is named", "name one, or leave it out")
-DRAWINGS = (".dxf",)
 
 
 def run_init(paths: Sequence[Path], unit: str | None = None) -> int:
     from assistant.project.drafting import BLANKS
     from assistant.project.starting import start
+    from assistant.sources.placements import DRAWN
 
-    drawings = [path for path in paths if path.suffix.lower() in DRAWINGS and not path.is_dir()]
+    drawings = [path for path in paths if path.suffix.lower() in DRAWN and not path.is_dir()]
     folders = [path for path in paths if path not in drawings]
     if len(folders) > 1:
         raise Refused(ONE_FOLDER(name=folders[1]), exit_status=2)

@@ -14,7 +14,6 @@ NOT_DRAWN = error(
     "`{name}` is no drawing",
     "name a DXF file; `show` prints what programs and tables say",
 )
-DRAWINGS = (".dxf",)
 
 
 def run_info(drawing: Path, process: Path | None, unit: str | None, format: Format) -> int:
@@ -24,9 +23,10 @@ def run_info(drawing: Path, process: Path | None, unit: str | None, format: Form
     from assistant.sources import process_of
     from assistant.sources.drawing.survey import survey
     from assistant.sources.lengths import known_unit
+    from assistant.sources.placements import DRAWN
     from assistant.sources.process import NO_PROCESS
 
-    if drawing.suffix.lower() not in DRAWINGS:
+    if drawing.suffix.lower() not in DRAWN:
         raise Refused(NOT_DRAWN(path=str(drawing), name=drawing.name), exit_status=2)
     left = list[Diagnostic]()
     try:

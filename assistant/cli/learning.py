@@ -227,12 +227,13 @@ def _files(
     """What is wanted beside the map."""
     import numpy as np
 
+    from assistant.program.arrays import evenly
     from assistant.report import learned_map as report
     from assistant.report.figures import format_of
 
     files: dict[Path, bytes] = {}
     if outputs.picture is not None:
-        chosen = np.unique(np.linspace(0, len(stages) - 1, STAGES).round().astype(int))
+        chosen = evenly(len(stages), STAGES)
         some, kind = [stages[at] for at in chosen], format_of(outputs.picture.name)
         drawn = report.lattice_picture(some, net.shape, tests.pixels, cameras, kind)
         files[outputs.picture] = drawn

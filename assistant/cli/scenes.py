@@ -20,7 +20,6 @@ NO_SCENE = error(
 TEXT, GLTF = ".toml", ".glb"
 WORLD: Final = ("world", "robots", "bodies", "frames")
 """Tables of a cell file that a scene holds."""
-DRAWINGS: Final = (".dxf",)
 
 
 def run_scene(cell: Path, unit: str | None, output: Path | None, format: Format) -> int:
@@ -70,11 +69,12 @@ def _read(
     from assistant.program.system.budgets import SETTINGS_FILE
     from assistant.program.text import decode, read_bytes
     from assistant.sources.lengths import known_unit, unit_stated
+    from assistant.sources.placements import DRAWN
     from assistant.sources.process.file import ENCODINGS, read_toml
 
     if unit is not None:
         known_unit(unit)
-    if cell.suffix.lower() in DRAWINGS:
+    if cell.suffix.lower() in DRAWN:
         drawn = read_drawing(cell, unit)
         return Scene(drawn.bodies), drawn.findings, ()
     source = decode(read_bytes(cell, most=SETTINGS_FILE), str(cell), ENCODINGS)

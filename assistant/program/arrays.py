@@ -30,6 +30,15 @@ def reals(values: ArrayLike) -> Floats:
         raise ValueError(str(error)) from None
 
 
+def evenly(count: int, most: int) -> Rows:
+    """At most so many of `count` places, as far from each other as can be, both ends among them.
+
+    most: at least 2, or only the first one is taken.
+    """
+    some = min(count, most)
+    return np.arange(some, dtype=np.intp) * (count - 1) // max(some - 1, 1)
+
+
 def norms(vectors: Floats) -> Floats:
     """Lengths (...) of vectors (..., c)."""
     squares = np.square(vectors)

@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 
 from assistant.cell.collision.model import Model
-from assistant.program.arrays import Floats
+from assistant.program.arrays import Floats, evenly
 from assistant.program.geometry import Pose
 from assistant.program.path import UNSTATED
 from assistant.program.visible import visible
@@ -134,7 +134,7 @@ def _drawing(stage: Stage, handle: Handle, position: Floats) -> Told:
         return {}
     p = np.concatenate([one for one, _ in flanges])
     q = np.concatenate([one for _, one in flanges])
-    picked = np.unique(np.linspace(0, len(p) - 1, MOST_PLACES).astype(int))
+    picked = evenly(len(p), MOST_PLACES)
     p, q = p[picked] + turned, q[picked]
     joints = solution.robot.joints_of(p, q, np.tile(OPEN, (len(p), 1)))
     there = np.isfinite(joints).all(axis=1)
@@ -143,5 +143,5 @@ def _drawing(stage: Stage, handle: Handle, position: Floats) -> Told:
     reached = joints[there]
     if not len(reached):
         return told
-    few = np.unique(np.linspace(0, len(reached) - 1, MOST_TOUCHED).astype(int))
+    few = evenly(len(reached), MOST_TOUCHED)
     return told | _touched(stage, reached[few])

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import io
-import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,27 +18,19 @@ from assistant.program.arrays import Floats
 from assistant.program.geometry import Pose
 from assistant.view.live import LivePage
 from assistant.view.page import filled
+from docs.browsing import chromium, installed
 from tests.cell.test_holding import CELL, PICK
 from tests.cli.test_commands import SAMPLES, run
 from tests.view.cases import data_of, numbers, written
 
-BROWSERS: Final = ("chromium", "chromium-browser", "google-chrome")
-SOFTWARE: Final = (  # draws without a graphics card
-    *("--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader"),
-    *("--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"),
-)
-
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    playwright = pytest.importorskip("playwright.sync_api")
-    found = next(filter(None, map(shutil.which, BROWSERS)), None)
-    if found is None:
+    pytest.importorskip("playwright.sync_api")
+    if installed() is None:
         pytest.skip("there is no Chromium here: apt-get install chromium")
-    with playwright.sync_playwright() as one:
-        opened = one.chromium.launch(executable_path=found, args=list(SOFTWARE))
+    with chromium() as opened:
         yield opened
-        opened.close()
 
 
 @contextmanager
