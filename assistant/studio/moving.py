@@ -15,6 +15,7 @@ from assistant.editing.places import Lines
 from assistant.editing.service import Change, Document, Workspace
 from assistant.editing.workspace import source_of
 from assistant.program import pseudo
+from assistant.program.comparison import Tolerance, compare
 from assistant.program.diagnostics import Refused, Span
 from assistant.program.geometry import Pose, Target, Vector
 from assistant.program.program import Program
@@ -31,6 +32,8 @@ from assistant.studio.toml_edits import content_of, toml, with_values
 
 DIGITS: Final = 3
 """Of mm that are written: more than an arm repeats."""
+WRITTEN: Final = Tolerance(position=0.01, angle=0.01, number=1e-6)
+"""What digits of a text leave off."""
 FLAGS: Final = re.MULTILINE | re.IGNORECASE
 BY_HAND: Final = "change it in the text"
 
@@ -211,10 +214,5 @@ def _line_change(handle: Handle, part: str, written: str, text: str) -> Change:
 
 def _check(handle: Handle, now: Program, before: Program, key: str, target: Target) -> None:
     """Raises Refused if the text says anything else beside that now."""
-    found = now.targets.get(key)
-    near = found is not None and all(
-        abs(a - b) < 0.01 for a, b in zip(found.pose.position, target.pose.position, strict=True)
-    )
-    rest = {name: one for name, one in before.targets.items() if name != key}
-    if not near or {name: one for name, one in now.targets.items() if name != key} != rest:
+    if not compare(replace_target(before, key, target), now, WRITTEN).same:
         raise _refused(handle, "its text cannot say this place")
