@@ -16,6 +16,7 @@ from assistant.program.program import Program
 from assistant.program.statements import Follow, MoveCircular
 from assistant.report.track import stops
 from assistant.sources.process.lines import key_spans
+from assistant.studio.path_rows import Rows
 from assistant.studio.stages import DRAWING, TARGET, TAUGHT, Handle, Stage
 from assistant.studio.studio import Studio
 from assistant.studio.toml_edits import content_of
@@ -31,7 +32,7 @@ def handles(studio: Studio, stage: Stage) -> list[Handle]:
     found = [*_of_drawing(stage)]
     known = lines_of_targets(studio, stage)
     seen = set[tuple[object, ...]]()
-    for one in _of_targets(stage):
+    for one in _of_targets(stage, Rows(studio, stage)):
         at = known.get(one.name.lower())
         key = (one.name.lower(), *(round(value, 3) for value in one.pose.position))
         if at is None or key in seen or len(found) >= MOST:
@@ -42,13 +43,21 @@ def handles(studio: Studio, stage: Stage) -> list[Handle]:
     return found
 
 
-def _of_targets(stage: Stage) -> Iterator[Handle]:
+def _of_targets(stage: Stage, rows: Rows) -> Iterator[Handle]:
     assert stage.loaded is not None
     program = stage.loaded.program if stage.solved is None else stage.solved.solution.program
     said = {name.lower(): one.pose for name, one in stage.loaded.program.targets.items()}
     now = {name.lower(): one.pose for name, one in program.targets.items()}
     for stop in stops(program):
         if isinstance(stop.statement, Follow):
+            frames = stop.statement.path.frames
+            for row, (name, declared) in enumerate(rows.of(stop.statement)):
+                frame = _frame(program, frames[stop.statement.path.frame[row]])
+                if frame is not None:
+                    world = stage.shown.base @ frame
+                    yield Handle(
+                        *(TARGET, name, world @ declared, world, stop.procedure, stop.place, row)
+                    )
             continue
         frame = _frame(program, stop.statement.motion.frame)
         if frame is None:

@@ -49,6 +49,10 @@ cell = "cell.toml"
 [programs.plate]
 source = "ring.dxf"
 robot = "irb1200-7-0.7"
+
+[programs.numbered]
+source = "numbered.mod"
+robot = "irb1200-7-0.7"
 """
 PSEUDO = """\
 program places for irb1200-7-0.7
@@ -69,6 +73,32 @@ MELFA = """\
 PHome=(+320.00,+0.00,+400.00,+180.00,+0.00,+180.00)(7,0)
 PNext=(+320.00,+40.00,+300.00,+180.00,+0.00,+180.00)(7,0)
 """
+ROUND = """\
+10 ' Robot: RV-4FRL
+20 Mov P11
+30 Mvs P12
+40 Mvr P12,P13,P14 ' half a circle
+50 Mvs P15
+60 Mov P3
+70 End
+P3=(+320.00,+40.00,+300.00,+180.00,+0.00,+180.00)(7,0)
+P11=(+320.00,+0.00,+300.00,+180.00,+0.00,+180.00)(7,0)
+P12=(+320.00,+40.00,+300.00,+180.00,+0.00,+180.00)(7,0)
+P13=(+340.00,+60.00,+300.00,+180.00,+0.00,+180.00)(7,0)
+P14=(+360.00,+40.00,+300.00,+180.00,+0.00,+180.00)(7,0)
+P15=(+320.00,+0.00,+300.00,+180.00,+0.00,+180.00)(7,0)
+"""
+"""A run of moves that ends where it begins, beside a position like one of it."""
+NUMBERED = """\
+MODULE numbered
+  CONST robtarget seam_1 := [[420,0,300],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+  CONST robtarget seam_2 := [[420,50,300],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+  PROC main()
+    MoveJ seam_1,v200,fine,tool0;
+    MoveL seam_2,v50,fine,tool0;
+  ENDPROC
+ENDMODULE
+"""
 
 
 @pytest.fixture
@@ -79,6 +109,8 @@ def cell(folder: Path) -> Path:
     (folder / "cell.toml").write_text(CELL)
     (folder / "places.pseudo").write_text(PSEUDO)
     (folder / "next.prg").write_text(MELFA)
+    (folder / "round.prg").write_text(ROUND)
+    (folder / "numbered.mod").write_text(NUMBERED)
     for name in ("taught.toml", "ring.dxf", "ring.process.toml"):
         shutil.copy(SAMPLES / name, folder)
     return folder
@@ -140,6 +172,14 @@ def test_a_program_stands_in_its_cell(page: Page, cell: Path) -> None:
     assert page.get("scene/nothing/page").status == 404
 
 
+def test_rows_of_a_path_are_held_by_the_names_that_the_text_gives_them(
+    page: Page, cell: Path
+) -> None:
+    assert cell.is_dir()
+    found = {one["name"]: one["line"] for one in shown(page, "round.prg")["handles"]}
+    assert found == {"P11": 9, "P12": 10, "P13": 11, "P14": 12, "P15": 13, "P3": 8}
+
+
 def test_reach_and_touching_are_told_while_something_is_dragged(page: Page, cell: Path) -> None:
     assert cell.is_dir()
     scene = shown(page, "seam.mod")
@@ -185,6 +225,28 @@ def test_reach_and_touching_are_told_while_something_is_dragged(page: Page, cell
             6,
             (0.0, -10.0, 0.5),
             "PNext=(+320.00,+30.00,+300.50,+180.00,+0.00,+180.00)(7,0)",
+        ),
+        (
+            "round.prg",
+            "P13",
+            11,
+            (2.0, 0.0, 0.0),
+            "P13=(+342.00,+60.00,+300.00,+180.00,+0.00,+180.00)(7,0)",
+        ),
+        (
+            "round.prg",
+            "P15",
+            13,
+            (0.0, -5.0, 0.0),
+            "P15=(+320.00,-5.00,+300.00,+180.00,+0.00,+180.00)(7,0)",
+        ),
+        (
+            "numbered.mod",
+            "seam_2",
+            3,
+            (0.0, 1.0, 0.0),
+            "  CONST robtarget seam_2 := [[420,51,300],[0,0,1,0],[0,0,0,0],"
+            "[9E9,9E9,9E9,9E9,9E9,9E9]];",
         ),
         ("taught.toml", "corner", 36, (1.0, 0.0, 0.0), "position = [421, 60, 300]"),
     ],
