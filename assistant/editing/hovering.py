@@ -87,7 +87,7 @@ def _of_target(document: Document, name: str) -> Iterator[str]:
     key = speaks.editable.folded(name)
     try:
         text = document.declared(frozenset({key}))
-        program = speaks.program(source_of(text, document.path), ())
+        program = speaks.program(source_of(text, document.path), (), _robot(document))
     except Refused:
         return
     for known, target in program.targets.items():

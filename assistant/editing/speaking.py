@@ -31,6 +31,7 @@ from assistant.program.program import Program, walk
 from assistant.program.pseudo.editing import EditablePseudo
 from assistant.program.text import SourceText
 from assistant.program.wanted import Value, Wanted
+from assistant.robots import Robot
 
 PSEUDO: Final = "pseudo"
 
@@ -69,8 +70,13 @@ class Spoken(abc.ABC):
         """The text in its layout; raises Refused if it cannot be laid out."""
 
     @abc.abstractmethod
-    def program(self, text: SourceText, others: Sequence[SourceText]) -> Program:
-        """What it says; raises Refused for what cannot be read."""
+    def program(
+        self, text: SourceText, others: Sequence[SourceText], robot: Robot | None = None
+    ) -> Program:
+        """What it says; raises Refused for what cannot be read.
+
+        robot: whose configurations and orientations it states.
+        """
 
     def warm(self, text: str) -> None:
         """Loads what the first damaged line would have to wait for. text: any program."""
@@ -164,6 +170,7 @@ class _Pseudo(Spoken):
         self,
         text: SourceText,
         others: Sequence[SourceText],  # noqa: ARG002
+        robot: Robot | None = None,  # noqa: ARG002
     ) -> Program:
         return parse_pseudo(text, beside(text))
 
@@ -230,12 +237,14 @@ class _Vendor(Spoken):
             raise Refused(*done.findings)
         return done.text
 
-    def program(self, text: SourceText, others: Sequence[SourceText]) -> Program:
+    def program(
+        self, text: SourceText, others: Sequence[SourceText], robot: Robot | None = None
+    ) -> Program:
         trees = [self._language.parse(one) for one in (text, *others)]
         wrong = [one for tree in trees for one in tree.findings if has_errors([one])]
         if wrong:
             raise Refused(*wrong)
-        return self._language.lift(trees)
+        return self._language.lift(trees, robot)
 
     def program_of(self, path: FilePath) -> FilePath:
         return self._language.program_of(path)

@@ -12,6 +12,7 @@ from assistant.program.arrays import Floats, evenly
 from assistant.program.geometry import Pose
 from assistant.program.path import UNSTATED
 from assistant.program.visible import visible
+from assistant.robots.arms import five_axis
 from assistant.robots.robot import Robot
 from assistant.robots.solved_program import Leg
 from assistant.studio.stages import DRAWING, Handle, Stage
@@ -71,10 +72,20 @@ def joints_at(
     return _nearest(solution.robot, p, q, leg.joints[handle.row]), True
 
 
+def pose_at(handle: Handle, position: Sequence[float]) -> Pose:
+    """The pose of a target in its frame at another position (3,) mm in the world."""
+    local = handle.frame.inverse() @ handle.pose
+    x, y, z = handle.frame.inverse().moved(np.array([position]))[0].tolist()
+    if not handle.with_arm:
+        return Pose((x, y, z), local.quaternion)
+    leans = five_axis.to_ab([local.position], [local.quaternion])
+    w, i, j, k = five_axis.from_ab([(x, y, z)], leans)[0].tolist()
+    return Pose((x, y, z), (w, i, j, k))
+
+
 def _flange(leg: Leg, handle: Handle, position: Sequence[float]) -> tuple[Floats, Floats]:
     assert leg.solved_run is not None
-    x, y, z = position
-    local = handle.frame.inverse() @ Pose((x, y, z), handle.pose.quaternion)
+    local = pose_at(handle, position)
     rows = np.array([leg.rows.start + handle.row])
     target = np.array([local.position]), np.array([local.quaternion])
     return leg.solved_run.run.mounting.to_flange(*target, rows)

@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 
 from assistant.editing.workspace import Document, Workspace
+from assistant.program import pseudo
 from assistant.program.expressions import Name
 from assistant.program.geometry import BASE, IDENTITY, Pose
 from assistant.program.program import Program
@@ -39,7 +40,9 @@ def handles(studio: Studio, stage: Stage) -> list[Handle]:
             continue
         seen.add(key)
         path, line = at
-        found.append(replace(one, path=path, line=line))
+        turns = stage.robot is not None and stage.robot.five_axis
+        with_arm = turns and not path.lower().endswith((pseudo.SUFFIX, TAUGHT))
+        found.append(replace(one, path=path, line=line, with_arm=with_arm))
     return found
 
 

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any, Final
-
-import numpy as np
 
 from assistant.compiler.loading import language_of
 from assistant.compiler.teaching import branch_at
@@ -20,10 +18,11 @@ from assistant.program.diagnostics import Refused, Span
 from assistant.program.geometry import Pose, Target, Vector
 from assistant.program.program import Program
 from assistant.program.pseudo.values import target_text
+from assistant.robots import Robot
 from assistant.sources.process.file import parse_process
 from assistant.sources.process.lines import value_spans
 from assistant.studio import rules
-from assistant.studio.dragging import joints_at
+from assistant.studio.dragging import joints_at, pose_at
 from assistant.studio.handles import entries_of_taught
 from assistant.studio.stages import DRAWING, TAUGHT, Handle, Stage
 from assistant.studio.studio import Studio
@@ -34,6 +33,10 @@ DIGITS: Final = 3
 """Of mm that are written: more than an arm repeats."""
 WRITTEN: Final = Tolerance(position=0.01, angle=0.01, number=1e-6)
 """What digits of a text leave off."""
+FINE: Final = 2
+"""Of those that a text states, from where on no more are written."""
+NUMBER: Final = r"[-+]?[0-9]+(?:\.[0-9]*)?"
+COMMA: Final = r"[ \t]*,[ \t]*"
 FLAGS: Final = re.MULTILINE | re.IGNORECASE
 BY_HAND: Final = "change it in the text"
 
@@ -46,7 +49,7 @@ def edit(
     position: (3,) mm in the world. Raises Refused where the text has changed since it was shown,
     and where it cannot say the place. Nothing is written.
     """
-    x, y, z = handle.frame.inverse().moved(np.array([position]))[0]
+    x, y, z = pose_at(handle, position).position
     place = (_rounded(x), _rounded(y), _rounded(z))
     text = open_text(studio, window, handle.path)
     if handle.path == (stage.process or stage.path) and not _same_beside(handle, stage.text, text):
@@ -145,36 +148,74 @@ def _of_program(
     if speaks is None or speaks.editable is None:
         raise _refused(handle, "its text is in no language that is written")
     part = document.declared(frozenset({speaks.editable.folded(handle.name)}))
-    before = speaks.program(source_of(part, document.path), ())
+    before = speaks.program(source_of(part, document.path), (), stage.robot)
     key = next((name for name in before.targets if name.lower() == handle.name.lower()), None)
     if key is None:
         raise _refused(handle, "its declaration states no numbers")
     target = _moved(stage, handle, before.targets[key], position, place)
-    if document.path.lower().endswith(pseudo.SUFFIX):
-        written = _in_pseudo(part, handle, target)
-    else:
-        written = _in_language(document, replace_target(before, key, target))
-        written = _with_head(part, written, handle.name)
-    found = _line_change(handle, part, written, text)
-    _check(handle, speaks.program(source_of(written, document.path), ()), before, key, target)
-    return found
-
-
-def replace_target(program: Program, key: str, target: Target) -> Program:
-    return replace(program, targets={**program.targets, key: target})
+    changed = replace(before, targets={**before.targets, key: target})
+    for written in _written(document, part, handle, changed, target, stage.robot):
+        now = speaks.program(source_of(written, document.path), (), stage.robot)
+        if compare(changed, now, WRITTEN).same:
+            return _line_change(handle, part, written, text)
+    raise _refused(handle, "its text cannot say this place")
 
 
 def _moved(
     stage: Stage, handle: Handle, target: Target, position: Sequence[float], place: Vector
 ) -> Target:
     """With the configuration of the arm there, where the text states another one."""
-    moved = replace(target, pose=Pose(place, target.pose.quaternion))
+    turned = pose_at(handle, position).quaternion if handle.with_arm else target.pose.quaternion
+    moved = replace(target, pose=Pose(place, turned))
     if stage.solved is None or target.configuration is None:
         return moved
     joints, other = joints_at(stage, handle, position)
     if joints is None or not other:
         return moved
     return replace(moved, configuration=branch_at(stage.solved.solution.robot, joints.tolist()))
+
+
+def _written(
+    document: Document,
+    part: str,
+    handle: Handle,
+    changed: Program,
+    target: Target,
+    robot: Robot | None,
+) -> Iterator[str]:
+    """Texts of a part that may say a program: with other numbers of a place, and written anew."""
+    yield _in_place(part, handle, target.pose.position)
+    if document.path.lower().endswith(pseudo.SUFFIX):
+        yield _in_pseudo(part, handle, target)
+    else:
+        yield _with_head(part, _in_language(document, changed, robot), handle.name)
+
+
+def _in_place(part: str, handle: Handle, place: Vector) -> str:
+    """With other numbers, each written as the one was that stood there."""
+    name = rf"(?<!\w){re.escape(handle.name)}(?!\w)`?"
+    head = rf"^([^\r\n]*?{name}[ \t]*(?::?=[ \t]*)?[\[(]+[ \t]*)"
+    rest = rf"({NUMBER})({COMMA})({NUMBER})({COMMA})({NUMBER})(?=[ \t]*[,\])])"
+
+    def changed(match: re.Match[str]) -> str:
+        head, *before = match.groups()
+        numbers, commas = before[::2], before[1::2]
+        signed = any(one.startswith("+") for one in numbers)
+        stated = [len(one.partition(".")[2]) for one in numbers]
+        most = max(stated) if max(stated) >= FINE else DIGITS
+        said = [
+            _said(value, least, most, signed) for value, least in zip(place, stated, strict=True)
+        ]
+        return head + "".join(a + b for a, b in zip(said, (*commas, ""), strict=True))
+
+    return re.sub(head + rest, changed, part, count=1, flags=FLAGS)
+
+
+def _said(value: float, least: int, most: int, signed: bool) -> str:
+    """A number with so many digits behind its point, and a sign also if it is not negative."""
+    whole, _, digits = f"{round(value, most) + 0.0:{'+' if signed else ''}.{most}f}".partition(".")
+    kept = digits.rstrip("0").ljust(least, "0")
+    return f"{whole}.{kept}" if kept else whole
 
 
 def _in_pseudo(part: str, handle: Handle, target: Target) -> str:
@@ -184,9 +225,9 @@ def _in_pseudo(part: str, handle: Handle, target: Target) -> str:
     return pattern.sub(lambda m: f"{m[1]}{target_text(target)}{m[3]}", part, count=1)
 
 
-def _in_language(document: Document, program: Program) -> str:
+def _in_language(document: Document, program: Program, robot: Robot | None) -> str:
     language: Any = language_of(document.language)
-    return str(language.render(language.lower(program, None)))
+    return str(language.render(language.lower(program, robot)))
 
 
 def _with_head(part: str, written: str, name: str) -> str:
@@ -210,9 +251,3 @@ def _line_change(handle: Handle, part: str, written: str, text: str) -> Change:
     if whole.line(line) != old.line(line):
         raise _refused(handle, "its declaration is not where it was", "show it again")
     return Change(replace(one.range, start=start, end=end), one.text)
-
-
-def _check(handle: Handle, now: Program, before: Program, key: str, target: Target) -> None:
-    """Raises Refused if the text says anything else beside that now."""
-    if not compare(replace_target(before, key, target), now, WRITTEN).same:
-        raise _refused(handle, "its text cannot say this place")

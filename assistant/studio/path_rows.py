@@ -67,7 +67,7 @@ class Rows:
                 continue
             wanted = frozenset(map(speaks.editable.folded, names))
             text = source_of(document.declared(wanted), document.path)
-            for name, target in speaks.program(text, ()).targets.items():
+            for name, target in speaks.program(text, (), self._stage.robot).targets.items():
                 found.setdefault(name.lower(), (name, target.pose))
         return found
 

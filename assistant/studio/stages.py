@@ -36,7 +36,8 @@ class Handle:
     kind: TARGET or DRAWING. pose: in the world. frame: in which the text has it, in the world.
     procedure, place, row: of the motion statement that leads there, and of its target among those
     of the statement. path, line: what declares it, counted from 1; line 0 where nothing does.
-    grip: (3,) mm in the world from there to where it is taken hold of.
+    grip: (3,) mm in the world from there to where it is taken hold of. with_arm: whether the text
+    says how the tool leans and rolls in the plane of an arm of five axes, which turns with it.
     """
 
     kind: str
@@ -49,6 +50,7 @@ class Handle:
     path: str = ""
     line: int = 0
     grip: Vector = (0.0, 0.0, 0.0)
+    with_arm: bool = False
 
     def held_at(self, gripped: Sequence[float]) -> Vector:
         """Where it is in the world if it is held there by its grip."""

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import shutil
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from tests.cli.test_commands import SAMPLES
@@ -274,6 +276,27 @@ def test_lines_that_end_as_on_other_systems_stay_so(page: Page, cell: Path, path
     pairs = zip(before.split("\n"), after.split("\n"), strict=True)
     changed = [one for one in pairs if one[0] != one[1]]
     assert [(one.count("\r"), other.count("\r")) for one, other in changed] == [(1, 1)]
+
+
+def test_a_tool_of_five_axes_leans_and_rolls_as_its_text_says(page: Page, cell: Path) -> None:
+    project = (cell / "assistant.toml").read_text()
+    project += '\n[programs.lean]\nsource = "lean.mb4"\nrobot = "rv-2aj"\n'
+    (cell / "assistant.toml").write_text(project)
+    lines = ["10 MOV P1", "20 MVS P2", "30 END"]
+    lines += ["P1=(250.00,0.00,250.00,20.00,150.00)(6,0)", "P2=(250,40.5,250,20,150)(6,0)"]
+    (cell / "lean.mb4").write_text("\n".join(lines) + "\n")
+    scene = shown(page, "lean.mb4")
+    told = moved(page, scene, "P1", 270.0, 110.0, 230.0).value
+    assert told["reached"]
+    j1, j2, j3, j5, j6 = np.degrees(told["joints"])
+    # B is the sum of what bends, and A what the hand rolls with J1 taken off.
+    assert j1 == pytest.approx(math.degrees(math.atan2(110.0, 270.0)))
+    assert j2 + j3 + j5 == pytest.approx(150.0)
+    assert j6 == pytest.approx(20.0 - j1 * math.cos(math.radians(150.0)))
+    _, text = edited(page, scene, "P1", (20.0, 110.0, -20.0))
+    assert text.split("\n")[3] == "P1=(270.00,110.00,230.00,20.00,150.00)(6,0)"
+    _, text = edited(page, scene, "P2", (-30.0, 0.0, -20.125))
+    assert text.split("\n")[4] == "P2=(220,40.5,229.875,20,150)(6,0)"
 
 
 def test_who_knows_a_target_that_is_moved_stays_as_it_is(page: Page, cell: Path) -> None:
