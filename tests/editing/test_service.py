@@ -170,6 +170,20 @@ def test_a_target_has_the_joints_of_the_projects_robot(tmp_path):
     assert "irb1200-7-0.7" in said and "°" in said
 
 
+def test_a_position_of_five_axes_is_read_as_one(tmp_path):
+    table = '[programs.lean]\nsource = "lean.mb4"\nrobot = "rv-2aj"\n'
+    (tmp_path / "assistant.toml").write_text(table)
+    file = tmp_path / "lean.mb4"
+    text = "10 MOV P1\n20 END\nP1=(270.00,110.00,230.00,20.00,150.00)(6,0)\n"
+    file.write_text(text)
+    document = Workspace(tmp_path).open(str(file), text)
+    said = service.hover(document, Place(2, 1)).text.rsplit(": ", 1)[1]
+    j1, j2, j3, j5, j6 = (float(one.removesuffix("°")) for one in said.split(", "))
+    assert j1 == pytest.approx(22.17, abs=0.005)  # by the tangent of 110 / 270
+    assert j2 + j3 + j5 == pytest.approx(150.0, abs=0.02)  # B
+    assert j6 == pytest.approx(20.0 + j1 * 0.866025, abs=0.02)  # A, with the cosine of B
+
+
 @pytest.mark.parametrize(
     ("name", "line", "wanted"),
     [
