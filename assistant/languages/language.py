@@ -349,7 +349,7 @@ class Language(abc.ABC, Generic[T]):
             return unchanged
         lifted = replace(lifted, origin=origin)
         before, after = self._built(lifted, robot), self._built(program, robot)
-        return self.merge(tree, before, after, program)
+        return self.merge(tree, before, after, program, robot)
 
     def _built(self, program: Program, robot: Robot | None) -> T:
         adapted = self.adapt(program, robot)
@@ -363,9 +363,16 @@ class Language(abc.ABC, Generic[T]):
         known: T | None = adapted.trees.get(unit)
         return self.build(adapted.program, robot, unit) if known is None else known
 
-    def merge(self, tree: T, before: T, after: T, program: Program) -> T:  # noqa: ARG002
+    def merge(
+        self,
+        tree: T,  # noqa: ARG002
+        before: T,  # noqa: ARG002
+        after: T,
+        program: Program,  # noqa: ARG002
+        robot: Robot | None,  # noqa: ARG002
+    ) -> T:
         """A tree with the changes made to it that lead from one built tree to another.
 
-        A language that cannot do that gives the built tree. program: that it was built from.
+        A language that cannot do that gives the built tree. program, robot: that it was built from.
         """
         return after

@@ -239,7 +239,9 @@ class MelfaBasic(Language["File"]):
 
         return assumed(program, to)
 
-    def merge(self, tree: File, before: File, after: File, program: Program) -> File:
+    def merge(
+        self, tree: File, before: File, after: File, program: Program, robot: Robot | None
+    ) -> File:
         """The tree changed where the built ones differ, if that says what the program does.
 
         Also if it says what the program is once adapted, or what `after` is read as.
@@ -247,7 +249,7 @@ class MelfaBasic(Language["File"]):
         from assistant.languages.melfa_basic.text.merging import merge
         from assistant.program.comparison import Tolerance, compare, with_labels_in_order
 
-        asked = (self.lift_trees((after,), None), program, self.adapt(program).program)
+        asked = (self.lift_trees((after,), robot), program, self.adapt(program, robot).program)
         wanted = [with_labels_in_order(one) for one in asked]
         precision = self.precision
         tolerance = Tolerance(precision.position, precision.angle, precision.number)
@@ -258,7 +260,7 @@ class MelfaBasic(Language["File"]):
             again = self.parse(replace(source, text=self.render(merged)))
             if _errors(again) > errors:
                 return False
-            lifted = with_labels_in_order(self.lift_trees((again,), None))
+            lifted = with_labels_in_order(self.lift_trees((again,), robot))
             return any(compare(one, lifted, tolerance).same for one in wanted)
 
         return merge(tree, before, after, says)

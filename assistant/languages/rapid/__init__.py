@@ -163,7 +163,14 @@ class Rapid(Language["File"]):
 
         return Adapted(program) if to.family == self.family else exported(program, arm)
 
-    def merge(self, tree: File, before: File, after: File, program: Program) -> File:
+    def merge(
+        self,
+        tree: File,
+        before: File,
+        after: File,
+        program: Program,
+        robot: Robot | None,  # noqa: ARG002
+    ) -> File:
         """What sets data up for moves stands anywhere: a change that reaches it is looked at."""
         from assistant.languages.rapid.text.merging import merge
         from assistant.program.comparison import compare

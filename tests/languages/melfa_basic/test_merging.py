@@ -11,10 +11,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assistant import languages
+from assistant import languages, robots
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.comparison import Tolerance, compare
+from assistant.program.geometry import Pose
 from assistant.program.program import Program
 from assistant.program.text import SourceText
 
@@ -92,6 +93,19 @@ def test_a_target_changes_its_line() -> None:
     assert changes(TEXT, after) == [
         "-P1=(1.5,2,300,0,180,0)(7,0)",
         "+P1=(+1.50,+7.00,+300.00,+0.00,+180.00,+0.00)(7,0)",
+    ]
+
+
+def test_a_position_of_five_axes_changes_its_line() -> None:
+    arm = robots.get("rv-2aj")
+    text = "10 MOV P1 ' there\n20 END\nP1=(250,0,250,20,150)(6,0)\n"
+    program = FOUR.lift(FOUR.parse(SourceText(text, "job.prg")), arm)
+    (name,), (target,) = program.targets, program.targets.values()
+    moved = replace(target, pose=Pose((260.0, 0.0, 250.0), target.pose.quaternion))
+    after = FOUR.render(FOUR.lower(replace(program, targets={name: moved}), arm))
+    assert changes(text, after) == [
+        "-P1=(250,0,250,20,150)(6,0)",
+        "+P1=(+260.00,+0.00,+250.00,+20.00,+150.00,+0.00)(6,0)",
     ]
 
 
