@@ -8,6 +8,7 @@ import struct
 import zlib
 from typing import Any, Final
 
+import ezdxf
 import numpy as np
 
 from tests.findings.cures.case import Case, dxf, sample
@@ -61,6 +62,13 @@ def closed(space: Any) -> None:
     space.add_line((2, 2), (9, 9), dxfattribs={"layer": "GLUE"})
 
 
+def bare(space: Any) -> None:
+    """The bracket of the samples without its places and lines."""
+    drawn = ezdxf.read(io.StringIO(sample("objects/bracket.dxf").decode()))  # type: ignore[attr-defined]
+    (part,) = drawn.modelspace().query('LWPOLYLINE[layer=="PART"]')
+    space.add_lwpolyline(part.get_points(), close=True, dxfattribs={"layer": "PART"})
+
+
 def two_layers(space: Any) -> None:
     closed(space)
     space.add_lwpolyline(((5, 5), (9, 5), (9, 8)), close=True, dxfattribs={"layer": "HOLE"})
@@ -82,10 +90,8 @@ TWO: Final = CELL + CELL.replace("arm", "other") + "position = [0, 1500, 0]\n"
 BRACKET: Final = {
     name: sample(f"objects/{name}") for name in ("bracket.dxf", "cameras.toml", "table.toml")
 }
-FOUND: Final = (
-    "camera draw cameras.toml --cell table.toml -o shown",
-    "objects add lib bracket bracket.dxf --height 3",
-)
+KNOWN: Final = "objects add lib bracket bracket.dxf --height 3"
+FOUND: Final = ("camera draw cameras.toml --cell table.toml -o shown", KNOWN)
 SEE: Final = "see shown/above/0000.png --cameras cameras.toml --objects lib --plane 200 --to t.toml"
 OBJECTS: Final = (
     Case("VS301", LIST, PART, (ADD, LIST)),
@@ -145,9 +151,9 @@ OBJECTS: Final = (
     Case(
         "VS350",
         SEE,
-        BRACKET,
-        (f"{FOUND[1]} --line GLUE --again", SEE),
-        before=FOUND,
+        BRACKET | {"bare.dxf": dxf(bare)},
+        (f"{KNOWN} --line GLUE --again", SEE),
+        before=(FOUND[0], KNOWN.replace("bracket.dxf", "bare.dxf")),
         slow=True,
     ),
 )
