@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, Final
 
 BROWSERS: Final = ("chromium", "chromium-browser", "google-chrome")
+PLAIN: Final = ("--no-sandbox",)
 SOFTWARE: Final = (  # draws without a graphics card
-    *("--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader"),
+    *(*PLAIN, "--use-gl=angle", "--use-angle=swiftshader"),
     *("--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"),
 )
 
@@ -20,7 +21,7 @@ def installed() -> str | None:
 
 
 @contextmanager
-def chromium() -> Iterator[Any]:
+def chromium(arguments: Sequence[str] = SOFTWARE) -> Iterator[Any]:
     """The browser, for as long as the context; raises SystemExit where there is none."""
     from playwright.sync_api import sync_playwright
 
@@ -28,7 +29,7 @@ def chromium() -> Iterator[Any]:
     if found is None:
         raise SystemExit("there is no Chromium here: install it by the system's packages")
     with sync_playwright() as one:
-        opened = one.chromium.launch(executable_path=found, args=list(SOFTWARE))
+        opened = one.chromium.launch(executable_path=found, args=list(arguments))
         try:
             yield opened
         finally:
