@@ -7,10 +7,11 @@ from pathlib import Path
 
 import pytest
 
+from tests.studio.scenes import cell
 from tests.studio.serving import Page, served
 from tests.view.test_browser import browser
 
-__all__ = ["browser"]
+__all__ = ["browser", "cell"]
 
 
 @pytest.fixture
