@@ -7,7 +7,6 @@ Nothing is ever sent into it: RWS 2.0 hangs up on a client that does, pings amon
 from __future__ import annotations
 
 import re
-import socket
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
@@ -21,12 +20,8 @@ from assistant.controllers.abb.rws.signals import Signals
 from assistant.program.diagnostics import Refused
 
 if TYPE_CHECKING:
-    from websockets.sync.client import ClientConnection
+    from assistant.controllers.abb.rws.channel import Channel
 
-LARGEST: Final = 1 << 24
-"""Bytes of one event after which it is taken for garbage."""
-FAREWELL: Final = 1.0
-"""Seconds to wait for the other side's good-bye."""
 GROUP: Final = re.compile(r"/(?:poll|subscription)/([\w-]+)")
 PLACE: Final = re.compile(r"[\w/.;$:-]+")
 PRIORITY: Final = {"log": "1", "signal": "2", "variable": "2"}
@@ -45,9 +40,7 @@ class Event:
 class Events:
     """Events as they come; made by `subscribed`."""
 
-    def __init__(
-        self, session: Session, channel: ClientConnection, initial: Sequence[Event]
-    ) -> None:
+    def __init__(self, session: Session, channel: Channel, initial: Sequence[Event]) -> None:
         self._session = session
         self._channel = channel
         self._waiting = list(initial)
@@ -64,16 +57,13 @@ class Events:
         return self._waiting.pop(0)
 
     def _received(self, timeout: float) -> bytes | None:
-        from websockets.exceptions import WebSocketException
-
         doing, state = "waiting for events", "nothing was changed by that"
         try:
-            message = self._channel.recv(timeout)
+            return self._channel.receive(timeout)
         except TimeoutError:
             return None
-        except (WebSocketException, OSError, EOFError) as error:
+        except OSError as error:
             self._session.lost(doing, str(error) or type(error).__name__, state)
-        return message if isinstance(message, bytes) else message.encode()
 
 
 @contextmanager
@@ -127,36 +117,18 @@ def _resource(session: Session, signals: Signals, name: str) -> tuple[str, str]:
     return place, PRIORITY.get(kind, "1")
 
 
-def _channel(session: Session, path: str, stack: ExitStack) -> ClientConnection:
-    """The WebSocket of a group, at the controller's address as this computer knows it.
+def _channel(session: Session, path: str, stack: ExitStack) -> Channel:
+    """The WebSocket of a group, at the controller's address as this computer knows it."""
+    from assistant.controllers.abb.rws.channel import opened
 
-    Its socket is made here: so no redirection takes the cookies of the session to another host.
-    """
-    from websockets.exceptions import WebSocketException
-    from websockets.sync.client import connect
-    from websockets.typing import Subprotocol
-
-    scheme = "wss" if session.dialect.secure else "ws"
-    place = session.address.host, session.address.port
+    uri = f"{'wss' if session.dialect.secure else 'ws'}://{session.authority}{path}"
+    place, headers = (session.address.host, session.address.port), {"Cookie": session.cookie}
+    subprotocol = session.dialect.subprotocol
     try:
-        line = socket.create_connection(place, timeout=session.timeout)
         return stack.enter_context(
-            connect(
-                f"{scheme}://{session.authority}{path}",
-                sock=line,
-                ssl=session.trust,
-                subprotocols=[Subprotocol(session.dialect.subprotocol)],
-                additional_headers={"Cookie": session.cookie},
-                compression=None,
-                user_agent_header=None,
-                proxy=None,
-                open_timeout=session.timeout,
-                close_timeout=FAREWELL,
-                ping_interval=None,
-                max_size=LARGEST,
-            )
+            opened(uri, place, session.trust, subprotocol, headers, session.timeout)
         )
-    except (WebSocketException, OSError, EOFError, ValueError) as error:
+    except (OSError, ValueError) as error:
         reason = str(error) or type(error).__name__
         raise session.refusal(
             "tell of events", reason, "look at the state again and again instead"

@@ -186,6 +186,11 @@ class Rws2(Peer):
         return 'Basic realm="validusers@robapi.abb"'
 
 
+def framed(data, first=0x81):
+    """A frame of a WebSocket; first: its first byte, that of a whole text."""
+    return bytes([first, 0x7E]) + len(data).to_bytes(2, "big") + data
+
+
 def _md5(text):
     return hashlib.md5(text.encode()).hexdigest()
 
@@ -270,7 +275,7 @@ class _Handler(BaseHTTPRequestHandler):
         return 204, ""
 
     def _poll(self):
-        """Sends events through a WebSocket, as text frames, until there is None among them."""
+        """Sends events through a WebSocket until there is None among them: texts, or bare bytes."""
         self.peer.polls.append(self.headers["Sec-WebSocket-Protocol"])
         key = self.headers["Sec-WebSocket-Key"] + "258EAFA5-E914-47DA-95CA-C5AB0DC85B11"
         self.send_response(101)
@@ -282,8 +287,7 @@ class _Handler(BaseHTTPRequestHandler):
         self.end_headers()
         self.wfile.flush()
         while (event := self.peer.events.get()) is not None:
-            data = event.encode()
-            self.wfile.write(b"\x81\x7e" + len(data).to_bytes(2, "big") + data)
+            self.wfile.write(event if isinstance(event, bytes) else framed(event.encode()))
             self.wfile.flush()
         self.close_connection = True
 

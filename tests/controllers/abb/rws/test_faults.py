@@ -12,8 +12,10 @@ import pytest
 from assistant.controllers import connect
 from assistant.controllers.rules import Lost
 from assistant.program.diagnostics import Refused
+from assistant.virtual.irc5 import VirtualIrc5
 from tests.controllers.abb.rws.literal import ONE, TWO
 from tests.controllers.abb.rws.peer import Rws1, Rws2
+from tests.controllers.abb.rws.seam import SIGNALS
 from tests.controllers.cutting import Cutting, cuts, garbage, late, twice
 
 
@@ -139,10 +141,12 @@ def test_a_line_that_stays_cut(peer):
 
 
 @pytest.fixture(params=["rws", "rwss"])
-def virtual(request, irc5):
-    peer = Virtual(irc5, request.param)
-    peer.files = {"HOME:/seam.mod": OLD}
-    return peer
+def virtual(request, tmp_path):
+    """One of its own: sessions that are cut for good stay."""
+    with VirtualIrc5(tmp_path / "home", signals=SIGNALS) as irc5:
+        peer = Virtual(irc5, request.param)
+        peer.files = {"HOME:/seam.mod": OLD}
+        yield peer
 
 
 def test_the_virtual_controllers_line_that_is_cut(virtual):

@@ -9,7 +9,7 @@ from assistant.controllers import folders
 from assistant.controllers.rules import Lost
 from assistant.program.diagnostics import Refused
 from tests.controllers.abb.rws.literal import ONE, TWO
-from tests.controllers.abb.rws.peer import Rws1, Rws2, li, refusal, rows
+from tests.controllers.abb.rws.peer import Rws1, Rws2, framed, li, refusal, rows
 from tests.controllers.abb.rws.seam import codes
 
 BACKINFO = b">>SYSTEM_ID:\r\ncell\r\n\r\n>>TASK1: (T_ROB1,,)\r\nPROGMOD/m.mod @ \r\n"
@@ -132,6 +132,31 @@ def test_events_come_through_a_websocket_into_which_nothing_is_sent(kind):
         "resources=1&1=/rw/panel/opmode;opmode&1-p=1"
         "&resources=2&2=/rw/iosystem/signals/Local/DRV_1/doGripper;state&2-p=2"
     )
+
+
+def test_an_event_in_parts_with_a_ping_between():
+    answers = {"POST /subscription": (201, rows(), {"Location": "/poll/3"})}
+    event = rows(li("pnl-opmode-ev", opmode="AUTO")).encode()
+    with (
+        Rws1({**ONE, **answers}) as peer,
+        peer.connect() as client,
+        client.subscribe(["mode"]) as events,
+    ):
+        peer.events.put(framed(event[:20], 0x01) + b"\x89\x02hi" + framed(event[20:30], 0x00)[:7])
+        assert events.next(0.1) is None
+        peer.events.put(framed(event[20:30], 0x00)[7:] + framed(event[30:], 0x80) + framed(event))
+        assert [events.next(5).values for _ in range(2)] == [{"opmode": "AUTO"}] * 2
+        assert events.next(0) is None
+        peer.events.put(None)
+
+
+def test_an_address_of_events_that_opens_no_websocket():
+    answers = {"POST /subscription": (201, rows(), {"Location": "/poll/3"})}
+    with Rws1({**ONE, **answers, "GET /poll/3": (200, rows())}) as peer, peer.connect() as client:
+        with pytest.raises(Refused) as refused, client.subscribe(["mode"]):
+            pass
+        assert codes(refused) == ["CN209"] and "HTTP 200" in str(refused.value)
+        assert client.state() is not None
 
 
 def test_an_event_that_is_garbage():

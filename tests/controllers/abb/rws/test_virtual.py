@@ -205,6 +205,14 @@ def test_events(loaded):
         assert events.next(0.01) is None
 
 
+@pytest.mark.slow
+def test_events_again_and_again(client):
+    """What TLS sends after its handshake is in the way of one request in a thousand, if it can."""
+    for _ in range(2000):
+        with client.subscribe(["mode"]) as events:
+            assert events.next(5).values == {"opmode": "AUTO"}
+
+
 @pytest.mark.parametrize("name", ["nothing", "signal:doNone", "/rw/x&2=/rw/y", "/rw/nothing;state"])
 def test_nothing_is_told_of_what_is_not_there(client, name):
     with pytest.raises(Refused) as refused, client.subscribe([name]):

@@ -1,0 +1,124 @@
+"""The WebSocket that events come through, read in the thread that asks for them.
+
+OpenSSL lets no thread write while another one reads the same connection: the tickets of TLS 1.3
+that come after the handshake turn such a write into a wait for more of them, and the request to
+open the WebSocket never leaves. So it has no thread of its own, as the library's client would.
+"""
+
+from __future__ import annotations
+
+import socket
+import time
+from collections import deque
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from ssl import SSLContext
+from typing import Final
+
+from websockets.client import ClientProtocol
+from websockets.exceptions import WebSocketException
+from websockets.frames import Frame, Opcode
+from websockets.protocol import State
+from websockets.typing import Subprotocol
+from websockets.uri import parse_uri
+
+LARGEST: Final = 1 << 24
+"""Bytes of one event after which it is taken for garbage."""
+FAREWELL: Final = 1.0
+"""Seconds to wait for the other side's good-bye."""
+LEAST: Final = 1e-3
+"""Seconds that are waited at least: a socket that never waits tells of it in other ways."""
+CHUNK: Final = 1 << 16
+CONTENTS: Final = (Opcode.TEXT, Opcode.BINARY, Opcode.CONT)
+
+
+class Channel:
+    """What was received and is waiting; made by `opened`."""
+
+    def __init__(self, line: socket.socket, protocol: ClientProtocol) -> None:
+        self._line = line
+        self._protocol = protocol
+        self._parts: list[bytes] = []
+        self._messages: deque[bytes] = deque()
+
+    def receive(self, timeout: float) -> bytes:
+        """The next message; raises TimeoutError after these seconds, OSError if it has ended."""
+        until = time.monotonic() + timeout
+        while not self._messages:
+            if self._protocol.state is not State.OPEN:
+                self._protocol.receive_eof()
+                raise ConnectionError(str(self._protocol.close_exc))
+            self._read(until)
+        return self._messages.popleft()
+
+    def shake_hands(self, headers: Mapping[str, str], timeout: float) -> None:
+        """Raises OSError if the other side does not take part."""
+        request = self._protocol.connect()
+        request.headers.update(headers)
+        self._protocol.send_request(request)
+        self._send()
+        until = time.monotonic() + timeout
+        while self._protocol.state is State.CONNECTING and self._protocol.handshake_exc is None:
+            self._read(until)
+        if self._protocol.handshake_exc is not None:
+            raise ConnectionError(str(self._protocol.handshake_exc))
+
+    def say_good_bye(self) -> None:
+        until = time.monotonic() + FAREWELL
+        with suppress(OSError, WebSocketException):
+            if self._protocol.state is State.OPEN:
+                self._protocol.send_close(1000)
+                self._send()
+            while self._protocol.state is State.CLOSING and time.monotonic() < until:
+                self._read(until)
+
+    def _send(self) -> None:
+        for data in self._protocol.data_to_send():
+            self._line.sendall(data)  # what is empty says that no more will come
+
+    def _read(self, until: float) -> None:
+        self._line.settimeout(max(until - time.monotonic(), LEAST))
+        data = self._line.recv(CHUNK)
+        if data:
+            self._protocol.receive_data(data)
+        else:
+            self._protocol.receive_eof()
+        self._send()
+        for one in self._protocol.events_received():
+            if isinstance(one, Frame) and one.opcode in CONTENTS:
+                self._parts.append(bytes(one.data))
+                if one.fin:
+                    self._messages.append(b"".join(self._parts))
+                    self._parts.clear()
+
+
+@contextmanager
+def opened(
+    uri: str,
+    place: tuple[str, int],
+    trust: SSLContext | None,
+    subprotocol: str,
+    headers: Mapping[str, str],
+    timeout: float,
+) -> Iterator[Channel]:
+    """The WebSocket of an address, by a connection to a place. trust: None for one in plain.
+
+    No redirection is followed: it would take cookies to another host. Raises OSError, ValueError.
+    """
+    protocol = ClientProtocol(
+        parse_uri(uri), subprotocols=[Subprotocol(subprotocol)], max_size=LARGEST
+    )
+    line = socket.create_connection(place, timeout=timeout)
+    try:
+        if trust is not None:
+            line = trust.wrap_socket(line, server_hostname=place[0])
+        channel = Channel(line, protocol)
+        channel.shake_hands(headers, timeout)
+    except BaseException:
+        line.close()
+        raise
+    with line:
+        try:
+            yield channel
+        finally:
+            channel.say_good_bye()
