@@ -11,7 +11,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any, Final
 
-from docs.browsing import chromium, installed
+from docs.browsing import WITHOUT_CARD, chromium, installed
 
 MOVES: Final = 10_000
 SECONDS: Final = 5.0
@@ -121,7 +121,7 @@ def program(moves: int) -> str:
 def _window(folder: Path) -> Iterator[Any]:
     from tests.studio.serving import served
 
-    with served(folder) as address, chromium() as browser:
+    with served(folder) as address, chromium(WITHOUT_CARD) as browser:
         page = browser.new_page(viewport=SIZE, bypass_csp=True)
         page.set_default_timeout(PATIENCE)
         page.goto(address)

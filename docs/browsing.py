@@ -9,10 +9,13 @@ from typing import Any, Final
 
 BROWSERS: Final = ("chromium", "chromium-browser", "google-chrome")
 PLAIN: Final = ("--no-sandbox",)
-SOFTWARE: Final = (  # draws without a graphics card
-    *(*PLAIN, "--use-gl=angle", "--use-angle=swiftshader"),
-    *("--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"),
+WITHOUT_CARD: Final = (*PLAIN, "--enable-unsafe-swiftshader")
+"""As people start it who have no graphics card: scenes may be drawn by the processor."""
+SOFTWARE: Final = (
+    *WITHOUT_CARD,
+    *("--use-gl=angle", "--use-angle=swiftshader", "--ignore-gpu-blocklist"),
 )
+"""The whole page is put together as if there were a card: slower, with nothing on its console."""
 
 
 def installed() -> str | None:
