@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from difflib import SequenceMatcher
 from typing import Final
@@ -25,13 +25,11 @@ class Hunk:
 
 def hunks(before: Sequence[str], after: Sequence[str]) -> tuple[Hunk, ...]:
     """In the order of the lines; `last` and `new_last` are one behind."""
-    start, most = 0, min(len(before), len(after))
-    while start < most and before[start] == after[start]:
-        start += 1
-    end = 0
-    while end < most - start and before[-1 - end] == after[-1 - end]:
-        end += 1
-    old, new = len(before) - end, len(after) - end
+    most = min(len(before), len(after))
+    start = _equal(most, lambda a, b: before[a:b] == after[a:b])
+    old, new = len(before), len(after)
+    end = _equal(most - start, lambda a, b: before[old - b : old - a] == after[new - b : new - a])
+    old, new = old - end, new - end
     if start == old and start == new:
         return ()
     if max(old, new) - start > MOST_COMPARED:
@@ -42,6 +40,15 @@ def hunks(before: Sequence[str], after: Sequence[str]) -> tuple[Hunk, ...]:
         for what, a, b, c, d in matcher.get_opcodes()
         if what != "equal"
     )
+
+
+def _equal(most: int, are: Callable[[int, int], bool]) -> int:
+    """How many are equal, from 0 on; many are compared at once."""
+    low, high = 0, most
+    while low < high:
+        middle = (low + high + 1) // 2
+        low, high = (middle, high) if are(low, middle) else (low, middle - 1)
+    return low
 
 
 class Moves:

@@ -1,18 +1,18 @@
-"""Excerpts: a text with only those pieces that a change may matter to, all else left blank.
+"""Excerpts: of a text only those pieces that a change may matter to.
 
-Lines stay in their places: what is found in an excerpt is found in the text in the same line and
+Lines keep their numbers: what is found in an excerpt is found in the text in the same line and
 column.
 """
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 from assistant.editing.structure import Piece, Structure
 from assistant.program.editing import Facts
-from assistant.program.lines import line_end
 
 MOST_LINES: Final = 200
 """That are kept for names on them; more are left to the look at the whole program."""
@@ -20,11 +20,20 @@ MOST_LINES: Final = 200
 
 @dataclass(frozen=True, slots=True)
 class Excerpt:
-    """text: of as many lines as the whole. looked_at: lines whose findings count. names: in it."""
+    """Of a text, or all of it.
+
+    numbers: see `SomeLines`; None for all lines. looked_at: lines whose findings count, from 0.
+    names: in it.
+    """
 
     text: str
+    numbers: Sequence[int] | None
     looked_at: frozenset[int]
     names: frozenset[str]
+
+    def line_there(self, line: int) -> int:
+        """Where a line of the excerpt stands in the text, both from 0."""
+        return line if self.numbers is None else self.numbers[line] - 1
 
 
 def excerpt(
@@ -42,11 +51,7 @@ def excerpt(
     are there in any case.
     """
     wanted = set(changed)
-    kept = {
-        index
-        for index, piece in enumerate(made_of.pieces)
-        if any(piece.first <= line <= piece.last for line in wanted)
-    }
+    kept = _holding(made_of, wanted)
     if names:
         kept |= _using(facts, made_of, names, kept)
     looked_at = frozenset(
@@ -65,7 +70,23 @@ def excerpt(
     kept |= _witnesses(facts, made_of, {n for line in wanted for n in facts[line].names}, kept)
     lines = _with_needed(facts, made_of, kept, routines, needed)
     there = frozenset().union(*(facts[line].names for line in lines))
-    return Excerpt(_blanked(text, starts, lines), looked_at | wanted, there)
+    kept_lines, count = sorted(lines), len(starts)
+    ends = [*starts[1:], len(text)]
+    numbers = [line + 1 for line in kept_lines]
+    if numbers[-1:] != [count]:
+        numbers.append(count)
+    only = "".join(text[starts[line] : ends[line]] for line in kept_lines)
+    return Excerpt(only, numbers, looked_at | wanted, there)
+
+
+def _holding(made_of: Structure, wanted: set[int]) -> set[int]:
+    """The pieces that lines are in."""
+    lines, found = sorted(wanted), set()
+    for index, piece in enumerate(made_of.pieces):
+        at = bisect_left(lines, piece.first)
+        if at < len(lines) and lines[at] <= piece.last:
+            found.add(index)
+    return found
 
 
 def _using(
@@ -105,15 +126,14 @@ def _witnesses(
 ) -> set[int]:
     """For each name the first other piece that names it: it is used, or has a value, there."""
     found: set[int] = set()
-    for index, piece in enumerate(made_of.pieces):
-        if not names:
-            break
-        if index in kept:
-            continue
-        for line in _lines(piece):
-            if not names.isdisjoint(facts[line].names):
-                found.add(index)
-                names = names - facts[line].names
+    naming = (line for line, one in enumerate(facts) if not names.isdisjoint(one.names))
+    for line in naming if names else ():
+        index = made_of.piece_at(line)
+        if index is not None and index not in kept and not names.isdisjoint(facts[line].names):
+            found.add(index)
+            names = names - facts[line].names
+            if not names:
+                break
     return found
 
 
@@ -136,11 +156,7 @@ def _with_needed(
     """Lines of the kept pieces, and of what declares the names on them, and on those again."""
     declaring = _declaring(facts, made_of, kept, routines)
     called = {one.name: number for number, one in enumerate(made_of.routines)}
-    inside = {line for piece in made_of.pieces for line in _lines(piece)}
-    framed: dict[int, list[int]] = {}
-    for number, one in enumerate(made_of.routines):
-        framed[number] = [x for x in range(one.first, one.last + 1) if x not in inside]
-    outside = set(range(len(facts))) - inside - {x for own in framed.values() for x in own}
+    framed, outside = _between(made_of, len(facts))
     lines = {line for index in kept for line in _lines(made_of.pieces[index])} | outside
     lines.update(line for number in routines for line in framed[number])
     asked = [needed, *(facts[line].names for line in lines)]
@@ -148,11 +164,28 @@ def _with_needed(
     while asked:
         for name in asked.pop() - seen:
             seen.add(name)
-            found = [*declaring.get(name, ()), *framed.get(called.get(name, -1), ())]
+            head = framed[called[name]] if name in called else ()
+            found = [*declaring.get(name, ()), *head]
             new = [line for line in found if line not in lines]
             lines.update(new)
             asked += [facts[line].names for line in new]
     return lines
+
+
+def _between(made_of: Structure, count: int) -> tuple[list[list[int]], set[int]]:
+    """Lines that are in no piece: of each routine, and outside of all."""
+    behind, framed, outside = 0, [list[int]() for _ in made_of.routines], set[int]()
+    number = 0
+    for first, last in (*((one.first, one.last) for one in made_of.pieces), (count, count)):
+        for line in range(behind, first):
+            while number < len(framed) and made_of.routines[number].last < line:
+                number += 1
+            if number < len(framed) and made_of.routines[number].first <= line:
+                framed[number].append(line)
+            else:
+                outside.add(line)
+        behind = last + 1
+    return framed, outside
 
 
 def _declaring(
@@ -173,14 +206,3 @@ def _declaring(
                     part = [line] if alone else list(_lines(piece))
                     found.setdefault(made_of.folded(declared.name), []).extend(part)
     return found
-
-
-def _blanked(text: str, starts: Sequence[int], lines: set[int]) -> str:
-    """Lines that are left out keep their line ends alone."""
-    parts, ends, end_of_line = [], [*starts[1:], len(text)], line_end(text)
-    for line, (start, end) in enumerate(zip(starts, ends, strict=True)):
-        if line in lines:
-            parts.append(text[start:end])
-        elif end > start and text[end - 1] in "\r\n":
-            parts.append(end_of_line)
-    return "".join(parts)

@@ -12,7 +12,11 @@ def findings(document: Document, *, whole: bool) -> tuple[Found, ...]:
     """In the order of the lines."""
     found, settled = document.workspace.found(document, whole=whole)
     placed = [found_at(document, one, settled=settled) for one in found]
-    return tuple(sorted(placed, key=lambda one: (one.range.start, one.diagnostic.code)))
+    return tuple(sorted(placed, key=_order))
+
+
+def _order(one: Found) -> tuple[int, int, str]:
+    return one.range.start.line, one.range.start.column, one.diagnostic.code
 
 
 def found_at(document: Document, finding: Diagnostic, *, settled: bool) -> Found:

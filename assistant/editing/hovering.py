@@ -86,7 +86,7 @@ def _of_target(document: Document, name: str) -> Iterator[str]:
     assert speaks is not None and speaks.editable is not None
     key = speaks.editable.folded(name)
     try:
-        text = document.declared(frozenset({key}))
+        text = document.declared(frozenset({key})).text
         program = speaks.program(source_of(text, document.path), (), _robot(document))
     except Refused:
         return

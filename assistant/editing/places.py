@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_right
+from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import accumulate, repeat
+from operator import add
 from typing import Final
 
 from assistant.program.diagnostics import Span
 
 LINE_END: Final = re.compile(r"\r\n|\n|\r")
 """What ends a line for the protocol of language servers (3.17, "Text Documents")."""
+_KEPT_END: Final = re.compile(rf"({LINE_END.pattern})")
 _WIDE: Final = re.compile(r"[\U00010000-\U0010ffff]")
 
 
@@ -35,23 +39,24 @@ class Lines:
 
     def __init__(self, text: str) -> None:
         self.text = text
-        ends = [match.span() for match in LINE_END.finditer(text)]
-        self.starts = [0, *(end for _, end in ends)]
+        self.lines, behind = _split(text)
+        """Each without its line end."""
+        ends: Iterable[int] = accumulate(map(add, map(len, self.lines), behind))
+        self.starts = [0, *ends][: len(self.lines)]
         """Offset at which each line begins."""
-        self._ends = [*(start for start, _ in ends), len(text)]
         self.narrow = text.isascii() or _WIDE.search(text) is None
         """Whether no character has two units."""
 
     def __len__(self) -> int:
-        return len(self.starts)
+        return len(self.lines)
 
     def line(self, number: int) -> str:
         """A line without its line end."""
-        return self.text[self.starts[number] : self._ends[number]]
+        return self.lines[number]
 
     def length(self, number: int) -> int:
         """Characters of a line without its line end."""
-        return self._ends[number] - self.starts[number]
+        return len(self.lines[number])
 
     def place(self, offset: int) -> Place:
         """The place of a character offset; the end of the text for what lies behind it."""
@@ -72,7 +77,8 @@ class Lines:
             return 0
         if place.line >= len(self.starts):
             return len(self.text)
-        start, end = self.starts[place.line], self._ends[place.line]
+        start = self.starts[place.line]
+        end = start + len(self.lines[place.line])
         if self.narrow:
             return min(start + max(place.column, 0), end)
         units, at = 0, start
@@ -90,3 +96,14 @@ class Lines:
         """Its character offsets; the smaller one first."""
         one, two = self.offset(range.start), self.offset(range.end)
         return Span(min(one, two), max(one, two))
+
+
+def _split(text: str) -> tuple[list[str], Iterable[int]]:
+    """The lines, and how many characters end each; nearly every text has one kind of line end."""
+    feeds, returns = text.count("\n"), text.count("\r")
+    if not returns:
+        return text.split("\n"), repeat(1)
+    if feeds == returns == text.count("\r\n"):
+        return text.split("\r\n"), repeat(2)
+    parts = _KEPT_END.split(text)
+    return parts[::2], [*map(len, parts[1::2]), 0]

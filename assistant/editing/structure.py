@@ -6,7 +6,8 @@ is damaged.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from bisect import bisect_right
+from collections.abc import Callable, Iterator, Sequence, Set
 from dataclasses import dataclass
 from typing import Final
 
@@ -46,15 +47,24 @@ class Structure:
     def routine_at(self, line: int) -> Routine | None:
         return next((one for one in self.routines if one.first <= line <= one.last), None)
 
+    def piece_at(self, line: int) -> int | None:
+        """The index of the piece that a line is in."""
+        at = bisect_right(self.pieces, line, key=lambda piece: piece.first) - 1
+        return at if at >= 0 and line <= self.pieces[at].last else None
 
-def structure(facts: Sequence[Facts], folded: Fold) -> Structure:
-    """Routines and pieces, in their order. folded: how names are compared."""
-    return _Building(facts, folded).done()
+
+def structure(facts: Sequence[Facts], folded: Fold, borders: Set[int] = frozenset()) -> Structure:
+    """Routines and pieces, in their order.
+
+    folded: how names are compared. borders: last lines of pieces as they were known before; a block
+    that nothing closes any more ends its piece there, and not with the text.
+    """
+    return _Building(facts, folded, borders).done()
 
 
 class _Building:
-    def __init__(self, facts: Sequence[Facts], folded: Fold) -> None:
-        self._facts, self._folded = facts, folded
+    def __init__(self, facts: Sequence[Facts], folded: Fold, borders: Set[int]) -> None:
+        self._facts, self._folded, self._borders = facts, folded, borders
         self._routines: list[Routine] = []
         self._pieces: list[Piece] = []
         self._open: Routine | None = None
@@ -99,15 +109,21 @@ class _Building:
     def _close(self, behind: int) -> None:
         """Ends the piece at hand in front of a line."""
         if self._first >= 0:
-            declared = frozenset(
-                self._folded(one.name)
-                for facts in self._facts[self._first : behind]
-                for one in facts.declares
-                if not one.implied
-            )
-            routine = len(self._routines) - 1 if self._open is not None else -1
-            self._pieces.append(Piece(self._first, behind - 1, routine, declared))
+            inside = range(self._first, behind - 1) if self._depth > 0 else ()
+            for last in (*(line for line in inside if line in self._borders), behind - 1):
+                self._pieces.append(self._made(self._first, last))
+                self._first = last + 1
         self._first, self._depth = -1, 0
+
+    def _made(self, first: int, last: int) -> Piece:
+        declared = frozenset(
+            self._folded(one.name)
+            for facts in self._facts[first : last + 1]
+            for one in facts.declares
+            if not one.implied
+        )
+        routine = len(self._routines) - 1 if self._open is not None else -1
+        return Piece(first, last, routine, declared)
 
     def _end(self, last: int) -> None:
         if self._open is not None:

@@ -20,8 +20,8 @@ from assistant.editing.structure import Structure, declarations, structure
 from assistant.program.diagnostics import Diagnostic
 from assistant.program.editing import Facts, Remembered
 
-Quick = Callable[[str, frozenset[str]], tuple[Sequence[Diagnostic], Sequence[Diagnostic]]]
-"""Of an excerpt, and the names in it: errors of what cannot be read, and all findings."""
+Quick = Callable[[Excerpt], tuple[Sequence[Diagnostic], Sequence[Diagnostic]]]
+"""Of an excerpt: errors of what cannot be read, and all findings."""
 Whole = Callable[[str], Sequence[Diagnostic]]
 SMALL: Final = 300
 """Lines of a text that is always looked at as a whole by the quick look."""
@@ -30,19 +30,37 @@ SMALL: Final = 300
 class State:
     """A text, and what each of its lines says by itself."""
 
-    def __init__(self, text: str, remembered: Remembered) -> None:
+    def __init__(self, text: str, remembered: Remembered, before: State | None = None) -> None:
+        """before: a state from which this one differs little."""
         self.text = text
         self.lines = Lines(text)
-        self.said = tuple(self.lines.line(number) for number in range(len(self.lines)))
+        self.said = self.lines.lines
         self._remembered = remembered
+        self._before = before
+
+    @cached_property
+    def _differing(self) -> tuple[Hunk, ...]:
+        return () if self._before is None else hunks(self._before.said, self.said)
 
     @cached_property
     def facts(self) -> list[Facts]:
-        return self._remembered.all(self.said)
+        if self._before is None:
+            return self._remembered.all(self.said)
+        facts = self._before.facts.copy()
+        for hunk in reversed(self._differing):
+            new = self.said[hunk.new_first : hunk.new_last]
+            facts[hunk.first : hunk.last] = self._remembered.all(new)
+        return facts
 
     @cached_property
     def made_of(self) -> Structure:
-        return structure(self.facts, self._remembered.language.folded)
+        facts, borders = self.facts, frozenset[int]()
+        if self._before is not None:
+            moves = Moves(self._differing)
+            ends = (moves.line(piece.last) for piece in self._before.made_of.pieces)
+            borders = frozenset(line for line in ends if line is not None)
+            self._before = None  # what stood before that one is of no use any more
+        return structure(facts, self._remembered.language.folded, borders)
 
     def prepare(self) -> None:
         """Looks at all lines, so that no key has to wait for that."""
@@ -50,9 +68,13 @@ class State:
 
     def excerpt(self, changed: Iterable[int], names: frozenset[str] = frozenset()) -> Excerpt:
         if len(self.said) <= SMALL:
-            return Excerpt(self.text, frozenset(range(len(self.said))), self.names)
+            return self.all
         starts = self.lines.starts
         return excerpt(self.text, starts, self.facts, self.made_of, changed, names)
+
+    @property
+    def all(self) -> Excerpt:
+        return Excerpt(self.text, None, frozenset(range(len(self.said))), self.names)
 
     @cached_property
     def names(self) -> frozenset[str]:
@@ -79,7 +101,7 @@ class Watch:
 
     def state(self, text: str) -> State:
         if self.current is None or self.current.text != text:
-            self.current = State(text, self._remembered)
+            self.current = self._state(text)
         return self.current
 
     def findings(self, text: str) -> tuple[Diagnostic, ...]:
@@ -90,7 +112,7 @@ class Watch:
 
     def tried(self, text: str) -> tuple[Diagnostic, ...]:
         """What would be found in another text; nothing is remembered of it."""
-        return self._looked(State(text, self._remembered))[0]
+        return self._looked(self._state(text))[0]
 
     @property
     def is_known(self) -> bool:
@@ -137,6 +159,7 @@ class Watch:
         base, last = self._base, self._last
         assert base is not None and last is not None
         if state.text == base.state.text:
+            self._last = base
             return base.findings
         found, damage = self._looked(state)
         if not damage:
@@ -178,7 +201,7 @@ class Watch:
             return base.findings, []
         moves = Moves(differing)
         part = state.excerpt(_changed(differing, state), _redeclared(differing, base.state, state))
-        syntax, every = self._quick(part.text, part.names)
+        syntax, every = self._quick(part)
         difference = self._difference(base, moves, differing, part.looked_at)
         found = [
             _placed(one)
@@ -201,15 +224,16 @@ class Watch:
         """What the excerpt of `base` with the same lines shows more and less than the whole."""
         old = {line for new in looked_at if (line := moves.back(new)) is not None}
         old |= {line for hunk in differing for line in range(hunk.first, hunk.last)}
-        part = base.state.excerpt(old)
-        if part.looked_at not in self._differences:
-            _, every = self._quick(part.text, part.names)
-            self._differences[part.looked_at] = _compared(base.findings, every, part.looked_at)
-        return self._differences[part.looked_at]
+        key = frozenset(old)
+        if key not in self._differences:
+            part = base.state.excerpt(old)
+            _, every = self._quick(part)
+            self._differences[key] = _compared(base.findings, every, part.looked_at)
+        return self._differences[key]
 
     def _mended(self, state: State, last: Shown) -> State:
         """The text as it is to be looked at as a whole."""
-        syntax, _ = self._quick(state.text, frozenset())
+        syntax, _ = self._quick(Excerpt(state.text, None, frozenset(), frozenset()))
         known = {_what(one) for one in last.findings}
         damage = [one for one in syntax if _what(one) not in known]
         return state if not damage else self._without(state, last, damage)
@@ -224,7 +248,10 @@ class Watch:
         if not hurt or len(hurt) == len(differing):
             return last.state
         end = "\r\n" if "\r\n" in state.text else "\n"
-        return State(end.join(reverted(before, now, hurt)), self._remembered)
+        return self._state(end.join(reverted(before, now, hurt)))
+
+    def _state(self, text: str) -> State:
+        return State(text, self._remembered, None if self._base is None else self._base.state)
 
 
 @dataclass(frozen=True, slots=True)

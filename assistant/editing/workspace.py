@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 from assistant.compiler.scenes import InCell, in_cell
 from assistant.compiler.tasks import tasks_of
 from assistant.editing.answers import Change
-from assistant.editing.excerpts import excerpt
+from assistant.editing.excerpts import Excerpt, excerpt
 from assistant.editing.places import Lines
 from assistant.editing.speaking import Spoken, name_of, spoken
 from assistant.editing.structure import Structure, structure
@@ -23,7 +23,7 @@ from assistant.findings.project_severities import settle
 from assistant.program.diagnostics import Diagnostic, Refused, Unreadable
 from assistant.program.editing import Facts
 from assistant.program.failing import failure
-from assistant.program.text import SourceText, decode, read_bytes
+from assistant.program.text import SomeLines, SourceText, decode, read_bytes
 from assistant.program.without_gc import uncollected
 from assistant.project.layout import project_of
 from assistant.project.stated import Stated, completed
@@ -82,15 +82,17 @@ class Document:
     def source(self) -> SourceText:
         return source_of(self.text, self.path)
 
-    def declared(self, names: frozenset[str]) -> str:
-        """The text with nothing but what declares some names, and what that needs."""
-        part = excerpt(self.text, self.lines.starts, self.facts, self.made_of, (), needed=names)
-        return part.text
+    def declared(self, names: frozenset[str]) -> Excerpt:
+        """Nothing but what declares some names, and what that needs."""
+        return excerpt(self.text, self.lines.starts, self.facts, self.made_of, (), needed=names)
 
 
-def source_of(text: str, path: str) -> SourceText:
+def source_of(text: str, path: str, numbers: Sequence[int] | None = None) -> SourceText:
+    """numbers: of its lines, where it is an excerpt."""
     newline = "\r\n" if "\r\n" in text or "\n" not in text else "\n"
-    return SourceText(text, path, "utf-8", newline)
+    if numbers is None:
+        return SourceText(text, path, "utf-8", newline)
+    return SomeLines(text, path, "utf-8", newline, numbers)
 
 
 class Workspace:
@@ -256,8 +258,8 @@ class Workspace:
         if watch is None:
             assert speaks.remembered is not None
 
-            def quick(text: str, names: frozenset[str]) -> Any:
-                return self._quick(document, speaks, text, names)
+            def quick(part: Excerpt) -> Any:
+                return self._quick(document, speaks, part)
 
             def whole(text: str) -> Sequence[Diagnostic]:
                 return self._whole(document, text)
@@ -265,10 +267,11 @@ class Workspace:
             watch = self._watches[document.path] = Watch(speaks.remembered, quick, whole)
         return watch
 
-    def _quick(self, document: Document, speaks: Spoken, text: str, names: frozenset[str]) -> Any:
+    def _quick(self, document: Document, speaks: Spoken, part: Excerpt) -> Any:
         _, *others = self.task(document)
-        texts = [source_of(one.declared(names), one.path) for one in others]
-        source = source_of(text, document.path)
+        declared = [(one.declared(part.names), one.path) for one in others]
+        texts = [source_of(one.text, path, one.numbers) for one, path in declared]
+        source = source_of(part.text, document.path, part.numbers)
         syntax, found = speaks.quick(source, texts)
         return syntax, self._settled(document, speaks, source, found)
 

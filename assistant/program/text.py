@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -117,6 +117,30 @@ class SourceText:
         for character, at in lines.odd_characters(self.text):
             rule, names = next(row for row in _ODD if character in row[1])
             yield self.finding(rule, Span(at, at + 1), character=names[character])
+
+
+@dataclass(frozen=True)
+class SomeLines(SourceText):
+    """Some lines of a text, with the numbers that they have there.
+
+    numbers: from 1 and ascending, of each line of this text; the last one is where that text ends.
+    """
+
+    numbers: Sequence[int] = (1,)
+
+    def line_column(self, offset: int) -> tuple[int, int]:
+        line, column = super().line_column(offset)
+        return self.numbers[line - 1], column
+
+    @property
+    def line_count(self) -> int:
+        return self.numbers[-1]
+
+    def line_text(self, line: int) -> str:
+        """Empty for one that is left out."""
+        at = bisect_left(self.numbers, line)
+        there = at < len(self._starts) and self.numbers[at] == line
+        return super().line_text(at + 1) if there else ""
 
 
 _ODD: Final = (

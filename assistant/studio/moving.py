@@ -9,6 +9,7 @@ from typing import Any, Final
 
 from assistant.compiler.loading import language_of
 from assistant.compiler.teaching import branch_at
+from assistant.editing.excerpts import Excerpt
 from assistant.editing.places import Lines
 from assistant.editing.service import Change, Document, Workspace
 from assistant.editing.workspace import source_of
@@ -147,7 +148,8 @@ def _of_program(
     speaks = document.spoken
     if speaks is None or speaks.editable is None:
         raise _refused(handle, "its text is in no language that is written")
-    part = document.declared(frozenset({speaks.editable.folded(handle.name)}))
+    declared = document.declared(frozenset({speaks.editable.folded(handle.name)}))
+    part = declared.text
     before = speaks.program(source_of(part, document.path), (), stage.robot)
     key = next((name for name in before.targets if name.lower() == handle.name.lower()), None)
     if key is None:
@@ -157,7 +159,7 @@ def _of_program(
     for written in _written(document, part, handle, changed, target, stage.robot):
         now = speaks.program(source_of(written, document.path), (), stage.robot)
         if compare(changed, now, WRITTEN).same:
-            return _line_change(handle, part, written, text)
+            return _line_change(handle, declared, written, text)
     raise _refused(handle, "its text cannot say this place")
 
 
@@ -237,17 +239,17 @@ def _with_head(part: str, written: str, name: str) -> str:
     return written if kept is None else head.sub(lambda _: kept[0], written, count=1)
 
 
-def _line_change(handle: Handle, part: str, written: str, text: str) -> Change:
-    """Lines of a part stay in their places, so a change of one is that of the whole text."""
-    if part == written:
+def _line_change(handle: Handle, part: Excerpt, written: str, text: str) -> Change:
+    """A change of one line of a part is that of the same line of the whole text."""
+    if part.text == written:
         raise _refused(handle, "its text says this place already")
-    old, new, whole = (Lines(one) for one in (part, written, text))
+    old, new, whole = (Lines(one) for one in (part.text, written, text))
     lines = [i for i in range(len(old)) if i >= len(new) or old.line(i) != new.line(i)]
     if len(old) != len(new) or len(lines) != 1:
         raise _refused(handle, "its declaration cannot be changed by itself")
-    (line,) = lines
-    one = change_between(old.line(line), new.line(line))
+    one = change_between(old.line(lines[0]), new.line(lines[0]))
+    line = part.line_there(lines[0])
     start, end = (replace(at, line=line) for at in (one.range.start, one.range.end))
-    if whole.line(line) != old.line(line):
+    if whole.line(line) != old.line(lines[0]):
         raise _refused(handle, "its declaration is not where it was", "show it again")
     return Change(replace(one.range, start=start, end=end), one.text)

@@ -12,7 +12,7 @@ from assistant.editing.service import Change, Place, Range, Workspace
 from assistant.findings.project_severities import settle
 from assistant.program.diagnostics import has_errors
 from assistant.program.text import SourceText
-from tests.editing.typing import kept, lines_to_damage, made, typed
+from tests.editing.typing import kept, lines_that_close, lines_to_damage, made, typed
 
 MODULE = """MODULE Small
     CONST robtarget pHome:=[[380,0,420],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
@@ -64,11 +64,19 @@ def is_unreadable(document):
 
 @pytest.mark.parametrize("name", ["code450.mod"])
 def test_no_finding_flickers_on_sound_lines(name):
-    check_no_flicker(name, made()[name], most=1)
+    check_no_flicker(name, made()[name], lambda text, mark: lines_to_damage(text, mark)[:1])
 
 
-def check_no_flicker(name, text, most=3):
+@pytest.mark.parametrize("name", ["code450.mod", "code450.mb5", "code450.mb6"])
+def test_a_block_that_nothing_closes_ends_where_it_did(name):
+    closing = check_no_flicker(name, made()[name], lambda text, _: lines_that_close(text)[:1])
+    assert closing >= 3
+
+
+def check_no_flicker(name, text, chosen):
     """How often a damaged state was looked at; other lines have what they had when all was sound.
+
+    chosen: lines to damage, of a text and what begins a comment in it.
 
     What a line says on the way may be sound, and mean something for others: `GoSub *A`, which
     becomes `GoSub *AB`.
@@ -77,7 +85,7 @@ def check_no_flicker(name, text, most=3):
     document = workspace.open(f"/nowhere/{name}", text)
     before = service.settled(document)
     damaged = 0
-    for number in lines_to_damage(text, document.spoken.mark)[:most]:
+    for number in chosen(text, document.spoken.mark):
         others = on_others(before, number)
         for state, found in retyped(workspace, document, number):
             document = state
@@ -94,7 +102,11 @@ def check_no_flicker(name, text, most=3):
 @pytest.mark.slow
 def test_no_finding_flickers_in_any_file(tell):
     texts = {**kept(), **made()}
-    damaged = sum(check_no_flicker(name, text) for name, text in texts.items())
+    damaged = 0
+    for name, text in texts.items():
+        damaged += check_no_flicker(
+            name, text, lambda text, mark: [*lines_to_damage(text, mark), *lines_that_close(text)]
+        )
     lines = sum(len(text.splitlines()) for text in texts.values())
     tell(f"{len(texts)} files, {lines:,} lines: {damaged:,} damaged states, no finding flickered")
     assert len(texts) >= 20 and damaged > 200

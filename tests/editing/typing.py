@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
@@ -10,6 +11,9 @@ from benchmarks.code import code
 
 ROOT: Final = Path(__file__).parent.parent.parent
 DATA: Final = ROOT / "tests" / "languages"
+CLOSES: Final = re.compile(
+    r"[ \t\d]*(?:end[ \t]?(?:if|for|while|test|select)|next|wend)\b", re.IGNORECASE
+)
 LINES: Final = (450, 800, 1200)
 """Of those that are made."""
 
@@ -50,6 +54,12 @@ def lines_to_damage(text: str, comment: str) -> list[int]:
         if len(line.split()) > 1 and not line.strip().startswith(comment)
     ]
     return [code_lines[len(code_lines) * part // 4] for part in (1, 2, 3)]
+
+
+def lines_that_close(text: str) -> list[int]:
+    """Two lines that end a block, spread over a text; from 0."""
+    closing = [number for number, line in enumerate(text.splitlines()) if CLOSES.match(line)]
+    return sorted({closing[len(closing) * part // 3] for part in (1, 2)}) if closing else []
 
 
 def typed(line: str) -> Iterator[str]:
