@@ -86,8 +86,9 @@ def _of_target(document: Document, name: str) -> Iterator[str]:
     assert speaks is not None and speaks.editable is not None
     key = speaks.editable.folded(name)
     try:
-        text = document.declared(frozenset({key})).text
-        program = speaks.program(source_of(text, document.path), (), _robot(document))
+        part = document.declared(frozenset({key}))
+        source = source_of(part.text, document.path, part.numbers)
+        program = speaks.program(source, (), _robot(document))
     except Refused:
         return
     for known, target in program.targets.items():

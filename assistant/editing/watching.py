@@ -39,25 +39,22 @@ class State:
         self._before = before
 
     @cached_property
-    def _differing(self) -> tuple[Hunk, ...]:
-        return () if self._before is None else hunks(self._before.said, self.said)
-
-    @cached_property
     def facts(self) -> list[Facts]:
-        if self._before is None:
+        before = self._before  # once: another thread may let go of it
+        if before is None:
             return self._remembered.all(self.said)
-        facts = self._before.facts.copy()
-        for hunk in reversed(self._differing):
+        facts = before.facts.copy()
+        for hunk in reversed(hunks(before.said, self.said)):
             new = self.said[hunk.new_first : hunk.new_last]
             facts[hunk.first : hunk.last] = self._remembered.all(new)
         return facts
 
     @cached_property
     def made_of(self) -> Structure:
-        facts, borders = self.facts, frozenset[int]()
-        if self._before is not None:
-            moves = Moves(self._differing)
-            ends = (moves.line(piece.last) for piece in self._before.made_of.pieces)
+        before, facts, borders = self._before, self.facts, frozenset[int]()
+        if before is not None:
+            moves = Moves(hunks(before.said, self.said))
+            ends = (moves.line(piece.last) for piece in before.made_of.pieces)
             borders = frozenset(line for line in ends if line is not None)
             self._before = None  # what stood before that one is of no use any more
         return structure(facts, self._remembered.language.folded, borders)

@@ -150,7 +150,8 @@ def _of_program(
         raise _refused(handle, "its text is in no language that is written")
     declared = document.declared(frozenset({speaks.editable.folded(handle.name)}))
     part = declared.text
-    before = speaks.program(source_of(part, document.path), (), stage.robot)
+    source = source_of(part, document.path, declared.numbers)
+    before = speaks.program(source, (), stage.robot)
     key = next((name for name in before.targets if name.lower() == handle.name.lower()), None)
     if key is None:
         raise _refused(handle, "its declaration states no numbers")

@@ -66,7 +66,8 @@ class Rows:
             if speaks is None or speaks.editable is None:
                 continue
             wanted = frozenset(map(speaks.editable.folded, names))
-            text = source_of(document.declared(wanted).text, document.path)
+            part = document.declared(wanted)
+            text = source_of(part.text, document.path, part.numbers)
             for name, target in speaks.program(text, (), self._stage.robot).targets.items():
                 found.setdefault(name.lower(), (name, target.pose))
         return found

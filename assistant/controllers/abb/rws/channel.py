@@ -28,7 +28,8 @@ FAREWELL: Final = 1.0
 """Seconds to wait for the other side's good-bye."""
 LEAST: Final = 1e-3
 """Seconds that are waited at least: a socket that never waits tells of it in other ways."""
-CHUNK: Final = 1 << 16
+CHUNK: Final = 1 << 12
+"""Bytes that are read at once: between two chunks it is looked at whether the time is over."""
 CONTENTS: Final = (Opcode.TEXT, Opcode.BINARY, Opcode.CONT)
 
 
@@ -38,7 +39,7 @@ class Channel:
     def __init__(self, line: socket.socket, protocol: ClientProtocol) -> None:
         self._line = line
         self._protocol = protocol
-        self._parts: list[bytes] = []
+        self._part = bytearray()
         self._messages: deque[bytes] = deque()
 
     def receive(self, timeout: float) -> bytes:
@@ -49,6 +50,7 @@ class Channel:
                 self._protocol.receive_eof()
                 raise ConnectionError(str(self._protocol.close_exc))
             self._read(until)
+            self._check(until, there=bool(self._messages))
         return self._messages.popleft()
 
     def shake_hands(self, headers: Mapping[str, str], timeout: float) -> None:
@@ -60,6 +62,7 @@ class Channel:
         until = time.monotonic() + timeout
         while self._protocol.state is State.CONNECTING and self._protocol.handshake_exc is None:
             self._read(until)
+            self._check(until, there=self._protocol.state is not State.CONNECTING)
         if self._protocol.handshake_exc is not None:
             raise ConnectionError(str(self._protocol.handshake_exc))
 
@@ -72,9 +75,16 @@ class Channel:
             while self._protocol.state is State.CLOSING and time.monotonic() < until:
                 self._read(until)
 
+    @staticmethod
+    def _check(until: float, *, there: bool) -> None:
+        """The time is over, however much came of what nobody waits for."""
+        if not there and time.monotonic() > until:
+            raise TimeoutError("timed out")
+
     def _send(self) -> None:
-        for data in self._protocol.data_to_send():
-            self._line.sendall(data)  # what is empty says that no more will come
+        data = b"".join(self._protocol.data_to_send())
+        if data:
+            self._line.sendall(data)
 
     def _read(self, until: float) -> None:
         self._line.settimeout(max(until - time.monotonic(), LEAST))
@@ -86,10 +96,10 @@ class Channel:
         self._send()
         for one in self._protocol.events_received():
             if isinstance(one, Frame) and one.opcode in CONTENTS:
-                self._parts.append(bytes(one.data))
+                self._part += one.data
                 if one.fin:
-                    self._messages.append(b"".join(self._parts))
-                    self._parts.clear()
+                    self._messages.append(bytes(self._part))
+                    self._part.clear()
 
 
 @contextmanager

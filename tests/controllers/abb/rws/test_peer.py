@@ -2,6 +2,7 @@
 
 import json
 import sys
+import threading
 
 import pytest
 
@@ -147,6 +148,30 @@ def test_an_event_in_parts_with_a_ping_between():
         peer.events.put(framed(event[20:30], 0x00)[7:] + framed(event[30:], 0x80) + framed(event))
         assert [events.next(5).values for _ in range(2)] == [{"opmode": "AUTO"}] * 2
         assert events.next(0) is None
+        peer.events.put(None)
+
+
+def test_pings_without_end_do_not_keep_anybody_waiting():
+    answers = {"POST /subscription": (201, rows(), {"Location": "/poll/3"})}
+    with (
+        Rws1({**ONE, **answers}) as peer,
+        peer.connect() as client,
+        client.subscribe(["mode"]) as events,
+    ):
+        over = threading.Event()
+
+        def ping():
+            for _ in range(20_000):  # about ten seconds of them
+                peer.events.put(b"\x89\x00")
+                if over.wait(0.0005):
+                    break
+
+        pinging = threading.Thread(target=ping)
+        pinging.start()
+        assert events.next(0.2) is None
+        assert pinging.is_alive()
+        over.set()
+        pinging.join()
         peer.events.put(None)
 
 
