@@ -13,6 +13,7 @@ from typing import Final
 
 from assistant.editing.structure import Piece, Structure
 from assistant.program.editing import Facts
+from assistant.program.text import SomeLines, SourceText
 
 MOST_LINES: Final = 200
 """That are kept for names on them; more are left to the look at the whole program."""
@@ -20,20 +21,33 @@ MOST_LINES: Final = 200
 
 @dataclass(frozen=True, slots=True)
 class Excerpt:
-    """Of a text, or all of it.
+    """Some lines of a text, or all.
 
-    numbers: see `SomeLines`; None for all lines. looked_at: lines whose findings count, from 0.
-    names: in it.
+    whole: the text that it is of. numbers: see `SomeLines`; None for all lines. looked_at: lines of
+    the whole whose findings count, from 0. names: in it.
     """
 
     text: str
+    whole: str
     numbers: Sequence[int] | None
     looked_at: frozenset[int]
     names: frozenset[str]
 
-    def line_there(self, line: int) -> int:
-        """Where a line of the excerpt stands in the text, both from 0."""
+    def source(self, path: str) -> SourceText:
+        """It as languages read it."""
+        newline = newline_of(self.text)
+        if self.numbers is None:
+            return SourceText(self.text, path, "utf-8", newline)
+        return SomeLines(self.text, path, "utf-8", newline, self.numbers)
+
+    def line_in_whole(self, line: int) -> int:
+        """Both from 0."""
         return line if self.numbers is None else self.numbers[line] - 1
+
+
+def newline_of(text: str) -> str:
+    """The line end that new lines of a text get."""
+    return "\r\n" if "\r\n" in text or "\n" not in text else "\n"
 
 
 def excerpt(
@@ -70,13 +84,15 @@ def excerpt(
     kept |= _witnesses(facts, made_of, {n for line in wanted for n in facts[line].names}, kept)
     lines = _with_needed(facts, made_of, kept, routines, needed)
     there = frozenset().union(*(facts[line].names for line in lines))
-    kept_lines, count = sorted(lines), len(starts)
-    ends = [*starts[1:], len(text)]
-    numbers = [line + 1 for line in kept_lines]
-    if numbers[-1:] != [count]:
-        numbers.append(count)
-    only = "".join(text[starts[line] : ends[line]] for line in kept_lines)
-    return Excerpt(only, numbers, looked_at | wanted, there)
+    return Excerpt(*_only(text, starts, sorted(lines)), looked_at | wanted, there)
+
+
+def _only(text: str, starts: Sequence[int], lines: Sequence[int]) -> tuple[str, str, Sequence[int]]:
+    """Some lines, the text that they are of, and their numbers."""
+    ends, numbers = [*starts[1:], len(text)], [line + 1 for line in lines]
+    if numbers[-1:] != [len(starts)]:
+        numbers.append(len(starts))
+    return "".join(text[starts[line] : ends[line]] for line in lines), text, numbers
 
 
 def _holding(made_of: Structure, wanted: set[int]) -> set[int]:
@@ -164,8 +180,8 @@ def _with_needed(
     while asked:
         for name in asked.pop() - seen:
             seen.add(name)
-            head = framed[called[name]] if name in called else ()
-            found = [*declaring.get(name, ()), *head]
+            frame = framed[called[name]] if name in called else ()
+            found = [*declaring.get(name, ()), *frame]
             new = [line for line in found if line not in lines]
             lines.update(new)
             asked += [facts[line].names for line in new]

@@ -10,7 +10,7 @@ import numpy as np
 from assistant.editing.answers import Hover
 from assistant.editing.naming import Named, editable, named, range_of, word_at
 from assistant.editing.places import Place
-from assistant.editing.workspace import Document, source_of
+from assistant.editing.workspace import Document
 from assistant.program.diagnostics import Refused
 from assistant.program.rotations import to_euler
 
@@ -86,8 +86,7 @@ def _of_target(document: Document, name: str) -> Iterator[str]:
     assert speaks is not None and speaks.editable is not None
     key = speaks.editable.folded(name)
     try:
-        part = document.declared(frozenset({key}))
-        source = source_of(part.text, document.path, part.numbers)
+        source = document.declared(frozenset({key})).source(document.path)
         program = speaks.program(source, (), _robot(document))
     except Refused:
         return

@@ -31,7 +31,7 @@ class State:
     """A text, and what each of its lines says by itself."""
 
     def __init__(self, text: str, remembered: Remembered, before: State | None = None) -> None:
-        """before: a state from which this one differs little."""
+        """before: another state of the text; what did not change is taken from there."""
         self.text = text
         self.lines = Lines(text)
         self.said = self.lines.lines
@@ -71,7 +71,7 @@ class State:
 
     @property
     def all(self) -> Excerpt:
-        return Excerpt(self.text, None, frozenset(range(len(self.said))), self.names)
+        return Excerpt(self.text, self.text, None, frozenset(range(len(self.said))), self.names)
 
     @cached_property
     def names(self) -> frozenset[str]:
@@ -230,7 +230,7 @@ class Watch:
 
     def _mended(self, state: State, last: Shown) -> State:
         """The text as it is to be looked at as a whole."""
-        syntax, _ = self._quick(Excerpt(state.text, None, frozenset(), frozenset()))
+        syntax, _ = self._quick(Excerpt(state.text, state.text, None, frozenset(), frozenset()))
         known = {_what(one) for one in last.findings}
         damage = [one for one in syntax if _what(one) not in known]
         return state if not damage else self._without(state, last, damage)

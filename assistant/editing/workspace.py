@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 from assistant.compiler.scenes import InCell, in_cell
 from assistant.compiler.tasks import tasks_of
 from assistant.editing.answers import Change
-from assistant.editing.excerpts import Excerpt, excerpt
+from assistant.editing.excerpts import Excerpt, excerpt, newline_of
 from assistant.editing.places import Lines
 from assistant.editing.speaking import Spoken, name_of, spoken
 from assistant.editing.structure import Structure, structure
@@ -23,7 +23,7 @@ from assistant.findings.project_severities import settle
 from assistant.program.diagnostics import Diagnostic, Refused, Unreadable
 from assistant.program.editing import Facts
 from assistant.program.failing import failure
-from assistant.program.text import SomeLines, SourceText, decode, read_bytes
+from assistant.program.text import SourceText, decode, read_bytes
 from assistant.program.without_gc import uncollected
 from assistant.project.layout import project_of
 from assistant.project.stated import Stated, completed
@@ -87,12 +87,8 @@ class Document:
         return excerpt(self.text, self.lines.starts, self.facts, self.made_of, (), needed=names)
 
 
-def source_of(text: str, path: str, numbers: Sequence[int] | None = None) -> SourceText:
-    """numbers: of its lines, where it is an excerpt."""
-    newline = "\r\n" if "\r\n" in text or "\n" not in text else "\n"
-    if numbers is None:
-        return SourceText(text, path, "utf-8", newline)
-    return SomeLines(text, path, "utf-8", newline, numbers)
+def source_of(text: str, path: str) -> SourceText:
+    return SourceText(text, path, "utf-8", newline_of(text))
 
 
 class Workspace:
@@ -269,11 +265,10 @@ class Workspace:
 
     def _quick(self, document: Document, speaks: Spoken, part: Excerpt) -> Any:
         _, *others = self.task(document)
-        declared = [(one.declared(part.names), one.path) for one in others]
-        texts = [source_of(one.text, path, one.numbers) for one, path in declared]
-        source = source_of(part.text, document.path, part.numbers)
-        syntax, found = speaks.quick(source, texts)
-        return syntax, self._settled(document, speaks, source, found)
+        texts = [one.declared(part.names).source(one.path) for one in others]
+        syntax, found = speaks.quick(part.source(document.path), texts)
+        whole = source_of(part.whole, document.path)  # a comment may ignore what stands elsewhere
+        return syntax, self._settled(document, speaks, whole, found)
 
     def _settled(
         self, document: Document, speaks: Spoken, source: SourceText, found: Sequence[Diagnostic]

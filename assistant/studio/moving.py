@@ -148,19 +148,17 @@ def _of_program(
     speaks = document.spoken
     if speaks is None or speaks.editable is None:
         raise _refused(handle, "its text is in no language that is written")
-    declared = document.declared(frozenset({speaks.editable.folded(handle.name)}))
-    part = declared.text
-    source = source_of(part, document.path, declared.numbers)
-    before = speaks.program(source, (), stage.robot)
+    part = document.declared(frozenset({speaks.editable.folded(handle.name)}))
+    before = speaks.program(part.source(document.path), (), stage.robot)
     key = next((name for name in before.targets if name.lower() == handle.name.lower()), None)
     if key is None:
         raise _refused(handle, "its declaration states no numbers")
     target = _moved(stage, handle, before.targets[key], position, place)
     changed = replace(before, targets={**before.targets, key: target})
-    for written in _written(document, part, handle, changed, target, stage.robot):
+    for written in _written(document, part.text, handle, changed, target, stage.robot):
         now = speaks.program(source_of(written, document.path), (), stage.robot)
         if compare(changed, now, WRITTEN).same:
-            return _line_change(handle, declared, written, text)
+            return _line_change(handle, part, written, text)
     raise _refused(handle, "its text cannot say this place")
 
 
@@ -249,7 +247,7 @@ def _line_change(handle: Handle, part: Excerpt, written: str, text: str) -> Chan
     if len(old) != len(new) or len(lines) != 1:
         raise _refused(handle, "its declaration cannot be changed by itself")
     one = change_between(old.line(lines[0]), new.line(lines[0]))
-    line = part.line_there(lines[0])
+    line = part.line_in_whole(lines[0])
     start, end = (replace(at, line=line) for at in (one.range.start, one.range.end))
     if whole.line(line) != old.line(lines[0]):
         raise _refused(handle, "its declaration is not where it was", "show it again")

@@ -14,7 +14,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.editing.workspace import Document, Workspace, source_of
+from assistant.editing.workspace import Document, Workspace
 from assistant.program.geometry import Pose
 from assistant.program.path import Path
 from assistant.program.program import walk
@@ -66,8 +66,7 @@ class Rows:
             if speaks is None or speaks.editable is None:
                 continue
             wanted = frozenset(map(speaks.editable.folded, names))
-            part = document.declared(wanted)
-            text = source_of(part.text, document.path, part.numbers)
+            text = document.declared(wanted).source(document.path)
             for name, target in speaks.program(text, (), self._stage.robot).targets.items():
                 found.setdefault(name.lower(), (name, target.pose))
         return found

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import random
+import re
 
 import pytest
 
 from assistant.compiler.checking import check_text
 from assistant.editing import service
 from assistant.editing.service import Change, Place, Range, Workspace
+from assistant.editing.watching import SMALL
 from assistant.findings.project_severities import settle
 from assistant.program.diagnostics import has_errors
 from assistant.program.text import SourceText
@@ -132,6 +134,25 @@ def test_what_is_found_at_once_is_what_is_found_in_the_whole(tell):
             service.settled(document)
     tell(f"{same} of {states} changed lines have at once the findings that the whole gives them")
     assert same >= states * 0.9
+
+
+@pytest.mark.parametrize("comment", ["", "ignore-file RA204", "ignore RA204"])
+def test_what_a_comment_ignores_is_not_told_of_a_line_that_is_typed(comment):
+    lines = made()["code450.mod"].splitlines()
+    number = next(n for n, line in enumerate(lines) if n > SMALL and re.search(r",v\d+,", line))
+    at = 1 if "file" in comment else number
+    lines.insert(at, f"    ! assistant: {comment}" if comment else "")
+    workspace = Workspace()
+    document = workspace.open("/nowhere/ignoring.mod", "\r\n".join(lines))
+    service.settled(document)
+    changed = re.sub(r",v\d+,", ",v99,", document.lines.line(number + 1))
+    document = with_line(workspace, document, number + 1, changed)
+    codes = [
+        one.diagnostic.code
+        for one in service.findings(document)
+        if one.range.start.line == number + 1 and "v99" in one.diagnostic.message
+    ]
+    assert codes == ([] if comment else ["RA204"])
 
 
 @pytest.mark.parametrize("name", ["samples-palletising.mod", "samples-PALLET.prg"])

@@ -10,10 +10,10 @@ from __future__ import annotations
 import socket
 import time
 from collections import deque
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
 from ssl import SSLContext
-from typing import Final
+from typing import Any, Final
 
 from websockets.client import ClientProtocol
 from websockets.exceptions import WebSocketException
@@ -44,13 +44,10 @@ class Channel:
 
     def receive(self, timeout: float) -> bytes:
         """The next message; raises TimeoutError after these seconds, OSError if it has ended."""
-        until = time.monotonic() + timeout
-        while not self._messages:
-            if self._protocol.state is not State.OPEN:
-                self._protocol.receive_eof()
-                raise ConnectionError(str(self._protocol.close_exc))
-            self._read(until)
-            self._check(until, there=bool(self._messages))
+        self._read_until(lambda: self._messages or not self._is(State.OPEN), timeout)
+        if not self._messages:
+            self._protocol.receive_eof()
+            raise ConnectionError(str(self._protocol.close_exc))
         return self._messages.popleft()
 
     def shake_hands(self, headers: Mapping[str, str], timeout: float) -> None:
@@ -59,35 +56,38 @@ class Channel:
         request.headers.update(headers)
         self._protocol.send_request(request)
         self._send()
-        until = time.monotonic() + timeout
-        while self._protocol.state is State.CONNECTING and self._protocol.handshake_exc is None:
-            self._read(until)
-            self._check(until, there=self._protocol.state is not State.CONNECTING)
-        if self._protocol.handshake_exc is not None:
-            raise ConnectionError(str(self._protocol.handshake_exc))
+        protocol = self._protocol
+        self._read_until(
+            lambda: not self._is(State.CONNECTING) or protocol.handshake_exc is not None, timeout
+        )
+        if protocol.handshake_exc is not None:
+            raise ConnectionError(str(protocol.handshake_exc))
 
     def say_good_bye(self) -> None:
-        until = time.monotonic() + FAREWELL
         with suppress(OSError, WebSocketException):
-            if self._protocol.state is State.OPEN:
+            if self._is(State.OPEN):
                 self._protocol.send_close(1000)
                 self._send()
-            while self._protocol.state is State.CLOSING and time.monotonic() < until:
-                self._read(until)
+            self._read_until(lambda: not self._is(State.CLOSING), FAREWELL)
 
-    @staticmethod
-    def _check(until: float, *, there: bool) -> None:
-        """The time is over, however much came of what nobody waits for."""
-        if not there and time.monotonic() > until:
-            raise TimeoutError("timed out")
+    def _is(self, state: State) -> bool:
+        return self._protocol.state is state
 
     def _send(self) -> None:
         data = b"".join(self._protocol.data_to_send())
         if data:
             self._line.sendall(data)
 
-    def _read(self, until: float) -> None:
-        self._line.settimeout(max(until - time.monotonic(), LEAST))
+    def _read_until(self, over: Callable[[], Any], timeout: float) -> None:
+        """Raises TimeoutError after these seconds, however much came of what nobody waits for."""
+        until = time.monotonic() + timeout
+        while not over():
+            self._read(max(until - time.monotonic(), LEAST))
+            if time.monotonic() > until and not over():
+                raise TimeoutError("timed out")
+
+    def _read(self, timeout: float) -> None:
+        self._line.settimeout(timeout)
         data = self._line.recv(CHUNK)
         if data:
             self._protocol.receive_data(data)
@@ -118,16 +118,12 @@ def opened(
     protocol = ClientProtocol(
         parse_uri(uri), subprotocols=[Subprotocol(subprotocol)], max_size=LARGEST
     )
-    line = socket.create_connection(place, timeout=timeout)
-    try:
+    with ExitStack() as stack:
+        line = stack.enter_context(socket.create_connection(place, timeout=timeout))
         if trust is not None:
-            line = trust.wrap_socket(line, server_hostname=place[0])
+            line = stack.enter_context(trust.wrap_socket(line, server_hostname=place[0]))
         channel = Channel(line, protocol)
         channel.shake_hands(headers, timeout)
-    except BaseException:
-        line.close()
-        raise
-    with line:
         try:
             yield channel
         finally:

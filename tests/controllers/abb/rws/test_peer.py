@@ -3,6 +3,7 @@
 import json
 import sys
 import threading
+from contextlib import contextmanager
 
 import pytest
 
@@ -135,29 +136,33 @@ def test_events_come_through_a_websocket_into_which_nothing_is_sent(kind):
     )
 
 
-def test_an_event_in_parts_with_a_ping_between():
-    answers = {"POST /subscription": (201, rows(), {"Location": "/poll/3"})}
-    event = rows(li("pnl-opmode-ev", opmode="AUTO")).encode()
+POLLED = {"POST /subscription": (201, rows(), {"Location": "/poll/3"})}
+
+
+@contextmanager
+def listening():
+    """A controller that somebody listens to, and what they hear."""
     with (
-        Rws1({**ONE, **answers}) as peer,
+        Rws1({**ONE, **POLLED}) as peer,
         peer.connect() as client,
         client.subscribe(["mode"]) as events,
     ):
+        yield peer, events
+        peer.events.put(None)
+
+
+def test_an_event_in_parts_with_a_ping_between():
+    event = rows(li("pnl-opmode-ev", opmode="AUTO")).encode()
+    with listening() as (peer, events):
         peer.events.put(framed(event[:20], 0x01) + b"\x89\x02hi" + framed(event[20:30], 0x00)[:7])
         assert events.next(0.1) is None
         peer.events.put(framed(event[20:30], 0x00)[7:] + framed(event[30:], 0x80) + framed(event))
         assert [events.next(5).values for _ in range(2)] == [{"opmode": "AUTO"}] * 2
         assert events.next(0) is None
-        peer.events.put(None)
 
 
 def test_pings_without_end_do_not_keep_anybody_waiting():
-    answers = {"POST /subscription": (201, rows(), {"Location": "/poll/3"})}
-    with (
-        Rws1({**ONE, **answers}) as peer,
-        peer.connect() as client,
-        client.subscribe(["mode"]) as events,
-    ):
+    with listening() as (peer, events):
         over = threading.Event()
 
         def ping():
@@ -172,12 +177,10 @@ def test_pings_without_end_do_not_keep_anybody_waiting():
         assert pinging.is_alive()
         over.set()
         pinging.join()
-        peer.events.put(None)
 
 
 def test_an_address_of_events_that_opens_no_websocket():
-    answers = {"POST /subscription": (201, rows(), {"Location": "/poll/3"})}
-    with Rws1({**ONE, **answers, "GET /poll/3": (200, rows())}) as peer, peer.connect() as client:
+    with Rws1({**ONE, **POLLED, "GET /poll/3": (200, rows())}) as peer, peer.connect() as client:
         with pytest.raises(Refused) as refused, client.subscribe(["mode"]):
             pass
         assert codes(refused) == ["CN209"] and "HTTP 200" in str(refused.value)
@@ -185,17 +188,11 @@ def test_an_address_of_events_that_opens_no_websocket():
 
 
 def test_an_event_that_is_garbage():
-    answers = {"POST /subscription": (201, rows(), {"Location": "/poll/3"})}
-    with (
-        Rws1({**ONE, **answers}) as peer,
-        peer.connect() as client,
-        client.subscribe(["mode"]) as events,
-    ):
+    with listening() as (peer, events):
         peer.events.put("<html><li>")
         with pytest.raises(Refused) as refused:
             events.next(5)
         assert codes(refused) == ["CN222"]
-        peer.events.put(None)
 
 
 @pytest.mark.parametrize(
