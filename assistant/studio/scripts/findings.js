@@ -41,6 +41,7 @@ function busy(step) {
   going += step;
   find("findings").setAttribute("aria-busy", String(going > 0));
 }
+const MOST = 300; // that are listed: thousands of rows make the page slow
 const keyOf = ({ finding }) => `${finding.code} ${finding.path} ${finding.line} ${finding.message}`;
 function show() {
   const own = new Set(ofFile.map(keyOf)); // those of the file come with their cures
@@ -49,6 +50,7 @@ function show() {
     const key = keyOf({ finding });
     if (seen.has(key)) continue;
     seen.add(key);
+    if (seen.size > MOST) break;
     const item = made("li", undefined, finding.severity), button = made("button");
     const where = [finding.path, finding.line, finding.column].filter((part) => part !== undefined).join(":");
     button.append(made("strong", `${finding.code} `), shown(finding.message), made("br"), made("small", [where, byPage(finding.cure)].filter(Boolean).join(" · ")));
@@ -60,8 +62,7 @@ function show() {
       item.append(fix);
     }
     items.push(item);
-    if (items.length >= 300) break;
   }
   list.replaceChildren(...(items.length ? items : [made("li", word("no_findings"), "info")]));
-  find("finding-count").textContent = items.length ? `(${items.length})` : "";
+  find("finding-count").textContent = items.length ? `(${items.length}${seen.size > MOST ? "+" : ""})` : "";
 }
