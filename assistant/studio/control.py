@@ -132,14 +132,17 @@ class Control:
     def motors(self, on: bool) -> None:
         """Switches the motors; those that were switched on here go off when control ends."""
 
-        def switch(controller: Controller) -> bool:
+        def switch(controller: Controller) -> None:
             before = controller.state().motors
+            with self._changed:
+                if self._ended and on:
+                    raise Refused(rules.NO_CONTROL())
+                self._switched |= on and not before
             controller.motors(on)
-            return before
+            self._switched &= on
 
         self.let_go()
-        before = self._connection.do(switch)
-        self._switched = on and (self._switched or not before)
+        self._connection.do(switch)
 
     def end(self) -> None:
         """Gives control up: what moves is stopped, motors that were switched on here go off."""

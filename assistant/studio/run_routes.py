@@ -48,6 +48,8 @@ def start(studio: Studio, asked: Asked) -> dict[str, Any]:
         made = Running(wanted, points, studio.windows.tell)
         made.start()
         studio.live[RUN] = made
+        if not studio.windows.writes(asked.window):  # it has gone meanwhile
+            studio.drop(RUN)
     return dict(made.now())
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import threading
+from collections.abc import Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 
@@ -69,8 +71,18 @@ class Studio:
 
     def drop(self, *names: str) -> None:
         """Ends some of them, in this order; none of them is live any more before the first ends."""
-        ending = [self.live.pop(name, None) for name in names]
-        for one in ending:
+        end_all(self.taken_off(*names))
+
+    def taken_off(self, *names: str) -> list[object]:
+        """Some of them, which are live no more, and are still to be ended."""
+        found = (self.live.pop(name, None) for name in names)
+        return [one for one in found if one is not None]
+
+
+def end_all(live: Sequence[object]) -> None:
+    """Ends them in this order, whatever goes wrong with those before."""
+    with ExitStack() as ending:
+        for one in reversed(live):
             end = getattr(one, "end", None)
             if end is not None:
-                end()
+                ending.callback(end)

@@ -12,7 +12,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.routing import WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from assistant.studio.studio import Studio
+from assistant.studio.studio import Studio, end_all
 
 LOOKS: Final = 1.0
 """Seconds between two looks at the files of the project."""
@@ -37,8 +37,9 @@ async def window(line: WebSocket) -> None:
     finally:
         for task in tasks:
             task.cancel()
-        wrote = studio.windows.closed(name)
-        await run_in_threadpool(_gone, studio, name, wrote)
+        left: list[object] = []
+        studio.windows.closed(name, lambda wrote: left.extend(_left(studio, name, wrote)))
+        await run_in_threadpool(end_all, left)
 
 
 async def _said(line: WebSocket) -> AsyncIterator[Mapping[str, Any]]:
@@ -62,12 +63,11 @@ def _heard(studio: Studio, name: str, message: Mapping[str, Any]) -> None:
         beat(name, message)
 
 
-def _gone(studio: Studio, name: str, wrote: bool) -> None:
-    """What a window had under control is so no more; what it had connected is left."""
-    control = studio.live.get("control")
-    mine = control is not None and getattr(control, "window", None) == name
+def _left(studio: Studio, name: str, wrote: bool) -> list[object]:
+    """What a window had under control, connected or started, which is to be ended."""
+    mine = getattr(studio.live.get("control"), "window", None) == name
     own = ("control",) if mine or wrote else ()
-    studio.drop(*own, *(("connection", "run") if wrote else ()))
+    return studio.taken_off(*own, *(("connection", "run") if wrote else ()))
 
 
 async def _sent(line: WebSocket, news: asyncio.Queue[Mapping[str, Any]]) -> None:

@@ -26,14 +26,17 @@ class Windows:
         self._tell_who()
         return name
 
-    def closed(self, name: str) -> bool:
-        """Whether it was the one that writes: the next one does from now on."""
+    def closed(self, name: str, over: Callable[[bool], None]) -> None:
+        """Of those left the oldest writes from now on.
+
+        over: is told whether this one wrote, before another one does; calls nothing of here.
+        """
         with self._lock:
             wrote = self._writer() == name
             self._open.pop(name, None)
+            over(wrote)
         if wrote:
             self._tell_who()
-        return wrote
 
     def writes(self, name: str) -> bool:
         with self._lock:

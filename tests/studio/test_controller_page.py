@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +10,7 @@ import pytest
 from assistant.virtual.cr import VirtualCr
 from tests.studio.browsing import clean, studio_page, until
 from tests.studio.cells import BENCHES
+from tests.virtual.cr.waiting import wait_for
 
 
 @pytest.mark.slow
@@ -28,8 +28,7 @@ def test_a_visitor_deploys_takes_back_moves_and_teaches(
             page.fill("#teach-name", "p1")
             page.click("#teach-form button")
             page.wait_for_selector("#taught >> text=p1")
-        while bench.cell.state.servo:  # the window has gone
-            time.sleep(0.05)
+        wait_for(lambda: not bench.cell.state.servo)  # the window has gone
     assert "p1" in (folder / "taught.toml").read_text("utf-8")
 
 
@@ -107,5 +106,8 @@ def _moved(page: Any, cell: VirtualCr) -> None:
 
 
 def _wait(page: Any, so: Any) -> None:
-    while not so():
+    for _ in range(500):
+        if so():
+            return
         page.wait_for_timeout(20)
+    pytest.fail("it never came to be")

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from urllib.parse import urlsplit
 from urllib.request import Request
 
 import pytest
 
+from assistant.studio.windows import Windows
 from tests.cli.test_commands import run
 from tests.studio.serving import Page, answered
 
@@ -45,6 +48,24 @@ def test_only_the_window_that_writes_changes_something(page: Page, folder: Path)
         assert list(folder.iterdir()) == []
         assert page.post("project/create", empty=True).status == 200
     assert (folder / "assistant.toml").is_file()
+
+
+def test_what_a_window_had_is_let_go_before_another_one_writes() -> None:
+    windows, told = Windows(), list[Mapping[str, object]]()
+    first, second = windows.opened(told.append), windows.opened(told.append)
+    told.clear()
+    with ThreadPoolExecutor(1) as other:
+        asked = []
+
+        def over(wrote: bool) -> None:
+            asked.append(other.submit(windows.writes, second))
+            with pytest.raises(TimeoutError):
+                asked[0].result(0.1)
+            assert wrote and told == []
+
+        windows.closed(first, over)
+        assert asked[0].result() is True
+    assert told == [{"kind": "window", "name": second, "writes": True}]
 
 
 def test_what_is_asked_wrongly_is_told(page: Page) -> None:
