@@ -318,7 +318,12 @@ class VirtualCr:
         return Plain(end, self._quiet, self.faults)
 
     def _encoded(self, session: CrSession, command: bytes) -> bytes:
-        return self.answer(session, command).encode(ENCODING)
+        try:
+            return self.answer(session, command).encode(ENCODING)
+        except RuntimeError:
+            if self._server is not None:
+                raise
+            raise ConnectionAbortedError("the controller was switched off") from None
 
 
 def _rate(state: CrState) -> Rate:

@@ -102,7 +102,9 @@ class CrState:
 
     @property
     def machinery(self) -> Machinery:
-        assert self._machinery is not None, "the controller is not started"
+        """What runs programs; raises RuntimeError while the controller is off."""
+        if self._machinery is None:
+            raise RuntimeError("the controller is off")
         return self._machinery
 
     def start(self, equipment: Equipment) -> None:

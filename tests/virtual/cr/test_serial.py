@@ -80,6 +80,17 @@ def test_commands_without_a_procedure(plain, end):
         assert line.until(b"\r") == b"QoK100\r"
 
 
+def test_it_is_switched_off_while_commands_come(plain):
+    """Nothing goes wrong in its threads, which pytest would tell."""
+    controller, _ = plain
+    for _ in range(10):
+        with Line(controller.serial_path) as line:
+            line.send(b"1;1;STATE\r" * 100)
+            line.until(b"\r")
+            controller.stop()
+        controller.start()
+
+
 def test_answers_end_as_the_parameter_says(plain):
     controller, line = plain
     line.send(b"1;1;PRM=CTERM232;1\r")
