@@ -45,7 +45,7 @@ test: .venv/test
 # Also the property tests of `make test`, with cases that are drawn anew.
 test-slow: .venv/test
 	$(BIN)/python -m pytest --numprocesses 2 --dist worksteal --hypothesis-profile=fresh \
-	  -m "slow or hypothesis"
+	  -m "slow or hypothesis" --override-ini faulthandler_timeout=3600
 
 # Cuts off every command that writes, at one of EVERY calls that change files, and tells what is lost.
 EVERY := 2

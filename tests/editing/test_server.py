@@ -40,8 +40,20 @@ async def client(lsp_client: LanguageClient):
     await lsp_client.initialize_session(
         lsp.InitializeParams(capabilities=client_capabilities("visual-studio-code@v1.65.2"))
     )
+    _listen(lsp_client)
     yield
     await lsp_client.shutdown_session()
+
+
+def _listen(client):
+    """Keeps what it is told of findings: of two that come at once a waiting test would hear one."""
+    client.told = asyncio.Queue()
+
+    def heard(one):
+        client.told.put_nowait(one)
+        client.protocol.wait_for_notification(lsp.TEXT_DOCUMENT_PUBLISH_DIAGNOSTICS, heard)
+
+    client.protocol.wait_for_notification(lsp.TEXT_DOCUMENT_PUBLISH_DIAGNOSTICS, heard)
 
 
 async def opened(client, path, text, language=""):
@@ -56,7 +68,7 @@ async def opened(client, path, text, language=""):
 async def told(client, uri, version=1):
     """The findings of one state of a document."""
     while True:
-        one = await client.wait_for_notification(lsp.TEXT_DOCUMENT_PUBLISH_DIAGNOSTICS)
+        one = await asyncio.wait_for(client.told.get(), 60)
         if one.uri == uri and one.version == version:
             return list(one.diagnostics)
 

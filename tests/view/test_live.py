@@ -40,9 +40,9 @@ def asked(address: str, path: str, host: str | None = None) -> http.client.HTTPR
 
 def event(lines: Any) -> tuple[str, dict[str, Any]]:
     """The next event that a page is told."""
-    while not (kind := lines.readline().decode().strip()):
+    while (line := lines.readline()).isspace():
         pass
-    data = lines.readline().decode()
+    kind, data = line.decode().strip(), lines.readline().decode()
     return kind.removeprefix("event: "), json.loads(data.removeprefix("data: "))
 
 
