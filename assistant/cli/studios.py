@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import sys
-import time
 import webbrowser
 from pathlib import Path
 from threading import Thread
-from typing import Annotated, Final
+from typing import Annotated
 
 import typer
 
 from assistant.cli.options import FormatOption
 from assistant.cli.presentation import Format
-
-LOOKS: Final = 3600.0
-"""Seconds between two looks at nothing, while the studio is served."""
+from assistant.program.diagnostics import Diagnostic
 
 
 def studio(
@@ -37,12 +34,13 @@ def studio(
 
 
 def run_studio(project: Path, host: str | None, port: int, opened: bool, format: Format) -> int:
-    from assistant.cli.presentation import print_json, say
-    from assistant.program.system.ending import by_hand
+    from assistant.cli.presentation import print_findings, print_json, say
+    from assistant.program.system.ending import by_hand, told_to_end, wait_for_end
     from assistant.studio.server import serving
 
+    left_on: tuple[Diagnostic, ...] = ()
     try:
-        with serving(project, host, port) as served:
+        with told_to_end() as ending, serving(project, host, port) as served:
             if format is Format.JSON:
                 print_json({"folder": str(served.studio.folder), "address": served.address})
             else:
@@ -50,9 +48,14 @@ def run_studio(project: Path, host: str | None, port: int, opened: bool, format:
             sys.stdout.flush()
             if opened:  # a browser of the terminal would come back only when it is closed
                 Thread(target=webbrowser.open, args=(served.address,), daemon=True).start()
-            while True:
-                time.sleep(LOOKS)
+            try:
+                wait_for_end()
+            finally:
+                ending.hold()  # an arm is let go of, whatever else comes
+                served.studio.end()
+                left_on = served.studio.left_on
     except KeyboardInterrupt as caught:
+        print_findings(left_on)
         if not by_hand(caught):
             raise
-    return 0
+    return 1 if left_on else 0

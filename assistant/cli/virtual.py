@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import re
 import sys
-import threading
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, TypeVar
@@ -13,7 +12,7 @@ from typing import TYPE_CHECKING, Literal, TypeVar
 from assistant.cli.presentation import say
 from assistant.controllers.credentials import PASSWORD
 from assistant.program.diagnostics import Refused, error
-from assistant.program.system.ending import by_hand, held
+from assistant.program.system.ending import by_hand, held, wait_for_end
 
 if TYPE_CHECKING:
     from assistant.virtual.cr import Faults, VirtualCr
@@ -191,7 +190,7 @@ def _run(
         if password is not None:
             say(f"password: {password} (set {PASSWORD} to choose one)")
         sys.stdout.flush()
-        threading.Event().wait()
+        wait_for_end()
     except KeyboardInterrupt as caught:
         say("ended")
         if not by_hand(caught):

@@ -9,7 +9,8 @@ from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 from typing import Any, Final
 
-from starlette.concurrency import run_in_threadpool
+from anyio import CapacityLimiter
+from anyio.to_thread import run_sync
 from starlette.requests import ClientDisconnect, Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
@@ -92,25 +93,31 @@ def looks(path: str, does: Does) -> Route:
     return Route(path, answer, methods=["GET"])
 
 
-def asks(path: str, does: Does) -> Route:
-    """A route that changes nothing, but is asked with more than an address holds."""
-    return Route(path, _posted(does, writes=False), methods=["POST"])
+def asks(path: str, does: Does, *, urgent: bool = False) -> Route:
+    """A route that changes nothing, but is asked with more than an address holds.
+
+    urgent: other requests do not keep it waiting.
+    """
+    return Route(path, _posted(does, writes=False, urgent=urgent), methods=["POST"])
 
 
-def changes(path: str, does: Does) -> Route:
+def changes(path: str, does: Does, *, urgent: bool = False) -> Route:
     """A route that changes something: only for the window that writes."""
-    return Route(path, _posted(does, writes=True), methods=["POST"])
+    return Route(path, _posted(does, writes=True, urgent=urgent), methods=["POST"])
 
 
 def findings(found: Sequence[Diagnostic]) -> list[dict[str, Any]]:
     """Records of findings; files of the project have the names that the page calls them by."""
     from assistant.findings.formats import finding_record  # the book of rules, which is large
 
-    folder = FilePath.cwd()  # that of the project
+    try:
+        folder = FilePath.cwd()  # that of the project
+    except OSError:  # it is gone
+        folder = None
     records = [finding_record(one) for one in found]
     for record in records:
         path = FilePath(record.get("path", ""))
-        if path.is_absolute() and path.is_relative_to(folder):
+        if folder is not None and path.is_absolute() and path.is_relative_to(folder):
             record["path"] = path.relative_to(folder).as_posix()
     return records
 
@@ -129,7 +136,7 @@ def plain(value: Any) -> Any:
     return str(value)
 
 
-def _posted(does: Does, *, writes: bool) -> Callable[[Request], Awaitable[Response]]:
+def _posted(does: Does, *, writes: bool, urgent: bool) -> Callable[[Request], Awaitable[Response]]:
     async def answer(request: Request) -> Response:
         studio: Studio = request.app.state.studio
         window = request.headers.get(WRITES, "")
@@ -139,6 +146,8 @@ def _posted(does: Does, *, writes: bool) -> Callable[[Request], Awaitable[Respon
             body = await request.body()
         except ClientDisconnect:  # it is told to nobody
             return _refused(not_asked("it was not asked to its end"))
+        if writes and not studio.windows.writes(window):  # it has gone meanwhile
+            return _refused(Refused(rules.READ_ONLY()))
         if request.headers.get("content-type", "").startswith("application/octet-stream"):
             asked = Asked(dict(request.query_params), window, body)
         else:
@@ -149,14 +158,17 @@ def _posted(does: Does, *, writes: bool) -> Callable[[Request], Awaitable[Respon
             if not isinstance(values, dict):
                 return _refused(not_asked("it is no JSON object"))
             asked = Asked(values, window)
-        return await _answered(does, studio, asked)
+        limit = request.app.state.urgent if urgent else None
+        return await _answered(does, studio, asked, limit)
 
     return answer
 
 
-async def _answered(does: Does, studio: Studio, asked: Asked) -> Response:
+async def _answered(
+    does: Does, studio: Studio, asked: Asked, limit: CapacityLimiter | None = None
+) -> Response:
     try:
-        answer = await run_in_threadpool(does, studio, asked)
+        answer = await run_sync(does, studio, asked, limiter=limit)
         return answer if isinstance(answer, Response) else Told(answer)
     except Refused as refused:
         return _refused(refused)

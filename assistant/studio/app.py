@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from anyio import CapacityLimiter
 from starlette.applications import Starlette
 from starlette.routing import BaseRoute
 
@@ -30,9 +31,13 @@ ROUTES: Final[tuple[BaseRoute, ...]] = (
     *text_routes.ROUTES,
 )
 
+URGENT: Final = 20
+"""Threads for what stops an arm, or lets go of it: other requests cannot use them up."""
+
 
 def app(studio: Studio) -> Starlette:
     """The application of one studio; a `Guard` stands before it."""
     made = Starlette(routes=list(ROUTES))
     made.state.studio = studio
+    made.state.urgent = CapacityLimiter(URGENT)
     return made

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path as FilePath
@@ -15,8 +15,9 @@ from assistant.controllers import Controller, Named, Programs, connect
 from assistant.controllers import rules as controller_rules
 from assistant.controllers.rules import Lost
 from assistant.controllers.states import Identity, Sample, record
-from assistant.controllers.stopping import Rest, brought_to_rest, stopped
+from assistant.controllers.stopping import PATIENCE, Rest, brought_to_rest, stop_at_once, stopped
 from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.failing import failure
 from assistant.studio import rules
 from assistant.studio.answering import findings, plain
 from assistant.studio.windows import Tell
@@ -58,6 +59,7 @@ class Connection:
         self.signals: tuple[str, ...] = ()
         self._kept, self._tell, self._lost = kept, tell, lost
         self._clients: Callable[[], Programs] = partial(connect, one, password=password)
+        self._quick: Callable[[], Programs] = partial(self._clients, timeout=PATIENCE)
         self._open = ExitStack()
         self._looks: Iterator[Sample] | None = None
         self._ended = threading.Event()
@@ -75,7 +77,7 @@ class Connection:
         if self.one.virtual is not None:
             from assistant.project.virtual import clients
 
-            self._clients = self._open.enter_context(clients(self.one, self._kept))
+            self._clients = self._quick = self._open.enter_context(clients(self.one, self._kept))
         session = self._open.enter_context(self._clients())
         if isinstance(session, Controller):
             self.identity = session.identify()
@@ -86,9 +88,9 @@ class Connection:
         """Whether it can be looked at and operated, beside the programs that it keeps."""
         return isinstance(self.session, Controller)
 
-    def client(self) -> Programs:
-        """Another session, not connected yet, which any thread may open."""
-        return self._clients()
+    def quick(self) -> Programs:
+        """Another session, not connected yet, which any thread may open, and that waits shortly."""
+        return self._quick()
 
     def do(self, does: Callable[[Controller], T]) -> T:
         """What is done with the session, after all that was asked before; raises Refused."""
@@ -98,8 +100,14 @@ class Connection:
 
     def kept(self, does: Callable[[Programs], T]) -> T:
         """The same of a controller of which only the programs are wanted."""
+
+        def in_turn() -> T:
+            if self._ended.is_set():
+                raise Refused(rules.NOT_CONNECTED())
+            return does(self.session)
+
         try:
-            asked = self._worker.submit(does, self.session)
+            asked = self._worker.submit(in_turn)
         except RuntimeError:  # it was left meanwhile
             raise Refused(rules.NOT_CONNECTED()) from None
         try:
@@ -123,8 +131,17 @@ class Connection:
 
     def stop(self) -> Rest:
         """Stops the arm and all programs; where no line is free for that, after what goes on."""
-        rest = brought_to_rest(self.client)
+        done = threading.Event()
+
+        def in_turn() -> None:
+            if not done.is_set():
+                stop_at_once(self.session)
+
+        with suppress(RuntimeError):  # it was left meanwhile
+            self._worker.submit(in_turn)
+        rest = brought_to_rest(self.quick)
         if rest.state is not None:
+            done.set()
             return rest
         return self.kept(stopped)
 
@@ -171,6 +188,8 @@ class Connection:
                 sample = self.do(self._look)
             except Refused as refused:
                 self._tell({"kind": "monitor", "findings": findings(refused.findings)})
+            except Exception as wrong:  # noqa: BLE001 - who watches goes on
+                self._tell({"kind": "monitor", "findings": findings([failure(wrong)])})
             else:
                 self._tell({"kind": "monitor", **_plain(sample)})
 
@@ -185,8 +204,8 @@ class Connection:
 
     def _gone(self, found: Sequence[Diagnostic]) -> None:
         if not self._ended.is_set():
-            self._tell({"kind": "monitor", "lost": True, "findings": findings(found)})
             threading.Thread(target=self._lost, name="lost", daemon=True).start()
+            self._tell({"kind": "monitor", "lost": True, "findings": findings(found)})
 
     def _only_keeps(self) -> Diagnostic:
         place = str(self.one.address)

@@ -14,18 +14,19 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Mapping
-from contextlib import ExitStack, suppress
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 from assistant.compiler.jogging import ABOUT, ALONG, JOINTS, check_jog
 from assistant.controllers import Controller, Programs
 from assistant.controllers.abilities import JogsHeld
 from assistant.controllers.states import Jog, record
-from assistant.controllers.stopping import Rest, stop_at_once
+from assistant.controllers.stopping import PATIENCE, Rest, stop_at_once
 from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.failing import failure
 from assistant.studio import rules
 from assistant.studio.answering import findings
 from assistant.studio.connections import Connection
@@ -47,7 +48,12 @@ DEGREES, LENGTH = 0.1, 0.5
 """Degrees, and mm along an axis, of a step at each percent of speed: a tenth of a second."""
 ENDING: Final = 10.0
 """Seconds that a step has to come to its end when control is given up."""
+INSISTS: Final = 8.0
+"""Seconds in which motors that do not go off are switched off again and again."""
+AGAIN: Final = 0.5
+"""Seconds between two such trials."""
 AXES: Final = frozenset({*JOINTS, *ALONG, *ABOUT})
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,48 +68,70 @@ class Control:
     """An arm that one window moves until it gives that up; raises Refused.
 
     window: its name. say: tells that window something. over: is called when control has to be
-    given up because the window is away. A session of its own waits for the stop, where the
-    controller has a line for it.
+    given up because the window is away. left_on: is told why motors may still be on, or that
+    they are off after all. A session of its own waits for the stop, where the controller has a
+    line for it.
     """
 
-    def __init__(self, connection: Connection, window: str, say: Tell, over: Callable[[], None]):
+    def __init__(
+        self,
+        connection: Connection,
+        window: str,
+        say: Tell,
+        over: Callable[[], None],
+        left_on: Callable[[Sequence[Diagnostic]], None],
+    ) -> None:
         self.window = window
         self._connection, self._say, self._over = connection, say, over
+        self._left_on = left_on
         self._changed = threading.Condition()
+        self._stopping, self._ending = threading.Lock(), threading.Lock()
         self._ticks: dict[int, float] = {}
         self._held: Hold | None = None
         self._cut = 0
-        self._moving = self._switched = self._ended = False
-        self._fresh = time.monotonic()
+        self._stops, self._stopped = 0, float("-inf")
+        self._offs = self._switching_on = 0
+        self._moving = self._switched = self._ended = self._over_and_done = False
+        self._fresh = self._began = time.monotonic()
         connection.do(lambda controller: controller.state())  # one that keeps programs says so
         self._open = ExitStack()
         self._stopper: Programs | None = None
         with suppress(Refused):  # where there is no line for it, the session that jogs stops it
-            self._stopper = self._open.enter_context(connection.client())
-        self._stopping = threading.Lock()
+            self._stopper = self._open.enter_context(connection.quick())
         self._threads = [
             threading.Thread(target=does, name=f"control {does.__name__}", daemon=True)
             for does in (self._watch, self._move)
         ]
+
+    def begin(self) -> None:
+        """From now on its window has to prove that it is there."""
+        self._fresh = self._began = time.monotonic()
         for thread in self._threads:
             thread.start()
 
     # ---------------------------------------------------------------------------------- asked
 
     def beat(self, window: str, message: Mapping[str, Any]) -> None:
-        """What a window answers to a tick; what is stale or makes no sense counts for nothing."""
+        """What a window answers to a tick; what is stale or makes no sense counts for nothing.
+
+        But a key that was let go is let go, however late that is told, and one that was pressed
+        before a stop was over moves nothing until it is pressed anew.
+        """
         tick, number = message.get("tick"), message.get("hold")
         if window != self.window or type(tick) is not int or type(number) is not int:
             return
         step = _step(message) if number > 0 else None
         with self._changed:
+            if number == 0:
+                self._held = None
             when = self._ticks.get(tick, float("-inf"))
             if self._ended or time.monotonic() - when > WATCH:
                 return
+            if self._stops or when <= self._stopped:
+                self._cut = max(self._cut, number)
             self._fresh = max(self._fresh, when)
-            wanted = Hold(number, step) if step is not None and number > self._cut else None
-            if number == 0 or wanted is not None:
-                self._held = wanted
+            if step is not None and number > self._cut:
+                self._held = Hold(number, step)
             self._changed.notify_all()
 
     def let_go(self, only: Hold | None = None) -> bool:
@@ -120,9 +148,23 @@ class Control:
 
     def stop(self) -> Rest:
         """Stops the arm, and all programs, where they are; tells whether the arm stands."""
-        self.let_go()
-        self._stop_at_once()
-        return self._connection.stop()
+        with self._changed:
+            self._stops += 1
+            self.let_go()
+        try:
+            with self._stopped_beside():
+                return self._connection.stop()
+        finally:
+            with self._changed:
+                self._stops, self._stopped = self._stops - 1, time.monotonic()
+
+    @contextmanager
+    def _stopped_beside(self) -> Iterator[None]:
+        """The stop goes out by the line that waits for it as well, which may be dead by now."""
+        stop = threading.Thread(target=self._stop_at_once, name="control stop", daemon=True)
+        stop.start()
+        yield
+        stop.join(PATIENCE)
 
     def _stop_at_once(self) -> None:
         with self._stopping:
@@ -131,50 +173,101 @@ class Control:
 
     def motors(self, on: bool) -> None:
         """Switches the motors; those that were switched on here go off when control ends."""
-
-        def switch(controller: Controller) -> None:
-            before = controller.state().motors
-            with self._changed:
-                if self._ended and on:
-                    raise Refused(rules.NO_CONTROL())
-                self._switched |= on and not before
-            controller.motors(on)
-            self._switched &= on
-
         self.let_go()
-        self._connection.do(switch)
+        if on:
+            self._connection.do(partial(self._on, self._offs))
+            return
+        with self._changed:
+            self._offs += 1
+            offs = self._offs
+        if found := self._tried_off():
+            raise Refused(*found)
+        with self._changed:
+            self._switched &= offs != self._offs or self._switching_on > 0
+
+    def _on(self, offs: int, controller: Controller) -> None:
+        """offs: how often they had been switched off when this was asked for."""
+        with self._changed:
+            if self._ended or self._offs != offs:
+                raise Refused(rules.NO_CONTROL() if self._ended else rules.OFF_SINCE())
+            self._switched = True
+            self._switching_on += 1
+        try:
+            controller.motors(True)
+        finally:
+            with self._changed:
+                self._switching_on -= 1
+
+    def do(self, does: Callable[[Controller], T]) -> T:
+        """What is done with the arm, if it is under control when its turn comes; raises Refused."""
+
+        def in_turn(controller: Controller) -> T:
+            if self._ended:
+                raise Refused(rules.NO_CONTROL())
+            return does(controller)
+
+        return self._connection.do(in_turn)
 
     def end(self) -> None:
-        """Gives control up: what moves is stopped, motors that were switched on here go off."""
+        """Gives control up: what moves is stopped, motors that were switched on here go off.
+
+        Comes back when that is done, whoever asked for it first.
+        """
         with self._changed:
-            if self._ended:
-                return
-            self._ended = True
-            self._held = None
+            self._ended, self._held = True, None
             self._changed.notify_all()
+        with self._ending:
+            if not self._over_and_done:
+                self._over_and_done = True
+                self._end()
+
+    def _end(self) -> None:
+        found: tuple[Diagnostic, ...] = ()
         if self._moving or self._switched:
-            self._stop_at_once()
+            with self._stopped_beside():
+                found = self._insisted_off() if self._switched else ()
         for thread in self._threads:
-            if thread is not threading.current_thread():
+            if thread.is_alive() and thread is not threading.current_thread():
                 thread.join(ENDING)
-        found = self._motors_off() if self._switched else ()
         with suppress(Refused, OSError):  # the line for the stop has gone by itself
             self._open.close()
         self._say({"kind": "control", "ended": True, "findings": findings(found)})
 
-    def _motors_off(self) -> tuple[Diagnostic, ...]:
-        """Findings if they may still be on."""
-        with suppress(Refused):
-            self._connection.do(lambda controller: controller.motors(False))
-            return ()
-        try:
-            with self._connection.client() as session:
-                assert isinstance(session, Controller)
-                session.motors(False)
-        except Refused as refused:
-            one = self._connection.one
-            return (rules.MOTORS_ON(place=str(one.address), name=one.name), *refused.findings)
-        return ()
+    def _insisted_off(self) -> tuple[Diagnostic, ...]:
+        """Switches the motors off, if need be again and again; findings if they may still be on."""
+        until = time.monotonic() + INSISTS
+        found = self._tried_off()
+        if found:
+            self._left_on(found)
+            while found and time.monotonic() < until:
+                time.sleep(AGAIN)
+                found = self._tried_off()
+            self._left_on(found)
+        return found
+
+    def _tried_off(self) -> tuple[Diagnostic, ...]:
+        """By a session of its own, if there is a line for one, or in turn with what goes on."""
+        ways = (self._off_apart, self._off_in_turn)
+        found: Sequence[Diagnostic] = ()
+        for way in ways if self._stopper is not None else reversed(ways):
+            try:
+                way()
+            except Refused as refused:
+                found = refused.findings
+            except Exception as wrong:  # noqa: BLE001 - whatever it is, there is another way
+                found = (failure(wrong),)
+            else:
+                return ()
+        one = self._connection.one
+        return (rules.MOTORS_ON(place=str(one.address), name=one.name), *found)
+
+    def _off_apart(self) -> None:
+        with self._connection.quick() as session:
+            assert isinstance(session, Controller)
+            session.motors(False)
+
+    def _off_in_turn(self) -> None:
+        self._connection.do(lambda controller: controller.motors(False))
 
     # -------------------------------------------------------------------------------- threads
 
@@ -190,8 +283,8 @@ class Control:
                     self._ticks.pop(count - KEPT, None)
                 self._say({"kind": "tick", "tick": count})
             with self._changed:
-                silent = now - self._fresh
-                cut = self._held is not None and silent > WATCH
+                cut = self._held is not None and now - self._fresh > WATCH
+                silent = now - max(self._fresh, self._began)
             if cut:
                 self._cut_off()
             elif silent > AWAY:
@@ -200,13 +293,13 @@ class Control:
             time.sleep(LOOKS)
 
     def _cut_off(self) -> None:
-        began = time.monotonic()
         try:
             rest = self.stop()
         except Refused as refused:  # it was left meanwhile
             rest = Rest(False, reason=refused.findings[0].message)
-        with self._changed:
-            self._fresh += time.monotonic() - began  # nobody was told a tick meanwhile
+        except Exception as wrong:  # noqa: BLE001 - who watches goes on
+            rest = Rest(False, reason=failure(wrong).message)
+        self._began = time.monotonic()  # nobody was told a tick meanwhile
         self._say({"kind": "control", "cut": True, **rest_record(rest)})
 
     def _move(self) -> None:
@@ -217,13 +310,17 @@ class Control:
                 hold = self._held
             if self._ended or hold is None:
                 return
+            found: Sequence[Diagnostic] = ()
             try:
                 self._connection.do(partial(self._take, hold))
             except Refused as refused:
-                if self.let_go(hold):  # else it is what the stop has brought about
-                    self._say({"kind": "control", "findings": findings(refused.findings)})
+                found = refused.findings
+            except Exception as wrong:  # noqa: BLE001 - the next press is another matter
+                found = (failure(wrong),)
             finally:
                 self._moving = False
+            if found and self.let_go(hold):  # else it is what the stop has brought about
+                self._say({"kind": "control", "findings": findings(found)})
             time.sleep(LOOKS)
 
     def _take(self, hold: Hold, controller: Controller) -> None:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
-from assistant.program.diagnostics import Refused
+from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.studio import rules
 from assistant.studio.answering import Asked, asks, changes, findings
+from assistant.studio.connections import Connection
 from assistant.studio.controller_routes import confirm, connection_of
 from assistant.studio.studio import Studio
 
@@ -48,8 +49,14 @@ def _taken(studio: Studio, asked: Asked) -> dict[str, Any]:
             studio.drop("control")
             studio.windows.tell({"kind": "controller"})
 
-    made = Control(found, asked.window, say, over)
+    def left_on(told: Sequence[Diagnostic]) -> None:
+        studio.left_on = tuple(told)
+        if told:
+            studio.windows.tell({"kind": "control", "left_on": True, "findings": findings(told)})
+
+    made = Control(found, asked.window, say, over, left_on)
     studio.live["control"] = made
+    made.begin()
     if not studio.windows.writes(asked.window) or studio.live.get("connection") is not found:
         studio.drop("control")  # it has gone meanwhile
         raise Refused(rules.NO_CONTROL())
@@ -70,12 +77,15 @@ def give_up(studio: Studio, asked: Asked) -> dict[str, Any]:
 
 
 def stop(studio: Studio, asked: Asked) -> dict[str, Any]:  # noqa: ARG001
-    """Stops the arm and all programs; any window may, at any time."""
+    """Stops the arm and all programs; any window may, at any time, also while control ends."""
     from assistant.studio.control import Control, rest_record
 
-    found, control = connection_of(studio), studio.live.get("control")
-    rest = (control if isinstance(control, Control) else found).stop()
-    return rest_record(rest)
+    there = (*studio.live.values(), *studio.leaving)
+    for kind in (Control, Connection):
+        for one in there:
+            if isinstance(one, kind):
+                return rest_record(one.stop())
+    raise Refused(rules.NOT_CONNECTED())
 
 
 def motors(studio: Studio, asked: Asked) -> dict[str, Any]:
@@ -84,11 +94,11 @@ def motors(studio: Studio, asked: Asked) -> dict[str, Any]:
 
 
 def hand(studio: Studio, asked: Asked) -> dict[str, Any]:
-    control_of(studio, asked)
-    found, number, opens = connection_of(studio), int(asked.number("number")), asked.truth("open")
+    control, found = control_of(studio, asked), connection_of(studio)
+    number, opens = int(asked.number("number")), asked.truth("open")
     does = "opens" if opens else "closes"
     confirm(found.one, asked, f"{does} hand {number}: what it holds may fall")
-    found.do(lambda one: one.hand(number, open=opens))
+    control.do(lambda one: one.hand(number, open=opens))
     return {}
 
 
@@ -112,8 +122,8 @@ def teach(studio: Studio, asked: Asked) -> dict[str, Any]:
 ROUTES: Final = (
     changes("/control/take", take),
     changes("/control/give-up", give_up),
-    asks("/control/stop", stop),
-    changes("/control/motors", motors),
+    asks("/control/stop", stop, urgent=True),
+    changes("/control/motors", motors, urgent=True),
     changes("/control/hand", hand),
     changes("/control/teach", teach),
 )

@@ -85,9 +85,9 @@ def connect(studio: Studio, asked: Asked) -> dict[str, Any]:
     from assistant.controllers.named import of_project
 
     def lost() -> None:
-        if studio.live.get("connection") is made:
-            leave(studio, asked)
-            studio.windows.tell({"kind": "controller"})
+        with studio.beginning:
+            if studio.live.get("connection") is made:
+                leave(studio, asked)
 
     one, password = (
         of_project(asked.text("name"), studio.folder),
@@ -104,8 +104,8 @@ def connect(studio: Studio, asked: Asked) -> dict[str, Any]:
 
 
 def leave(studio: Studio, asked: Asked) -> dict[str, Any]:  # noqa: ARG001
-    studio.drop("control")
-    studio.drop("connection")
+    with studio.beginning:
+        studio.drop("control", "connection")
     studio.windows.tell({"kind": "controller"})
     return {"connected": False}
 

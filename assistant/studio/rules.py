@@ -96,8 +96,13 @@ OTHER_WORD = error(
 NO_CONTROL = error("ST043", "this window has no control of the arm", "take control of it first")
 MOTORS_ON = error(
     "ST044",
-    "the motors of {name} may still be on, though nobody has control of it any more",
+    "the motors of {name} may still be on",
     "switch them off at the controller",
+)
+OFF_SINCE = error(
+    "ST049",
+    "the motors were switched off while they waited to be switched on, and stay off",
+    "switch them on again",
 )
 FOLDER_THERE = error(
     "ST045", "`{name}` is there already: a backup gets a folder of its own", "name another one"

@@ -9,7 +9,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 
-from assistant.program.diagnostics import Refused
+from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.text import is_file
 from assistant.studio import rules
 from assistant.studio.windows import Windows
@@ -22,14 +22,19 @@ KEPT_OUT = frozenset({".git", ".robot-assistant", ".venv", "__pycache__", "node_
 class Studio:
     """folder: of the project, absolute. windows: that are open, one of which writes.
 
-    live: what runs or is connected to while windows are open, by its kind. beginning: held by
-    whoever puts something there in place of another, so that of two none is left without an end.
+    live: what runs or is connected to while windows are open, by its kind. leaving: what was live
+    and is being ended. left_on: why motors may still be on that nobody has control of. beginning:
+    held by whoever puts something there in place of another, so that of two none is left without
+    an end.
     """
 
     folder: FilePath
     windows: Windows = field(default_factory=Windows)
     live: dict[str, object] = field(default_factory=dict)
+    leaving: tuple[object, ...] = ()
+    left_on: tuple[Diagnostic, ...] = ()
     beginning: threading.RLock = field(default_factory=threading.RLock, repr=False)
+    _taking: threading.Lock = field(default_factory=threading.Lock, repr=False)
 
     def file(self, name: str) -> FilePath:
         """A file of the project that is there; raises Refused."""
@@ -66,23 +71,28 @@ class Studio:
         return there
 
     def end(self) -> None:
-        """Ends whatever runs or is connected to."""
+        """Ends whatever runs or is connected to, and waits for what somebody else ends."""
         self.drop(*reversed(list(self.live)))
 
     def drop(self, *names: str) -> None:
         """Ends some of them, in this order; none of them is live any more before the first ends."""
-        end_all(self.taken_off(*names))
+        self.finish(self.taken_off(*names))
 
-    def taken_off(self, *names: str) -> list[object]:
-        """Some of them, which are live no more, and are still to be ended."""
-        found = (self.live.pop(name, None) for name in names)
-        return [one for one in found if one is not None]
+    def taken_off(self, *names: str) -> Sequence[object]:
+        """Some of them, live no more, behind what is still being ended: `finish` ends them all."""
+        with self._taking:
+            found = (self.live.pop(name, None) for name in names)
+            self.leaving = (*self.leaving, *(one for one in found if one is not None))
+            return self.leaving
 
-
-def end_all(live: Sequence[object]) -> None:
-    """Ends them in this order, whatever goes wrong with those before."""
-    with ExitStack() as ending:
-        for one in reversed(live):
-            end = getattr(one, "end", None)
-            if end is not None:
-                ending.callback(end)
+    def finish(self, leaving: Sequence[object]) -> None:
+        """Ends what was taken off, in this order, whatever goes wrong with those before."""
+        try:
+            with ExitStack() as ending:
+                for one in reversed(leaving):
+                    end = getattr(one, "end", None)
+                    if end is not None:
+                        ending.callback(end)
+        finally:
+            with self._taking:
+                self.leaving = tuple(one for one in self.leaving if one not in leaving)

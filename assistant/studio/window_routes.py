@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncIterator, Mapping, Sequence
 from pathlib import Path as FilePath
 from typing import Any, Final
 
+from anyio.to_thread import run_sync
 from starlette.concurrency import run_in_threadpool
 from starlette.routing import WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from assistant.studio.studio import Studio, end_all
+from assistant.studio.studio import Studio
 
 LOOKS: Final = 1.0
 """Seconds between two looks at the files of the project."""
@@ -39,7 +40,7 @@ async def window(line: WebSocket) -> None:
             task.cancel()
         left: list[object] = []
         studio.windows.closed(name, lambda wrote: left.extend(_left(studio, name, wrote)))
-        await run_in_threadpool(end_all, left)
+        await run_sync(studio.finish, left, limiter=line.app.state.urgent)
 
 
 async def _said(line: WebSocket) -> AsyncIterator[Mapping[str, Any]]:
@@ -63,7 +64,7 @@ def _heard(studio: Studio, name: str, message: Mapping[str, Any]) -> None:
         beat(name, message)
 
 
-def _left(studio: Studio, name: str, wrote: bool) -> list[object]:
+def _left(studio: Studio, name: str, wrote: bool) -> Sequence[object]:
     """What a window had under control, connected or started, which is to be ended."""
     mine = getattr(studio.live.get("control"), "window", None) == name
     own = ("control",) if mine or wrote else ()

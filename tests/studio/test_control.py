@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -92,16 +93,21 @@ class Window:
 
     def tick(self) -> int:
         """The next one that it is told."""
+        until = time.monotonic() + 20.0
         while (message := self.page.hear(self.line))["kind"] != "tick":
-            self.told.append(message)
-            assert not message.get("ended"), "control was given up meanwhile"
+            self.keep(message)
+            assert time.monotonic() < until, "no tick is told"  # others come again and again
         return int(message["tick"])
+
+    def keep(self, message: Any) -> None:
+        assert not message.get("ended"), "control was given up meanwhile"
+        self.told.append(message)
 
     def catch_up(self) -> None:
         """Ticks that were told meanwhile have passed by."""
         with suppress(TimeoutError):
-            while (message := json.loads(self.line.recv(0.01)))["kind"]:
-                self.told.append(message)
+            while True:
+                self.keep(json.loads(self.line.recv(0.01)))
 
     def answer(self, ticks: int, **other: Any) -> None:
         """Answers that many ticks."""
@@ -140,6 +146,7 @@ class Window:
             message = self.told.pop(0) if self.told else self.page.hear(self.line)
             if message["kind"] == kind and message.get(key):
                 return message
+            assert not message.get("ended"), "control was given up meanwhile"
         return None
 
     def falls_silent(self, record: Record, beyond: float) -> tuple[float, Any]:
@@ -147,7 +154,7 @@ class Window:
 
         Anew where this computer was so slow that the key counted as held no more.
         """
-        for _ in range(LONG):
+        for _ in range(10):
             self.press_until(lambda: record.now > beyond)
             before = record.now
             if (told := self.hears("control", "cut", within=1.5)) is not None:
@@ -160,13 +167,16 @@ class Window:
             self.answer(1, **other)
         return record.now
 
-    def meanwhile(self, does: Callable[..., Answer], *words: str, **values: Any) -> Any:
+    def asks(self, does: Callable[..., Answer], *words: str, **values: Any) -> Answer:
         """Answers ticks, of the key as it was held last, while something is done."""
         with ThreadPoolExecutor(1) as other:
             asked = other.submit(does, *words, **values)
             while not asked.done():
                 self.answer(1)
-        return done(asked.result())
+        return asked.result()
+
+    def meanwhile(self, does: Callable[..., Answer], *words: str, **values: Any) -> Any:
+        return done(self.asks(does, *words, **values))
 
 
 @pytest.fixture
@@ -182,8 +192,7 @@ def window(bench: Bench, address: str) -> Iterator[Window]:
     with page.line() as line:
         while not page.writes:
             page.hear(line)
-        taken(page)
-        yield Window(page, line)
+        yield taken(page, line)
 
 
 def _motors(bench: Bench) -> bool:
@@ -191,10 +200,12 @@ def _motors(bench: Bench) -> bool:
     return bench.cell.cabinet.panel.state == "motoron"
 
 
-def taken(page: Page) -> None:
+def taken(page: Page, line: ClientConnection) -> Window:
     done(page.post("controller/connect", name="cell1", password=PASSWORD))
     done(page.post("control/take", word="cell1"))
-    done(page.post("control/motors", on=True))
+    window = Window(page, line)
+    window.meanwhile(page.post, "control/motors", on=True)
+    return window
 
 
 @pytest.fixture
@@ -326,16 +337,19 @@ def test_any_window_stops_at_any_time(window: Window, record: Record) -> None:
 
 
 @pytest.mark.parametrize("maker", sorted(BENCHES))
-def test_a_place_is_taught(maker: str, folder: Path, tmp_path: Path, page: Page) -> None:
-    with BENCHES[maker](folder, tmp_path / "home"):
-        taken(page)
+def test_a_place_is_taught(maker: str, folder: Path, tmp_path: Path, address: str) -> None:
+    page = Page(address)
+    with BENCHES[maker](folder, tmp_path / "home"), page.line() as line:
+        while not page.writes:
+            page.hear(line)
+        teach = partial(taken(page, line).asks, page.post, "control/teach")
         asked = {"name": "p1", "file": "taught.toml"}
-        assert done(page.post("control/teach", **asked))["file"] == "taught.toml"
+        assert done(teach(**asked))["file"] == "taught.toml"
         assert "p1" in (folder / "taught.toml").read_text("utf-8")
-        assert page.post("control/teach", **asked).status == 422
-        done(page.post("control/teach", **asked, replace=True))
-        assert codes(page.post("control/teach", name="p2", file="../out.toml")) == ["ST023"]
-        assert codes(page.post("control/teach", name="p2", file="CON.toml")) == ["ST020"]
+        assert teach(**asked).status == 422
+        done(teach(**asked, replace=True))
+        assert codes(teach(name="p2", file="../out.toml")) == ["ST023"]
+        assert codes(teach(name="p2", file="CON.toml")) == ["ST020"]
 
 
 def test_an_arm_that_cannot_be_jogged_says_so(folder: Path, tmp_path: Path, address: str) -> None:
@@ -344,8 +358,7 @@ def test_an_arm_that_cannot_be_jogged_says_so(folder: Path, tmp_path: Path, addr
         with page.line() as line:
             while not page.writes:
                 page.hear(line)
-            taken(page)
-            assert Window(page, line).told_of_while_held() == ["CN209"]
+            assert taken(page, line).told_of_while_held() == ["CN209"]
             assert _motors(bench)
         wait_for(lambda: not _motors(bench))
 
@@ -355,9 +368,8 @@ def test_one_line_for_one_session_stops_by_that_session(folder: Path, address: s
     with serial(folder) as cell, recorded(cell) as record, page.line() as line:
         while not page.writes:
             page.hear(line)
-        taken(page)
         done(page.post("project/build"))
-        window = Window(page, line)
+        window = taken(page, line)
         cell.state.override = 2
         before, told = window.falls_silent(record, STEP / 10)
         where = record.now
@@ -382,9 +394,8 @@ def test_a_studio_that_dies_leaves_the_arm_at_the_end_of_a_step(
             said += process.stdout.readline()
         page = Page(json.loads(said)["address"])
         with suppress(ConnectionError, ConnectionClosed), page.line() as line:
-            taken(page)
+            window = taken(page, line)
             slowly(bench)
-            window = Window(page, line)
             window.press_until(lambda: record.now > STEP / 10)
             process.kill()
             window.answer(LONG)

@@ -15,10 +15,11 @@ from __future__ import annotations
 
 import signal
 import threading
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Never
 
 ENDS: Final = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK", "SIGQUIT", "SIGTSTP")
 """What ends a program from outside: Ctrl-C, a pipeline that is cancelled, a terminal that is
@@ -28,6 +29,8 @@ ORDINARY: Final = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
 """Those that end every command in order. Ctrl-Z halts it, and SIGQUIT ends it where it is."""
 BY_SIGNAL: Final = 128
 """What shells add to the number of a signal for the exit status of what it ended."""
+LOOKS: Final = 0.25
+"""Seconds after which a signal is met at the latest that the system gave to another thread."""
 Met = Callable[[int, object], None]
 
 
@@ -37,6 +40,15 @@ class Ended(KeyboardInterrupt):
     def __init__(self, number: int) -> None:
         super().__init__(signal.Signals(number).name)
         self.number = number
+
+
+def wait_for_end() -> Never:
+    """Waits until a signal ends this program.
+
+    The system may give a signal to any thread, but only the main one meets it, when it wakes.
+    """
+    while True:
+        time.sleep(LOOKS)
 
 
 def by_hand(caught: KeyboardInterrupt) -> bool:

@@ -86,6 +86,10 @@ class Live:
             raise RuntimeError("the controller is off")
         self._commands.append(act)
         self._ring()
+        if self._over:
+            with suppress(ValueError):  # unless it was carried out at the very end
+                self._commands.remove(act)
+                raise RuntimeError("the controller is off")
         return future.result(timeout)
 
     def _ring(self) -> None:

@@ -290,7 +290,7 @@ def test_a_second_exchange_in_between_is_noticed(robot, programs):
     "error", [KeyboardInterrupt, pytest.param(RuntimeError, marks=pytest.mark.slow)]
 )
 def test_an_interrupt_stops_the_robot_on_its_way(tmp_path, error):
-    with RunningRobot(tmp_path / "home", pace=2.0) as robot, robot.client() as programs:
+    with RunningRobot(tmp_path / "home", pace=0.25) as robot, robot.client() as programs:
         exchange = PoseExchange(programs)
         going = threading.Event()
 

@@ -12,6 +12,7 @@ from assistant.controllers.cyclic.wire import Wire
 from assistant.controllers.mitsubishi.mxt.link import MxtLink
 from assistant.virtual.cr.mxt import MxtControl
 from assistant.virtual.cr.mxt_arm import MxtArm
+from tests.virtual.cr.waiting import wait_for
 
 ARM = robots.get("rv-4frl")
 CYCLE = 0.002
@@ -31,6 +32,9 @@ def controller(kind=1, *, servo=0.5, filter_ms=0.0, **settings):
     try:
         yield control
     finally:
+        # What was sent is heard before it is stopped, however late this thread gets the processor.
+        cycles = control.result.cycles
+        wait_for(lambda: not thread.is_alive() or control.result.cycles > cycles + 1)
         stop.set()
         thread.join()
 
