@@ -51,6 +51,24 @@ def led(hosted: Hosted, found: np.ndarray, name: str) -> np.ndarray:
     return found[:, [names.index(name.format(axis)) for axis in robot().axes]]
 
 
+Run = Callable[[dict[str, object]], np.ndarray]
+
+
+def undisturbed(hosted: Hosted, run: Run) -> tuple[np.ndarray, MxtProcess]:
+    """What comes of a run; of another one where this computer kept the controller waiting so long
+    that the arm was taken to stand.
+
+    run: is told the parameters.
+    """
+    for _ in range(10):
+        with MxtProcess(NAME, cycle=CYCLE) as virtual:
+            found = run({**CONFIRMED, "port": virtual.port})
+        late = led(hosted, found, "longest_delay")[-1] > 3.0 * CYCLE
+        if not late and not led(hosted, found, "lost")[-1]:
+            break
+    return found, virtual
+
+
 def ours(start: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """What the library commands from the same place, to the same goals."""
     arm = ArmMotion.of(robot())
@@ -74,10 +92,15 @@ def ours(start: np.ndarray, rows: np.ndarray) -> np.ndarray:
 def test_what_it_commands_is_what_the_library_does(
     hosted: Hosted, tell: Callable[[str], None]
 ) -> None:
-    rows = told()
-    with MxtProcess(NAME, cycle=CYCLE) as virtual:
-        given = {**CONFIRMED, "port": virtual.port}
+    rows, speeds = told(), []
+
+    def run(given: dict[str, object]) -> np.ndarray:
         found, speed = hosted.run(inputs(), rows, CYCLE, given, repeats=1)
+        speeds.append(speed)
+        return found
+
+    found, virtual = undisturbed(hosted, run)
+    speed = speeds[-1]
     commands = led(hosted, found, "{}_command")
     assert commands[0] == pytest.approx(robot().home, abs=1e-4)
     assert np.abs(commands - ours(commands[0], rows)).max() < SAME
@@ -190,8 +213,9 @@ def test_a_controller_that_falls_silent_ends_it(hosted: Hosted) -> None:
 
 def test_fmpy_gives_the_same(hosted: Hosted) -> None:
     rows = told(50)
-    with MxtProcess(NAME, cycle=CYCLE) as virtual:
-        found = hosted.in_fmpy(inputs(), rows, CYCLE, {**CONFIRMED, "port": virtual.port})
+    found, virtual = undisturbed(
+        hosted, lambda given: hosted.in_fmpy(inputs(), rows, CYCLE, given)
+    )
     commands = led(hosted, found, "{}_command")
     assert np.abs(commands - ours(commands[0], rows)).max() < SAME
     assert virtual.result["reason"] == "end"

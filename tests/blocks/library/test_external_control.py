@@ -65,7 +65,8 @@ def led(
     connection: Connection[Led], robot: Robot, wanted: Sequence[Floats], seconds: float
 ) -> tuple[Ran, ExternalControl]:
     diagram, block = model(connection, robot, wanted, seconds)
-    ran = run(diagram, seconds + 0.2, STEP, clock=RealTime(), moving=["cell"])
+    rest = 1.0  # an arm comes late where this computer is busy
+    ran = run(diagram, seconds + rest, STEP, clock=RealTime(), moving=["cell"])
     assert connection.users == 0
     return ran, block
 
