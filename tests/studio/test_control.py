@@ -21,7 +21,6 @@ from websockets.sync.client import ClientConnection
 
 from assistant import controllers
 from assistant.virtual.cr import VirtualCr
-from assistant.virtual.irc5 import VirtualIrc5
 from tests.studio.cells import BENCHES, PASSWORD, Bench, serial
 from tests.studio.serving import Answer, Page
 from tests.studio.test_controller import codes, done
@@ -193,11 +192,14 @@ def window(bench: Bench, address: str) -> Iterator[Window]:
         while not page.writes:
             page.hear(line)
         yield taken(page, line)
+    wait_for(lambda: not _motors(bench))
 
 
 def _motors(bench: Bench) -> bool:
-    assert isinstance(bench.cell, VirtualIrc5)
-    return bench.cell.cabinet.panel.state == "motoron"
+    cell = bench.cell
+    return (
+        cell.state.servo if isinstance(cell, VirtualCr) else cell.cabinet.panel.state == "motoron"
+    )
 
 
 def taken(page: Page, line: ClientConnection) -> Window:
@@ -339,17 +341,19 @@ def test_any_window_stops_at_any_time(window: Window, record: Record) -> None:
 @pytest.mark.parametrize("maker", sorted(BENCHES))
 def test_a_place_is_taught(maker: str, folder: Path, tmp_path: Path, address: str) -> None:
     page = Page(address)
-    with BENCHES[maker](folder, tmp_path / "home"), page.line() as line:
-        while not page.writes:
-            page.hear(line)
-        teach = partial(taken(page, line).asks, page.post, "control/teach")
-        asked = {"name": "p1", "file": "taught.toml"}
-        assert done(teach(**asked))["file"] == "taught.toml"
-        assert "p1" in (folder / "taught.toml").read_text("utf-8")
-        assert teach(**asked).status == 422
-        done(teach(**asked, replace=True))
-        assert codes(teach(name="p2", file="../out.toml")) == ["ST023"]
-        assert codes(teach(name="p2", file="CON.toml")) == ["ST020"]
+    with BENCHES[maker](folder, tmp_path / "home") as bench:
+        with page.line() as line:
+            while not page.writes:
+                page.hear(line)
+            teach = partial(taken(page, line).asks, page.post, "control/teach")
+            asked = {"name": "p1", "file": "taught.toml"}
+            assert done(teach(**asked))["file"] == "taught.toml"
+            assert "p1" in (folder / "taught.toml").read_text("utf-8")
+            assert teach(**asked).status == 422
+            done(teach(**asked, replace=True))
+            assert codes(teach(name="p2", file="../out.toml")) == ["ST023"]
+            assert codes(teach(name="p2", file="CON.toml")) == ["ST020"]
+        wait_for(lambda: not _motors(bench))
 
 
 def test_an_arm_that_cannot_be_jogged_says_so(folder: Path, tmp_path: Path, address: str) -> None:

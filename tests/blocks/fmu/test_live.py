@@ -213,9 +213,7 @@ def test_a_controller_that_falls_silent_ends_it(hosted: Hosted) -> None:
 
 def test_fmpy_gives_the_same(hosted: Hosted) -> None:
     rows = told(50)
-    found, virtual = undisturbed(
-        hosted, lambda given: hosted.in_fmpy(inputs(), rows, CYCLE, given)
-    )
+    found, virtual = undisturbed(hosted, lambda given: hosted.in_fmpy(inputs(), rows, CYCLE, given))
     commands = led(hosted, found, "{}_command")
     assert np.abs(commands - ours(commands[0], rows)).max() < SAME
     assert virtual.result["reason"] == "end"
