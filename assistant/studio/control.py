@@ -14,8 +14,8 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, Final, TypeVar
@@ -152,19 +152,17 @@ class Control:
             self._stops += 1
             self.let_go()
         try:
-            with self._stopped_beside():
-                return self._connection.stop()
+            self._stop_beside()
+            return self._connection.stop()
         finally:
             with self._changed:
                 self._stops, self._stopped = self._stops - 1, time.monotonic()
 
-    @contextmanager
-    def _stopped_beside(self) -> Iterator[None]:
+    def _stop_beside(self) -> threading.Thread:
         """The stop goes out by the line that waits for it as well, which may be dead by now."""
         stop = threading.Thread(target=self._stop_at_once, name="control stop", daemon=True)
         stop.start()
-        yield
-        stop.join(PATIENCE)
+        return stop
 
     def _stop_at_once(self) -> None:
         with self._stopping:
@@ -224,8 +222,9 @@ class Control:
     def _end(self) -> None:
         found: tuple[Diagnostic, ...] = ()
         if self._moving or self._switched:
-            with self._stopped_beside():
-                found = self._insisted_off() if self._switched else ()
+            stop = self._stop_beside()
+            found = self._insisted_off() if self._switched else ()
+            stop.join(PATIENCE)
         for thread in self._threads:
             if thread.is_alive() and thread is not threading.current_thread():
                 thread.join(ENDING)

@@ -124,8 +124,11 @@ def test_a_key_is_let_go_however_late_that_is_told(folder: Path, address: str) -
 
 
 def test_a_stop_goes_out_although_the_line_that_waits_for_it_is_dead(
-    bench: Bench, address: str
+    bench: Bench, address: str, folder: Path
 ) -> None:
+    project = folder / "assistant.toml"
+    text = project.read_text("utf-8")
+    project.write_text(text.replace("timeout = 5", "timeout = 60"), encoding="utf-8")
     with heard(cell_of(bench)) as there, controlled(address) as window:
         window.answer(2)
         there.deaf, began = frozenset({1}), time.monotonic()
