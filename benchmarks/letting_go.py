@@ -13,7 +13,7 @@ from pathlib import Path
 from assistant.virtual.cr import VirtualCr
 from tests.studio.cells import BENCHES, Bench
 from tests.studio.serving import Page, served
-from tests.studio.test_control import STEP, Window, recorded, slowly, taken
+from tests.studio.test_control import STEP, recorded, slowly, taken
 
 WAYS = ("let go", "beats stay away", "link cut")
 
@@ -36,10 +36,9 @@ def measured(bench: Bench, address: str, way: str) -> float:
     with recorded(cell) as record, page.line() as line:
         while not page.writes:
             page.hear(line)
-        taken(page)
+        window = taken(page, line)
         slowly(bench)
         cell.state.joints = (0.0, *cell.state.joints[1:])
-        window = Window(page, line)
         window.press_until(lambda: record.now > STEP / 10)
         if way == "let go":
             window.answer(1, hold=0)
