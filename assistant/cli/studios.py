@@ -6,13 +6,15 @@ import sys
 import webbrowser
 from pathlib import Path
 from threading import Thread
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from assistant.cli.options import FormatOption
 from assistant.cli.presentation import Format
-from assistant.program.diagnostics import Diagnostic
+
+if TYPE_CHECKING:
+    from assistant.studio.studio import Studio
 
 
 def studio(
@@ -38,9 +40,10 @@ def run_studio(project: Path, host: str | None, port: int, opened: bool, format:
     from assistant.program.system.ending import by_hand, told_to_end, wait_for_end
     from assistant.studio.server import serving
 
-    left_on: tuple[Diagnostic, ...] = ()
+    studio: Studio | None = None
     try:
         with told_to_end() as ending, serving(project, host, port) as served:
+            studio = served.studio
             if format is Format.JSON:
                 print_json({"folder": str(served.studio.folder), "address": served.address})
             else:
@@ -52,10 +55,10 @@ def run_studio(project: Path, host: str | None, port: int, opened: bool, format:
                 wait_for_end()
             finally:
                 ending.hold()  # an arm is let go of, whatever else comes
-                served.studio.end()
-                left_on = served.studio.left_on
     except KeyboardInterrupt as caught:
+        left_on = () if studio is None else studio.left_on
         print_findings(left_on)
         if not by_hand(caught):
             raise
-    return 1 if left_on else 0
+        return 1 if left_on else 0
+    return 0

@@ -150,6 +150,36 @@ def test_motors_that_were_on_and_are_switched_on_again_go_off(bench: Bench, addr
     wait_for(lambda: not cell.state.servo, LATE)
 
 
+def test_motors_that_wait_to_be_switched_on_stay_off_if_somebody_switches_them_off(
+    bench: Bench, address: str
+) -> None:
+    with heard(cell_of(bench)) as there, controlled(address) as window:
+        window.meanwhile(window.page.post, "control/motors", on=False)
+        there.deaf, began = frozenset({0}), time.monotonic()
+        wait_for(lambda: 0 in there.since(began, ""))  # the monitor waits for its answer
+        with ThreadPoolExecutor(1) as meanwhile:
+            waiting = meanwhile.submit(window.page.post, "control/motors", on=True)
+            time.sleep(0.2)
+            window.meanwhile(window.page.post, "control/motors", on=False)  # by another line
+            there.hears.set()
+            assert codes(waiting.result()) == ["ST049"]
+        assert there.since(began, "SRVON") == []
+
+
+@pytest.mark.slow
+def test_motors_that_cannot_be_switched_off_are_told_to_every_window(
+    bench: Bench, address: str
+) -> None:
+    other = Page(address)
+    with controlled(address) as window, other.line() as looking:
+        cell_of(bench).stop()
+        window.line.close()
+        told: dict[str, Any] = {}
+        while not told.get("left_on"):
+            told = other.hear(looking)
+        assert told["findings"][0]["code"] == "ST044"
+
+
 @pytest.mark.parametrize("path", ["controller/leave", "control/give-up"])
 def test_a_window_that_closes_while_its_control_ends_ends_it_too(
     path: str, folder: Path, address: str
