@@ -245,10 +245,18 @@ class Control:
         return found
 
     def _tried_off(self) -> tuple[Diagnostic, ...]:
-        """By a session of its own, if there is a line for one, or in turn with what goes on."""
-        ways = (self._off_apart, self._off_in_turn)
+        """By a session of its own, if there is a line for one, or in turn with what goes on.
+
+        Where they are just being switched on, that comes last: what counts is what comes behind.
+        """
+        apart, in_turn = self._off_apart, self._off_in_turn
+        ways = (apart, in_turn) if self._stopper is not None else (in_turn, apart)
+        if self._switching_on:
+            with suppress(Exception):  # the other way is gone in any case
+                apart()
+            ways = (in_turn, apart)
         found: Sequence[Diagnostic] = ()
-        for way in ways if self._stopper is not None else reversed(ways):
+        for way in ways:
             try:
                 way()
             except Refused as refused:

@@ -34,12 +34,13 @@ LATE = 20.0
 @dataclass
 class Heard:
     """What a controller is told. lag: seconds before each answer. deaf: lines, by the order in
-    which they were opened, that get none until `hears` is set.
+    which they were opened, that get none until `hears` is set. to: of commands with that alone.
     """
 
     told: list[tuple[float, int, str]] = field(default_factory=list)
     lag: float = 0.0
     deaf: frozenset[int] = frozenset()
+    to: str = ""
     hears: threading.Event = field(default_factory=threading.Event)
     lines: list[object] = field(default_factory=list)
 
@@ -56,9 +57,10 @@ def heard(cell: VirtualCr) -> Iterator[Heard]:
         if session not in found.lines:
             found.lines.append(session)
         line = found.lines.index(session)
-        found.told.append((time.monotonic(), line, command.decode("latin-1")))
+        said = command.decode("latin-1")
+        found.told.append((time.monotonic(), line, said))
         time.sleep(found.lag)
-        if line in found.deaf:
+        if line in found.deaf and found.to in said:
             found.hears.wait()
         return answer(session, command)
 
@@ -164,6 +166,25 @@ def test_motors_that_wait_to_be_switched_on_stay_off_if_somebody_switches_them_o
             there.hears.set()
             assert codes(waiting.result()) == ["ST049"]
         assert there.since(began, "SRVON") == []
+
+
+def test_motors_that_are_switched_on_behind_the_end_of_control_go_off_again(
+    bench: Bench, address: str
+) -> None:
+    cell = cell_of(bench)
+    with heard(cell) as there, ThreadPoolExecutor(1) as meanwhile:
+        with controlled(address) as window:
+            window.meanwhile(window.page.post, "control/motors", on=False)
+            there.deaf, there.to, began = frozenset({0}), "CNTLON", time.monotonic()
+            switching = meanwhile.submit(window.page.post, "control/motors", on=True)
+            wait_for(lambda: 0 in there.since(began, "CNTLON"))
+        wait_for(lambda: any(line != 0 for line in there.since(began, "SRVOFF")))
+        there.hears.set()
+        switching.result()
+        wait_for(lambda: 0 in there.since(began, "SRVOFF"))
+        wait_for(lambda: not cell.state.servo)
+        time.sleep(0.3)  # what was asked for is over
+        assert not cell.state.servo
 
 
 @pytest.mark.slow
