@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -258,22 +257,22 @@ def whole_programs(files: Sequence[str], language: str | None = None) -> list[st
     that cannot be read stays as well, to be refused by itself.
     """
     calls: dict[str, list[str]] = {}
-    folders = Counter(FilePath(file).parent for file in files)
+    folders: dict[FilePath, dict[str, str]] = {}
+    for file in files:
+        folders.setdefault(FilePath(file).parent, {})[FilePath(file).name.lower()] = file
     for file in files:
         path = FilePath(file)
-        names: tuple[str, ...] = ()
-        if folders[path.parent] == 1:  # nothing else that it may call
-            calls[file] = []
+        calls[file] = []
+        if len(folders[path.parent]) == 1:  # nothing else that it may call
             continue
         with suppress(Exception):  # it is refused, or fails, when its turn comes
             spoken = _spoken(path, read_bytes(path), language)
-            names = spoken.called_files(spoken.parse(spoken.read(path))) if spoken else ()
-        beside = {name.lower() for name in names} - {path.name.lower()}
-        calls[file] = [
-            other
-            for other in files
-            if FilePath(other).parent == path.parent and FilePath(other).name.lower() in beside
-        ]
+            if spoken is not None:
+                there = folders[path.parent]
+                tree = spoken.parse(spoken.read(path))
+                named = (spoken.file_called(n, tree, there) for n in spoken.called_files(tree))
+                beside = {name for name in named if name is not None} - {path.name.lower()}
+                calls[file] = [there[name] for name in there if name in beside]
     called = {other for others in calls.values() for other in others}
     kept: set[str] = set()
     reached: set[str] = set()
@@ -320,12 +319,14 @@ def _named(
     found: list[Any] = []
     pending = list(trees)
     while pending:
-        for name in names(pending.pop(0)):
+        tree = pending.pop(0)
+        for name in names(tree):
             if isinstance(there, Refused):
                 raise there
-            if name.lower() in there and name.lower() not in seen:
-                seen.add(name.lower())
-                found.append(language.parse(language.read(there[name.lower()])))
+            file = language.file_called(name, tree, there)
+            if file is not None and file not in seen:
+                seen.add(file)
+                found.append(language.parse(language.read(there[file])))
                 pending.append(found[-1])
     return found
 

@@ -86,7 +86,8 @@ def programs(
     files = list(programs_in(folder, language)) if folder else list(dict.fromkeys(named))
     spoken = _one_language(files, language)
     parts = [_part(spoken, group) for group in groups(spoken, files, folder)]
-    return Programs(title, spoken, tuple(parts))
+    missing = tuple(found for part in parts for found in spoken.missing(part.trees))
+    return Programs(title, spoken, tuple(parts), findings=missing)
 
 
 def programs_of_text(
@@ -107,7 +108,8 @@ def programs_of_text(
     tree = spoken.parse(text)
     _refuse_errors([tree])
     (group,) = groups(spoken, [title], None)
-    return Programs(title, spoken, (Part(group.name, (tree,), (title,)),))
+    part = Part(group.name, (tree,), (title,))
+    return Programs(title, spoken, (part,), findings=tuple(spoken.missing([tree])))
 
 
 def _for_arm(made: Programs, findings: Sequence[Diagnostic], robot: Robot | None) -> Programs:

@@ -307,9 +307,20 @@ class Language(abc.ABC, Generic[T]):
         """Names of the files that a tree loads or calls, each once."""
         return ()
 
+    def file_called(self, name: str, tree: T, there: Container[str]) -> str | None:  # noqa: ARG002
+        """Return the file that a tree means by a name of `called_files` or `companions`.
+
+        there: names of the files in its folder, in lower case, of which it is one; None without.
+        """
+        return name.lower() if name.lower() in there else None
+
     @abc.abstractmethod
     def check(self, trees: Sequence[T]) -> tuple[Diagnostic, ...]:
         """Findings of the language's own rules over the trees of one program."""
+
+    def missing(self, trees: Sequence[T]) -> Iterator[Diagnostic]:  # noqa: ARG002
+        """Findings on what the trees of one program call and none of them is."""
+        yield from ()
 
     def companions(self, tree: T) -> tuple[str, ...]:  # noqa: ARG002
         """Names of files that run beside a program: checked with it, but no part of it."""

@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
+from pathlib import PurePath
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
@@ -298,10 +299,24 @@ class MelfaBasic(Language["File"]):
 
         return tuple(dict.fromkeys(f"{name}.prg" for _, name in awaited(tree)))
 
+    def file_called(self, name: str, tree: File, there: Container[str]) -> str | None:
+        """Any suffix of a program will do, that of the calling file before the others."""
+        from assistant.languages.melfa_basic.tree.walk import SUFFIXES, program_key
+
+        path = PurePath((tree.source and tree.source.path) or "")
+        stem = program_key(name.removesuffix(".prg")).lower()
+        suffixes = dict.fromkeys((path.suffix.lower(), *(one.lower() for one in SUFFIXES)))
+        return next((stem + one for one in suffixes if stem + one in there), None)
+
     def check(self, trees: Sequence[File]) -> tuple[Diagnostic, ...]:
         from assistant.languages.melfa_basic.checks import check
 
         return check(trees, self.dialect)
+
+    def missing(self, trees: Sequence[File]) -> Iterator[Diagnostic]:
+        from assistant.languages.melfa_basic.checks import missing
+
+        return missing(trees, self.dialect)
 
     def companions(self, tree: File) -> tuple[str, ...]:
         """Programs that a file runs or loads in other slots, and those that it includes."""

@@ -75,6 +75,12 @@ NO_PROGRAM = info(
     "the program `{name}` is not among these files (controller error 4140 if it is missing)",
     "put its file beside this one, or see that the controller has it",
 )
+NOT_CALLED = warning(
+    "MB123",
+    "the program `{name}`, which `CallP` calls, is not among these files: the call stops with "
+    "error 4140 if the controller lacks it, and nothing of it is checked or translated",
+    "put its file beside this one, or correct the name",
+)
 UNUSED = info(
     "MB116", "nothing uses {what} {names}", "remove {them}, or use {them} where it was meant"
 )

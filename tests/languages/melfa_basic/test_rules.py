@@ -19,7 +19,7 @@ SAMPLES = Path(__file__).parents[3] / "samples"
 @pytest.mark.parametrize(
     ("texts", "expected"),
     [
-        (['CallP "B"'], ["MB115 1:7"]),
+        (['CallP "B"'], ["MB123 1:7"]),
         (['CallP "B"', "Dly 1"], []),
         (['CallP "b"', "Dly 1"], []),
         (['XRun 2,"B"\nXLoad 3,"C"', "Dly 1"], ["MB115 2:9"]),

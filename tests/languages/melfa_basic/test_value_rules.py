@@ -49,7 +49,7 @@ VALUES: dict[str, Row] = {
     "an arc of two points": ("Mvr P1,P2\n" + taught("P1", "P2"), ["MB602 1:1"]),
     "a function with too few": ("M_Out(1)=Dist(P1)\n" + taught("P1"), ["MB602 1:10"]),
     "a function with any number": ("M_Out(1)=Max(1,2,3,4)", []),
-    "17 arguments": ('CallP "B",' + ",".join("1" * 17), ["MB602 1:1", "MB115 1:7"]),
+    "17 arguments": ('CallP "B",' + ",".join("1" * 17), ["MB602 1:1", "MB123 1:7"]),
     "a move to a number": ("M1=1\nMov M1", ["MB603 2:5"]),
     "a linear move to joints": ("Mvs J1\nJ1=(0,0,90,0,90,0)", ["MB603 1:5"]),
     "a move to joints": ("Mov J1\nJ1=(0,0,90,0,90,0)", []),

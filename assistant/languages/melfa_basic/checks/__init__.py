@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Final
 
 from assistant.languages.checks.damage import sound
 from assistant.languages.checks.registry import Check, Needs, findings
+from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks import (
     flow,
     kinds,
@@ -27,7 +28,7 @@ from assistant.languages.melfa_basic.tables.dialects import DIALECTS, Dialect
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.diagnostics import Diagnostic
 
-__all__ = ["CHECKS", "check"]
+__all__ = ["CHECKS", "check", "missing"]
 
 CHECKS: Final[tuple[Check[Look], ...]] = (
     Check(steps.order),
@@ -73,6 +74,14 @@ CHECKS: Final[tuple[Check[Look], ...]] = (
     Check(values.waits, advice=True),
 )
 """Each looks at one file, and sees the files that stand beside it."""
+
+
+def missing(trees: Sequence[s.File], dialect: Dialect) -> Iterator[Diagnostic]:
+    """Findings on programs that `CallP` calls and that are not among the trees."""
+    calls, damage = Calls(trees), damage_of(trees)
+    for tree in trees:
+        found = programs.missing(Look(tree, dialect, calls, damage))
+        yield from (one for one in found if one.code == rules.NOT_CALLED.code)
 
 
 def check(trees: Sequence[s.File], dialect: Dialect | None = None) -> tuple[Diagnostic, ...]:

@@ -6,7 +6,6 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import PurePath
 from typing import Any, Final, TypeVar
 
 from assistant.languages.checks.damage import Damage
@@ -18,7 +17,7 @@ from assistant.languages.melfa_basic.tables.dialects import Dialect
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import PositionRows
-from assistant.languages.melfa_basic.tree.walk import lines_with, nodes
+from assistant.languages.melfa_basic.tree.walk import lines_with, nodes, program_key, program_name
 from assistant.program.diagnostics import Diagnostic, Rule, Span
 
 N = TypeVar("N")
@@ -48,12 +47,6 @@ class Calls:
         self.trees = trees
         named = ((program_name(tree).upper(), tree) for tree in reversed(trees))
         self.by_name = {name: tree for name, tree in named if name}
-
-
-def program_name(tree: s.File) -> str:
-    """The name that other programs call a file by, empty if it has none."""
-    path = tree.source.path if tree.source else None
-    return PurePath(path.replace("\\", "/")).stem if path else ""
 
 
 class Look(LineView):
@@ -130,7 +123,7 @@ class Look(LineView):
         found, lacking = [self.tree], False
         for tree in found:
             for _, include in lines_with(tree.items, s.Include):
-                other = self.calls.by_name.get(include.program.upper())
+                other = self.calls.by_name.get(program_key(include.program))
                 if other is None:
                     lacking = True
                 elif not any(other is one for one in found):

@@ -10,12 +10,12 @@ import numpy as np
 from assistant.languages.checks.registry import Found
 from assistant.languages.checks.repeats import firsts, repeated
 from assistant.languages.melfa_basic import rules
-from assistant.languages.melfa_basic.checks.file_view import Look, program_name
+from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tables.dialects import PROGRAM_NAME
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
-from assistant.languages.melfa_basic.tree.walk import declarations
+from assistant.languages.melfa_basic.tree.walk import declarations, program_name
 
 # ---------------------------------------------------------------------------------- as written
 

@@ -9,22 +9,27 @@ from assistant.languages.checks.registry import Found
 from assistant.languages.checks.repeats import Keyed, firsts
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks import flow_rules, motion_rules
-from assistant.languages.melfa_basic.checks.file_view import Look, program_name
+from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
-from assistant.languages.melfa_basic.tree.walk import awaited, called, lines_with, literal
+from assistant.languages.melfa_basic.tree.walk import (
+    awaited,
+    called,
+    lines_with,
+    literal,
+    program_key,
+    program_name,
+)
 from assistant.program.diagnostics import Rule
 
 
 def missing(look: Look) -> Found:
     """Programs that are called, run or loaded, and are not among the files."""
-    for line, name, _ in firsts(called(look.tree), lambda call: _plain(call[1])):
-        if _plain(name) not in look.calls.by_name:
-            yield look.at(rules.NO_PROGRAM, line, f'"{name}"', name=name)
-
-
-def _plain(name: str) -> str:
-    return name.upper().removesuffix(".PRG")
+    awaits = {program_key(name) for _, name in awaited(look.tree)}
+    for line, name, _ in firsts(called(look.tree), lambda call: program_key(call[1])):
+        if program_key(name) not in look.calls.by_name:
+            rule = rules.NOT_CALLED if program_key(name) in awaits else rules.NO_PROGRAM
+            yield look.at(rule, line, f'"{name}"', name=name)
 
 
 def recursion(look: Look) -> Found:
@@ -33,11 +38,11 @@ def recursion(look: Look) -> Found:
     most = look.dialect.calls
 
     def inner(name: str) -> list[str]:
-        tree = look.calls.by_name.get(name.removesuffix(".PRG"))
-        return [other.upper() for _, other in awaited(tree)] if tree is not None else []
+        tree = look.calls.by_name.get(name)
+        return [program_key(other) for _, other in awaited(tree)] if tree is not None else []
 
     for line, written in awaited(look.tree):
-        name = written.upper()
+        name = program_key(written)
         chain = way_to(own, name, inner) if own else None
         if chain is not None:
             text = " calls ".join(f"`{n}`" for n in (own, *chain))
@@ -52,8 +57,8 @@ def recursion(look: Look) -> Found:
 def mechanisms(look: Look) -> Found:
     """Programs that are run in slots other than 1, and move the robot without having asked."""
     others = (call for call in called(look.tree) if (call[2] or 0) > 1)
-    for line, name, slot in firsts(others, lambda call: call[1].upper()):
-        tree = look.calls.by_name.get(_plain(name))
+    for line, name, slot in firsts(others, lambda call: program_key(call[1])):
+        tree = look.calls.by_name.get(program_key(name))
         code = tree.code if tree else ()
         asks = any(command.keyword == "GetM" for _, command in lines_with(code, s.Command))
         if any(map(_moves, code)) and not asks:

@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.languages.melfa_basic.checks.file_view import Calls, Look, program_name
+from assistant.languages.melfa_basic.checks.file_view import Calls, Look
 from assistant.languages.melfa_basic.checks.undefined import is_call
 from assistant.languages.melfa_basic.checks.variables_of import Known, known
 from assistant.languages.melfa_basic.tables import vocabulary
@@ -22,7 +22,7 @@ from assistant.languages.melfa_basic.tree import outside
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MVR, MoveRows
 from assistant.languages.melfa_basic.tree.positions import Positions
-from assistant.languages.melfa_basic.tree.walk import literal, nodes
+from assistant.languages.melfa_basic.tree.walk import literal, nodes, program_name
 from assistant.languages.runs.names import Names
 from assistant.program.diagnostics import Span
 from assistant.program.wanted import STATE, Argument, Plain, Wanted, WantedKind

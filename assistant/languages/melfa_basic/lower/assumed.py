@@ -17,7 +17,7 @@ from assistant.languages.melfa_basic.tables.functions import BITS
 from assistant.languages.melfa_basic.tables.variables import KEPT as PARAMETERS
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.outside import COMMANDS
-from assistant.languages.melfa_basic.tree.walk import literal, nodes
+from assistant.languages.melfa_basic.tree.walk import literal, nodes, program_key, program_name
 from assistant.program import expressions as e
 from assistant.program.analysis.assumptions import (
     first_move,
@@ -57,6 +57,14 @@ def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
         if span is not None and all(one is not None and one.start > span.start for one in set_at):
             how = "as it stands, like the texts that stay" if number in left else "with none"
             yield rules.SETTING_KEPT(word=word, what=word.lower(), how=how, plain=plain, span=span)
+    there = {program_key(program_name(tree)) for tree in trees}
+    for span, node in commands:
+        if isinstance(node, s.CallP) and isinstance(node.program, s.String):
+            name, what = node.program.value, _command_at(text, span)
+            if what and to not in DIALECTS:
+                yield rules.OUTSIDE(what=what, name=name, span=span)
+            elif not what and program_key(name) not in there:
+                yield rules.NOT_CALLED(name=name, span=span)
     if to not in DIALECTS:
         yield from _loops(program)
         yield from _signed_bits(program)
@@ -69,10 +77,6 @@ def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
                 state = _found_at(text, span, r"\b([PM]_Fs\w+)\s*=")
                 if state:
                     yield rules.STATE(name=state, span=span)
-            if isinstance(node, s.CallP) and isinstance(node.program, s.String):
-                what = _command_at(text, span)
-                if what:
-                    yield rules.OUTSIDE(what=what, name=node.program.value, span=span)
             if isinstance(node, s.DefOther) and _is_straight_arc(node, program):
                 yield rules.STRAIGHT_ARC(number=literal(node.arguments[0]), span=span)
             if isinstance(node, s.Command) and node.keyword == "Cnt" and _cuts_nothing(node):

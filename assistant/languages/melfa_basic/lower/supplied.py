@@ -8,7 +8,6 @@ from typing import Any, Final
 
 import numpy as np
 
-from assistant.languages.melfa_basic.checks.file_view import program_name
 from assistant.languages.melfa_basic.lower.supplied_functions import with_functions
 from assistant.languages.melfa_basic.reading.parser import parse
 from assistant.languages.melfa_basic.tables import poses
@@ -17,7 +16,7 @@ from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import outside
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import PositionRows
-from assistant.languages.melfa_basic.tree.walk import nodes
+from assistant.languages.melfa_basic.tree.walk import nodes, program_name
 from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool
 from assistant.program.lines import ended_lines
 from assistant.program.path import configuration_row

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import is_dataclass
+from pathlib import PurePath
 from typing import Final, TypeVar
 
 from assistant.languages.melfa_basic.tree import syntax as s
@@ -18,6 +19,10 @@ inside: Final = _WALK.inside
 _WORDS: Final[dict[type, str]] = {
     s.Include: "#Include", s.DefAct: "Def Act", s.DefFunction: "Def FN", s.DefIo: "Def Io",
 }  # fmt: skip
+
+
+SUFFIXES: Final = (".PRG", ".MB4", ".MB5", ".MB6")
+"""Of files that are one program each, in upper case; the first one where several are there."""
 
 
 def word_of(statement: s.Statement | None) -> str:
@@ -61,6 +66,22 @@ def lines_with(items: Iterable[object], kind: type[N]) -> Iterator[tuple[s.Line,
     for item in items:
         if isinstance(item, s.Line) and isinstance(item.statement, kind):
             yield item, item.statement
+
+
+def program_name(tree: s.File) -> str:
+    """The name that other programs call a file by, empty if it has none."""
+    path = tree.source.path if tree.source else None
+    return PurePath(path.replace("\\", "/")).stem if path else ""
+
+
+def program_stem(name: str) -> str:
+    """The name of a program without the suffix of its file, which a call may have."""
+    return name[:-4] if name.upper().endswith(SUFFIXES) else name
+
+
+def program_key(name: str) -> str:
+    """The name by which a program is found: in upper case, without the suffix of its file."""
+    return program_stem(name).upper()
 
 
 def called(file: s.File) -> Iterator[tuple[s.Line, str, int | None]]:

@@ -39,6 +39,10 @@ def modules(look: Look) -> Found:
         first = next((other for other in before if look.task.main(other) is not None), None)
         if first is not None:
             yield look.finding(plain_rules.SECOND_MAIN, main, other=first.name)
+    main = look.task.main(look.module)
+    if main is not None and main.parameters:
+        words = ", ".join(f"`{one.name}`" for one in parameters(main))
+        yield look.finding(plain_rules.MAIN_TAKES, main, parameters=words)
     own = look.find(look.module.name)
     if own is not None and own.module is look.module:
         what = "routine" if isinstance(own.node, s.Routine) else "data"

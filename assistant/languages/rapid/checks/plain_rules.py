@@ -13,6 +13,11 @@ SECOND_MAIN: Final = warning(
     "module `{other}` has a `main` as well: one task cannot load both",
     "rename one if they are one program; else check each program or task apart",
 )
+MAIN_TAKES: Final = error(
+    "RA235",
+    "`main` takes {parameters}: no task starts at a procedure with parameters",
+    "rename it and call it from a `main` without any, or delete the parameters",
+)
 SAME_MODULE: Final = warning(
     "RA213",
     "a second module is named `{name}`: one task cannot load both",

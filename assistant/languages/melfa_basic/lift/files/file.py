@@ -25,7 +25,7 @@ from assistant.languages.melfa_basic.lift.values.symbols import Inside, Routine,
 from assistant.languages.melfa_basic.lift.values.timers import timers
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import statement_of
-from assistant.languages.melfa_basic.tree.walk import statements_in
+from assistant.languages.melfa_basic.tree.walk import program_name, statements_in
 from assistant.languages.settings.divided_forms import divided
 from assistant.languages.settings.flow import UNKNOWN, Flow, Held, State
 from assistant.languages.settings.forms import CalledForms, Form
@@ -59,8 +59,8 @@ class Unit:
     """Adds a file to a program. unit: its name there, None for the main one.
 
     touched: settings that each program changes, by its name in upper case. elsewhere: those that
-    interrupts of its callers may change while it runs. programs: names of those that are called,
-    which no subroutine has.
+    interrupts of its callers may change while it runs. programs: those that are called, by name
+    in upper case, as their files spell them; no subroutine has such a name.
     """
 
     def __init__(
@@ -72,7 +72,7 @@ class Unit:
         robot: Robot | None,
         touched: Mapping[str, frozenset[int]],
         elsewhere: frozenset[int],
-        programs: frozenset[str],
+        programs: Mapping[str, str | None],
     ) -> None:
         self.program, self.file, self.main, self.unit = program, file, main, unit
         self.robot, self.touched, self.programs = robot, touched, programs
@@ -219,7 +219,8 @@ class Unit:
         declared.elements(self.file, symbols)
         listed = self._routines(symbols)
         taken = self._name_forms(listed)
-        source, calls = self.file.tree.source, (dict(names["unit"]), dict(names["first"]))
+        units = {name: unit for name, unit in self.programs.items() if unit} | names["unit"]
+        source, calls = self.file.tree.source, (units, dict(names["first"]))
         reader = Reader(code, symbols, ways, listed, calls, self.is_main, kept, source)
         reader.answers = self.file.answers
         reading = _Reading(symbols, reader, local)
@@ -320,7 +321,10 @@ class Unit:
     def _first_name(self) -> str:
         header = self.header
         if self.is_main:
-            return (header.entry if header.entry != "-" else None) or "main"
+            entry = header.entry if header.entry != "-" else None
+            if entry or not self.first:
+                return entry or "main"
+            return identifier(program_name(self.file.tree) or "unit")  # a `main` takes nothing
         known: Mapping[str, str] = header.names["first"]
         return known.get(self._short(), self.unit or "unit")
 

@@ -15,7 +15,7 @@ from assistant.languages.melfa_basic.text.header import Header
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import Positions
 from assistant.languages.melfa_basic.tree.targets import labelled
-from assistant.languages.melfa_basic.tree.walk import nodes, statements_in
+from assistant.languages.melfa_basic.tree.walk import nodes, program_stem, statements_in
 from assistant.program.program import identifier
 
 
@@ -51,10 +51,10 @@ class File:
 
     def called(self) -> frozenset[str | None]:
         """Programs that it calls, in upper case; None for one whose name is worked out."""
+        named = (node.program for node in self._nodes() if isinstance(node, s.CallP))
         return frozenset(
-            identifier(node.program.value).upper() if isinstance(node.program, s.String) else None
-            for node in self._nodes()
-            if isinstance(node, s.CallP)
+            identifier(program_stem(one.value)).upper() if isinstance(one, s.String) else None
+            for one in named
         )
 
     def _nodes(self) -> Iterator[Any]:

@@ -43,7 +43,8 @@ def lift(trees: Sequence[s.File], robot: Robot | None = None, *, divide: bool = 
     touched = touching(named)
     interrupted = interrupting(named, touched)
     elsewhere = {id(f): interrupted[name] for name, f in zip(names, files, strict=True)}
-    programs = frozenset(name for f in files for name in f.called() if name is not None)
+    called = frozenset(name for f in files for name in f.called() if name is not None)
+    programs = {name: stem(named[name].tree) if name in named else None for name in called}
     starts = dict(zip(map(id, files), starts_of(f.tree.source for f in files), strict=True))
     for file in [main, *rest]:
         known = program.procedures
@@ -63,7 +64,7 @@ def settings_that_hold(tree: s.File, wanted: frozenset[int]) -> Iterator[s.Entry
     program = Program(name, signals=dict(file.header.signals))
     touched = touching({name: file})
     robot = _robot(file.header.robot)
-    called = frozenset(name for name in file.called() if name is not None)
+    called = {name: None for name in file.called() if name is not None}
     unit = Unit(program, file, file, None, robot, touched, frozenset(), called)
     return unit.settings_that_hold(wanted)
 

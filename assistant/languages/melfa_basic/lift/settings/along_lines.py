@@ -29,7 +29,7 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import is_word, statement_of
 from assistant.languages.melfa_basic.tree.columnar import MOV, MoveRows
 from assistant.languages.melfa_basic.tree.targets import exits_of, graph_of, labels_of
-from assistant.languages.melfa_basic.tree.walk import nodes, statements_in
+from assistant.languages.melfa_basic.tree.walk import nodes, program_stem, statements_in
 from assistant.languages.settings.flow import (
     Calls,
     Changes,
@@ -87,7 +87,7 @@ def lines_of(
     def called(statement: s.Statement | None) -> Iterator[int | frozenset[int]]:
         match statement:
             case s.CallP(program=s.String(value=name)):
-                yield touched.get(identifier(name).upper(), ALL_SETTINGS)
+                yield touched.get(identifier(program_stem(name)).upper(), ALL_SETTINGS)
             case s.CallP():
                 yield ALL_SETTINGS
             case s.Jump() | s.OnJump():

@@ -25,7 +25,12 @@ from assistant.languages.melfa_basic.text import effects
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import statement_of
 from assistant.languages.melfa_basic.tree.targets import labels_named, labels_of
-from assistant.languages.melfa_basic.tree.walk import nodes, statements_in
+from assistant.languages.melfa_basic.tree.walk import (
+    nodes,
+    program_key,
+    program_stem,
+    statements_in,
+)
 from assistant.languages.patterns import Called, Reading
 from assistant.languages.settings.forms import Form
 from assistant.languages.settings.unknown_settings import UnknownSettings
@@ -222,8 +227,8 @@ class Statements:
     def callp(self, node: s.CallP) -> list[p.Statement]:
         if not isinstance(node.program, s.String):
             raise Unliftable(reasons.COMPUTED_PROGRAM)
-        short = node.program.value.upper()
-        unit = self.units.get(short) or identifier(node.program.value)
+        short = program_key(node.program.value)
+        unit = self.units.get(short) or identifier(program_stem(node.program.value))
         first = self.firsts.get(short) or unit
         self.runs.forget()
         return [p.Call(first, tuple(self.expressions.plain(a) for a in node.arguments), unit)]
