@@ -9,7 +9,7 @@ COMPILE := $(SUPPLY)/uv pip compile --quiet --upgrade --universal --generate-has
 # Every command that the tests start would compile all modules and grammars anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test test-slow sweep fuzz bench lint format pins audit sbom wheel viewer editor vscode vsix clean
+.PHONY: demo test test-slow sweep fuzz bench speed lint format pins audit sbom wheel viewer editor vscode vsix clean
 
 .venv/demo: pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -59,6 +59,10 @@ fuzz: .venv/fuzz
 
 bench: .venv/bench
 	$(BIN)/python -m benchmarks
+
+# Fails if a task takes more than twice the CPU time that it takes today, beside a plain Python loop.
+speed: .venv/test
+	$(BIN)/python -m benchmarks.ratios
 
 lint: .venv/test
 	$(BIN)/ruff check .

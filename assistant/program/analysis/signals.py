@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from assistant.program import expressions as e
@@ -66,12 +67,16 @@ def read_by_another_name(program: Program) -> Iterator[tuple[p.Statement, str, s
     }
     statements = tuple(program.statements())
     written = {x.signal.lower(): x.signal for one in statements for x in p.outputs(one)}
-    written = {key: name for key, name in written.items() if key in outputs}
+    writing: dict[int, dict[str, str]] = defaultdict(dict)  # of each number, the names set there
+    for key, name in written.items():
+        for number in outputs.get(key, ()):
+            writing[number][key] = name
     for statement in statements:
         names = [r.name for r in records(head(statement)) if isinstance(r, e.Name)]
         names += [statement.signal] if isinstance(statement, p.WaitSignal) else []
         for name in names:
-            own = outputs.get(name.lower(), range(0))
-            for key, other in written.items():
-                if key != name.lower() and not set(own).isdisjoint(outputs[key]):
-                    yield statement, name, other
+            numbers = outputs.get(name.lower(), ())
+            set_there = {k: n for number in numbers for k, n in writing.get(number, {}).items()}
+            set_there.pop(name.lower(), None)
+            for other in set_there.values():
+                yield statement, name, other

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, Final
 
 from assistant.languages.answers import (
@@ -35,6 +35,15 @@ def data(file: s.File) -> Iterator[Part]:
                 for handler in item.handlers:
                     yield from _statements(handler.body, handler.span)
                 yield from _statements(item.body, item.span)
+
+
+def mentions(files: Iterable[s.File], words: Sequence[str]) -> bool:
+    """True if the text of a file has one of some lower-case words, or a longer one that holds it.
+
+    A regular expression that ignores case takes longer here than all the rest of a proof.
+    """
+    texts = (file.source.text.lower() for file in files if file.source is not None)
+    return any(word in text for text in texts for word in words)
 
 
 def _statements(body: tuple[s.StatementNode, ...], within: Span | None) -> Iterator[Part]:

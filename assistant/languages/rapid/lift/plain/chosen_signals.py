@@ -8,7 +8,6 @@ signal variable does what `AliasIO` does. For a name that is none of these the p
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
@@ -25,11 +24,11 @@ from assistant.languages.rapid.lift.plain.signal_choices import (
 )
 from assistant.languages.rapid.tables.signal_types import SIGNALS, VALUES
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.walk import lists, nodes
+from assistant.languages.rapid.tree.walk import lists, mentions, nodes
 from assistant.program.diagnostics import Diagnostic
 from assistant.program.program import Signal
 
-_WORD: Final = re.compile(r"\b(?:AliasIO|GetDataVal)\b", re.IGNORECASE)
+_WORDS: Final = ("aliasio", "getdataval")
 LEAST: Final = 2
 """Letters that a name has to begin with before names of signals are taken for what it may be."""
 
@@ -68,8 +67,7 @@ def with_chosen_signals(modules: Sequence[s.Module]) -> Choices:
 
 def chosen_signals(files: Sequence[s.File]) -> Mapping[str, Signal]:
     """Signals that texts alone may name."""
-    texts = (file.source.text for file in files if file.source is not None)
-    if not any(_WORD.search(text) for text in texts):
+    if not mentions(files, _WORDS):
         return {}
     modules = with_own_names([module for file in files for module in file.modules])
     return with_chosen_signals(modules).signals

@@ -6,7 +6,6 @@ A `dnum` becomes a `num`, and what is worked out with it a function of those: `P
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any, Final
@@ -14,7 +13,7 @@ from typing import Any, Final
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.walk import nodes
+from assistant.languages.rapid.tree.walk import mentions, nodes
 from assistant.program.diagnostics import Diagnostic
 from assistant.program.rewriting import rewrite
 
@@ -27,15 +26,11 @@ _BITS: Final = frozenset(("bitanddnum", "bitordnum", "bitxordnum", "bitnegdnum",
 """Functions of more bits than those of a byte, which do something else there."""
 
 
-_WORD: Final = re.compile(LONG, re.IGNORECASE)
-
-
 def with_long_numbers(
     modules: Sequence[s.Module], files: Sequence[s.File]
 ) -> tuple[Sequence[s.Module], list[list[Diagnostic]]]:
     """The modules of some files without such numbers, and the findings of each."""
-    texts = (file.source.text for file in files if file.source is not None)
-    if not any(map(_WORD.search, texts)):
+    if not mentions(files, (LONG,)):
         return modules, [[] for _ in modules]
     items = (item for module in modules for item in module.items)
     own = {item.name.lower() for item in items if isinstance(item, s.Routine)}
