@@ -13,6 +13,7 @@ import queue
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import BinaryIO, Final, Generic, TypeVar
@@ -26,7 +27,7 @@ SERVE: Final = (
     "import sys; sys.path[:] = sys.argv[1:]; from assistant.project.workers import serve; serve()"
 )
 ENDED: Final = 5.0
-"""Seconds for a process to end that was told so."""
+"""Seconds in which all processes have to end after their last answer; then they are killed."""
 
 
 def at_once(
@@ -59,18 +60,21 @@ def at_once(
                 raise
     finally:
         for one in there:
-            one.end()
+            one.dismiss()
+        deadline = time.monotonic() + ENDED
+        for one in there:
+            one.end(deadline)
 
 
 class _Worker(Generic[A, B]):
-    """A process that answers one argument after another."""
+    """A process that answers one argument after another; a new one replaces it if it dies."""
 
     def __init__(self, function: Callable[[A], B], lost: Callable[[A], B]) -> None:
         self._function, self._lost = function, lost
-        self._begin()
+        self._process: subprocess.Popen[bytes] | None = None
 
-    def _begin(self) -> None:
-        self._process = subprocess.Popen(  # noqa: S603
+    def _begin(self) -> subprocess.Popen[bytes]:
+        return subprocess.Popen(  # noqa: S603
             [sys.executable, "-c", SERVE, *sys.path],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
@@ -78,28 +82,43 @@ class _Worker(Generic[A, B]):
         )
 
     def answered(self, argument: A) -> B:
-        to, answers = self._process.stdin, self._process.stdout
-        assert to is not None
-        assert answers is not None
+        asked = pickle.dumps((self._function, argument))
         try:
-            to.write(pickle.dumps((self._function, argument)))
+            self._process = self._process or self._begin()
+            to, answers = self._process.stdin, self._process.stdout
+            assert to is not None
+            assert answers is not None
+            to.write(asked)
             to.flush()
             answer: B = pickle.load(answers)  # noqa: S301 (of a process of ours)
         except (OSError, EOFError, pickle.UnpicklingError):
-            self.end()
-            self._begin()
+            self.kill()
+            self.end(time.monotonic() + ENDED)
+            self._process = None
             return self._lost(argument)
         return answer
 
     def kill(self) -> None:
-        self._process.kill()
+        if self._process is not None:
+            self._process.kill()
 
-    def end(self) -> None:
-        """The process ends when nobody asks any more."""
-        with contextlib.suppress(OSError):
-            self._process.communicate(timeout=ENDED)
+    def dismiss(self) -> None:
+        """Close the questions of the process, at which it ends."""
+        if self._process is not None and self._process.stdin is not None:
+            with contextlib.suppress(OSError):
+                self._process.stdin.close()
+
+    def end(self, deadline: float) -> None:
+        """Wait for the process to end; kill it at the deadline, which loses no answer."""
+        if self._process is None:
+            return
+        self.dismiss()
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self._process.wait(max(0.0, deadline - time.monotonic()))
         self._process.kill()
         self._process.wait()
+        if self._process.stdout is not None:
+            self._process.stdout.close()
 
 
 def serve() -> None:
