@@ -6,11 +6,13 @@ every loop ends, and nothing is used that the manuals leave open.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from random import Random
 from typing import Final
 
+from tests.virtual import random_melfa_parts as parts
+from tests.virtual.random_melfa_parts import CALLED
 from tests.virtual.random_melfa_values import (
     BASES,
     DATA,
@@ -39,9 +41,27 @@ def program(level: int, seed: int, arms: bool = False) -> str:
     return _Writer(rng, level=level, arms=arms).program()
 
 
+def drawn(level: int, seed: int) -> dict[str, str]:
+    """The texts of a program by their names, the first of which calls the others.
+
+    It has what `random_melfa_parts` draws, and every subroutine may stay without a call. No input
+    is read twice in one comparison, and none by a wait: inputs may change at each read.
+    """
+    rng = Random(f"more {level} {seed}")
+    writer = _Writer(rng, level=level, more=True)
+    writer.programs = CALLED[: rng.choice((0, 0, 1, 2, 3))]
+    texts = {"MAIN": writer.program()}
+    for at, name in enumerate(writer.programs):
+        lines, places = parts.called(rng, name, writer.programs[at + 1 :])
+        texts[name] = numbered(lines, level) + "\n" + places
+    return texts
+
+
 @dataclass
 class _Writer(Values):
-    """callable: subroutines that the lines at hand may call. sub: whether they are one."""
+    """callable: subroutines that the lines at hand may call. sub: whether they are one. more: with
+    `random_melfa_parts`; it may call programs then.
+    """
 
     level: int = 5
     arms: bool = False
@@ -50,12 +70,16 @@ class _Writer(Values):
     functions: tuple[str, ...] = ()
     sub: bool = False
     count: int = 0
+    more: bool = False
+    programs: tuple[str, ...] = ()
 
     # ------------------------------------------------------------------------- the whole
 
     def program(self) -> str:
         rng = self.rng
         self.rare = {one for one in RARE if rng.random() < 0.2}
+        if self.more:
+            self.rare -= {"waits", "truths"}
         functions = self.level == 6 and rng.random() < 0.5
         subroutines = SUBROUTINES[: rng.randrange(0, 4)]
         if functions:
@@ -66,7 +90,7 @@ class _Writer(Values):
             head, self.lines = self.lines, []
             self.body(rng.randrange(5, 12))
             for name in subroutines:
-                if f"GoSub *{name}" not in self.lines:
+                if f"GoSub *{name}" not in self.lines and not self.more:
                     self.add(f"GoSub *{name}")
             self.add("End")
             main, self.lines = self.lines, []
@@ -152,12 +176,7 @@ class _Writer(Values):
         self.lines.append(text)
 
     def _numbered(self) -> str:
-        step = 10 if self.level == 4 else 1
-        made = []
-        for at, line in enumerate(self.lines, 1):
-            text = line.upper() if self.level == 4 else line
-            made.append(f"{at * step} {text}\n")
-        return "".join(made).rstrip("\n")
+        return numbered(self.lines, self.level)
 
     def fresh(self) -> int:
         """A number that no other loop or label has."""
@@ -169,6 +188,8 @@ class _Writer(Values):
     def body(self, most: int, depth: int = 0) -> None:
         for _ in range(most):
             kinds = [*PLAIN] * 3 if depth >= DEEPEST else [*PLAIN, *PLAIN, *BLOCKS]
+            if self.more:
+                kinds += MORE
             self.rng.choice(kinds)(self, depth)
 
     def move(self, depth: int) -> None:
@@ -353,6 +374,24 @@ class _Writer(Values):
         if self.count >= 1000:
             self.add(f"Mvs (Plt 1,{self.subscript(6)})")
 
+    def angle(self, depth: int) -> None:
+        lines = parts.angle(self.rng)
+        if self.level > 4 or not any(line.endswith("Then") for line in lines):
+            self.lines += lines
+
+    def turning(self, depth: int) -> None:
+        if not depth and not self.sub and self.rng.random() < 0.3:
+            self.lines += parts.turning(self.rng, self.fresh())
+
+    def constant_tool(self, depth: int) -> None:
+        if not depth and not self.sub and self.rng.random() < 0.4:
+            self.lines += parts.tool(self.rng)
+
+    def call_program(self, depth: int) -> None:
+        if self.programs and not self.sub:
+            self.add(parts.call(self.rng, self.rng.choice(self.programs)))
+            self.lines += ["Tool PT1", "Base P_NBase", "Spd 100", "Cnt 0"]
+
     # ---------------------------------------------------------------------------- blocks
 
     def branch(self, depth: int) -> None:
@@ -435,6 +474,13 @@ class _Writer(Values):
         self.body(self.rng.randrange(1, 3), max(depth + 1, DEEPEST if self.level == 4 else 0))
 
 
+def numbered(lines: Sequence[str], level: int) -> str:
+    """Lines with their step numbers, as a version writes them."""
+    step = 10 if level == 4 else 1
+    texts = (line.upper() if level == 4 else line for line in lines)
+    return "\n".join(f"{at * step} {text}" for at, text in enumerate(texts, 1))
+
+
 PLAIN: Final[tuple[Callable[[_Writer, int], None], ...]] = (
     _Writer.move, _Writer.move, _Writer.arc, _Writer.tool, _Writer.base, _Writer.speed,
     _Writer.override, _Writer.here, _Writer.assign, _Writer.assign, _Writer.set_position,
@@ -445,3 +491,7 @@ BLOCKS: Final[tuple[Callable[[_Writer, int], None], ...]] = (
     _Writer.branch, _Writer.branch, _Writer.branch, _Writer.for_, _Writer.for_, _Writer.while_,
     _Writer.again, _Writer.select,
 )  # fmt: skip
+MORE: Final[tuple[Callable[[_Writer, int], None], ...]] = (
+    *(_Writer.angle, _Writer.angle, _Writer.angle, _Writer.turning, _Writer.constant_tool),
+    *(_Writer.call_program, _Writer.call_program),
+)

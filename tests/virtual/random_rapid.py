@@ -14,6 +14,7 @@ from typing import Final
 from tests.virtual import rapid_words as w
 from tests.virtual.rapid_bodies import Body
 from tests.virtual.rapid_names import Data, Parameter, Routine, Scope
+from tests.virtual.translating import Changing, Text
 
 FEATURES: Final = {
     "references": 0.5,
@@ -41,6 +42,8 @@ FEATURES: Final = {
     "triggers": 0.2,
 }
 """How likely each feature is that a program may use: each program leaves most others in peace."""
+MORE: Final = frozenset({"angles", "changing", "constant tools"})
+"""Features of `drawn_with_more`."""
 
 
 @dataclass(slots=True)
@@ -49,6 +52,12 @@ class Drawn:
 
     text: str
     scenarios: list[dict[str, float]] = field(default_factory=list)
+    beside: str = ""
+    """The module that it calls, if there is one."""
+
+    @property
+    def texts(self) -> Text:
+        return {"CELL": self.text, "BESIDE": self.beside} if self.beside else self.text
 
 
 def program(seed: int) -> Drawn:
@@ -66,6 +75,31 @@ def program(seed: int) -> Drawn:
     lines += [f"VAR triggdata {name};" for name in named]
     text = "\n".join(["MODULE Cell", *lines, *bodies, "ENDMODULE", ""])
     return Drawn(text, _scenarios(rng))
+
+
+def drawn_with_more(seed: int) -> Drawn:
+    """The program of a seed with angles, unused routines, tools by constants and a second module.
+
+    Nothing waits for an input, and none is read where RAPID may leave it unread: inputs may change
+    at each read.
+    """
+    rng = Random(f"rapid more {seed}")
+    features = {name for name, part in FEATURES.items() if rng.random() < part}
+    features = (features - {"waits", "limits", "ends"}) | MORE
+    scope = Scope(frozenset(features))
+    lines = _data(rng, scope)
+    called = Routine("rBeside", "PROC", [Parameter("height", "real", "")])
+    routines = [*_routines(rng, scope), called]
+    bodies = [
+        Body(rng, scope.inside(routine), routines[place + 1 :]).text(routine)
+        for place, routine in enumerate(routines)
+    ]
+    taken = set(re.findall(r"Trigg[JL] .*", "\n".join(bodies)))
+    named = [n for n in w.TRIGGERS if any(re.search(rf"\b{n}\b", line) for line in taken)]
+    lines += [f"VAR triggdata {name};" for name in named]
+    text = "\n".join(["MODULE Cell", *lines, *bodies[:-1], "ENDMODULE", ""])
+    beside = "\n".join(["MODULE Beside", bodies[-1], "ENDMODULE", ""])
+    return Drawn(text, [*_scenarios(rng)[:2], Changing(seed), Changing(-seed)], beside)
 
 
 def _scenarios(rng: Random) -> list[dict[str, float]]:
@@ -92,6 +126,11 @@ def _data(rng: Random, scope: Scope) -> list[str]:
         rows = ",".join(w.TOOLS[name] for name in scope.tools[:2])
         lines.append(f"PERS tooldata tTable{{{len(scope.tools[:2])}}}:=[{rows}];")
         scope.tables = len(scope.tools[:2])
+    if scope.has("constant tools"):
+        lines += [
+            f"PERS tooldata tWork:={w.TOOLS[scope.tools[0]]};",
+            f"CONST pose poWork:={w.POSE};",
+        ]
     for name in rng.sample(list(w.FRAMES), rng.randint(0, 2)):
         lines.append(f"PERS wobjdata {name}:={w.FRAMES[name]};")
         scope.frames.append(name)

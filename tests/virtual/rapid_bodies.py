@@ -158,6 +158,36 @@ class Body:
             depth, f"{kind} {self.terms.target()},{rng.choice(w.SPEEDS)},{zone},{tool}{frame};"
         )
 
+    def angle(self, depth: int) -> None:
+        """Angles of a target, read, compared, and set one by one or by another rotation."""
+        name = self._mine("target")
+        if name is None or "{" in name:
+            return
+        rng, axis = self.rng, self.rng.choice("XYZ")
+        angles = {one: f"EulerZYX(\\{one},{name}.rot)" for one in "ZYX"}
+        other = self.terms.pick("target", storage="CONST") or "p10"
+        step, kind = rng.choice([10, 30, 75, -40, 120, 170]), rng.randrange(5)
+        if kind == 0:
+            changed = angles | {axis: f"{angles[axis]}+({step})"}
+            self.say(depth, f"{name}.rot:=OrientZYX({','.join(changed.values())});")
+        elif kind == 1:
+            self.say(depth, f"IF {angles[axis]}{rng.choice('<>')}{step} THEN")
+            self.output(depth + 1)
+            self.say(depth, "ENDIF")
+        elif kind == 2:
+            self.say(depth, f"{name}:=RelTool({other},0,0,0\\R{axis.lower()}:={angles[axis]}/2);")
+        elif kind == 3:
+            number = self._mine("real")
+            if number is not None:
+                self.say(depth, f"{number}:={angles[axis]};")
+        else:
+            self.say(depth, f"{name}.rot:=OrientZYX({step},{rng.choice([0, 25, -60])},180);")
+
+    def constant_tool(self, depth: int) -> None:
+        """A tool that is made of constants, and a move with it."""
+        self.say(depth, self.rng.choice(["tWork.tframe:=poWork;", "tWork.tframe.trans:=[0,0,75];"]))
+        self.say(depth, f"MoveL {self.terms.target()},v100,fine,tWork;")
+
     def arc(self, depth: int) -> None:
         rng, tool = self.rng, self.rng.choice(self.scope.tools)
         start = self.terms.pick("target", storage="CONST") or "p10"
@@ -322,7 +352,7 @@ class Body:
         name = f"turn{self.counters}"
         self.declared.append(f"VAR num {name};")
         self.say(depth, f"{name}:=0;")
-        more = f" AND ({self.terms.truth()})" if self.rng.random() < 0.6 else ""
+        more = f" AND ({self.terms.steady()})" if self.rng.random() < 0.6 else ""
         self.say(depth, f"WHILE {name}<{self.rng.randint(1, 4)}{more} DO")
         self.say(depth + 1, f"{name}:={name}+1;")
         self.block(depth + 1)
@@ -375,6 +405,8 @@ STATEMENTS: Final[Sequence[tuple[Draw, int, str, bool]]] = (
     (Body.here, 4, "here", False),
     (Body.move, 14, "", False),
     (Body.arc, 2, "arcs", False),
+    (Body.angle, 8, "angles", False),
+    (Body.constant_tool, 1, "constant tools", False),
     (Body.output, 6, "signals", False),
     (Body.pulse, 1, "signals", False),
     (Body.trigger, 8, "triggers", False),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from random import Random
 
@@ -9,6 +10,10 @@ from tests.virtual import rapid_words as w
 from tests.virtual.rapid_names import Data, Parameter, Routine, Scope
 
 DEEPEST = 3
+CHANGING = re.compile(
+    rf"\b({'|'.join([*w.INPUTS, *w.GROUP_INPUTS, *w.FUNCTIONS, 'DInput', 'TestDI'])})\b"
+)
+"""What reads an input, or may do so."""
 
 
 class Terms:
@@ -111,7 +116,14 @@ class Terms:
             signal = rng.choice(list(w.INPUTS))
             return rng.choice([f"{signal}=1", f"DInput({signal})=0", f"TestDI({signal})"])
         word = rng.choice(["AND", "OR", "XOR"])
-        return f"({self.truth(depth + 1)}) {word} ({self.truth(depth + 1)})"
+        return f"({self.truth(depth + 1)}) {word} ({self.steady(depth + 1)})"
+
+    def steady(self, depth: int = 0) -> str:
+        """A truth that may be left unread: of changing inputs, one that reads none."""
+        found = self.truth(depth)
+        if self.scope.has("changing") and CHANGING.search(found):
+            return f"{self.pick('real') or '2.5'}<{self.rng.choice(['3', '10'])}"
+        return found
 
     # --------------------------------------------------------------------------------- targets
 

@@ -2,23 +2,34 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 
-from assistant import languages, robots
+from assistant import robots
 from assistant.virtual import melfa
 from assistant.virtual.events import Run
 from assistant.virtual.kernel import Board, Kernel, Signals
 from assistant.virtual.proving.sides import STATEMENT_TIME
 from assistant.virtual.rapid.running import start_task
-from tests.virtual.random_melfa import program
-from tests.virtual.translating import START, Arms, Inputs, Tally, judge
+from tests.virtual.random_melfa import drawn, program
+from tests.virtual.translating import (
+    START,
+    Arms,
+    Changing,
+    Inputs,
+    Tally,
+    Text,
+    judge,
+    parsed,
+)
 
 ARMS = ("rv-4frl", "irb1200-7-0.7")
 LEAST = {4: 0.4, 5: 0.6, 6: 0.6}
 """The part of the programs of MELFA-BASIC IV, V and VI that has to be translated."""
 HANDS = {"hand1": 9001, "hand1_open": 9001}
 """A number of no signal."""
-GROUPS = {"do": 1, "di": 1, "go_8": 8, "gi_8": 8, "gi_1": 1, "gi_2": 2}
+GROUPS = {"do": 1, "di": 1, "go_8": 8, **{f"gi_{bits}": bits for bits in range(1, 9)}}
 """How signals are named that come from MELFA-BASIC, and their bits."""
 NUMBERS = range(1, 40)
 SIGNALS = {name: [number] for name, number in HANDS.items()} | {
@@ -35,24 +46,51 @@ SCENARIOS: tuple[Inputs, ...] = (
 """Inputs that are on, by number."""
 
 
-def run_melfa(level: int, arms: Arms | None, text: str, inputs: Inputs, most_steps: int) -> Run:
-    tree = languages.get(f"melfa-basic-{level}").parse(text)
-    bits = {int(name): int(value) for name, value in inputs.items()}
+def run_melfa(level: int, arms: Arms | None, text: Text, inputs: Inputs, most_steps: int) -> Run:
+    trees, names = parsed(f"melfa-basic-{level}", text)
     robot = None if arms is None else robots.get(arms[0])
-    return melfa.run(tree, inputs=bits, start=START, robot=robot, most_steps=most_steps)
+    return melfa.run(
+        trees, inputs=bits(inputs), names=names, start=START, robot=robot, most_steps=most_steps
+    )
 
 
-def run_rapid(arms: Arms | None, text: str, inputs: Inputs, most_steps: int) -> Run:
-    tree = languages.get("rapid").parse(text)
-    read = {
-        name: float(sum(int(inputs.get(str(n), 0)) << at for at, n in enumerate(numbers)))
-        for name, numbers in SIGNALS.items()
-    }
+def run_rapid(arms: Arms | None, text: Text, inputs: Inputs, most_steps: int) -> Run:
+    trees, _ = parsed("rapid", text)
+    bit = bits(inputs)
     robot = None if arms is None else robots.get(arms[1])
-    board = Board(Signals(read))
+    board = Board(Signals(lambda name: signal(name, bit)))
     kernel = Kernel(board, most_steps=most_steps, statement_time=STATEMENT_TIME)
-    start_task(kernel, (tree,), robot=robot, start=START)
+    start_task(kernel, trees, robot=robot, start=START)
     return kernel.run()
+
+
+def bits(inputs: Inputs) -> Callable[[int], int]:
+    """What the bit of a number is, each time that it is read."""
+    if isinstance(inputs, Changing):
+        return inputs.bits()
+    return lambda number: int(inputs.get(str(number), 0))
+
+
+def signal(name: str, bit: Callable[[int], int]) -> float:
+    return float(sum(bit(number) << at for at, number in enumerate(SIGNALS.get(name, ()))))
+
+
+def more_tally_of(level: int, seeds: range) -> Tally:
+    """Programs of `drawn`, several files each, with inputs that change at each read."""
+    language = f"melfa-basic-{level}"
+    tally = Tally()
+    for seed in seeds:
+        judge(
+            tally,
+            f"seed {seed}",
+            drawn(level, seed),
+            (*SCENARIOS[:2], Changing(seed), Changing(-seed)),
+            source=(language, lambda *given: run_melfa(level, None, *given)),
+            target=("rapid", lambda *given: run_rapid(None, *given)),
+            signals=SIGNALS,
+        )
+    print(f"{language} to rapid, changing inputs: {tally}")  # noqa: T201
+    return tally
 
 
 def tally_of(level: int, seeds: range, arms: Arms | None = None) -> Tally:
@@ -85,6 +123,19 @@ def test_random_programs_do_the_same_with_two_arms() -> None:
     tally = tally_of(5, range(3), ARMS)
     assert tally.kept == []
     assert tally.counts["equal"] > 0
+
+
+@pytest.mark.parametrize("level", LEAST)
+def test_programs_with_changing_inputs_do_the_same(level: int) -> None:
+    tally = more_tally_of(level, range(2))
+    assert tally.kept == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("level", LEAST)
+def test_many_programs_with_changing_inputs_do_the_same(level: int) -> None:
+    tally = more_tally_of(level, range(300))
+    assert tally.kept == []
 
 
 @pytest.mark.slow

@@ -7,16 +7,21 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path as FilePath
+from tempfile import TemporaryDirectory
+from typing import Any
+from zlib import crc32
 
 import assistant
 from assistant import languages, robots
 from assistant.compiler.arms import Arms as KnownArms
-from assistant.compiler.loading import load_text
+from assistant.compiler.loading import Loaded, load, load_text
 from assistant.compiler.motion import Proving, prove_motion
 from assistant.compiler.motion_sides import Made
+from assistant.compiler.tasks import Task, load_task
 from assistant.program.diagnostics import Severity
 from assistant.program.geometry import Pose
 from assistant.program.text import SourceText
+from assistant.robots import Robot
 from assistant.virtual.comparing import Bits, difference
 from assistant.virtual.events import Run
 from assistant.virtual.proving.sides import Side
@@ -30,8 +35,38 @@ MORE_STEPS = 400_000
 
 Inputs = Mapping[str, float]
 Arms = tuple[str, str]
-Running = Callable[[str, Inputs, int], Run]
+Text = str | Mapping[str, str]
+"""A text, or the texts of programs by their names, of which the first one calls the others."""
+Running = Callable[[Text, Inputs, int], Run]
 """Runs a text with inputs by the names of the source, for at most some steps."""
+
+
+class Changing(dict[str, float]):
+    """Inputs that may change at each read: a bit is drawn by its number and how often it was read.
+
+    The programs that are compared get the same values as long as each reads as often as the other.
+    """
+
+    def __init__(self, seed: int) -> None:
+        super().__init__()
+        self.seed = seed
+
+    def bits(self) -> Callable[[int], int]:
+        """What the bit of a number is at its next read, from the first one on."""
+        reads: Counter[int] = Counter()
+
+        def read(number: int) -> int:
+            reads[number] += 1
+            return crc32(f"{self.seed} {number} {reads[number]}".encode()) >> 7 & 1
+
+        return read
+
+
+def parsed(language: str, text: Text) -> tuple[list[Any], tuple[str, ...]]:
+    """The trees of a text in a language, and their names."""
+    spoken = languages.get(language)
+    texts = {"MAIN": text} if isinstance(text, str) else text
+    return [spoken.parse(one) for one in texts.values()], tuple(texts)
 
 
 RUN = ("equal", "different", "not judged", "failing")
@@ -57,7 +92,7 @@ class Tally:
 def judge(
     tally: Tally,
     name: str,
-    text: str,
+    text: Text,
     scenarios: Sequence[Inputs],
     *,
     source: tuple[str, Running],
@@ -86,7 +121,7 @@ def judge(
 
 
 def _judged(
-    text: str,
+    text: Text,
     scenarios: Sequence[Inputs],
     source: tuple[str, Running],
     target: tuple[str, Running],
@@ -97,7 +132,7 @@ def _judged(
 ) -> tuple[str, str]:
     try:
         first, second = (None, None) if arms is None else (robots.get(name) for name in arms)
-        loaded = load_text(SourceText(text), process=process, robot=first, language=source[0])
+        loaded = loaded_as(source[0], text, process, first)
         translation = assistant.translate(loaded, to=target[0], robot=second, from_robot=first)
     except Exception as error:  # noqa: BLE001 - a crash is what is looked for
         return "crashed", repr(error)
@@ -108,9 +143,11 @@ def _judged(
     if not translation.ok:
         tally.reasons.update({f"{f.code} {f.message}" for f in errors})
         return "refused", ""
-    (data,) = translation.files.values()
     language = languages.get(target[0])
-    written = language.decode(data).text
+    made = {
+        FilePath(name).stem: language.decode(data).text for name, data in translation.files.items()
+    }
+    written: Text = made if len(made) > 1 else next(iter(made.values()))
     rounding = rounding_of(target[0], written)
     judged, ends = False, set()
     for inputs in scenarios:
@@ -124,8 +161,8 @@ def _judged(
             return "different", found
         judged = judged or two.ended != "unknown"
     compiled = translation.compiled
-    made = Made(compiled.source, compiled.program, compiled.language, translation.files)
-    proof = prove_motion(made, KnownArms(second, first), SOUGHT)
+    whole = Made(compiled.source, compiled.program, compiled.language, translation.files)
+    proof = prove_motion(whole, KnownArms(second, first), SOUGHT)
     for finding in proof.findings:
         if finding.code == "CO110" and not FAILS_ITSELF.search(finding.message):
             return "different", finding.message
@@ -134,11 +171,31 @@ def _judged(
     return ("failing" if ends == {"error"} else "not judged"), ""
 
 
-def rounding_of(language: str, text: str) -> Rounding:
+def loaded_as(
+    language: str, text: Text, process: FilePath | None = None, robot: Robot | None = None
+) -> Loaded:
+    """A text as it is loaded; programs that call each other from the files that they are."""
+    if isinstance(text, str):
+        return load_text(SourceText(text), process=process, robot=robot, language=language)
+    with TemporaryDirectory() as name:
+        files = [FilePath(name, f"{one}{SUFFIXES[language]}") for one in text]
+        for file, own in zip(files, text.values(), strict=True):
+            file.write_text(own, encoding="ascii")
+        if language == "rapid":
+            task = Task(str(files[0]), tuple(map(str, files)), language)
+            return load_task(task, process=process, robot=robot)
+        return load(files[0], process=process, robot=robot, language=language)
+
+
+SUFFIXES = {"rapid": ".mod", "melfa-basic-4": ".mb4", "melfa-basic-5": ".mb5"}
+SUFFIXES["melfa-basic-6"] = ".mb6"
+
+
+def rounding_of(language: str, text: Text) -> Rounding:
     """What a text in a language leaves open of the places in it."""
     spoken = languages.get(language)
     precision = spoken.precision
-    side = Side(family=spoken.family, trees=(spoken.parse(text),))
+    side = Side(family=spoken.family, trees=tuple(parsed(language, text)[0]))
     return Rounding(precision.position, precision.angle, precision.position).of(side.constants())
 
 
