@@ -73,7 +73,7 @@ def tool(rng: Random) -> list[str]:
 
 def called(rng: Random, name: str, others: tuple[str, ...]) -> tuple[list[str], str]:
     """The lines and the positions of a program that is called; it calls others."""
-    lines = ["Tool PT1", "Base P_NBase", f"Spd {rng.choice((50, 120))}"]
+    lines = ["Tool PT1", "Base P_NBase", f"Spd {rng.choice((50, 120))}", "Cnt 0"]
     height = "-20"
     if name == CALLED[1]:
         lines.insert(0, "FPrm MH")

@@ -153,6 +153,12 @@ FRAME_JOINED = info(
     "MB208", "user and object frame of `{name}` are written as one", "none is needed"
 )
 CANNOT_SAY = error("MB209", "MELFA-BASIC cannot say {what}", "{cure}")
+ANGLES = error(
+    "MB292",
+    "the angles of `{name}` are read or set one by one, and {why}: they may be beyond what its "
+    "orientation tells",
+    "keep the angles in variables beside it, or set all three of them together",
+)
 UNKNOWN = error(
     "MB210", "{what} `{name}` is not declared", "declare it or correct the name", misses=True
 )

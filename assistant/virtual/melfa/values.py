@@ -161,6 +161,13 @@ def converted(value: Value, kind: Kind, what: str) -> Value:
 
 # ---------------------------------------------------------------------------- components
 
+ANGLE_PLACES: Final = 9
+"""Decimals of degrees that are kept of an angle set in radian: 60 degrees are 60 again."""
+
+
+def _degrees(radian: float) -> float:
+    return round(math.degrees(radian), ANGLE_PLACES)
+
 
 def component(value: Value, name: str, options: Options) -> int | float:
     """A component: angles in radian (PRGMDEG 0), lengths in mm, flags whole."""
@@ -187,7 +194,7 @@ def with_component(value: Value, name: str, new: Value, options: Options) -> Pos
         if name not in JOINTS:
             raise Failed(4220, f"joints have no component {name}")
         given_joint = float(number(new, name))
-        element = math.degrees(given_joint) if _in_radian(name, options) else given_joint
+        element = _degrees(given_joint) if _in_radian(name, options) else given_joint
         return Joints(_put(value.values, JOINTS.index(name), element))
     given = position(value, f"what has a component {name}")
     if name in FLAGS:
@@ -197,7 +204,7 @@ def with_component(value: Value, name: str, new: Value, options: Options) -> Pos
     if name not in COMPONENTS:
         raise Failed(4220, f"positions have no component {name}")
     element = float(number(new, name))
-    element = math.degrees(element) if _in_radian(name, options) else element
+    element = _degrees(element) if _in_radian(name, options) else element
     return replace(given, values=_put(given.values, COMPONENTS.index(name), element))
 
 

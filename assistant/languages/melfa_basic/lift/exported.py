@@ -15,6 +15,7 @@ from assistant.languages.answers import (
     Adapted,
 )
 from assistant.languages.melfa_basic import rules
+from assistant.languages.melfa_basic.lift.told.angles import with_angles_beside
 from assistant.languages.melfa_basic.lift.told.flags import with_flags
 from assistant.languages.melfa_basic.lift.told.kept import with_told
 from assistant.languages.melfa_basic.reading.line import statement as read_statement
@@ -82,6 +83,7 @@ def exported(program: Program) -> Adapted:
     findings += _uncalled(program)
     findings += _unsigned(program)
     program = _as_each_begins(with_told(with_flags(program), findings))
+    program = with_angles_beside(program, findings)
     texts = [record.text for record in records(program) if _is_text(record)]
     if not texts:
         return Adapted(program, tuple(findings))

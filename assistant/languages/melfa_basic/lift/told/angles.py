@@ -1,0 +1,413 @@
+"""Angles of positions, kept beside them as they were set.
+
+MELFA-BASIC stores A, B and C as they are written: 200 degrees stay 200, and B may be beyond 90. An
+orientation of another language keeps none of that: it is read back within 180 and 90 degrees. So a
+position whose angles are read, or set one by one, gets three numbers beside it that hold them. One
+that is only turned on by `P.C=P.C+…` needs none: its orientation is the same either way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, Final
+
+import numpy as np
+
+from assistant.languages.melfa_basic import rules
+from assistant.languages.melfa_basic.lift.values.expressions import DEGREE
+from assistant.languages.melfa_basic.tables.poses import plain_pose
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.positions import Positions
+from assistant.languages.melfa_basic.tree.walk import nodes
+from assistant.program import expressions as e
+from assistant.program import rotations
+from assistant.program import statements as p
+from assistant.program.analysis.uses import base, declared, handed_over
+from assistant.program.contents import everywhere
+from assistant.program.diagnostics import Findings
+from assistant.program.geometry import Pose
+from assistant.program.program import (
+    Procedure,
+    Program,
+    TakenNames,
+    Variable,
+    bodies,
+    identifier,
+    walk,
+)
+from assistant.program.rewriting import (
+    Body,
+    head,
+    is_repeatable,
+    map_bodies,
+    map_expressions,
+    map_head,
+    records,
+)
+
+SUFFIXES: Final = {"about_x": "A", "about_y": "B", "about_z": "C"}
+"""What a number beside a position is called behind the position's name."""
+NEAR: Final = 1e-9
+Key = tuple[str, str]
+"""A position variable: the procedure whose own it is, empty for the program's, and its name, both
+in lower case."""
+Three = tuple[e.Expression, e.Expression, e.Expression]
+
+
+def with_angles_beside(program: Program, findings: Findings) -> Program:
+    """The program whose positions have their angles beside them where those count."""
+    if not any(map(_is_angle, everywhere(program, e.Member))) and not any(
+        one.function == "oriented" for one in everywhere(program, e.Apply)
+    ):
+        return program
+    work = _Work(program, findings)
+    work.find()
+    return work.done()
+
+
+def _is_angle(record: Any) -> bool:
+    return isinstance(record, e.Member) and record.field.lower() in SUFFIXES
+
+
+@dataclass(slots=True)
+class _Work:
+    """beside: by position the names of its three numbers."""
+
+    program: Program
+    findings: Findings
+    beside: dict[Key, tuple[str, str, str]] = field(default_factory=dict)
+    owner: Procedure | None = None
+
+    # ------------------------------------------------------------------------- which ones
+
+    def find(self) -> None:
+        """Notes the positions whose angles count, and those whose angles these take over."""
+        wanted: set[Key] = set()
+        copied: dict[Key, set[Key]] = {}
+        for procedure in self.program.procedures:
+            self.owner = procedure
+            for group in _groups(procedure.body):
+                wanted |= self._strong(group)
+            for node in walk(procedure.body):
+                if isinstance(node, p.Assign) and (key := self.key(node.target)) is not None:
+                    if not isinstance(node.target, e.Member):
+                        sources = copied.setdefault(key, set())
+                        sources |= {k for k in self._sources(node.value) if k is not None}
+        pending = list(wanted)
+        while pending:
+            for source in copied.get(pending.pop(), ()):
+                if source not in wanted:
+                    wanted.add(source)
+                    pending.append(source)
+        taken = TakenNames(declared(self.program))
+        for key in sorted(wanted):
+            name = self.variable(key)[0]
+            three = [identifier(f"{name}_{letter}", taken) for letter in SUFFIXES.values()]
+            taken.update(three)
+            self.beside[key] = (three[0], three[1], three[2])
+
+    def _strong(self, group: tuple[p.Statement, ...]) -> set[Key]:
+        """Positions whose angles a statement, or sets that stand together, read or need."""
+        sets = [node for node in group if isinstance(node, p.Assign)]
+        fields = {node.target.field.lower() for node in sets if isinstance(node.target, e.Member)}
+        whole = fields == set(SUFFIXES)
+        found: set[Key] = set()
+        for node in group:
+            skipped: list[e.Expression] = []
+            if len(group) > 1 or _is_set(node):
+                assert isinstance(node, p.Assign)
+                key = self.key(node.target)
+                turns = _turned_on(node)
+                if turns is not None:
+                    skipped = [node.target, turns]
+                elif whole:
+                    skipped = [node.target]
+                elif key is not None:
+                    found.add(key)
+            for record in records(head(node)):
+                if _is_angle(record) and not any(record is one for one in skipped):
+                    if (key := self.key(record)) is not None and self.is_variable(key):
+                        found.add(key)
+        return found
+
+    def _sources(self, value: e.Expression) -> Iterator[Key | None]:
+        match value:
+            case e.Apply("offset", (inner, *_)):
+                yield from self._sources(inner)
+            case e.Name() | e.Index():
+                key = self.key(value)
+                if key is not None and self.is_variable(key):
+                    yield key
+
+    # --------------------------------------------------------------------------- variables
+
+    def key(self, place: Any) -> Key | None:
+        """The position variable or target that a place is, or is a component of."""
+        name = base(place)
+        if not name:
+            return None
+        owner = self.owner
+        if owner is not None and (
+            any(name == one.lower() for one in owner.variables)
+            or any(name == one.name.lower() for one in owner.parameters)
+        ):
+            return owner.name.lower(), name
+        return "", name
+
+    def is_variable(self, key: Key) -> bool:
+        return key[0] != "" or any(key[1] == name.lower() for name in self.program.variables)
+
+    def variable(self, key: Key) -> tuple[str, Variable | None]:
+        """A position variable as it is spelled and declared; None for a parameter."""
+        tables: list[Mapping[str, Variable]] = [self.program.variables]
+        if key[0]:
+            tables = [q.variables for q in self.program.procedures if q.name.lower() == key[0]]
+        for table in tables:
+            for name, variable in table.items():
+                if name.lower() == key[1]:
+                    return name, variable
+        return key[1], None
+
+    # ---------------------------------------------------------------------------- rewriting
+
+    def done(self) -> Program:
+        procedures = []
+        for procedure in self.program.procedures:
+            self.owner = procedure
+            body = self.body(procedure.body)
+            variables = {**procedure.variables, **self._declared(procedure.name.lower())}
+            procedures.append(replace(procedure, body=body, variables=variables))
+        self.owner = None
+        variables = {**self.program.variables, **self._declared("")}
+        return replace(self.program, procedures=tuple(procedures), variables=variables)
+
+    def _declared(self, owner: str) -> dict[str, Variable]:
+        found: dict[str, Variable] = {}
+        for key, three in self.beside.items():
+            if key[0] != owner:
+                continue
+            name, variable = self.variable(key)
+            if variable is None:  # a parameter
+                self.refuse(name, "the program is given it by another one")
+                continue
+            first = self._first(name, variable)
+            for number, one in enumerate(three):
+                initial = None if first is None else first[number]
+                found[one] = Variable(
+                    "number", initial, variable.size, variable.storage, variable.local
+                )
+        return found
+
+    def _first(self, name: str, variable: Variable) -> Three | None:
+        """The first values of the numbers beside a variable."""
+        match variable.initial:
+            case None:
+                return None
+            case e.TargetValue(target):
+                return self.raw(target.pose, name)
+            case e.Aggregate(items) if len(variable.size) == 1:
+                rows = [self._element(name, at, one) for at, one in enumerate(items, 1)]
+                return tuple(e.Aggregate(tuple(row[k] for row in rows)) for k in range(3))  # type: ignore[return-value]
+        self.refuse(name, "the values that it begins with are not known one by one")
+        return None
+
+    def _element(self, name: str, at: int, value: e.Expression) -> Three:
+        if isinstance(value, e.TargetValue):
+            return self.raw(value.target.pose, name, (at,))
+        return (e.Number(0), e.Number(0), e.Number(0))  # nothing was taught there
+
+    def body(self, statements: Body) -> Body:
+        made: list[p.Statement] = []
+        for at, node in enumerate(statements):
+            after = statements[at + 1] if at + 1 < len(statements) else None
+            made += self.each(node, after)
+        return tuple(made)
+
+    def each(self, node: p.Statement, after: p.Statement | None) -> Iterator[p.Statement]:
+        node = map_head(node, self.read) if not _is_set(node) else node
+        match node:
+            case p.Assign(e.Member(place, part), value) if _is_set(node):
+                key = self.key(place)
+                value = map_expressions(value, self.read)
+                if key is None or key not in self.beside:
+                    yield replace(node, value=value)
+                    return
+                own = dict(zip(SUFFIXES, self.numbers(place, key), strict=True))
+                with self.findings.at(node.span):
+                    self.steady(place)
+                yield p.Assign(own[part.lower()], value, span=node.span)
+                if _place(after) != place:
+                    turned = e.Apply("oriented", (place, *own.values()))
+                    yield p.Assign(place, turned, span=node.span)
+            case p.Assign(e.Name() | e.Index() as place, value) if self.key(place) in self.beside:
+                yield node
+                with self.findings.at(node.span):
+                    yield from self.taken_over(node, place, value)
+            case p.Call(name, arguments):
+                for one in self._handed(name, arguments):
+                    with self.findings.at(node.span):
+                        self.refuse(self.variable(one)[0], f"`{name}` may change it")
+                yield node
+            case _:
+                yield map_bodies(node, self.body)
+
+    def taken_over(
+        self, node: p.Assign, place: e.Expression, value: e.Expression
+    ) -> Iterator[p.Statement]:
+        """Sets the numbers beside a position to what it is given."""
+        self.steady(place)
+        key = self.key(place)
+        given = self.angles(value, place)
+        if given is None:
+            self.refuse(base(place), "the angles of what it is given are not known")
+            return
+        for one, angle in zip(self.numbers(place, key), given, strict=True):
+            if one != angle:
+                yield p.Assign(one, angle, span=node.span)
+
+    def angles(self, value: e.Expression, place: e.Expression) -> Three | None:
+        """The angles of a value as they are stored, once it is assigned to a place."""
+        match value:
+            case e.Apply("offset", (inner, *_)):
+                return self.angles(inner, place)
+            case e.Apply("oriented", (_, x, y, z)):
+                return x, y, z
+            case e.Apply("relative") | e.Binary("@") | e.Here():
+                return (
+                    e.Member(place, "about_x"), e.Member(place, "about_y"),
+                    e.Member(place, "about_z"),
+                )  # fmt: skip
+            case e.TargetValue(target):
+                return self.raw(target.pose)
+            case e.Name() | e.Index():
+                key = self.key(value)
+                if key in self.beside:
+                    self.steady(value)
+                    return self.numbers(value, key)
+                for name, target in self.program.targets.items():
+                    if isinstance(value, e.Name) and name.lower() == value.name.lower():
+                        return self.raw(target.pose, name)
+        return None
+
+    def read(self, x: e.Expression) -> e.Expression:
+        """An angle that is read: of a variable the number beside it, of a constant its value."""
+        match x:
+            case e.Binary(sign, e.Binary("*", one, e.Number() as unit), e.Binary("*", two, other)):
+                if sign in e.RELATIONS and unit == other == e.Number(DEGREE):
+                    return e.Binary(sign, one, two)  # degrees are compared as radian are
+            case e.Member(place, part) if _is_angle(x):
+                at = list(SUFFIXES).index(part.lower())
+                key = self.key(place)
+                if key in self.beside:
+                    return self.numbers(place, key)[at]
+                if isinstance(place, e.Name):
+                    for name, target in self.program.targets.items():
+                        if name.lower() == place.name.lower():
+                            return self.raw(target.pose, name)[at]
+                if isinstance(place, e.TargetValue):
+                    return self.raw(place.target.pose)[at]
+        return x
+
+    def numbers(self, place: e.Expression, key: Any) -> Three:
+        """The numbers beside a place, with its indices."""
+        one, two, three = (e.Name(name) for name in self.beside[key])
+        if isinstance(place, e.Index):
+            at = place.indices
+            return e.Index(one, at), e.Index(two, at), e.Index(three, at)
+        return one, two, three
+
+    def steady(self, place: e.Expression) -> None:
+        """Refuses an element that is worked out anew each time that it is named."""
+        if isinstance(place, e.Index) and not all(map(is_repeatable, place.indices)):
+            self.refuse(base(place), "its index is another one each time that it is worked out")
+
+    def _handed(self, name: str, arguments: tuple[Any, ...]) -> Iterator[Key]:
+        for procedure in self.program.procedures:
+            if procedure.name.lower() == name.lower():
+                for one in handed_over(procedure, arguments):
+                    key = self.key(one)
+                    if key in self.beside:
+                        yield key  # type: ignore[misc]
+
+    def refuse(self, name: str, why: str) -> None:
+        self.findings.append(rules.ANGLES(name=name, why=why))
+
+    # --------------------------------------------------------------------------- raw angles
+
+    def raw(self, pose: Pose, name: str = "", indices: tuple[int, ...] = ()) -> Three:
+        """The angles of a position as the source writes them."""
+        for values in self._written(name, indices):
+            if _alike(plain_pose(values), pose):
+                x, y, z = ((value or 0.0) + 0.0 for value in (*values, *(0.0,) * 6)[3:6])
+                return e.number_of(x), e.number_of(y), e.number_of(z)
+        found = rotations.to_euler(np.array(pose.quaternion), "ZYX")[::-1]
+        x, y, z = (round(float(angle), 6) + 0.0 for angle in found)
+        return e.number_of(x), e.number_of(y), e.number_of(z)
+
+    def _written(self, name: str, indices: tuple[int, ...]) -> Iterator[tuple[float | None, ...]]:
+        trees = self.program.origin.trees if self.program.origin is not None else ()
+        names = [name.upper(), name.upper().rpartition("_")[0]] if name else []
+        for tree in trees:
+            known = Positions(tree)
+            for one in names:
+                elements = known.elements.get(one, ("", {}))[1]
+                found = elements.get(indices) if indices else known.constant(one)
+                if found is not None:
+                    yield found.values
+        if not names:
+            for tree in trees:
+                for line in tree.items:
+                    if isinstance(line, s.Line):
+                        yield from _constants(line)
+
+
+def _constants(line: s.Line) -> Iterator[tuple[float | None, ...]]:
+    yield from (node.values for node in nodes(line.statement) if isinstance(node, s.Constant))
+
+
+def _alike(one: Pose, other: Pose) -> bool:
+    return bool(
+        np.allclose(one.position, other.position, atol=1e-6)
+        and abs(abs(float(np.dot(one.quaternion, other.quaternion))) - 1.0) <= NEAR
+    )
+
+
+def _is_set(node: p.Statement | None) -> bool:
+    """Whether a statement sets one angle of a position."""
+    return isinstance(node, p.Assign) and _is_angle(node.target)
+
+
+def _place(node: p.Statement | None) -> e.Expression | None:
+    """The position that a statement sets one angle of."""
+    match node:
+        case p.Assign(e.Member(place)) if _is_set(node):
+            return place
+    return None
+
+
+def _turned_on(node: p.Assign) -> e.Expression | None:
+    """The reading in `P.C=P.C+…`, which turns a position on about z, or about its own x by A."""
+    match node:
+        case p.Assign(e.Member(_, part) as own, e.Binary("+" | "-", left, right)):
+            others = any(map(_is_angle, records(right)))
+            if part.lower() != "about_y" and left == own and not others:
+                return left
+    return None
+
+
+def _groups(body: Iterable[p.Statement]) -> Iterator[tuple[p.Statement, ...]]:
+    """Statements of a body and those inside them: sets of angles of one place together."""
+    group: list[p.Statement] = []
+    for node in body:
+        if group and _place(node) != _place(group[0]):
+            yield tuple(group)
+            group = []
+        if _is_set(node):
+            group.append(node)
+            continue
+        yield (node,)
+        for inner in bodies(node):
+            yield from _groups(inner)
+    if group:
+        yield tuple(group)
