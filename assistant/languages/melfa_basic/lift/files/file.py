@@ -265,9 +265,9 @@ class Unit:
         self, flow: Flow, parts: Sequence[Region], single: frozenset[int] = frozenset()
     ) -> CalledForms:
         """The forms of the procedures. A file of functions alone is there for others to call."""
-        alone = set[int]()
+        alone = {number for number, part in enumerate(parts) if part.unused}
         if not self.own and any(self.code[at].statement for at in parts[0].places()):
-            alone = {number for number, part in enumerate(parts) if part.function is not None}
+            alone |= {number for number, part in enumerate(parts) if part.function is not None}
         return CalledForms(flow, self._initial(), single, frozenset(alone))
 
     def _initial(self) -> State:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 from assistant.languages.melfa_basic.lift.settings.held import ALL_SETTINGS, set_by
@@ -10,11 +11,13 @@ from assistant.languages.melfa_basic.lift.settings.interrupts import calls_on_in
 from assistant.languages.melfa_basic.lift.statements.waits import comment_text
 from assistant.languages.melfa_basic.lift.structure.answers import Answers, without_answers
 from assistant.languages.melfa_basic.lift.structure.order import in_order
+from assistant.languages.melfa_basic.lift.structure.regions import called, place_name
 from assistant.languages.melfa_basic.text import header as headers
 from assistant.languages.melfa_basic.text.header import Header
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import Positions
-from assistant.languages.melfa_basic.tree.targets import labelled
+from assistant.languages.melfa_basic.tree.blocks import statement_of
+from assistant.languages.melfa_basic.tree.targets import exits_of, labelled
 from assistant.languages.melfa_basic.tree.walk import nodes, program_stem, statements_in
 from assistant.program.program import identifier
 
@@ -33,7 +36,7 @@ class File:
         if self.own:
             self.code, self.answers = without_answers(code)
         else:
-            self.code = in_order(labelled(code)[0])
+            self.code = in_order(_with_lone_labels(labelled(code)[0]))
         self.positions = Positions(tree)
 
     def touched(self) -> frozenset[int]:
@@ -91,6 +94,20 @@ def interrupting(
             for other in files if None in called else found.keys() & called:
                 found[other] |= found[name] | running.get(name, frozenset())
     return found
+
+
+def _with_lone_labels(code: list[s.Entry]) -> list[s.Entry]:
+    """The code with the labels of subroutines in lines of their own: `*OPEN:HOpen 1` is both."""
+    wanted = called(code) | {
+        place_name(to) for item in code for to, _ in exits_of(statement_of(item)).handlers
+    }
+    made: list[s.Entry] = []
+    for item in code:
+        if isinstance(item, s.Line) and item.statement and (item.label or "").upper() in wanted:
+            made.append(s.Line(label=item.label, number=item.number, span=item.span))
+            item = replace(item, label=None)
+        made.append(item)
+    return made
 
 
 def _parts(tree: s.File) -> tuple[Header, tuple[str, ...], list[s.Entry]]:

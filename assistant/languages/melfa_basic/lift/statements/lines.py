@@ -36,6 +36,7 @@ from assistant.languages.settings.forms import Form
 from assistant.languages.settings.unknown_settings import UnknownSettings
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.dataflow import reachable
 from assistant.program.diagnostics import Span
 from assistant.program.program import identifier
 from assistant.program.text import SourceText
@@ -265,6 +266,14 @@ class Statements:
         return [p.Return()]
 
     def returned(self, _: s.Command) -> list[p.Statement]:
-        if self.region.label is None:
+        if self.region.label is None and self.at in self._run:
             raise Unliftable(reasons.NO_SUBROUTINE)
         return [p.Return()]
+
+    @cached_property
+    def _run(self) -> set[int]:
+        """The lines of the first procedure that may run."""
+        lines = self.called.flow.lines
+        places, after = lines.procedures[0], lines.after[0]
+        starts = {*places[:1], *lines.lost.intersection(places)}
+        return reachable(starts, lambda at: after.get(at, ()))

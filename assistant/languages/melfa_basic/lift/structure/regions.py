@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from typing import Final
 
 from assistant.languages.melfa_basic.lift.structure.blocks import Code, is_blank, is_command
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.blocks import statement_of
-from assistant.languages.melfa_basic.tree.targets import exits_of, labels_of
+from assistant.languages.melfa_basic.tree.blocks import blocks_of, statement_of
+from assistant.languages.melfa_basic.tree.targets import exits_of, graph_of, labels_of
+from assistant.languages.melfa_basic.tree.walk import statements_in
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,7 +21,7 @@ class Region:
     label: what `GoSub` calls it by, upper case; None for the first procedure and functions.
     function: its head. before: lines that run ahead of the body, those above the first function.
     notes, behind: lines of comment above a function, and below the last one. answers: the word
-    by which interrupts lead there, empty if none do.
+    by which interrupts lead there, empty if none do. unused: no statement of the file calls it.
     """
 
     low: int
@@ -31,6 +32,7 @@ class Region:
     notes: tuple[int, int] = (0, 0)
     behind: tuple[int, int] = (0, 0)
     answers: str = ""
+    unused: bool = False
 
     @property
     def is_first(self) -> bool:
@@ -53,7 +55,8 @@ def regions(code: Code, depth: Sequence[int], named: Mapping[str, str], own: boo
     if found is not None:
         return found
     answering = {} if own else handlers(code)
-    starts = _starts(code, depth, named, own, answering)
+    unused = set() if own else unused_subroutines(code, depth)
+    starts = _starts(code, depth, named, own, answering, unused)
     edges: list[tuple[int, str | None]] = [(0, None), *starts]
     made = []
     for i, (start, label) in enumerate(edges):
@@ -62,7 +65,10 @@ def regions(code: Code, depth: Sequence[int], named: Mapping[str, str], own: boo
             made.append(_trimmed(code, start, stop, label))
         else:
             made.append(replace(_trimmed(code, start + 1, stop, label), notes=(start, start + 1)))
-    return [replace(one, answers=answering.get(one.label or "", "")) for one in made]
+    return [
+        replace(one, answers=answering.get(one.label or "", ""), unused=one.label in unused)
+        for one in made
+    ]
 
 
 def _trimmed(code: Code, low: int, high: int, label: str | None) -> Region:
@@ -171,13 +177,14 @@ def _starts(
     named: Mapping[str, str],
     own: bool,
     answering: Mapping[str, str],
+    unused: Set[str],
 ) -> list[tuple[int, str]]:
     """Place and label (upper case) of each procedure after the first.
 
     Own files name them in the heading. In others a procedure is what `GoSub` calls, if nothing
-    runs into it from above, and no jump leads in or out.
+    runs into it from above, and no jump leads in or out. unused: see `unused_subroutines`.
     """
-    wanted = set(named) if own else called(code) | set(answering)
+    wanted = set(named) if own else called(code) | set(answering) | unused
     starts: list[tuple[int, str]] = []
     for at, item in enumerate(code):
         if item.label is None or depth[at]:
@@ -189,6 +196,33 @@ def _starts(
             starts.append((at, label))
             wanted.discard(label)
     return starts if own else _closed(code, starts, answering)
+
+
+_CALLED_FROM_ELSEWHERE: Final = "*L_"
+"""How labels of a base program begin that other programs may call (manual CR1D, 4.3.5)."""
+
+
+def unused_subroutines(code: Code, depth: Sequence[int]) -> set[str]:
+    """Labels of subroutines that no line calls or jumps to, in upper case.
+
+    Old subroutines remain in files: nothing runs into their lines, and these end with `Return`.
+    """
+    graph = graph_of(code, range(len(code)), blocks_of(code))
+    live = graph.reached([0, *graph.handlers], through_calls=True) if code else set()
+    found = set[str]()
+    for at, item in enumerate(code):
+        label = "" if item.label is None else item.label.upper()
+        if not label or depth[at] or at in live or label.startswith(_CALLED_FROM_ELSEWHERE):
+            continue
+        if goes_on_above(code, at) or label in set(jumps(code, range(at))):
+            continue
+        if any(_returns(statement_of(code[to])) for to in graph.reached([at])):
+            found.add(label)
+    return found
+
+
+def _returns(statement: s.Statement | None) -> bool:
+    return any(one == s.Command("Return") for one in statements_in(statement))
 
 
 def _closed(
