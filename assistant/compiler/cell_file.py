@@ -9,11 +9,12 @@ from typing import Any, Final, TypeVar
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.channels import Line
 from assistant.program.diagnostics import Diagnostic, info, warning
 from assistant.program.passes.asking import is_operators
 from assistant.program.program import Program, Signal
 from assistant.program.rewriting import records, rewrite
-from assistant.sources.process import NO_PROCESS, Line, Process
+from assistant.sources.process import NO_PROCESS, Process
 
 NOT_USED = warning(
     "CO006",

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.compiler.cell_file import with_lines, with_signals
 from assistant.languages.tasks import Configured
+from assistant.program.channels import Line
 from assistant.program.diagnostics import Diagnostic, Refused, info, warning
 from assistant.program.text import decode, read_bytes
-from assistant.sources.process import Line
 
 if TYPE_CHECKING:
     from assistant.languages import Language

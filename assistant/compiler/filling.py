@@ -7,24 +7,32 @@ the program, the proof by motion included, finds it where the program itself wou
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant import languages
-from assistant.compiler.cell_file import equipped, with_signals
+from assistant.compiler.cell_file import equipped, with_lines, with_signals
 from assistant.compiler.controller_files import STATED
 from assistant.compiler.crossing import has_joints
 from assistant.compiler.loading import Loaded, language_of
+from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.contents import everywhere
 from assistant.program.diagnostics import Refused, error, has_errors, warning
+from assistant.program.motion import ComputedSpeed, Speed
 from assistant.program.program import Program, Signal
+from assistant.program.rewriting import records
 from assistant.program.text import SourceText
 from assistant.program.wanted import (
+    JOINT_SPEED,
+    LINE,
     ROUTINES,
     SAME_ARM,
     SLOWLY,
+    SOME_LINE,
     TAUGHT_ON,
     Value,
     Wanted,
@@ -72,16 +80,29 @@ FIRST_ANALOG: Final = 6000
 """Number of the first analog signal: the first register that CR controllers have for such."""
 
 
-def with_cell(loaded: Loaded, path: str | FilePath, *, taught: bool = False) -> Loaded:
+def with_cell(
+    loaded: Loaded,
+    path: str | FilePath,
+    *,
+    taught: bool = False,
+    to: Language[Any] | None = None,
+) -> Loaded:
     """A program in the cell of a cell file, which need not be there yet.
 
-    taught: the arm that its joint angles were taught on is known. Raises Unreadable or Refused for
-    a file that cannot be used.
+    taught: the arm that its joint angles were taught on is known. to: the language that it is
+    translated to, None for any. Raises Unreadable or Refused for a file that cannot be used.
     """
-    return in_cell(loaded, read_cell(path), FilePath(path), taught=taught)
+    return in_cell(loaded, read_cell(path), FilePath(path), taught=taught, to=to)
 
 
-def in_cell(loaded: Loaded, cell: Cell, path: FilePath, *, taught: bool = False) -> Loaded:
+def in_cell(
+    loaded: Loaded,
+    cell: Cell,
+    path: FilePath,
+    *,
+    taught: bool = False,
+    to: Language[Any] | None = None,
+) -> Loaded:
     """The same for a cell that was read. What it does not say is in `wanting` of the answer."""
     origin = loaded.program.origin
     if origin is None:
@@ -111,15 +132,50 @@ def in_cell(loaded: Loaded, cell: Cell, path: FilePath, *, taught: bool = False)
     arm = Wanted(TAUGHT_ON, "arm")
     joints = not taught and program.robot is None and (has_joints(program) or has_joints(told))
     stated = (cell.value(arm) or loaded.arm) if joints else SAME_ARM
+    joint_speed = cell.process.joint_speed or _joint_speed(cell) or loaded.joint_speed
+    if to is None or to.family != language.family:
+        numbers = _lines(program)
+        missing += [Wanted(LINE.format(number), "line") for number in numbers]
+        program = with_lines(program, dict.fromkeys(numbers, SOME_LINE))
+        if joint_speed is None and not taught and _slows_joints(told):
+            missing.append(Wanted(JOINT_SPEED, "speed"))
+            joint_speed = SLOWLY.tcp
     return replace(
         loaded,
         program=program,
         findings=(*loaded.findings, *findings),
-        joint_speed=cell.process.joint_speed or loaded.joint_speed,
+        joint_speed=joint_speed,
         joint_percent=cell.process.joint_percent or loaded.joint_percent,
         wanting=(*missing, *unnumbered, *([arm] if stated is None else [])),
         arm=str(neutral(arm) if stated is None else stated) if joints else loaded.arm,
     )
+
+
+def _joint_speed(cell: Cell) -> float | None:
+    value = cell.value(Wanted(JOINT_SPEED, "speed"))
+    return value.tcp if isinstance(value, Speed) else None
+
+
+def _lines(program: Program) -> list[int]:
+    """The communication lines that the program opens by their numbers alone."""
+    return sorted({
+        int(number)
+        for one in everywhere(program, p.Attach)
+        for number in (e.plain_number(part) for part in one.place[:1])
+        if one.kind == "line" and number is not None
+    })  # fmt: skip
+
+
+def _slows_joints(program: Program) -> bool:
+    """Whether joint moves are slower than the arm can, by a percentage and nothing else."""
+    slowed = any(one.percent != e.Number(100) for one in everywhere(program, p.SetOverride))
+    for one in records(program):
+        if isinstance(one, ComputedSpeed) and one.joint is not None:
+            return True
+        if isinstance(one, Speed) and one.joint is not None and math.isinf(one.tcp):
+            if slowed or one.joint < 100.0:
+                return True
+    return False
 
 
 _STATED_ANEW: Final = ("frames", "tools", "speeds", "blends", "signals")

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from assistant.program.diagnostics import Diagnostic, Rule, info, warning
-from assistant.program.motion import Speed
+from assistant.program.motion import ComputedSpeed, Speed
 from assistant.program.path import Path
 from assistant.program.program import Program
 from assistant.program.rewriting import head, records, rewrite
@@ -32,7 +32,7 @@ IN_PERCENT = warning(
 )
 AS_STATED = warning(
     "CO509",
-    "a joint speed of {percent:g} % is written as the {tcp:g} mm/s of the process file",
+    "a joint speed of {percent} % is written as the {tcp:g} mm/s of the process file",
     "see that the arm is not faster there than it was",
 )
 
@@ -83,6 +83,8 @@ def at_a_speed(program: Program, tcp: float) -> tuple[Program, tuple[Diagnostic,
     def changed(part: Any) -> Any:
         if _percent_alone(part):
             return replace(part, tcp=tcp, joint=None)
+        if _is_worked_out(part):
+            return Speed(tcp)
         if isinstance(part, Path):
             return replace(part, speeds=tuple(map(changed, part.speeds)))
         return part
@@ -93,12 +95,18 @@ def at_a_speed(program: Program, tcp: float) -> tuple[Program, tuple[Diagnostic,
         parts = one.path.speeds if isinstance(one, Follow) else records(one)
         percent = next((x.joint for x in parts if isinstance(x, Speed) and _percent_alone(x)), None)
         if percent is not None:
-            found.append(AS_STATED(percent=percent, tcp=tcp, span=statement.span))
+            found.append(AS_STATED(percent=f"{percent:g}", tcp=tcp, span=statement.span))
+        elif any(map(_is_worked_out, records(one))):
+            found.append(AS_STATED(percent="any", tcp=tcp, span=statement.span))
     return rewrite(program, changed), tuple(found)
 
 
 def _percent_alone(part: Any) -> bool:
     return isinstance(part, Speed) and part.joint is not None and math.isinf(part.tcp)
+
+
+def _is_worked_out(part: Any) -> bool:
+    return isinstance(part, ComputedSpeed) and part.joint is not None
 
 
 def at_a_percent(program: Program, percent: float) -> tuple[Program, tuple[Diagnostic, ...]]:

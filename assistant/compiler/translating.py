@@ -170,7 +170,7 @@ def translate(
     if loaded.language is None or loaded.program.origin is None:
         raise Refused(NO_PROGRAM(name=source), exit_status=2)
     if cell is not None:
-        loaded = with_cell(loaded, cell, taught=arms.written_for is not None)
+        loaded = with_cell(loaded, cell, taught=arms.written_for is not None, to=target)
     loaded = without_names(loaded, process)
     program = entered(loaded.program, entry)
     program = as_draft(program, loaded.wanting)

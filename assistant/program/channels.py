@@ -4,14 +4,28 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import replace
-from typing import Any, Final
+from dataclasses import dataclass, replace
+from typing import Any, Final, Literal
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.contents import saying
 from assistant.program.program import Program
 from assistant.program.rewriting import rewrite
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """What a communication line of the source's controller is.
+
+    port: of TCP, its own or the other computer's; of a `serial` line the number of the port.
+    address: its own on the network as `server`, the other computer's as `client`.
+    """
+
+    role: Literal["server", "client", "serial"]
+    port: int
+    address: str = ""
+
 
 FUNCTIONS: Final = ("connected", *e.TAKING)
 """Functions of a channel, which they have by its name as a text."""

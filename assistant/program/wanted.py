@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal, TypeAlias
 
+from assistant.program.channels import Line
 from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool
 from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.program import Signal
@@ -22,13 +23,15 @@ WantedKind = Literal[
     "routine",
     "record",
     "arm",
+    "line",
 ]
 """What it is: as in a process file, `data` for any other value, `routine` for what is called,
 `record` for a type of data, whose value is a text with type and name for each component,
-`arm` for the one that joint angles were taught on."""
+`arm` for the one that joint angles were taught on, `line` for a line of the controller by its
+number."""
 Plain: TypeAlias = float | bool | str | tuple["Plain", ...]
 """A value as its language writes it: a number, truth, text, or values in brackets."""
-Value: TypeAlias = Tool | Frame | Speed | Blend | Target | JointTarget | Plain
+Value: TypeAlias = Tool | Frame | Speed | Blend | Target | JointTarget | Line | Plain
 """What a cell says of a wanted name; of a routine one of ROUTINES, or the name of its file."""
 ROUTINES: Final = ("stop", "empty")
 """What may stand for a routine that was not read: it stops there, or does nothing."""
@@ -77,13 +80,19 @@ class Wanted:
 Supplied: TypeAlias = Sequence[tuple[Wanted, Value | None]]
 """Names with what a cell says of each, None for data whose type has no values."""
 
+JOINT_SPEED: Final = "joint_speed"
+"""Name of the speed that joint moves have which state no more than a percentage."""
+LINE: Final = "line_{}"
+"""Name of a line by its number."""
 SLOWLY: Final = Speed(100.0)
 ABOVE: Final = Target(Pose((400.0, 0.0, 400.0), (0.0, 0.0, 1.0, 0.0)))
 """A place that most arms reach: mm in the frame of the move, the tool down."""
 FOLDED: Final = JointTarget((0.0, 0.0, 0.0, 0.0, 30.0, 0.0))
+SOME_LINE: Final = Line("client", 10000, "127.0.0.1")
 _NEUTRAL: Final[Mapping[WantedKind, Value]] = {
     "tool": Tool(), "frame": Frame(), "speed": SLOWLY, "blend": FINE, "position": ABOVE,
     "joints": FOLDED, "routine": "stop", "arm": SAME_ARM,
+    "line": SOME_LINE,
 }  # fmt: skip
 
 

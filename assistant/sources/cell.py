@@ -23,6 +23,11 @@ Beside that there is a table for each other name that no program declares:
     [records.message]
     components = ["TYPE id", "TYPE text"]  # of each its type and its name, in their order
 
+    [lines.line_1]
+    role = "client"               # or "server", "serial"
+    port = 10001                  # of TCP; of a serial line the number of the port
+    address = "192.168.0.5"       # the other computer's; of a server its own
+
     [arms.taught_on]
     arm = "same"                  # joint angles are of the arm that runs the program; or its name
 
@@ -37,13 +42,22 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
 from typing import Any, Final, TypeVar
 
+from assistant.program.channels import Line
 from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool
 from assistant.program.motion import Blend, Speed
 from assistant.program.program import Signal
 from assistant.program.system.budgets import SETTINGS_FILE
 from assistant.program.text import SourceText, decode, read_bytes
 from assistant.program.toml_text import toml
-from assistant.program.wanted import Argument, Plain, Value, Wanted, WantedKind
+from assistant.program.wanted import (
+    JOINT_SPEED,
+    LINE,
+    Argument,
+    Plain,
+    Value,
+    Wanted,
+    WantedKind,
+)
 from assistant.sources.process import NO_PROCESS, Process, values
 from assistant.sources.process.file import ENCODINGS, process_in, read_toml
 from assistant.sources.process.table import Table
@@ -56,7 +70,7 @@ OPEN: Final = "?"
 TABLES: Final[Mapping[WantedKind, str]] = {
     "tool": "tools", "frame": "frames", "speed": "speeds", "blend": "blends",
     "position": "positions", "joints": "positions", "signal": "signals", "data": "data",
-    "routine": "routines", "record": "records", "arm": "arms",
+    "routine": "routines", "record": "records", "arm": "arms", "line": "lines",
 }  # fmt: skip
 OWN: Final = ("speeds", "blends", "positions", "data", "routines", "records", "arms")
 """Tables that a process file has not."""
@@ -133,6 +147,8 @@ class Cell:
             return _of(self.process.tools, low)
         if wanted.kind == "frame":
             return _of(self.process.frames, low)
+        if wanted.kind == "line":
+            return next((v for n, v in self.process.lines.items() if LINE.format(n) == low), None)
         return self.given.get((TABLES[wanted.kind], low))
 
     def signal(self, name: str) -> Signal | None:
@@ -301,7 +317,7 @@ OPEN_TEXT: Final = f'"{OPEN}"'
 _WORDS: Final[Mapping[WantedKind, str]] = {
     "tool": "tool", "frame": "frame", "speed": "speed", "blend": "corner", "position": "position",
     "joints": "joint angles", "signal": "signal", "data": "data", "routine": "routine",
-    "record": "type", "arm": "arm that joint angles were",
+    "record": "type", "arm": "arm that joint angles were", "line": "communication",
 }  # fmt: skip
 
 
@@ -339,7 +355,8 @@ def _keys(wanted: Wanted, value: Value | None) -> Iterator[tuple[str, Any, str]]
             yield "position", user and list(user.position), "mm in the robot's base frame"
             yield "quaternion", list(user.quaternion if user else Pose().quaternion), ""
         case "speed":
-            yield "speed", value.tcp if isinstance(value, Speed) else None, "mm/s"
+            joint = " of joint moves at a percentage" if wanted.name == JOINT_SPEED else ""
+            yield "speed", value.tcp if isinstance(value, Speed) else None, f"mm/s{joint}"
         case "blend":
             given = (value.radius or "fine") if isinstance(value, Blend) else None
             yield "blend", given, '"fine", or mm of the corner'
@@ -365,6 +382,11 @@ def _keys(wanted: Wanted, value: Value | None) -> Iterator[tuple[str, Any, str]]
         case "record":
             perhaps = "" if value else f"; perhaps {toml_value(wanted.nothing)}"
             yield "components", value, f"type and name of each in their order{perhaps}"
+        case "line":
+            line = value if isinstance(value, Line) else None
+            yield "role", line and line.role, '"server", "client" or "serial"'
+            yield "port", line and line.port, "of TCP, or the number of the serial port"
+            yield "address", line and line.address, 'of a client the other computer; or ""'
         case "arm":
             yield "arm", value, '"same" as the one that runs the program, or a robot by its name'
 

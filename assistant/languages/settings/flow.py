@@ -165,6 +165,14 @@ def calls_in(steps: Steps) -> Iterator[int | frozenset[int]]:
                     yield from calls_in(branch)
 
 
+def _may_set(steps: Steps, setting: int) -> bool:
+    if any(one.setting == setting for one in sets_in(steps)):
+        return True
+    if any(isinstance(one, frozenset) and setting in one for one in calls_in(steps)):
+        return True
+    return any(isinstance(one, MaySet) and one.setting == setting for one in steps)
+
+
 @dataclass(frozen=True, slots=True)
 class Lines:
     """What is to be known of the lines of a program, by place.
@@ -240,7 +248,10 @@ class Flow:
         self.lines = lines
         self.entry: State = (Held(INHERITED),) * lines.settings
         self._by_any_line = tuple(map(self._made_anywhere, range(lines.settings)))
-        self.lost: State = tuple(Held(UNKNOWN, before=held.by) for held in self._by_any_line)
+        self.lost: State = tuple(
+            Held(UNKNOWN, before=held.by) if self._is_set(k) else self.entry[k]
+            for k, held in enumerate(self._by_any_line)
+        )
         self.cuts: frozenset[int] = frozenset()
         self.edges: dict[int, dict[int, State]] = {}
         self.before: dict[int, State] = {}
@@ -315,6 +326,10 @@ class Flow:
         steps = self.lines.steps.items()
         by = (at for at, made in steps if any(one.setting == setting for one in sets_in(made)))
         return Held(UNKNOWN, Places.of(by))
+
+    def _is_set(self, setting: int) -> bool:
+        """Whether anything may make a setting: a line, an interrupt, or what nobody knows."""
+        return any(_may_set(made, setting) for made in self.lines.steps.values())
 
     # -------------------------------------------------------------------------- one line
 

@@ -105,6 +105,7 @@ class CalledForms:
         self._calls = {at: made for at in flow.lines.steps if (made := flow.lines.called(at))}
         self._needs = self._all_needs()
         self.forms: list[dict[Any, Form]] = [{} for _ in procedures]
+        lost = resolved(flow.lost, initial)
         self._lines = 0
         self._pending: list[Form] = []
         if procedures:
@@ -114,7 +115,7 @@ class CalledForms:
             if not self._pending:  # what nothing calls may be called from elsewhere
                 left = next((k for k, found in enumerate(self.forms) if not found), None)
                 if left is not None:
-                    self._form(left, initial if left in alone else flow.lost)
+                    self._form(left, initial if left in alone else lost)
 
     @property
     def too_long(self) -> bool:

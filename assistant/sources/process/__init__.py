@@ -10,6 +10,7 @@ from typing import Final, Literal
 import numpy as np
 
 from assistant.program import rotations
+from assistant.program.channels import Line
 from assistant.program.diagnostics import Diagnostic
 from assistant.program.expressions import Name
 from assistant.program.geometry import BASE, FLANGE, Frame, Pose, Tool, Vector
@@ -90,19 +91,6 @@ class Layer:
     pace: Pace = EVEN
     switching: Switching = AT_ENDS
     above: Above = LOW
-
-
-@dataclass(frozen=True, slots=True)
-class Line:
-    """What a communication line of the source's controller is.
-
-    port: of TCP, its own or the other computer's; of a `serial` line the number of the port.
-    address: its own on the network as `server`, the other computer's as `client`.
-    """
-
-    role: Literal["server", "client", "serial"]
-    port: int
-    address: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -274,7 +274,7 @@ def _whole_circle(m: Machine, node: s.Motion) -> None:
         raise Failed(2803, "the places of a circle")
     kept = poses.pose_of(start, m.world.arm.robot)
     half = poses.position_of(Pose(_vector(c), kept.quaternion), start)
-    _arc_by(m, circle.middle(a, c), half)
+    _arc_by(m, circle.middle(a, c), half, passing=float(np.linalg.norm(a - circle.centre)))
     _arc_by(m, circle.middle(c, a), start)
 
 
@@ -287,16 +287,19 @@ def _at(m: Machine, value: Position) -> Floats:
     return np.array(poses.pose_of(value, m.world.arm.robot).position)
 
 
-def _arc_by(m: Machine, middle: Floats, end: Position) -> None:
-    """An arc through a place that is worked out, turned as at its end."""
+def _arc_by(m: Machine, middle: Floats, end: Position, passing: float = 0.0) -> None:
+    """An arc through a place that is worked out, turned as at its end.
+
+    passing: mm of the corner at the end of an arc that goes on without a stop.
+    """
     turned = poses.pose_of(end, m.world.arm.robot).quaternion
     via = poses.position_of(Pose(_vector(middle), turned), end)
-    _arc(m, _flange(m, via), end)
+    _arc(m, _flange(m, via), end, passing)
 
 
-def _arc(m: Machine, via: Pose, end: Position) -> None:
-    flange = _flange(m, end)
-    _go(m, _moved(m, "circular", flange, via, at=end), end.flags)
+def _arc(m: Machine, via: Pose, end: Position, passing: float = 0.0) -> None:
+    moved = _moved(m, "circular", _flange(m, end), via, at=end)
+    _go(m, replace(moved, blend=max(moved.blend, passing)), end.flags)
 
 
 KINDS: Final[Mapping[str, Callable[[Machine, s.Motion], None]]] = {

@@ -7,7 +7,10 @@ from pathlib import Path
 import pytest
 
 import assistant
-from assistant.compiler import Translation
+from assistant import languages
+from assistant.compiler import Translation, load
+from assistant.program import statements as p
+from assistant.program.statements import Reason
 
 MELFA = "melfa-basic-5"
 POSITIONS = "".join(f"P{i}=({i}00,0,300,180,0,180)(7,0)\n" for i in range(1, 9))
@@ -21,14 +24,23 @@ def translated(folder: Path, text: str, to: str) -> Translation:
     return assistant.translate(file, to=to, language=MELFA)
 
 
-def interrupted(folder: Path, text: str) -> str:
+def uncertain(*texts: str) -> dict[str, Reason]:
+    """The moves whose settings differ with the way that leads to them, and why."""
+    language = languages.get(MELFA)
+    program = language.lift([language.parse(text + POSITIONS) for text in texts])
+    return {
+        one.text: one.reason
+        for one in program.statements()
+        if isinstance(one, p.Opaque) and one.text[:2] in ("Mv", "Mo") and one.reason is not None
+    }
+
+
+def interrupted(text: str) -> str:
     """The targets of moves whose settings an interrupt may change, in their order."""
-    rows = translated(folder, text, "rapid").rows
     return " ".join(
-        found.message.split("Mvs ")[1].split(";")[0]
-        for row in rows
-        for found in row.reasons
-        if "an interrupt may set the speed at any time" in found.message
+        move.removeprefix("Mvs ")
+        for move, reason in uncertain(text).items()
+        if "an interrupt may set the speed at any time" in reason.why
     )
 
 
@@ -72,15 +84,12 @@ def test_what_an_interrupt_sets_nothing_of_is_written_as_ever(tmp_path: Path) ->
         "Def Act 1,M_In(1)=1 GoSub *H", "Act 1=1", "Tool P_NTool", "Base P_NBase", "Spd 100",
         "Cnt 0", "Mvs P1", "M_Out(2)=1", "Mvs P2", "End", "*H", "M_Out(1)=1", "Return 1", "End",
     ]  # fmt: skip
-    assert interrupted(tmp_path, text) == ""
+    assert interrupted(text) == ""
 
 
-def test_a_move_tells_which_line_of_an_interrupt_it_is(tmp_path: Path) -> None:
-    rows = translated(tmp_path, f"{INTERRUPT}Act 1=1\nMvs P1\n{HANDLER}", "rapid").rows
-    (found,) = next(row for row in rows if row.text == "Mvs P1").reasons
-    assert found.message.endswith(
-        "an interrupt may set the speed at any time, by `Spd 50` in line 6"
-    )
+def test_a_move_tells_which_line_of_an_interrupt_it_is() -> None:
+    found = uncertain(f"{INTERRUPT}Act 1=1\nMvs P1\n{HANDLER}")["Mvs P1"]
+    assert found.why == "an interrupt may set the speed at any time, by `Spd 50` in line 6"
     assert found.cure == (
         "leave Spd out of what the interrupt calls, or switch the interrupt off and set Spd above "
         "the move"
@@ -147,16 +156,25 @@ WHERE = {
 
 
 @pytest.mark.parametrize("name", WHERE)
-def test_moves_that_an_interrupt_may_come_before(tmp_path: Path, name: str) -> None:
+def test_moves_that_an_interrupt_may_come_before(name: str) -> None:
     text, targets = WHERE[name]
-    assert interrupted(tmp_path, text) == targets
+    assert interrupted(text) == targets
 
 
-def test_an_interrupt_in_a_subroutine_that_it_calls_itself(tmp_path: Path) -> None:
+def test_other_languages_take_such_a_speed_from_a_variable(tmp_path: Path) -> None:
+    rows = translated(tmp_path, f"{INTERRUPT}Act 1=1\nMvs P1\n{HANDLER}", "rapid").rows
+    levels = {row.text: row.level for row in rows}
+    assert (levels["Mvs P1"], levels["Spd 50"], levels["Act 1=1"]) == (
+        "supported",
+        "supported",
+        "not",
+    )
+
+
+def test_an_interrupt_in_a_subroutine_that_it_calls_itself() -> None:
     """What `GoSub` calls as well may begin with anything: its moves stay as their text."""
     text = f"{INTERRUPT}Spd 100\nGoSub *H\nAct 1=1\nEnd\n*H\nMvs P1\nReturn\n"
-    rows = translated(tmp_path, text, "rapid").rows
-    assert next(row for row in rows if row.text == "Mvs P1").level == "not"
+    assert "Mvs P1" in uncertain(text)
 
 
 def test_what_comes_with_a_move_holds_behind_it(tmp_path: Path) -> None:
@@ -164,16 +182,18 @@ def test_what_comes_with_a_move_holds_behind_it(tmp_path: Path) -> None:
     assert code_of(translated(tmp_path, text, MELFA)) == text.splitlines()
 
 
-@pytest.mark.parametrize(("on", "level"), [("GoSub", "not"), ("GoTo", "supported")])
+@pytest.mark.parametrize(("on", "comes"), [("GoSub", True), ("GoTo", False)])
 def test_an_interrupt_may_come_while_another_program_runs(
-    tmp_path: Path, on: str, level: str
+    tmp_path: Path, on: str, comes: bool
 ) -> None:
     main = f'Def Act 1,M_In(1)=1 {on} *H\nSpd 100\nAct 1=1\nCallP "PART"\n{HANDLER}{POSITIONS}'
     (tmp_path / "MAIN.prg").write_text(main)
     part = "Tool P6\nBase P7\nCnt 0\nSpd 90\nMvs P1\nMvs P2\nEnd\n"
     (tmp_path / "PART.prg").write_text(part + POSITIONS)
-    rows = assistant.translate(tmp_path / "MAIN.prg", to="rapid", language=MELFA).rows
-    found = [row for row in rows if row.text.startswith("Mvs P1")]
-    assert [row.level for row in found] == [level]
-    if level == "not":
-        assert "an interrupt may set the speed at any time, in another program" in str(found[0])
+    program = load(tmp_path / "MAIN.prg", language=MELFA).program
+    kept = {one.text: one.reason for one in program.statements() if isinstance(one, p.Opaque)}
+    assert ("Mvs P1" in kept) is comes
+    if comes:
+        reason = kept["Mvs P1"]
+        assert reason is not None
+        assert reason.why == "an interrupt may set the speed at any time, in another program"

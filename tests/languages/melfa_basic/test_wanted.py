@@ -7,13 +7,14 @@ from pathlib import Path
 import pytest
 
 from assistant import languages
-from assistant.compiler.filling import neutral_cell
+from assistant.compiler.filling import cell_text, neutral_cell
 from assistant.compiler.loading import load
 from assistant.compiler.motion import Proving
 from assistant.compiler.translating import translate
 from assistant.program.geometry import Frame, Pose, Target
 from assistant.program.text import SourceText
 from assistant.program.wanted import Wanted
+from assistant.sources.cell import read_cell
 
 FIVE = languages.get("melfa-basic-5")
 PLACES = "P1=(400,0,400,180,0,180)(7,0)\n"
@@ -104,6 +105,27 @@ def test_numbers_that_nobody_sets(tmp_path: Path) -> None:
     found = translate(source, to="rapid", language="melfa-basic-5", cell=cell, proving=Proving())
     assert found.ok, found.findings
     assert "20" in next(iter(found.files.values())).decode()
+
+
+def test_slow_joint_moves_and_lines_of_communication(tmp_path: Path) -> None:
+    source, cell = tmp_path / "JOB.prg", tmp_path / "cell.toml"
+    opened = 'Open "COM2:" As #1\nJOvrd 50\nMov P1\nPrint #1,"DONE"\nClose #1\nEnd\n'
+    source.write_text(opened + PLACES)
+    lacking = translate(source, to="rapid", language="melfa-basic-5", cell=cell)
+    assert [(one.name, one.kind) for one in lacking.wanting] == [
+        ("line_2", "line"), ("joint_speed", "speed"),
+    ]  # fmt: skip
+    text = cell_text(read_cell(cell), lacking.wanting)
+    text = text.replace('role = "?"', 'role = "client"').replace('port = "?"', "port = 2001")
+    text = text.replace('address = "?"', 'address = "10.0.0.5"')
+    cell.write_text(text.replace('speed = "?"', "speed = 80"))
+    found = translate(source, to="rapid", language="melfa-basic-5", cell=cell, proving=Proving())
+    assert found.ok, found.findings
+    assert not found.wanting
+    made = next(iter(found.files.values())).decode()
+    assert 'SocketConnect channel_1,"10.0.0.5",2001' in made
+    assert "MoveJ P1,v80,fine" in made
+    assert not translate(source, to="melfa-basic-6", language="melfa-basic-5", cell=cell).wanting
 
 
 FORCE = """P_FsStf0=(0,0,2.5,0,0,0)(0,0)

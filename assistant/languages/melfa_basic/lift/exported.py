@@ -14,6 +14,7 @@ from typing import Any, Final
 from assistant.languages.answers import (
     Adapted,
 )
+from assistant.languages.kept_reasons import DEPENDED_ON
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lift.told.angles import with_angles_beside
 from assistant.languages.melfa_basic.lift.told.flags import with_flags
@@ -23,6 +24,7 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.left_settings import left_settings
+from assistant.program.contents import everywhere
 from assistant.program.diagnostics import Diagnostic, Findings
 from assistant.program.kept import effect_of
 from assistant.program.program import Declaration, Program, walk
@@ -82,7 +84,7 @@ def exported(program: Program) -> Adapted:
     findings = Findings()
     findings += _uncalled(program)
     findings += _unsigned(program)
-    program = _as_each_begins(with_told(with_flags(program), findings))
+    program = _as_each_begins(with_told(_as_settings_begin(with_flags(program)), findings))
     program = with_angles_beside(program, findings)
     texts = [record.text for record in records(program) if _is_text(record)]
     if not texts:
@@ -91,6 +93,8 @@ def exported(program: Program) -> Adapted:
     losses = {**LOSSES, **dict.fromkeys(stiff, _STIFF)}
 
     def told(node: p.Opaque) -> Iterator[p.Statement]:
+        if node.reason == DEPENDED_ON and _is_text(node):
+            return  # the moves that are translated state their settings themselves
         stops = _STOPS.fullmatch(node.text.strip()) is not None and _is_text(node)
         loss = _STOPPED if stops else losses.get(_key(node))
         if loss is None:
@@ -116,6 +120,28 @@ def _as_each_begins(program: Program) -> Program:
         return program
     begun = replace(entry, body=(*settings, *entry.body))
     procedures = tuple(begun if one is entry else one for one in program.procedures)
+    return replace(program, procedures=procedures)
+
+
+def _as_settings_begin(program: Program) -> Program:
+    """With the variables that hold settings at what a cycle begins with: its end sets them back."""
+    held = {
+        told.target.name
+        for one in everywhere(program, p.Opaque)
+        if one.reason == DEPENDED_ON
+        for told in one.told
+        if isinstance(told, p.Assign) and isinstance(told.target, e.Name)
+    }
+    begun = [
+        p.Assign(e.Name(name), variable.initial)
+        for name, variable in program.variables.items()
+        if name in held and variable.initial is not None
+    ]
+    entry = program.procedure(program.entry) if program.entry else None
+    if entry is None or not begun:
+        return program
+    made = replace(entry, body=(*begun, *entry.body))
+    procedures = tuple(made if one is entry else one for one in program.procedures)
     return replace(program, procedures=procedures)
 
 

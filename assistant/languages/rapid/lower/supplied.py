@@ -14,6 +14,7 @@ from assistant.languages.rapid.tables.predefined import is_handle
 from assistant.languages.rapid.tables.words import CELL_MODULE
 from assistant.languages.rapid.text.printer import print_file
 from assistant.languages.rapid.tree import syntax as s
+from assistant.program.channels import Line
 from assistant.program.geometry import Frame, JointTarget, Target, Tool
 from assistant.program.motion import Blend, Speed
 from assistant.program.program import identifier
@@ -63,6 +64,8 @@ def _written(value: Value) -> s.Expression:
             return bracketed(RECORDS.rounded(speed_values(value), 3, "a speed"))
         case Blend():
             return bracketed([value.fine, *RECORDS.rounded(zone_values(value), 3, "a zone")])
+        case Line():  # stands in the statements that open it
+            return s.BoolLiteral(False)
         case _:
             return _plain(value)
 

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 from assistant.languages.melfa_basic.lift.files import declared, routines
 from assistant.languages.melfa_basic.lift.files.parts import File
 from assistant.languages.melfa_basic.lift.settings.along_lines import Ways, lines_of
-from assistant.languages.melfa_basic.lift.settings.held import INITIAL, Settings
+from assistant.languages.melfa_basic.lift.settings.followed import declare
+from assistant.languages.melfa_basic.lift.settings.held import INITIAL, Settings, set_by
 from assistant.languages.melfa_basic.lift.settings.interrupts import calls_on_interrupt
 from assistant.languages.melfa_basic.lift.statements import data
 from assistant.languages.melfa_basic.lift.statements.paths import used_once
@@ -73,8 +74,11 @@ class Unit:
         touched: Mapping[str, frozenset[int]],
         elsewhere: frozenset[int],
         programs: Mapping[str, str | None],
+        following: frozenset[int] = frozenset(),
+        names: dict[int, str] | None = None,
     ) -> None:
         self.program, self.file, self.main, self.unit = program, file, main, unit
+        self.following, self.names = following, {} if names is None else names
         self.robot, self.touched, self.programs = robot, touched, programs
         self.own, self.header, self.grids = file.own, file.header, not file.own
         self.code = code = list(file.code)
@@ -99,6 +103,8 @@ class Unit:
             {} if self.own else used_once(code), timers(code, file.header, self.own),
             "M_BRKCQ" in set(all_keys(code)),
         )  # fmt: skip
+        self.followed: frozenset[int] = frozenset()
+        """Settings that variables hold for other languages, by number."""
         self.scope = self._scope(parts)
         """The variables of the code, as each reading begins with them."""
 
@@ -149,7 +155,19 @@ class Unit:
         if divide and not self.own and reading.reader.depending:
             reading = self._divided(reading)
         kept = self._kept(reading)
-        return kept, self._read(kept) if kept else reading
+        if not self.own:
+            self.followed = self.following | _unknown(reading)
+            if self.following:
+                kept |= self._setting_lines(self.following)
+        return kept, self._read(kept) if kept or self.followed else reading
+
+    def _setting_lines(self, slots: frozenset[int]) -> frozenset[int]:
+        """Lines that make some settings."""
+        return frozenset(
+            at
+            for at, item in enumerate(self.code)
+            if any(set_by(one) in slots for one in statements_in(statement_of(item)))
+        )
 
     def _called_in_texts(self, reading: _Reading) -> frozenset[int]:
         """Procedures of several forms that texts call, which know of one name."""
@@ -221,7 +239,9 @@ class Unit:
         taken = self._name_forms(listed)
         units = {name: unit for name, unit in self.programs.items() if unit} | names["unit"]
         source, calls = self.file.tree.source, (units, dict(names["first"]))
-        reader = Reader(code, symbols, ways, listed, calls, self.is_main, kept, source)
+        declare(self.followed, self.names, symbols, ways.settings, set(all_keys(code)))
+        followed = {slot: self.names[slot] for slot in self.followed}
+        reader = Reader(code, symbols, ways, listed, calls, self.is_main, kept, source, followed)
         reader.answers = self.file.answers
         reading = _Reading(symbols, reader, local)
         for item in code:
@@ -392,6 +412,16 @@ def _functions(code: list[s.Entry]) -> frozenset[str]:
 
 def _is_interrupted(code: list[s.Entry]) -> bool:
     return any(calls_on_interrupt(one) for i in code for one in statements_in(statement_of(i)))
+
+
+def _unknown(reading: _Reading) -> frozenset[int]:
+    """Settings that are not certain where something depends on them."""
+    return frozenset(
+        slot
+        for form, at, settings in reading.reader.depending
+        for slot in settings
+        if reading.reader.called.at(at, form)[slot].value is UNKNOWN
+    )
 
 
 def _depending(reading: _Reading) -> set[int]:

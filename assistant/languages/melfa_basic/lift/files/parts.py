@@ -15,8 +15,8 @@ from assistant.languages.melfa_basic.lift.structure.regions import called, place
 from assistant.languages.melfa_basic.text import header as headers
 from assistant.languages.melfa_basic.text.header import Header
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.positions import Positions
 from assistant.languages.melfa_basic.tree.blocks import statement_of
+from assistant.languages.melfa_basic.tree.positions import Positions
 from assistant.languages.melfa_basic.tree.targets import exits_of, labelled
 from assistant.languages.melfa_basic.tree.walk import nodes, program_stem, statements_in
 from assistant.program.program import identifier

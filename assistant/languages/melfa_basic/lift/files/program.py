@@ -25,9 +25,19 @@ def lift(trees: Sequence[s.File], robot: Robot | None = None, *, divide: bool = 
 
     divide: procedures in which settings differ with the way are read once for each way.
     """
+    program, followed = _lifted(trees, robot, divide, frozenset())
+    if followed and len(trees) > 1:  # what one file needs to know of a setting, all have to tell
+        program, _ = _lifted(trees, robot, divide, followed)
+    return program
+
+
+def _lifted(
+    trees: Sequence[s.File], robot: Robot | None, divide: bool, following: frozenset[int]
+) -> tuple[Program, frozenset[int]]:
+    """The program, and the settings that some of its files follow. following: that all follow."""
     files = [File(tree) for tree in trees]
     if not files:
-        return Program("empty", entry=None)
+        return Program("empty", entry=None), following
     main = next((f for f in files if f.header.unit is None), files[0])
     if robot is None:
         robot = _robot(main.header.robot)
@@ -46,16 +56,20 @@ def lift(trees: Sequence[s.File], robot: Robot | None = None, *, divide: bool = 
     called = frozenset(name for f in files for name in f.called() if name is not None)
     programs = {name: stem(named[name].tree) if name in named else None for name in called}
     starts = dict(zip(map(id, files), starts_of(f.tree.source for f in files), strict=True))
+    followed: dict[int, str] = {}
     for file in [main, *rest]:
         known = program.procedures
         unit = None if file is main else (file.header.unit or stem(file.tree) or "unit")
         program = Unit(
-            program, file, main, unit, robot, touched, elsewhere[id(file)], programs
-        ).added(divide)
+            program, file, main, unit, robot, touched, elsewhere[id(file)], programs,
+            following, followed,
+        ).added(divide)  # fmt: skip
         added = program.procedures[len(known) :]
         counted = (counted_on(procedure, starts[id(file)]) for procedure in added)
         program = replace(program, procedures=(*known, *counted))
-    return program if any(file.own for file in files) else without_needless_rounding(program)
+    if not any(file.own for file in files):
+        program = without_needless_rounding(program)
+    return program, frozenset(followed)
 
 
 def settings_that_hold(tree: s.File, wanted: frozenset[int]) -> Iterator[s.Entry]:

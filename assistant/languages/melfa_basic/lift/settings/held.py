@@ -74,6 +74,8 @@ class Settings:
             return None
         if isinstance(node, s.Command):
             return number, SETTINGS[node.keyword][1](self, node.arguments)
+        if isinstance(node, s.Assign) and node.target.arguments in (None, (s.Number(1),)):
+            return number, self.tool((node.value,)) if node.delay is None else UNKNOWN
         return number, UNKNOWN
 
     def _number(self, node: Any) -> float | None:
@@ -159,6 +161,8 @@ class Settings:
                 changed = kind == "tool" or not self.products
                 if constant is not None and key in self.names[kind] and self.own and changed:
                     return self.names[kind][key]  # whatever the program gives it
+                if not self.own and (given := self.constants.placed.get(key)) is not None:
+                    return _named(f"{variable.name}_{kind}", made(given.values), known)
                 if key in self.constants.assigned or constant is None:
                     return UNKNOWN
                 if key in self.names[kind]:

@@ -1,4 +1,4 @@
-"""Arcs that are told by a point of the other side or by their centre.
+"""Arcs that are told by a point of the other side or by their centre, and whole circles.
 
 `Mvr2 start,end,reference` runs on the circle of the three points, on the side that does not hold
 the reference; `Mvr3 start,end,centre` runs by less than half a turn.
@@ -16,6 +16,8 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import target_of
 from assistant.program import expressions as e
 from assistant.program.constructions import between, halfway_across, halfway_around
+from assistant.program.geometry import Target
+from assistant.program.motion import Blend
 from assistant.program.statements import Reason
 
 KEPT: Final = Reason(
@@ -26,6 +28,43 @@ SAME_RADIUS: Final = 0.01
 """mm that start and end of `Mvr3` may differ in their distance from the centre (COSIROP help)."""
 
 
+PASSING: Final = 0.1
+"""Share of the radius of a circle that the corner between its two arcs has at the most."""
+WIDEST: Final = 1.0
+"""mm that this corner has at the most."""
+
+
+def _three(points: tuple[s.Expression, ...], symbols: Symbols) -> tuple[Target, Target, Target]:
+    """Three taught points that no line changes; raises Unliftable for others."""
+    found = [unchanged(point, symbols) for point in points]
+    constants = [constant for constant in found if constant is not None]
+    five_axis = symbols.robot is not None and symbols.robot.five_axis
+    if len(constants) != 3 or symbols.own or five_axis:
+        raise Unliftable(KEPT)
+    first, second, third = (target_of(c, symbols.robot) for c in constants)
+    return first, second, third
+
+
+def circle_of(
+    points: tuple[s.Expression, ...], symbols: Symbols
+) -> tuple[e.TargetValue, e.TargetValue, e.TargetValue, Blend]:
+    """The circle of `Mvc` as two arcs: a point on the first, its end, a point on the second.
+
+    Its orientation is that of the start. The corner is that between both. Raises Unliftable.
+    """
+    first, via, last = _three(points, symbols)
+    start, other, end = (np.array(t.pose.position) for t in (first, via, last))
+    back = halfway_across(end, start, other)
+    there = None if back is None else halfway_across(start, end, back)
+    if back is None or there is None:
+        raise Unliftable(KEPT)
+    around, half, home = (
+        e.TargetValue(between(first, first, place)) for place in (there, end, back)
+    )
+    radius = float(np.linalg.norm(there - back)) / 2.0
+    return around, half, home, Blend(min(WIDEST, PASSING * radius))
+
+
 def via_of(
     keyword: str, points: tuple[s.Expression, ...], symbols: Symbols
 ) -> e.TargetValue | None:
@@ -33,12 +72,7 @@ def via_of(
 
     It has the branch of the start and an orientation between those of start and end.
     """
-    found = [unchanged(point, symbols) for point in points]
-    constants = [constant for constant in found if constant is not None]
-    five_axis = symbols.robot is not None and symbols.robot.five_axis
-    if len(constants) != 3 or symbols.own or five_axis:
-        raise Unliftable(KEPT)
-    first, last, third = (target_of(c, symbols.robot) for c in constants)
+    first, last, third = _three(points, symbols)
     start, end, other = (np.array(t.pose.position) for t in (first, last, third))
     if keyword == "Mvr2":
         middle = halfway_across(start, end, other)

@@ -15,6 +15,7 @@ from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tables.variables import VALUES
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.timers import timer_of
+from assistant.languages.melfa_basic.tree.walk import literal
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Signal
@@ -30,7 +31,7 @@ def assign(node: s.Assign, lift: Expressions, runs: Runs) -> list[p.Statement]:
     if target.key in SIGNALS or (target.key in lift.m.io and not lift.m.is_shadowed(target.key)):
         return [_signal(node, lift)]
     timer = lift.m.timers.get(timer_of(target) or 0)
-    if timer and node.value == s.Number(0) and not node.delay:
+    if timer and literal(node.value) == 0 and not node.delay:
         return [p.StartTimer(timer)]
     if node.delay is not None:
         raise Unliftable(DELAYED)

@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 
 from assistant.languages import kept_reasons
 from assistant.languages.melfa_basic.lift.settings.along_lines import Ways, depends
+from assistant.languages.melfa_basic.lift.settings.followed import assignment, followed
 from assistant.languages.melfa_basic.lift.settings.held import IN_WORDS
 from assistant.languages.melfa_basic.lift.statements import waits
 from assistant.languages.melfa_basic.lift.statements.moves import Moves
@@ -32,6 +33,7 @@ from assistant.languages.melfa_basic.tree.walk import (
     statements_in,
 )
 from assistant.languages.patterns import Called, Reading
+from assistant.languages.settings.flow import UNKNOWN
 from assistant.languages.settings.forms import Form
 from assistant.languages.settings.unknown_settings import UnknownSettings
 from assistant.program import expressions as e
@@ -62,6 +64,7 @@ class Statements:
     the programs that `CallP` names, and the procedures that those begin with. kept: lines whose
     setting has to stay, because something depends on it that is kept as its text. source: the
     text that the code was read from. label_names: of the procedure that is read, upper case → name.
+    followed: names of what holds settings for other languages, see `settings.followed`.
     refused: why blocks, by their first line, stay as their text. leaving: the blocks around the
     line. lifts, commands: what statements by their kinds are read by, and commands by their words,
     with how many arguments these have.
@@ -80,11 +83,13 @@ class Statements:
         main: bool,
         kept: frozenset[int],
         source: SourceText | None,
+        followed: Mapping[int, str],
     ) -> None:
         self.code, self.symbols, self.called, self.source = code, symbols, ways.called, source
         self.regions, self.effect = ways.regions, ways.settings.effect
         self.routines, self.main, self.kept = routines, main, kept
         self.units, self.firsts = calls
+        self.followed = followed
         self.unknown = UnknownSettings(ways.called.flow.lines, IN_WORDS, self.where)
         self.expressions = Expressions(symbols)
         self.runs = Runs(symbols, ways.single, symbols.own, self.one_move)
@@ -114,7 +119,7 @@ class Statements:
     @property
     def values(self) -> Values:
         assert self.form is not None
-        return tuple(held.value for held in self.called.at(self.at, self.form))
+        return self.as_told(tuple(held.value for held in self.called.at(self.at, self.form)))
 
     def single(self, node: s.Statement) -> list[p.Statement]:
         """The branch of an `If` in one line, or its text as that of a line of its own.
@@ -127,10 +132,14 @@ class Statements:
 
     def simple(self, node: s.Statement) -> list[p.Statement]:
         """A statement that is no block; raises Unliftable."""
-        if isinstance(node, s.Command) and self.effect(node) is not None:
+        if (effect := self.effect(node)) is not None:
+            if self.expressions.m.telling:
+                given = assignment(node, effect[1], self.followed, self.expressions)
+                return [] if given is None else [given]
             if self.at in self.kept:
                 raise Unliftable(kept_reasons.DEPENDED_ON)
-            return []  # how the moves that follow are made
+            if effect[1] is not UNKNOWN or isinstance(node, s.Command):
+                return []  # how the moves that follow are made
         lift = self.lifts.get(type(node))
         if lift is None:
             raise Unliftable
@@ -138,7 +147,7 @@ class Statements:
 
     def one_move(self, node: s.Motion, values: Values, span: Span | None) -> list[p.Statement]:
         """A move that is part of no path."""
-        lifted = self.or_text(node, lambda: self.moves.move(node, values))
+        lifted = self.or_text(node, lambda: self.moves.move(node, self.as_told(values)))
         return [waits.spanned(statement, span) for statement in lifted]
 
     def or_text(
@@ -151,8 +160,17 @@ class Statements:
         try:
             return read()
         except Unliftable as found:
-            told = self.expressions.told(read) if isinstance(node, s.Assign) else None
-            return [self.opaque(node, found.reason or refused, told or [])]
+            set_here = self.effect(node) is not None
+            tells = set_here or isinstance(node, s.Assign | s.Motion)
+            told = self.expressions.told(read) if tells else None
+            reason = found.reason or refused
+            if set_here and told is not None:
+                reason = kept_reasons.DEPENDED_ON
+            return [self.opaque(node, reason, told or [])]
+
+    def as_told(self, values: Values) -> Values:
+        """The settings of a move for other languages while these are told it."""
+        return followed(values, self.followed) if self.expressions.m.telling else values
 
     def opaque(
         self, statement: s.Statement, found: p.Reason | None, told: Sequence[p.Statement] = ()

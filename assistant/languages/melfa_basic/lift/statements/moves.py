@@ -6,9 +6,10 @@ from dataclasses import replace
 from typing import Final
 
 from assistant.languages.kept_reasons import WAYS
+from assistant.languages.melfa_basic.lift.settings.followed import Followed, named
 from assistant.languages.melfa_basic.lift.settings.framed_targets import unframed
 from assistant.languages.melfa_basic.lift.settings.held import BLEND, FRAME, JOINT, TCP, TOOL
-from assistant.languages.melfa_basic.lift.statements.arcs import via_of
+from assistant.languages.melfa_basic.lift.statements.arcs import circle_of, via_of
 from assistant.languages.melfa_basic.lift.statements.paths import (
     Runs,
     Values,
@@ -18,13 +19,13 @@ from assistant.languages.melfa_basic.lift.statements.paths import (
 )
 from assistant.languages.melfa_basic.lift.statements.triggers import triggers
 from assistant.languages.melfa_basic.lift.values.expressions import Expressions
-from assistant.languages.melfa_basic.lift.values.reasons import TYPE
+from assistant.languages.melfa_basic.lift.values.reasons import CIRCLE, TYPE
 from assistant.languages.melfa_basic.lift.values.symbols import Unliftable
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.settings.flow import Computed
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.motion import Speed
+from assistant.program.motion import FINE, Speed
 
 USUAL: Final = {
     word: (s.Number(int(word == "Mov")), s.Number(0))
@@ -77,6 +78,8 @@ class Moves:
             case ("Mvr2" | "Mvr3") as word, (start, end, third) if start and end and third:
                 middle = via_of(word, (start, end, third), self.expressions.m)
                 return self.arc(start, middle, end, values)
+            case "Mvc", (start, via, last) if start and via and last:
+                return self.circle((start, via, last), values)
         raise Unliftable
 
     def to(
@@ -108,14 +111,22 @@ class Moves:
     def motion(self, joint: bool, values: Values) -> p.Motion:
         speed, blend = values[JOINT] if joint else values[TCP], values[BLEND]
         pace: Speed | p.ComputedSpeed
-        if isinstance(speed, Computed):
-            value = self.expressions.plain(speed.value)
+        if isinstance(speed, Computed | Followed):
+            value = self._worked_out(speed)
             pace = p.ComputedSpeed(None, joint=value) if joint else p.ComputedSpeed(value)
         else:
             pace = speed_of(values, joint)
         if isinstance(blend, Computed):
-            blend = p.ComputedBlend(self.expressions.plain(blend.value))
-        return p.Motion(pace, blend, values[TOOL], values[FRAME])
+            blend = p.ComputedBlend(self._worked_out(blend))
+        elif isinstance(blend, Followed):
+            corner = self._worked_out(blend)
+            blend = p.ComputedBlend(corner, e.Binary("<", corner, e.Number(0)))
+        return p.Motion(pace, blend, named(values[TOOL]), named(values[FRAME]))
+
+    def _worked_out(self, setting: Computed | Followed) -> e.Expression:
+        if isinstance(setting, Followed):
+            return e.Name(setting.name)
+        return self.expressions.plain(setting.value)
 
     def arc(
         self, start: s.Expression, via: e.Expression | None, end: s.Expression, values: Values
@@ -132,6 +143,24 @@ class Moves:
         before = [] if here else [self.to("Mvs", start, None, values)]
         self.runs.arc_pending, self.runs.previous = False, stands(end, values)
         return [*before, made]
+
+    def circle(
+        self, points: tuple[s.Expression, s.Expression, s.Expression], values: Values
+    ) -> list[p.Statement]:
+        """A whole circle: two arcs, between which the robot does not stop."""
+        if not self.expressions.m.telling:
+            raise Unliftable(CIRCLE)
+        start, motion = points[0], self.motion(False, values)
+        around, half, home, corner = circle_of(points, self.expressions.m)
+        here = self.runs.is_here(start, values)
+        before = [] if here else [self.to("Mvs", start, None, values)]
+        self.runs.arc_pending, self.runs.previous = False, stands(start, values)
+        passing = motion if motion.blend != FINE else replace(motion, blend=corner)
+        return [
+            *before,
+            p.MoveCircular(around, half, passing),
+            p.MoveCircular(home, self.expressions.plain(start), motion),
+        ]
 
 
 def _deep(goal: e.Expression, distance: e.Expression) -> e.Expression:

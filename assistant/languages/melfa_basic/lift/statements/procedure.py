@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from typing import Final
 
 from assistant.languages import kept_reasons
-from assistant.languages.melfa_basic.lift.settings.held import FRAME, TOOL
+from assistant.languages.melfa_basic.lift.settings.followed import followed, named
+from assistant.languages.melfa_basic.lift.settings.held import FRAME, TOOL, set_by
 from assistant.languages.melfa_basic.lift.statements import waits
 from assistant.languages.melfa_basic.lift.statements.control import COMMANDS, LIFTS, Control
 from assistant.languages.melfa_basic.lift.statements.paths import Values
@@ -15,6 +16,7 @@ from assistant.languages.melfa_basic.tables.words import ARC_START
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.languages.melfa_basic.tree.targets import labels_of
+from assistant.languages.settings.flow import UNKNOWN
 from assistant.languages.settings.forms import Form, PassLabels
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -138,6 +140,8 @@ class Reader(Control):
         self.at = at
         values = self.values
         self.symbols.placing = values[TOOL], values[FRAME]
+        told = followed(values, self.followed)
+        self.symbols.placing_told = named(told[TOOL]), named(told[FRAME])
         assert self.form is not None
         called = self.form.called.get(at, {}).items()
         functions = ((self.regions[callee].function, made.name) for callee, made in called)
@@ -185,13 +189,17 @@ class Reader(Control):
             here = isinstance(node.value, s.Variable) and node.value.key == "P_CURR"
             self.runs.arc_pending = here
             return here
-        made = isinstance(node, s.Command) and self.effect(node) is not None
+        effect = self.effect(node)
+        made = effect is not None and (isinstance(node, s.Command) or effect[1] is not UNKNOWN)
         return made and at not in self.kept
 
     def one(self, node: s.Statement, at: int, span: Span | None) -> list[p.Statement]:
         """A statement that is no block, or its text."""
         if at in self.kept and not isinstance(node, s.If):
-            lifted: list[p.Statement] = [self.opaque(node, kept_reasons.DEPENDED_ON)]
+            told = self.expressions.told(lambda: self.simple(node))
+            lost = told is None and set_by(node) in self.followed
+            reason = None if lost else kept_reasons.DEPENDED_ON
+            lifted: list[p.Statement] = [self.opaque(node, reason, told or ())]
         else:
             lifted = self.or_text(node, lambda: self.simple(node), self.refused.get(at))
         if not isinstance(node, s.Motion) and _has_verbatim(lifted):

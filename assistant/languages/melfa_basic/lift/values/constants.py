@@ -33,7 +33,9 @@ class Constants:
                 count.update(changed(item.statement, kept))
         self.assigned = frozenset(count)
         self.values: dict[str, Value] = {}
-        at_start = True
+        self.placed: dict[str, s.Constant] = {}
+        """Positions that are given one constant, before anything else reads them."""
+        at_start, read = True, set[str]()
         for item in code:
             statement = item.statement
             if isinstance(statement, s.Const):
@@ -41,6 +43,10 @@ class Constants:
             at_start = at_start and item.label is None and not _leads_away(statement)
             if at_start and isinstance(statement, s.Assign):
                 self._take(statement.target, statement.value, count, True)
+                if statement.target.key not in read:
+                    self._place(statement, count)
+            if at_start and not isinstance(statement, s.DefNames):
+                read.update(x.key for x in nodes(statement) if isinstance(x, s.Variable))
 
     def _take(
         self, variable: s.Variable, node: s.Expression, count: Counter[str], plain: bool
@@ -54,6 +60,12 @@ class Constants:
         if value is not None:
             whole = variable.suffix in ("%", "&") and isinstance(value, float)
             self.values[key] = float(round(value)) if whole else value  # type: ignore[arg-type]
+
+    def _place(self, node: s.Assign, count: Counter[str]) -> None:
+        key, value = node.target.key, node.value
+        if count[key] == 1 and node.target.arguments is None and not node.target.component:
+            if isinstance(value, s.Constant) and key[1:2] != "_" and status(key) is None:
+                self.placed[key] = value
 
     def value(self, node: s.Expression | None) -> Value | None:
         """What an expression comes to if that is known: literals, constants, their sums."""

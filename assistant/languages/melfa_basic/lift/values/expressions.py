@@ -257,7 +257,7 @@ class Expressions(Types):
         """Where the robot stands, seen with the tool and base that hold."""
         if key == "J_CURR":
             return e.Apply("joints_here")
-        tool, frame = self.m.placing
+        tool, frame = self.m.placing_told if self.m.telling else self.m.placing
         if not isinstance(tool, str) or not isinstance(frame, str):
             raise Unliftable(WAYS)
         return e.Here(tool, frame)

@@ -16,6 +16,10 @@ COMPUTED_PROGRAM: Final = Reason(
     "which program runs is worked out while it runs",
     "choose with Select Case among CallP statements with names in quotes",
 )
+CIRCLE: Final = Reason(
+    "a full circle is no statement elsewhere, and its points are set by the program, or on a line",
+    "write two arcs with Mvr",
+)
 NO_PROCEDURE: Final = Reason(
     "it calls lines that are no subroutine: others run or jump into them, or out of them",
     "begin the subroutine with a label of its own behind End, Return or GoTo, end it with Return",
@@ -65,7 +69,7 @@ _WORDS: Final = {
 
 _BY_WORD: Final = {
     **{word: reason for reason, words in _WORDS.items() for word in words.split()},
-    "Mvc": Reason("a full circle is no statement elsewhere", "write two arcs with Mvr"),
+    "Mvc": CIRCLE,
     "Mvr2": Reason("an arc beside a point has no other words", "write the arc with Mvr"),
     "Mvr3": Reason("an arc about a centre has no other words", "write the arc with Mvr"),
     "Mva": Reason("the move jumps over an arch of the controller's", "write its three moves"),

@@ -100,6 +100,8 @@ class Symbols:
         self.renamed: dict[str, str] = {}
         self.placing: tuple[Any, Any] = (FLANGE, BASE)
         """Tool and frame that hold at the line that is read."""
+        self.placing_told: tuple[Any, Any] = (FLANGE, BASE)
+        """The same as other languages are told them."""
         self.variants: dict[str, str] = {}
         """Names of the forms of functions that are called from the line that is read."""
         self.in_texts: set[str] = set()

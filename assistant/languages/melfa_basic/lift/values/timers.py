@@ -9,7 +9,7 @@ from assistant.languages.melfa_basic.tables.vocabulary.timers import MILLISECOND
 from assistant.languages.melfa_basic.text.header import Header
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.timers import timer_of
-from assistant.languages.melfa_basic.tree.walk import nodes
+from assistant.languages.melfa_basic.tree.walk import literal, nodes
 from assistant.program import expressions as e
 
 
@@ -46,7 +46,7 @@ def _plain(statement: Any) -> Iterator[tuple[int, bool]]:
     """Timers of a statement where the pseudo-program has them, and whether it starts them."""
     match statement:
         case s.Assign(target=target, value=value, delay=None) if n := timer_of(target):
-            if value == s.Number(0):
+            if literal(value) == 0:
                 yield n, True
         case s.Assign(value=value):
             yield from _read(value)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Final
 
 from assistant.languages.positions import Written
 from assistant.languages.rapid.lift.expressions import frame_name, tool_name
@@ -26,6 +27,12 @@ from assistant.program.path import Path
 from assistant.program.subjects import Declared
 
 
+PERCENT: Final = (
+    "name both arms, or state `joint_speed` (mm/s) in the process file or the cell file (--cell)"
+)
+"""What makes mm/s of a percentage."""
+
+
 class Motions:
     """The motions of a program. speeds, blends: what moves call them, filled as they are met."""
 
@@ -45,7 +52,7 @@ class Motions:
         if not isinstance(speed, p.ComputedSpeed):
             speed = self.speeds.said(speed)
         elif speed.tcp is None or speed.joint is not None:
-            cure = "name both arms, or state `joint_speed` (mm/s) in the process file"
+            cure = PERCENT
             self._job.cannot("a joint speed in percent that is worked out", cure)
         return p.Motion(speed, blend, tool_name(motion.tool), frame_name(motion.frame))
 
@@ -63,7 +70,7 @@ class Motions:
         said, changed = sayable_speed(speed)
         about = None if name is None else Declared(name, "speeds")
         if self._only_percent(speed):
-            cure = "name both arms, or state `joint_speed` (mm/s) in the process file"
+            cure = PERCENT
             self._job.cannot(f"a joint speed of {speed.joint:g} % alone", cure, about)
         elif changed:
             self._job.changed(changed, speed_name(said), "state a speed in mm/s", about)

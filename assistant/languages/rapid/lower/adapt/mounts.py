@@ -73,6 +73,8 @@ class _Mounts(Rewording):
                 return e.PoseValue(target.pose)
             case e.Name() | e.Index() if is_position(value, self.known):
                 return e.Aggregate(tuple(e.Member(value, part) for part in PARTS))
+            case e.Apply("inverse", (inner,)):
+                return e.inverse(self.pose(inner))
         return value
 
     changes: ClassVar[Changes] = {p.Assign: assign}
