@@ -328,7 +328,7 @@ class _Work:
                 for one in handed_over(procedure, arguments):
                     key = self.key(one)
                     if key in self.beside:
-                        yield key  # type: ignore[misc]
+                        yield key
 
     def refuse(self, name: str, why: str) -> None:
         self.findings.append(rules.ANGLES(name=name, why=why))

@@ -26,7 +26,6 @@ from assistant.program.passes.motions import Named, Sizing
 from assistant.program.path import Path
 from assistant.program.subjects import Declared
 
-
 PERCENT: Final = (
     "name both arms, or state `joint_speed` (mm/s) in the process file or the cell file (--cell)"
 )
