@@ -64,6 +64,10 @@ FUNCTIONS: Final[dict[str, str]] = {
 }
 """The functions of the pseudo-program; a call of another name is a call of the user's own."""
 
+CHANGING: Final = (
+    *("here", "joints_here", "date_today", "time_of_day", "connected", "broken_off", "elapsed"),
+)
+"""Functions that may give something else each time, though nothing is assigned."""
 TAKING: Final = ("received", "received_number")
 """Functions that wait, and give something else each time."""
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any, Final, TypeVar
 
@@ -160,6 +160,19 @@ _LEAVES: Final = (float, int, str, type(None))
 
 
 _TABLES: Final[dict[type, bool]] = {}
+
+
+def is_steady(value: e.Expression, changing: Container[str]) -> bool:
+    """True if working it out again gives the same, as long as the program itself changes nothing.
+
+    changing: names in lower case of what others change: inputs, data of several tasks.
+    """
+    return is_repeatable(value) and not any(
+        isinstance(part, e.Elapsed | e.Here)
+        or (isinstance(part, e.Apply) and part.function in e.CHANGING)
+        or (isinstance(part, e.Name) and part.name.lower() in changing)
+        for part in records(value)
+    )
 
 
 def _is_table(kind: type) -> bool:

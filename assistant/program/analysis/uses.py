@@ -52,6 +52,21 @@ def altered(program: Program) -> dict[str, frozenset[str]]:
     return along_calls(program, {key: names | acts[key] for key, names in own.items()})
 
 
+def changed_by_others(program: Program) -> frozenset[str]:
+    """Names in lower case of what changes without an assignment: inputs, data that tasks share.
+
+    With interrupts every variable that a procedure does not have for itself.
+    """
+    interrupted = any(isinstance(node, p.Interrupt) for node in program.statements())
+    shared = (
+        name
+        for name, variable in program.variables.items()
+        if variable.storage != "constant"
+        and (interrupted or (variable.storage == "persistent" and not variable.local))
+    )
+    return frozenset(name.lower() for name in (*program.signals, *shared))
+
+
 def names_in(node: Any) -> Iterator[str]:
     """Every name in an expression or statement; of text that is kept in lower case, once each."""
     for part in records(node):

@@ -5,13 +5,65 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import reduce
-from typing import Literal
+from typing import Final, Literal
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.kinds import is_value, kinds
+from assistant.program.analysis.uses import changed_by_others, declared
 from assistant.program.passes.legalising import Legalising
 from assistant.program.passes.rewording import Rewording
-from assistant.program.rewriting import Body, records
+from assistant.program.program import (
+    Procedure,
+    Program,
+    TakenNames,
+    Variable,
+    identifier,
+)
+from assistant.program.rewriting import Body, is_steady, map_bodies, records
+
+
+def with_single_reads(job: Legalising) -> Program:
+    """The program in which a choice that becomes comparisons reads an input once for all of them.
+
+    What others change may be another value at the next comparison, and none of the cases is taken
+    then: it is assigned to a variable first.
+    """
+    can = job.can.switches
+    if can is None or not any(isinstance(node, p.Switch) for node in job.program.statements()):
+        return job.program
+    program = job.program
+    changing, taken = changed_by_others(program), TakenNames(declared(program))
+
+    def within(procedure: Procedure) -> Procedure:
+        own: dict[str, Variable] = {}
+        known = kinds(program, procedure)
+
+        def body(statements: Body, depth: int) -> Body:
+            return tuple(part for node in statements for part in said(node, depth))
+
+        def said(node: p.Statement, depth: int) -> Iterator[p.Statement]:
+            stays = isinstance(node, p.Switch) and _is_of_numbers(node)
+            stays = stays and (can.nested or not depth)
+            made: p.Statement = map_bodies(node, lambda inner: body(inner, depth + stays))
+            if isinstance(made, p.Switch) and not stays:
+                several = sum(len(case.values) for case in made.cases) > 1
+                if several and not is_steady(made.subject, changing):
+                    name = identifier(SELECTED, taken)
+                    taken.add(name)
+                    own[name] = Variable("number" if is_value(made.subject, known) else "text")
+                    yield p.Assign(e.Name(name), made.subject, span=node.span)
+                    made = replace(made, subject=e.Name(name))
+            yield made
+
+        made = body(procedure.body, 0)
+        return replace(procedure, body=made, variables=procedure.variables | own)
+
+    return replace(program, procedures=tuple(map(within, program.procedures)))
+
+
+SELECTED: Final = "selected"
+"""Name of a variable that holds what is chosen by."""
 
 
 def plain_switch(r: Rewording, node: p.Switch) -> Iterator[p.Statement]:

@@ -105,7 +105,7 @@ def _data(program: Program, names: Naming) -> Iterator[s.Data]:
         yield variable_node(names.get("values", name), variable, expressions)
     for name in timers(program):
         yield s.Data("", "VAR", CLOCK, names.get("timers", name))
-    for name in names.triggers.values():
+    for name in names.triggers.values() if program.procedures else ():  # else of one module beside
         yield s.Data("", "VAR", TRIGGER, name)
     for name, target in program.targets.items():
         short = names.get("values", name)

@@ -18,9 +18,9 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import block_word
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.passes.switches import Test, chosen
-from assistant.program.program import identifier
-from assistant.program.rewriting import is_repeatable
+from assistant.program.passes.switches import SELECTED, Test, chosen
+from assistant.program.program import Variable, identifier
+from assistant.program.rewriting import is_steady, records
 
 DEEPEST: Final = 50
 """Blocks inside one another that are read as such; controllers stop at 16."""
@@ -53,14 +53,17 @@ class Control(Statements):
         block = self.leaving.pop()
         if statement is None:
             return 0
-        made.append(waits.spanned(statement, item.span))
+        parts = statement if isinstance(statement, tuple) else (statement,)
+        made += (waits.spanned(part, item.span) for part in parts)
         if block.label is not None:
             made.append(p.Label(block.label))
         if found[-1] < high:  # else it is the last word of the outer block as well
             made += self.note(found[-1])
         return found[-1] + 1
 
-    def whole(self, node: s.Statement | None, places: list[int]) -> p.Statement | None:
+    def whole(
+        self, node: s.Statement | None, places: list[int]
+    ) -> p.Statement | tuple[p.Statement, ...] | None:
         """A block from the places of its keywords."""
         of, condition_of = self.expressions.of, self.expressions.condition
         match node:
@@ -127,7 +130,8 @@ class Control(Statements):
 
     # ------------------------------------------------------------------------------ Select
 
-    def select(self, subject: s.Expression, places: list[int]) -> p.Switch | p.If:
+    def select(self, subject: s.Expression, places: list[int]) -> tuple[p.Statement, ...]:
+        """A choice; a value that the next reading may find changed is read into a variable."""
         value = self.expressions.of(subject)
         if any(self.code[at].statement for at in range(places[0] + 1, places[1])):
             raise Unliftable  # lines that never run
@@ -145,9 +149,21 @@ class Control(Statements):
             else:
                 otherwise = inside
         single = all(_is_single(item) for case, _ in cases for item in case.items)
-        if not single and not is_repeatable(value):
-            raise Unliftable
-        return chosen(value, [(self._tests(case), inside) for case, inside in cases], otherwise)
+        read: tuple[p.Statement, ...] = ()
+        if not single and not self._is_steady(value):
+            if any(isinstance(part, e.Verbatim) for part in records(value)):
+                raise Unliftable
+            name = self.symbols.free(SELECTED)
+            self.symbols.variables[name] = Variable(self.expressions.type_of(subject))
+            read, value = (p.Assign(e.Name(name), value),), e.Name(name)
+        made = chosen(value, [(self._tests(case), inside) for case, inside in cases], otherwise)
+        return (*read, made)
+
+    def _is_steady(self, value: e.Expression) -> bool:
+        """Whether a value is the same at each reading, as nothing but this program changes it."""
+        changing = {name.lower() for name in self.symbols.signals}
+        names = {part.name.lower() for part in records(value) if isinstance(part, e.Name)}
+        return is_steady(value, changing) and not any(name[1:2] == "_" for name in names)
 
     def _tests(self, case: s.Case) -> list[Test]:
         """What a case asks of the value: one of these."""

@@ -257,10 +257,10 @@ class _Work:
     ) -> Iterator[p.Statement]:
         """Sets the numbers beside a position to what it is given."""
         self.steady(place)
-        key = self.key(place)
+        key = self.key(place) or ("", "")
         given = self.angles(value, place)
         if given is None:
-            self.refuse(base(place), "the angles of what it is given are not known")
+            self.refuse(self.variable(key)[0], "the angles of what it is given are not known")
             return
         for one, angle in zip(self.numbers(place, key), given, strict=True):
             if one != angle:
@@ -320,7 +320,10 @@ class _Work:
     def steady(self, place: e.Expression) -> None:
         """Refuses an element that is worked out anew each time that it is named."""
         if isinstance(place, e.Index) and not all(map(is_repeatable, place.indices)):
-            self.refuse(base(place), "its index is another one each time that it is worked out")
+            self.refuse(
+                self.variable(self.key(place) or ("", ""))[0],
+                "its index is another one each time that it is worked out",
+            )
 
     def _handed(self, name: str, arguments: tuple[Any, ...]) -> Iterator[Key]:
         for procedure in self.program.procedures:

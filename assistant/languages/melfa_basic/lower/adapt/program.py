@@ -56,6 +56,7 @@ from assistant.program.passes.settled_loops import with_settled_loops
 from assistant.program.passes.spacing import with_blank_lines, with_comments_in_front
 from assistant.program.passes.spelling import with_declared_names
 from assistant.program.passes.splitting import split
+from assistant.program.passes.switches import with_single_reads
 from assistant.program.passes.watching import passed
 from assistant.program.program import Program
 from assistant.program.subjects import Declared
@@ -106,6 +107,7 @@ FIRST: Final[tuple[Pass, ...]] = (
     with_first_values,
     with_few_pulses,
     with_interrupts_first,
+    with_single_reads,
     with_array_parameters,
     with_checked_outputs,
     pure(with_fresh_variables),

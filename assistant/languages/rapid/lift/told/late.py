@@ -78,11 +78,8 @@ def _chosen(
     text: e.Expression, given: tuple[e.Expression, ...], procedures: Sequence[Procedure]
 ) -> Iterator[p.Statement]:
     if 0 < len(procedures) <= MOST_CASES:
-        branches = tuple(
-            p.Branch(e.Binary("=", text, e.Text(q.name)), (p.Call(q.name, given),))
-            for q in procedures
-        )
-        yield p.If(branches, (_STOP,))
+        cases = (p.Case((e.Text(q.name),), (p.Call(q.name, given),)) for q in procedures)
+        yield p.Switch(text, tuple(cases), (_STOP,))
 
 
 def _by_number(
