@@ -66,17 +66,27 @@ def run_calibrate(
 
 
 def _lines(found: RigFound) -> list[str]:
-    lines = []
+    from assistant.vision.calibration.lenses import PARAMETERS
+
+    lines = list[str]()
     for name, one in found.lenses.items():
-        fx, fy = one.lens.focal
-        lines.append(
+        (fx, fy), (cx, cy), sigma = one.lens.focal, one.lens.centre, one.sigma
+        bends = zip(PARAMETERS[4:], one.lens.distortion, sigma[4:], strict=True)
+        lines += [
             f"{name}: {one.residual:.3f} px left in {len(one.poses)} views, focal length "
-            f"{fx:.1f} ± {one.sigma[0]:.1f} and {fy:.1f} ± {one.sigma[1]:.1f} px"
-        )
+            f"{fx:.1f} ± {sigma[0]:.1f} and {fy:.1f} ± {sigma[1]:.1f} px",
+            f"  centre {cx:.1f} ± {sigma[2]:.1f} and {cy:.1f} ± {sigma[3]:.1f} px; "
+            f"{100.0 * one.coverage:.0f} % of the picture covered",
+            "  distortion " + ", ".join(f"{k} {v:.4f} ± {s:.4f}" for k, v, s in bends if s > 0.0),
+        ]
     for name, pair in found.pairs.items():
         x, y, z = pair.pose.position
         place = f"{x:.1f} {y:.1f} {z:.1f} mm"
-        lines.append(f"{name}: {pair.residual:.3f} px left in {pair.views} pairs, at {place}")
+        lines += [
+            f"{name}: {pair.residual:.3f} px left in {pair.views} pairs, at {place}",
+            f"  base line {pair.base_line:.2f} ± {pair.sigma_mm:.2f} mm, "
+            f"turn ± {pair.sigma_deg:.3f} degrees",
+        ]
     if found.hand_eye is not None:
         lines += [
             f"{'→' if one is found.hand_eye.best else ' '} {one.method}: {one.mm:.3f} mm and "
@@ -85,17 +95,32 @@ def _lines(found: RigFound) -> list[str]:
         ]
         mm, degrees = found.hand_eye.held_out
         lines.append(f"views that were not used: {mm:.3f} mm and {degrees:.4f} degrees")
+        mm, degrees = found.hand_eye.sigma
+        lines.append(f"the camera is known to ± {mm:.2f} mm and ± {degrees:.3f} degrees")
     return lines
 
 
 def _record(found: RigFound) -> dict[str, object]:
+    from assistant.vision.calibration.lenses import PARAMETERS
+
     answer: dict[str, object] = {
         "lenses": {
-            name: {"residual_px": one.residual, "views": len(one.poses), "focal": one.lens.focal}
+            name: {
+                "residual_px": one.residual,
+                "views": len(one.poses),
+                "focal": one.lens.focal,
+                "sigma": dict(zip(PARAMETERS, map(float, one.sigma), strict=True)),
+                "coverage": one.coverage,
+            }
             for name, one in found.lenses.items()
         },
         "pairs": {
-            name: {"residual_px": one.residual, "position": one.pose.position}
+            name: {
+                "residual_px": one.residual,
+                "position": one.pose.position,
+                "sigma_mm": one.sigma_mm,
+                "sigma_deg": one.sigma_deg,
+            }
             for name, one in found.pairs.items()
         },
     }
@@ -107,6 +132,8 @@ def _record(found: RigFound) -> dict[str, object]:
                 for one in found.hand_eye.solutions
             },
             "held_out": {"mm": found.hand_eye.held_out[0], "degrees": found.hand_eye.held_out[1]},
+            "sigma": {"mm": found.hand_eye.sigma[0], "degrees": found.hand_eye.sigma[1]},
+            "left_out": [row + 1 for row in found.hand_eye.left_out],
         }
     return answer
 

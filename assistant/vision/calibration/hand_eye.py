@@ -15,7 +15,7 @@ import numpy as np
 
 from assistant.program import rotations
 from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
+from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import Pose
 from assistant.vision.calibration import rules
 from assistant.vision.opencv import opencv
@@ -24,12 +24,27 @@ Mounting = Literal["hand", "stand"]
 METHODS: Final = ("TSAI", "PARK", "HORAUD", "ANDREFF", "DANIILIDIS", "SHAH", "LI")
 WORLD_TOO: Final = ("SHAH", "LI")
 """Of these, those that find the place of the board at the same time."""
+ROBUST_METHOD: Final = "PARK"
+"""By which samples of the poses are solved: in closed form, and exact for exact poses."""
 LEAST: Final = 4
 """Poses; three would do without noise, and would leave nothing to judge by."""
 TURN: Final = 10.0
 """Degrees about a second axis at least."""
 MOST_LEFT: Final = 20.0
 """mm left from which on poses and pictures do not belong together."""
+STARTS: Final = 80
+"""Samples of `LEAST` poses by which a camera is found that most of the others agree with: with one
+pose of four wrong, at least one sample is right in all but 1e-13 of the cases."""
+SIGMAS: Final = 6.0
+"""Robust sigmas from the other poses from which on a pose does not belong to them."""
+FLOOR: Final = (0.05, 0.01)
+"""mm and degrees that no pose is told apart by: rounding, and a handful of poses that fit alike."""
+MOST_WRONG: Final = 0.25
+"""Part of the poses that may be left out."""
+MIDDLE: Final = 1.538
+"""Median of the length of three Gaussian numbers of one sigma each."""
+ARM: Final = 1.0
+"""mm that a pose of an arm may be off: the accuracy of arms that were not calibrated."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,33 +61,146 @@ class Solution:
 
 @dataclass(frozen=True, slots=True)
 class HandEyeFound:
-    """best: with the least that is left. solutions: of all methods, in their order. held_out: mm
-    and degrees that are left in views that were not used, each in its turn.
+    """The place of a camera at an arm, and how well the poses determine it.
+
+    best: with the least that is left. solutions: of all methods, in their order. held_out: mm and
+    degrees that are left in views that were not used, each in its turn. sigma: mm and degrees, one
+    sigma of the camera's place. left_out: rows of the poses that do not belong to the others.
     """
 
     best: Solution
     solutions: tuple[Solution, ...]
     held_out: tuple[float, float]
+    sigma: tuple[float, float]
+    left_out: tuple[int, ...] = ()
+    findings: tuple[Diagnostic, ...] = ()
 
 
 def find_hand_eye(
-    flanges: Sequence[Pose], boards: Sequence[Pose], mounting: Mounting
+    flanges: Sequence[Pose],
+    boards: Sequence[Pose],
+    mounting: Mounting,
+    names: Sequence[str] = (),
+    noise: float = 0.0,
+    lens: tuple[float, float] = (0.0, 0.0),
 ) -> HandEyeFound:
-    """flanges: in the base. boards: in the camera, of the same moments.
+    """Place a camera in the hand of an arm or beside it.
+
+    flanges: in the base. boards: in the camera, of the same moments. names: of the poses, for
+    messages; their numbers if left out. noise: mm, one sigma of a board in a picture. lens: one
+    sigma of the focal length as a part of it, and of the centre in degrees; both shift all
+    boards alike, so that no pose contradicts them.
 
     By OpenCV's calibrateHandEye and calibrateRobotWorldHandEye, by each of their methods; the one
-    with the least left is best. Raises Refused for poses that do not tell it, or do not belong
-    together.
+    with the least left is best. A single pose that contradicts the others is left out and reported.
+    Raises Refused for poses that do not determine the camera, or do not belong together.
     """
     if len(flanges) != len(boards) or len(flanges) < LEAST:
         raise Refused(rules.FEW_MOTIONS(count=min(len(flanges), len(boards)), least=LEAST))
     _check_turns(flanges)
     cv = opencv()
-    solved = _solutions(cv, flanges, boards, mounting)
+    wrong = _contradicting(cv, flanges, boards, mounting)
+    titles = names or [str(number + 1) for number in range(len(flanges))]
+    if len(wrong) > MOST_WRONG * len(flanges):
+        which = ", ".join(titles[row] for row in wrong)
+        raise Refused(rules.MANY_WRONG(count=len(wrong), total=len(flanges), which=which))
+    kept = [row for row in range(len(flanges)) if row not in wrong]
+    hands, seen = [flanges[row] for row in kept], [boards[row] for row in kept]
+    if wrong:
+        _check_turns(hands)
+    solved = _solutions(cv, hands, seen, mounting)
     best = min(solved, key=lambda one: one.mm)
     if best.mm > MOST_LEFT:
         raise Refused(_unlike(solved, best))
-    return HandEyeFound(best, solved, _held_out(cv, flanges, boards, mounting, best.method))
+    findings = list[Diagnostic]()
+    for row, mm, degrees in _off(flanges, boards, mounting, best.camera, kept, wrong):
+        findings.append(rules.WRONG_POSE(name=titles[row], mm=mm, degrees=degrees))
+    if best.mm > ARM + SIGMAS / 2.0 * noise:
+        findings.append(rules.LOOSE_HAND(mm=best.mm, explained=noise))
+    held_out, sigma = _held_out(cv, hands, seen, mounting, best.method)
+    away = float(np.mean([np.linalg.norm(one.position) for one in seen]))
+    unsure = float(np.hypot(sigma[0], lens[0] * away)), float(np.hypot(sigma[1], lens[1]))
+    return HandEyeFound(best, solved, held_out, unsure, tuple(wrong), tuple(findings))
+
+
+def _contradicting(
+    cv: Any, flanges: Sequence[Pose], boards: Sequence[Pose], mounting: Mounting
+) -> list[int]:
+    """Rows that are far from what most poses agree on (least median of squares).
+
+    Rousseeuw, Least median of squares regression, 1984: of cameras by samples of the poses the one
+    that has the smallest median deviation; a row that is `SIGMAS` robust sigmas off it is wrong.
+    """
+    count = len(flanges)
+    if count <= LEAST:
+        return []
+    draw = np.random.default_rng(1)
+    best, scales = None, (np.inf, np.inf)
+    for _ in range(STARTS):
+        some = sorted(draw.choice(count, LEAST, replace=False).tolist())
+        found = _deviations(cv, flanges, boards, mounting, some)
+        if found is not None and _robust(found[0]) < scales[0]:
+            best, scales = found, (_robust(found[0]), _robust(found[1]))
+    kept = list(range(count))
+    for _ in range(10):
+        if best is None:
+            return []
+        limits = [SIGMAS * max(one, least) for one, least in zip(scales, FLOOR, strict=True)]
+        good = np.flatnonzero((best[0] <= limits[0]) & (best[1] <= limits[1])).tolist()
+        if good == kept or len(good) < LEAST:
+            break
+        kept = good
+        best = _deviations(cv, flanges, boards, mounting, kept)
+        if best is not None:
+            scales = _robust(best[0][kept]), _robust(best[1][kept])
+    return [row for row in range(count) if row not in kept]
+
+
+def _robust(deviations: Floats) -> float:
+    """One sigma along an axis, of a sample that may hold wrong values."""
+    count = len(deviations)
+    few = 1.0 + 5.0 / max(count - LEAST, 1)  # Rousseeuw and Leroy 1987, for small samples
+    return float(np.median(deviations)) / MIDDLE * few
+
+
+def _deviations(
+    cv: Any,
+    flanges: Sequence[Pose],
+    boards: Sequence[Pose],
+    mounting: Mounting,
+    some: Sequence[int],
+) -> tuple[Floats, Floats] | None:
+    """(n,) mm and (n,) degrees of each row from the mean of some, by the camera of those."""
+    camera = _solved(
+        cv, [flanges[i] for i in some], [boards[i] for i in some], mounting, ROBUST_METHOD
+    )
+    if camera is None:
+        return None
+    p, q = _places(flanges, boards, mounting, camera)
+    rows = list(some)
+    turned = rotations.angle_between(q, np.tile(_mean_turn(q[rows]), (len(q), 1)))
+    return np.linalg.norm(p - np.median(p[rows], axis=0), axis=1), np.asarray(turned)
+
+
+def _off(
+    flanges: Sequence[Pose],
+    boards: Sequence[Pose],
+    mounting: Mounting,
+    camera: Pose,
+    kept: Sequence[int],
+    wrong: Sequence[int],
+) -> list[tuple[int, float, float]]:
+    """Of the wrong rows: number, mm and degrees from where the others put the board."""
+    p, q = _places(flanges, boards, mounting, camera)
+    there, mean = p[list(kept)].mean(axis=0), _mean_turn(q[list(kept)])
+    return [
+        (row, float(np.linalg.norm(p[row] - there)), float(rotations.angle_between(q[row], mean)))
+        for row in wrong
+    ]
+
+
+def _mean_turn(q: Floats) -> Floats:
+    return np.ravel(rotations.canonical(np.linalg.eigh(q.T @ q)[1][:, -1]))
 
 
 def _unlike(solved: Sequence[Solution], best: Solution) -> Any:
@@ -140,8 +268,7 @@ def left(
 ) -> tuple[float, float]:
     """Mm and degrees, root mean square, by which the place differs that should be the same."""
     p, q = _places(flanges, boards, mounting, camera)
-    mean = np.ravel(rotations.canonical(np.linalg.eigh(q.T @ q)[1][:, -1]))
-    turned = rotations.angle_between(q, np.tile(mean, (len(q), 1)))
+    turned = rotations.angle_between(q, np.tile(_mean_turn(q), (len(q), 1)))
     off = p - p.mean(axis=0)
     return float(np.sqrt((off**2).sum(axis=1).mean())), float(np.sqrt((turned**2).mean()))
 
@@ -157,24 +284,33 @@ def _places(
 
 def _held_out(
     cv: Any, flanges: Sequence[Pose], boards: Sequence[Pose], mounting: Mounting, method: str
-) -> tuple[float, float]:
-    """How far each view is from where all others put the board."""
-    found = []
+) -> tuple[tuple[float, float], tuple[float, float]]:
+    """How far each view is from where all others put the board, and one sigma of the camera's
+    place by how much it changes without each view (jackknife), each in mm and degrees.
+    """
+    found, cameras = list[tuple[float, float]](), list[Pose]()
     for out in range(len(flanges)):
         rest = [i for i in range(len(flanges)) if i != out]
         some = [flanges[i] for i in rest], [boards[i] for i in rest]
         camera = _solved(cv, *some, mounting, method)
         if camera is None:
             continue
+        cameras.append(camera)
         p, q = _places(*some, mounting, camera)
         there, turned = _places([flanges[out]], [boards[out]], mounting, camera)
-        mean = np.ravel(rotations.canonical(np.linalg.eigh(q.T @ q)[1][:, -1]))
-        angle = float(np.ravel(rotations.angle_between(turned, mean[None]))[0])
+        angle = float(np.ravel(rotations.angle_between(turned, _mean_turn(q)[None]))[0])
         found.append((float(np.linalg.norm(there[0] - p.mean(axis=0))), angle))
     if not found:
-        return float("nan"), float("nan")
+        nan = float("nan")
+        return (nan, nan), (nan, nan)
     mm, degrees = np.sqrt((np.array(found) ** 2).mean(axis=0))
-    return float(mm), float(degrees)
+    count = len(cameras)
+    places = np.array([one.position for one in cameras])
+    turns = np.array([one.quaternion for one in cameras])
+    apart = rotations.angle_between(turns, np.tile(_mean_turn(turns), (count, 1)))
+    moved = ((places - places.mean(axis=0)) ** 2).sum()
+    sigma = np.sqrt((count - 1) / count * np.array([moved, (apart**2).sum()]))
+    return (float(mm), float(degrees)), (float(sigma[0]), float(sigma[1]))
 
 
 def _check_turns(flanges: Sequence[Pose]) -> None:

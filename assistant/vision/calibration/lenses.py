@@ -27,24 +27,40 @@ TOLD: Final = 3.0
 """Times its sigma from which on the third coefficient of the distortion is one."""
 COARSE: Final = 1.0
 """Pixels that sharp views do not leave."""
+COVERED: Final = 0.25
+"""Part of the picture inside of all corners below which the lens is extrapolated."""
+CENTRE: Final = 1.0
+"""Percent of the width of the picture, one sigma of the centre."""
+PARAMETERS: Final = ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3")
+"""Of a lens, in the order of `LensFound.sigma`."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LensFound:
-    """residual: pixels, root mean square over u and v of all corners. of_views: (n,) the same of
-    each view. poses: of the board in the camera, one a view. sigma: pixels, of focal and centre.
+    """A lens, and how well the views determine it.
+
+    residual: pixels, root mean square over u and v of all corners. of_views: (n,) the same of each
+    view. poses: of the board in the camera, one a view. sigma: (9,) one sigma of `PARAMETERS`, 0 of
+    one that was left out. coverage: part of the picture, 0 to 1, inside of all corners that were
+    seen. noise_mm: one sigma of the place of a board in a view, root mean square over the views.
     """
 
     lens: Lens
     residual: float
     of_views: Floats
     poses: tuple[Pose, ...]
-    sigma: tuple[float, float, float, float]
+    sigma: Floats
+    coverage: float
+    noise_mm: float
     findings: tuple[Diagnostic, ...] = ()
 
 
-def find_lens(board: Board, views: Sequence[View], size: tuple[int, int]) -> LensFound:
-    """Focal lengths, centre and distortion; raises Refused for views that do not tell them.
+def find_lens(
+    board: Board, views: Sequence[View], size: tuple[int, int], name: str = "camera"
+) -> LensFound:
+    """Focal lengths, centre and distortion; raises Refused for views that do not determine them.
+
+    name: of the camera, for messages.
 
     By OpenCV's calibrateCamera (Zhang, A flexible new technique for camera calibration, 2000).
     Distortion of high order is left out where the views do not tell it: it would bend the picture
@@ -59,15 +75,26 @@ def find_lens(board: Board, views: Sequence[View], size: tuple[int, int]) -> Len
     sigma = np.ravel(found[5])
     poses = tuple(pose_of(turn, place) for turn, place in zip(found[3], found[4], strict=True))
     _check(poses, sigma, lens)
-    spread = sigma[:4]
-    percent = float(100.0 * spread[:2].max() / min(lens.focal))
+    sigma = sigma[: len(PARAMETERS)]
+    percent = float(100.0 * sigma[:2].max() / min(lens.focal))
     # OpenCV divides by corners; here it is the mean of u and v, as noise of pixels is told.
     share = 1.0 / np.sqrt(2.0)
     left = float(found[0]) * share
     unsure = percent > UNSURE or left > COARSE
-    findings = (rules.POOR(residual=left, percent=percent),) if unsure else ()
-    fx, fy, cx, cy = (float(value) for value in spread)
-    return LensFound(lens, left, np.ravel(found[7]) * share, poses, (fx, fy, cx, cy), findings)
+    findings = [rules.POOR(name=name, residual=left, percent=percent)] if unsure else []
+    coverage, centre = _coverage(cv, views, size), float(sigma[2:4].max())
+    if coverage < COVERED or centre > CENTRE / 100.0 * size[0]:
+        findings.append(rules.UNCOVERED(name=name, percent=100.0 * coverage, centre=centre))
+    of_views = np.ravel(found[7]) * share
+    places = np.reshape(found[6], (len(views), 6))[:, 3:]
+    noise = float(np.sqrt((places**2).sum(axis=1).mean()))
+    return LensFound(lens, left, of_views, poses, sigma, coverage, noise, tuple(findings))
+
+
+def _coverage(cv: Any, views: Sequence[View], size: tuple[int, int]) -> float:
+    """Part of the picture inside of the convex hull of all corners."""
+    corners = np.concatenate([view.pixels for view in views]).astype(np.float32)
+    return float(cv.contourArea(cv.convexHull(corners))) / (size[0] * size[1])
 
 
 def _fitted(cv: Any, objects: Any, pixels: Any, size: tuple[int, int]) -> tuple[Lens, Any]:

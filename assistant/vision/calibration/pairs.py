@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
 from assistant.program import rotations
-from assistant.program.diagnostics import Refused
+from assistant.program.arrays import Floats, Truths
+from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import Pose
 from assistant.vision.calibration import rules
 from assistant.vision.calibration.boards import Board, View
@@ -26,17 +27,32 @@ NEAREST: Final = 1.0
 """mm between two cameras; those that are nearer are one."""
 FEWEST: Final = 6
 """Corners that both see in a pair of views that counts."""
+UNSURE: Final = (0.5, 0.5)
+"""Percent of the base line and degrees, one sigma: depth is wrong by the same percentage."""
+LENS: Final = 9
+"""Parameters of a lens: two focal lengths, the centre, five of the distortion."""
 
 
 @dataclass(frozen=True, slots=True)
 class PairFound:
-    """pose: of the second camera in the frame of the first one. residual: pixels, root mean square
-    over u and v. views: pairs that counted.
+    """Pose of the second camera in the frame of the first one.
+
+    residual: pixels, root mean square over u and v. views: pairs that counted. sigma_mm, sigma_deg:
+    one sigma of the length of the base line and of the turn between the cameras, with what the
+    lenses leave open.
     """
 
     pose: Pose
     residual: float
     views: int
+    sigma_mm: float
+    sigma_deg: float
+    findings: tuple[Diagnostic, ...] = ()
+
+    @property
+    def base_line(self) -> float:
+        """Mm between the cameras."""
+        return float(np.linalg.norm(self.pose.position))
 
 
 def find_pair(
@@ -45,12 +61,14 @@ def find_pair(
     views: Sequence[tuple[View, View]],
     names: tuple[str, str] = ("first", "second"),
     lens_residual: float = 0.0,
+    free: tuple[Truths, Truths] | None = None,
 ) -> PairFound:
-    """By OpenCV's stereoCalibrate with the lenses as they are.
+    """Place two cameras by OpenCV's stereoCalibrate with the lenses as they are.
 
     names: of the cameras, for messages. lens_residual: pixels that their lenses leave of the same
-    views. Raises Refused for too few views, for those that do not belong together, and for two
-    cameras that are one.
+    views. free: (9,) for each camera, which parameters of its lens were found from these views and
+    share their noise; all if left out. Raises Refused for too few views, for those that do not
+    belong together, and for two cameras that are one.
     """
     cv = opencv()
     objects, seen = list[object](), (list[object](), list[object]())
@@ -88,7 +106,75 @@ def find_pair(
                 second=files[1],
             )
         )
-    if float(np.linalg.norm(place)) < NEAREST:
+    base_line = float(np.linalg.norm(place))
+    if base_line < NEAREST:
         raise Refused(rules.ONE_PLACE(one=names[0], other=names[1]))
     into = Pose.of(place, np.ravel(rotations.from_matrix(turn)))
-    return PairFound(into.inverse(), left, len(objects))
+    open_ones = free or (np.ones(LENS, np.bool_), np.ones(LENS, np.bool_))
+    covariance = left**2 * _spread(cv, objects, optics, (turn, place), found[9:11], open_ones)
+    along = place / base_line
+    mm = float(np.sqrt(along @ covariance[3:, 3:] @ along))
+    degrees = float(np.degrees(np.sqrt(np.trace(covariance[:3, :3]))))
+    percent = 100.0 * mm / base_line
+    findings: tuple[Diagnostic, ...] = ()
+    if percent > UNSURE[0] or degrees > UNSURE[1]:
+        one, other = names
+        said = rules.LOOSE_PAIR(one=one, other=other, mm=mm, percent=percent, degrees=degrees)
+        findings = (said,)
+    return PairFound(into.inverse(), left, len(objects), mm, degrees, findings)
+
+
+def _spread(
+    cv: Any,
+    objects: Sequence[Any],
+    optics: Sequence[Any],
+    between: tuple[Floats, Floats],
+    boards: tuple[Any, Any],
+    free: tuple[Truths, Truths],
+) -> Floats:
+    """Covariance (6, 6) of the turn (radians) and place (mm) between two cameras at 1 px of noise.
+
+    The noise of all corners is carried through both steps to first order: the lenses are found from
+    each camera's own views, then the place of the second camera and those of the boards with the
+    lenses as they are.
+    """
+    vector, _ = cv.Rodrigues(between[0])
+    count = len(objects)
+    by_lens: tuple[list[Floats], list[Floats]] = ([], [])
+    by_board: tuple[list[Floats], list[Floats]] = ([], [])
+    placed: tuple[list[Floats], list[Floats]] = ([], [])
+    for number, (corners, turn, place) in enumerate(zip(objects, *boards, strict=True)):
+        _, one = cv.projectPoints(corners, turn, place, *optics[:2])
+        found = cv.composeRT(turn, place, vector, between[1].reshape(3, 1))
+        _, two = cv.projectPoints(corners, *found[:2], *optics[2:])
+        # composeRT answers ∂r/∂(r1, t1, r2, t2), then ∂t/∂(r1, t1, r2, t2).
+        pairs = zip(found[2:6], found[6:10], strict=True)
+        changes = [two[:, :3] @ a + two[:, 3:6] @ b for a, b in pairs]
+        boarded = one[:, :6], np.hstack(changes[:2])
+        paired = np.zeros((len(one), 6)), np.hstack(changes[2:])
+        for i, seen in enumerate((one, two)):
+            by_lens[i].append(seen[:, 6:][:, free[i]])
+            by_board[i].append(_at(seen[:, :6], number, count))
+            placed[i].append(np.hstack([paired[i], _at(boarded[i], number, count)]))
+    pair = _solving(np.vstack(placed[0] + placed[1]))[:6]
+    parts = []
+    for part, lens, board in zip(np.hsplit(pair, 2), by_lens, by_board, strict=True):
+        slopes = np.vstack(lens)
+        lens_found = _solving(np.hstack([slopes, np.vstack(board)]))[: slopes.shape[1]]
+        parts.append(part - part @ slopes @ lens_found)
+    through = np.hstack(parts)
+    return np.asarray(through @ through.T)
+
+
+def _at(columns: Floats, number: int, count: int) -> Floats:
+    """Columns (n, 6) of one board among those of all of them."""
+    wide = np.zeros((len(columns), 6 * count))
+    wide[:, 6 * number : 6 * number + 6] = columns
+    return wide
+
+
+def _solving(slopes: Floats) -> Floats:
+    """(k, n) by which least squares answer n measurements with k unknowns."""
+    scale = np.linalg.norm(slopes, axis=0)
+    scaled = slopes / scale
+    return np.asarray(np.linalg.solve(scaled.T @ scaled, scaled.T) / scale[:, None])

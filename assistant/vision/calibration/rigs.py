@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 
+import numpy as np
+
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import Pose
 from assistant.vision.calibration import rules
@@ -84,15 +86,17 @@ def calibrate(
         raise Refused(rules.TURNED_ALIKE(columns=board.columns, rows=board.rows), exit_status=2)
     findings = [finding for one in looked for finding in one.findings]
     lenses = {
-        one.name: find_lens(board, [v for v in one.views if v is not None], one.size)
+        one.name: find_lens(board, [v for v in one.views if v is not None], one.size, one.name)
         for one in looked
     }
     findings += [finding for found in lenses.values() for finding in found.findings]
     first = looked[0]
     found = _hand_eye(first, lenses[first.name], flanges, mounting)
+    findings += () if found is None else found.findings
     place = Pose() if found is None else found.best.camera
     carried = found is not None and mounting == "hand"
     pairs = {one.name: _pair(board, first, one, lenses) for one in looked[1:]}
+    findings += [finding for pair in pairs.values() for finding in pair.findings]
     parent = flange if carried else WORLD
     cameras = {first.name: Camera(first.name, lenses[first.name].lens, place, parent)}
     for one in looked[1:]:
@@ -137,7 +141,8 @@ def _pair(board: Board, first: Looked, other: Looked, lenses: Mapping[str, LensF
     found = lenses[first.name], lenses[other.name]
     residual = max(one.residual for one in found)
     both_lenses = found[0].lens, found[1].lens
-    return find_pair(board, both_lenses, both, (first.name, other.name), residual)
+    free = found[0].sigma > 0.0, found[1].sigma > 0.0
+    return find_pair(board, both_lenses, both, (first.name, other.name), residual, free)
 
 
 def _hand_eye(
@@ -148,7 +153,11 @@ def _hand_eye(
     if len(flanges) != len(looked.views):
         raise Refused(_uneven(looked, "poses of the arm", len(flanges)))
     seen = [i for i, view in enumerate(looked.views) if view is not None]
-    return find_hand_eye([flanges[i] for i in seen], lens.poses, mounting)
+    names = [f"{i + 1} ({looked.files[i]})" for i in seen]
+    focal, centre = max(lens.lens.focal), float(lens.sigma[2:4].max())
+    unsure = float(lens.sigma[:2].max()) / focal, float(np.degrees(centre / focal))
+    hands = [flanges[i] for i in seen]
+    return find_hand_eye(hands, lens.poses, mounting, names, lens.noise_mm, unsure)
 
 
 def _uneven(looked: Looked, others: str, count: int) -> Diagnostic:

@@ -25,7 +25,8 @@ ALIKE = error(
 )
 POOR = warning(
     "VS035",
-    "the lens leaves {residual:.2f} pixels, and its focal length is known to {percent:.1f} %",
+    "the lens of `{name}` leaves {residual:.2f} pixels, and its focal length is known to "
+    "{percent:.1f} %",
     "take sharper views, or more of them",
 )
 OTHER_COUNT = error(
@@ -68,4 +69,32 @@ ONE_PLACE = error(
     "VS044",
     "`{one}` and `{other}` stand at one place, from which nobody sees how far things are",
     "name the folder of each camera's own pictures",
+)
+UNCOVERED = warning(
+    "VS045",
+    "the board covers {percent:.0f} % of the picture of `{name}`, and the centre of the lens is "
+    "known to {centre:.1f} px: measurements outside the covered part are extrapolated",
+    "add views with the board near each corner of the picture",
+)
+LOOSE_PAIR = warning(
+    "VS046",
+    "the distance between `{one}` and `{other}` is known to {mm:.2g} mm ({percent:.2g} %) and the "
+    "turn between them to {degrees:.2g} degrees: depths are as uncertain",
+    "take more pairs of pictures, with the board near the corners of both and at several distances",
+)
+WRONG_POSE = warning(
+    "VS047",
+    "pose {name} of the arm is {mm:.3g} mm and {degrees:.2g} degrees off what the other poses "
+    "agree on, and is left out",
+    "take the picture and the pose again, with the arm at rest",
+)
+MANY_WRONG = error(
+    "VS048",
+    "{count} of {total} poses of the arm contradict the others: {which}",
+    "check that each row belongs to its picture and is a pose of the flange in mm and degrees",
+)
+LOOSE_HAND = warning(
+    "VS049",
+    "{mm:.2f} mm are left in the poses, and the pictures explain {explained:.2f} mm",
+    "check that the board is fixed and the arm at rest in each picture; calibrate the arm if it is",
 )

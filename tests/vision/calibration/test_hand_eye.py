@@ -90,3 +90,69 @@ def test_poses_that_do_not_tell_are_refused() -> None:
         find_hand_eye(about_z, boards, "hand")
     with pytest.raises(Refused, match="VS042"):
         find_hand_eye(flanges, boards[::-1], "hand")
+
+
+def shifted(flanges: list[Pose], rows: list[int], mm: float) -> list[Pose]:
+    """Poses of which some rows are wrong by so many mm, each in another direction."""
+    rng = np.random.default_rng(len(rows))
+    found = list(flanges)
+    for row in rows:
+        way = rng.normal(size=3)
+        place = flanges[row].position + mm * way / np.linalg.norm(way)
+        found[row] = Pose.of(place, np.array(flanges[row].quaternion))
+    return found
+
+
+@pytest.mark.parametrize("mounting", ["hand", "stand"])
+@pytest.mark.parametrize("rows", [[5], [0, 9], [1, 4, 11]])
+def test_single_wrong_poses_are_named_and_left_out(mounting: Mounting, rows: list[int]) -> None:
+    for seed in range(2):
+        flanges, boards = poses(mounting, 12, 0.3, 0.06, seed)
+        found = find_hand_eye(shifted(flanges, rows, 25.0), boards, mounting)
+        assert list(found.left_out) == rows
+        told = [str(one) for one in found.findings]
+        assert [f"pose {row + 1} of the arm" in text for row, text in zip(rows, told, strict=True)]
+        assert all("VS047" in text for text in told)
+        assert off(found.best.camera, mounting)[0] < 3.0
+
+
+def test_a_turn_that_was_written_down_wrongly_is_found() -> None:
+    flanges, boards = poses("hand", 10, 0.2, 0.05)
+    turned = rotations.multiply(
+        np.array(flanges[3].quaternion), rotations.about((0.0, 0.0, 1.0), 3.0)
+    )
+    flanges[3] = Pose.of(np.array(flanges[3].position), turned)
+    assert find_hand_eye(flanges, boards, "hand").left_out == (3,)
+
+
+def test_right_poses_are_not_left_out() -> None:
+    counted = 0
+    for seed in range(4):
+        for count in (5, 7, 12):
+            counted += len(find_hand_eye(*poses("hand", count, 0.3, 0.06, seed), "hand").left_out)
+    assert counted == 0
+
+
+def test_many_wrong_poses_are_refused() -> None:
+    flanges, boards = poses("hand", 12, 0.1, 0.02)
+    with pytest.raises(Refused, match=r"VS048.*4 of 12 poses.*: 2, 3, 7, 9"):
+        find_hand_eye(shifted(flanges, [1, 2, 6, 8], 40.0), boards, "hand")
+
+
+def test_poses_that_leave_more_than_pictures_explain_are_reported() -> None:
+    found = find_hand_eye(*poses("hand", 10, 2.0, 0.1), "hand", noise=0.2)
+    assert [one.code for one in found.findings] == ["VS049"]
+    assert find_hand_eye(*poses("hand", 10, 0.2, 0.05), "hand", noise=0.2).findings == ()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mounting", ["hand", "stand"])
+def test_the_sigma_of_a_camera_is_honest(mounting: Mounting) -> None:
+    """True errors of 20 calibrations, beside what each of them says of itself."""
+    ratios = []
+    for seed in range(20):
+        found = find_hand_eye(*poses(mounting, 10, 0.3, 0.06, seed), mounting)
+        ratios.append(np.divide(off(found.best.camera, mounting), found.sigma))
+    mm, degrees = np.sqrt(np.mean(np.square(ratios), axis=0))
+    assert 0.5 < mm < 1.5
+    assert 0.5 < degrees < 1.5

@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 import pytest
 
+from assistant.program import rotations
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
@@ -135,3 +136,71 @@ def test_cameras_of_which_one_was_moved_do_not_agree() -> None:
 
 def _rng() -> np.random.Generator:
     return np.random.default_rng(1)
+
+
+def in_the_middle(count: int, distance: float, wide: float, seed: int = 4) -> list[Pose]:
+    """Boards before both cameras, off the middle by part of the distance at most."""
+    rng = np.random.default_rng(seed)
+    middle = BOARD.corners.mean(axis=0)
+    found = []
+    for pose in (shown(BOARD, distance, rng) for _ in range(count)):
+        there = pose.moved(middle[None])[0]
+        away = np.array([*rng.uniform(-wide, wide, 2) * distance, distance])
+        turn = np.array(pose.quaternion)
+        found.append(BETWEEN @ Pose.of(np.array(pose.position) - there + away, turn))
+    return found
+
+
+def test_a_board_in_the_middle_of_the_picture_only_is_reported() -> None:
+    poses = in_the_middle(10, 500.0, 0.02)
+    found = calibrate(BOARD, [seen(camera, BOARD, poses, 0.2) for camera in (LEFT, RIGHT)])
+    assert [one.code for one in found.findings].count("VS045") == 2
+    assert "VS046" in {one.code for one in found.findings}
+    assert found.lenses["left"].coverage < 0.25
+    wide = [LEFT.pose @ shown(BOARD, 450.0, np.random.default_rng(i)) for i in range(14)]
+    good = calibrate(BOARD, [seen(LEFT, BOARD, wide, 0.05)])
+    assert good.lenses["left"].coverage > 0.5
+    assert good.findings == ()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("distance", "wide"), [(350.0, 0.25), (700.0, 0.05)])
+def test_every_parameter_is_as_uncertain_as_reported(distance: float, wide: float) -> None:
+    """True errors of ten rigs, beside what each of them says of itself."""
+    truth = LEFT.pose.inverse() @ RIGHT.pose
+    base_line = float(np.linalg.norm(truth.position))
+    lens, between = [], []
+    for seed in range(10):
+        poses = in_the_middle(10, distance, wide, seed)
+        views = [
+            Looked(
+                camera.name, LENS.size, (), tuple(exact(camera, BOARD, poses, 0.2, seed + i)), ()
+            )
+            for i, camera in zip((0, 100), (LEFT, RIGHT), strict=True)
+        ]
+        found = calibrate(BOARD, views)
+        one, pair = found.lenses["left"], found.pairs["right"]
+        values = [*one.lens.focal, *one.lens.centre, *one.lens.distortion]
+        true = [*LENS.focal, *LENS.centre, *LENS.distortion]
+        known = one.sigma > 0.0
+        lens.append((np.subtract(values, true)[known] / one.sigma[known])[:6])
+        turned = float(rotations.angle_between(pair.pose.quaternion, truth.quaternion))
+        off = pair.base_line - base_line
+        between.append((off / pair.sigma_mm, turned / pair.sigma_deg))
+    assert 0.5 < np.sqrt(np.mean(np.square(lens))) < 1.6
+    assert 0.5 < np.sqrt(np.mean(np.square([mm for mm, _ in between]))) < 2.0
+    assert 0.5 < np.sqrt(np.mean(np.square([degrees for _, degrees in between]))) < 2.0
+
+
+def test_a_wrong_row_of_poses_is_named_by_its_picture() -> None:
+    on_flange = Pose((20.0, -10.0, 40.0), (0.0, 1.0, 0.0, 0.0))
+    poses = places(BOARD, 12)
+    flanges = [one @ on_flange.inverse() for one in poses]
+    x, y, z = flanges[7].position
+    flanges[7] = Pose((x + 20.0, y - 15.0, z), flanges[7].quaternion)
+    found = calibrate(BOARD, [seen(LEFT, BOARD, poses, 0.05)], flanges=flanges)
+    assert found.hand_eye is not None and found.hand_eye.left_out == (7,)
+    (told,) = (one for one in found.findings if one.code == "VS047")
+    assert "pose 8 (7) of the arm is 25" in str(told)
+    away = np.subtract(found.rig["left"].pose.position, LEFT.pose.position)
+    assert np.linalg.norm(away) < 3.0 * found.hand_eye.sigma[0]
