@@ -312,7 +312,7 @@ def _wanted(asked: Looking, sight: Sight) -> list[Diagnostic]:
         findings += [
             rules.FAR_OUT(name=one.name, sigma=sigma, most=most, unit=unit, option=option)
             for sigma, most, unit, option in told
-            if sigma > most
+            if sigma > most and one.larger is None
         ]
     done = any(one.object.places or one.object.lines for one in sight.found)
     if asked.to is not None and sight.found and not done:

@@ -10,7 +10,7 @@ that is.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -47,6 +47,8 @@ OVERLAP: Final = 1.4
 off alike where they were learnt (measured on drawn scenes, tests/vision/recognition)."""
 ANY_TURN: Final = 104.0
 """Degrees, one sigma, of what may be turned by any angle: 180 / √3."""
+UNKNOWN_HEIGHT: Final = 1e3
+"""mm, one sigma, of a plane whose height is left to what is seen."""
 FREE: Final = 1e-9
 """Part of the largest eigenvalue below which measurements tell nothing of a direction."""
 
@@ -82,9 +84,11 @@ class Plane:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Estimate:
-    """pose: in the world. covariance: (6, 6) of mm along and degrees about the axes of the world,
-    at the object's origin. scatter: pixels, one sigma, of what agrees. used: (n,) weights, 0 to 1,
-    of the measurements in their order.
+    """A pose with what is known of it.
+
+    pose: in the world. covariance: (6, 6) of mm along and degrees about the axes of the world, at
+    the object's origin. scatter: pixels, one sigma, of what agrees. used: (n,) weights, 0 to 1, of
+    the measurements in their order.
     """
 
     pose: Pose
@@ -132,6 +136,57 @@ def fitted(
     units = np.array([1.0, 1.0, 1.0, *[180.0 / np.pi] * 3])
     covariance = np.asarray(np.linalg.inv(matrix) * np.outer(units, units), dtype=np.float64)
     return Estimate(pose, covariance, scatter, weights)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sized:
+    """An object on a plane, located by its seen size instead of the height of the plane.
+
+    above: mm that this is above the plane. sigma: mm, one sigma of that and of the plane. shift:
+    (6,) mm and degrees from the pose on the plane.
+    """
+
+    above: float
+    sigma: float
+    shift: Floats
+
+    @property
+    def sigmas(self) -> float:
+        """By how many sigmas the size contradicts the plane."""
+        return abs(self.above) / self.sigma
+
+
+def sized(
+    on_plane: Estimate,
+    measures: Sequence[Measure],
+    plane: Plane,
+    height: float = 0.0,
+    *,
+    any_turn: bool = False,
+) -> Sized | None:
+    """Locate an object that lies on a plane again with the height of the plane unknown.
+
+    None where the measurements do not determine its size.
+    """
+    unknown = replace(plane, sigma=UNKNOWN_HEIGHT)
+    found = fitted(on_plane.pose, measures, unknown, height, any_turn=any_turn)
+    if found is None:
+        return None
+    normal = rotations.rotate(np.array(plane.pose.quaternion), np.array([0.0, 0.0, 1.0]))
+    above = float(normal @ (np.array(found.pose.position) - plane.pose.position)) - height
+    variance = float(normal @ found.covariance[:3, :3] @ normal) + plane.sigma**2
+    moved_by = np.subtract(found.pose.position, on_plane.pose.position)
+    turned = _turn_between(on_plane.pose, found.pose)
+    return Sized(above, float(np.sqrt(variance)), np.concatenate([moved_by, turned]))
+
+
+def _turn_between(one: Pose, other: Pose) -> Floats:
+    """(3,) degrees about the axes of the world from one pose to a near one."""
+    turn = rotations.multiply(
+        np.array(other.quaternion), rotations.conjugate(np.array(one.quaternion))
+    )
+    w, *axis = np.ravel(rotations.canonical(turn))
+    return np.asarray(np.degrees(2.0 * np.array(axis))) if w > 0.0 else np.zeros(3)
 
 
 def moved(pose: Pose, step: Floats) -> Pose:

@@ -131,6 +131,12 @@ TURNED = error(
     "`{name}` may be turned in two ways, as what tells them apart is hidden or small",
     "uncover it, look from nearer, or draw what makes it different",
 )
+OTHER_SIZE = error(
+    "VS348",
+    "`{name}` looks {percent:.1f} % {how} than it is if it lies on the plane: it is up to {mm:.2g} "
+    "mm from where it seems, or another object",
+    "state the height of what it lies on by --plane, or learn the object that is there",
+)
 NO_PLACES = warning(
     "VS350",
     "nothing is to be done on what was found",

@@ -20,8 +20,10 @@ from assistant.vision.recognition.estimating import (
     Measure,
     Plane,
     Rows,
+    Sized,
     fitted,
     of_points,
+    sized,
 )
 from assistant.vision.recognition.library import Library
 from assistant.vision.recognition.objects import KnownObject
@@ -36,6 +38,7 @@ from assistant.vision.recognition.rules import (
     DISAGREE,
     NO_PLANE,
     NOT_LYING,
+    OTHER_SIZE,
     TILTED,
     TURNED,
     UNKNOWN,
@@ -57,6 +60,9 @@ SURE: Final = 0.6
 """Part of an object that is seen, and agrees, from which nobody doubts that it is this one."""
 COVERED: Final = 0.3
 """Part of a thing that known objects cover from which it is not unknown."""
+CONTRADICTS: Final = (4.0, 0.5)
+"""Sigmas, and percent of its size, by which an object on the plane looks larger or smaller than it
+is: from there on its pose is wrong, or it is another object."""
 LEAST_UNKNOWN: Final = 0.1
 """Part of the area of the smallest known object below which a thing is not worth a word."""
 
@@ -65,7 +71,8 @@ LEAST_UNKNOWN: Final = 0.1
 class Found:
     """An object that was found. name: NAME, NAME_2 … where several are there. estimate: its pose in
     the world with what is known of it. confidence: 0 to 1, that it is this object. cameras: that
-    see it. rim: (n, 2) pixels about it in the picture of the first of them.
+    see it. rim: (n, 2) pixels about it in the picture of the first of them. larger: percent by
+    which it looks larger than it is, if that contradicts the plane.
     """
 
     name: str
@@ -74,6 +81,7 @@ class Found:
     confidence: float
     cameras: tuple[str, ...]
     rim: Floats
+    larger: float | None = None
 
     @property
     def pose(self) -> Pose:
@@ -285,6 +293,7 @@ class _Joined:
     one: _One
     cameras: tuple[str, ...]
     confidence: float
+    size: Sized | None
 
 
 def _joined(group: Sequence[_One], findings: list[Diagnostic]) -> tuple[Estimate, _Joined] | None:
@@ -292,15 +301,11 @@ def _joined(group: Sequence[_One], findings: list[Diagnostic]) -> tuple[Estimate
     best = group[0]
     estimate, cameras = best.estimate, tuple(one.camera for one in group)
     confidence = 1.0 - float(np.prod([1.0 - min(one.confidence, 1.0) for one in group]))
+    plane = best.plane if all(one.lying for one in group) else None
+    measures, height = [one.measure for one in group], best.object.height
+    any_turn = best.object.symmetry == 0
     if len(group) > 1:
-        plane = best.plane if all(one.lying for one in group) else None
-        together = fitted(
-            estimate.pose,
-            [one.measure for one in group],
-            plane,
-            best.object.height,
-            any_turn=best.object.symmetry == 0,
-        )
+        together = fitted(estimate.pose, measures, plane, height, any_turn=any_turn)
         if together is not None:
             estimate = together
         for one in group[1:]:
@@ -311,7 +316,10 @@ def _joined(group: Sequence[_One], findings: list[Diagnostic]) -> tuple[Estimate
             if sigmas > DOUBTED and mm > LEAST_DOUBTED:
                 findings.append(DISAGREE(name=best.object.name, mm=mm, sigmas=sigmas))
         best = replace(best, doubtful=False)
-    return estimate, _Joined(best, cameras, confidence)
+    size = None
+    if plane is not None:
+        size = sized(estimate, measures, plane, height, any_turn=any_turn)
+    return estimate, _Joined(best, cameras, confidence, size)
 
 
 def _named(kept: Sequence[tuple[Estimate, _Joined]], photos: Mapping[str, Photo]) -> list[Found]:
@@ -325,9 +333,26 @@ def _named(kept: Sequence[tuple[Estimate, _Joined]], photos: Mapping[str, Photo]
         settled = replace(estimate, pose=_settled(estimate.pose, known))
         photo = photos[joined.cameras[0]]
         rim = photo.camera.project(settled.pose.moved(rim_of(known)))
-        confidence = min(joined.confidence / SURE, 1.0)
-        found.append(Found(name, known, settled, confidence, joined.cameras, rim))
+        confidence, larger = min(joined.confidence / SURE, 1.0), None
+        if joined.size is not None:
+            larger = _larger(joined.size, settled.pose, photo.camera)
+        if joined.size is not None and larger is not None:
+            # Either the plane is elsewhere or the object has another size: both are possible.
+            shift = joined.size.shift
+            wider = settled.covariance + np.outer(shift, shift)
+            settled = replace(settled, covariance=wider)
+            confidence *= CONTRADICTS[0] / joined.size.sigmas
+        found.append(Found(name, known, settled, confidence, joined.cameras, rim, larger))
     return found
+
+
+def _larger(size: Sized, pose: Pose, camera: Camera) -> float | None:
+    """Percent by which an object looks larger than on the plane; None where that may be noise."""
+    away = float(np.linalg.norm(np.subtract(camera.pose.position, pose.position)))
+    nearer = float(np.linalg.norm(camera.pose.position - (pose.position + size.shift[:3])))
+    percent = 100.0 * (away / nearer - 1.0)
+    wrong = size.sigmas > CONTRADICTS[0] and abs(percent) > CONTRADICTS[1]
+    return percent if wrong else None
 
 
 def _settled(pose: Pose, known: KnownObject) -> Pose:
@@ -349,6 +374,10 @@ def _settled(pose: Pose, known: KnownObject) -> Pose:
 
 
 def _doubts(found: Found, one: _One, plane: Plane) -> list[Diagnostic]:
+    if found.larger is not None:
+        mm, percent = found.estimate.sigma_mm, abs(found.larger)
+        how = "larger" if found.larger > 0.0 else "smaller"
+        return [OTHER_SIZE(name=found.name, percent=percent, how=how, mm=mm)]
     if one.doubtful:
         return [(TURNED if one.object.texture is None else TILTED)(name=found.name)]
     if one.lying or lies(found.estimate, plane, found.object.height):

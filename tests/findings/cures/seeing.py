@@ -148,6 +148,7 @@ OBJECTS: Final = (
         before=(ADD,),
         others=("VS340",),
     ),
+    Case("VS348", SEE.replace("200", "188"), BRACKET, (SEE,), before=FOUND, slow=True),
     Case(
         "VS350",
         SEE,

@@ -160,6 +160,7 @@ def test_doubtful_sights_write_nothing(here, capsys):
     for more, code in (
         (("--expect", "cover"), "VS341"),
         (("--most-mm", "0.002"), "VS346"),
+        (("--plane", "188"), "VS348"),
     ):
         status, _, err = run(capsys, *SEE, picture, *wanted, *more)
         assert (status, code in err) == (1, True), err

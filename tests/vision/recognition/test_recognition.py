@@ -153,6 +153,40 @@ def test_what_may_be_turned_in_two_ways_is_doubted(ten):
     assert "VS347" in [finding.code for finding in sight.findings]
 
 
+@pytest.mark.parametrize("z", [-18.0, -8.0, 8.0, 15.0])
+def test_a_part_on_another_plane_than_stated_is_an_error(ten, z: float):
+    """The picture shows its size to 0.2 %: 8 mm at 640 mm are 1.25 %."""
+    part, one = PARTS[0], ten.objects["bracket"]
+    alone = Recogniser(opencv(), Library({"bracket": one}))
+    pose = laid(np.array([30.0, 25.0, 0.0]), np.array([10.0, 0.0]), 20.0)
+    picture = taken(ABOVE, [surface(part, pose, (190, 200, 120))], 3)
+    sight = alone.see({"above": picture}, {"above": ABOVE}, Plane(Pose((0.0, 0.0, z))))
+    (seen,) = sight.found
+    assert [finding.code for finding in sight.findings] == ["VS348"]
+    off = float(np.linalg.norm(np.subtract(seen.pose.position, pose.position)))
+    assert off < 2.0 * seen.estimate.sigma_mm
+    assert seen.confidence < 0.5
+    right = alone.see({"above": picture}, {"above": ABOVE}, Plane())
+    assert right.findings == ()
+    assert right.found[0].confidence == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("scale", [0.97, 1.04])
+def test_a_part_of_another_size_is_not_the_known_one(ten, scale: float):
+    part, one = PARTS[0], ten.objects["bracket"]
+    corners = [(scale * x, scale * y) for x, y in part.corners]
+    holes = [(scale * x, scale * y, scale * r) for x, y, r in part.holes]
+    alone = Recogniser(opencv(), Library({"bracket": one}))
+    pose = laid(np.array([30.0, 25.0, 0.0]), np.array([10.0, 0.0]), 20.0)
+    things = [surface(Flat("scaled", corners, holes), pose, (190, 200, 120))]
+    sight = alone.see({"above": taken(ABOVE, things, 3)}, {"above": ABOVE})
+    if sight.found:
+        assert "VS348" in {finding.code for finding in sight.findings}
+        assert sight.found[0].larger == pytest.approx(100.0 * (scale - 1.0), abs=0.6)
+    else:
+        assert [finding.code for finding in sight.findings] == ["VS344"]
+
+
 def test_a_camera_that_does_not_see_the_plane_is_told(recogniser):
     below = replace(ABOVE, pose=looking_at((0.0, 0.0, -500.0), (0.0, 0.0, 0.0)))
     with pytest.raises(Refused) as refused:
