@@ -59,6 +59,11 @@ class Scale:
         wide = (angles * (self.high - self.low) + self.high + self.low) / 2.0
         return np.asarray(np.clip(wide, self.low, self.high))
 
+    def clipped(self, angles: Floats) -> Floats:
+        """(n, a) degrees (mm) by which angles leave the ranges, with their sign."""
+        wide = (angles * (self.high - self.low) + self.high + self.low) / 2.0
+        return np.asarray(wide - np.clip(wide, self.low, self.high))
+
     @property
     def pixel(self) -> float:
         """How long the picture of a noise of one pixel in each number is."""

@@ -107,3 +107,9 @@ STRANGE: Final = error(
     "are explained at most; it has stopped",
     "look at what has changed of tool, robot and cameras, and let the map go on learning",
 )
+CLIPPED: Final = error(
+    "LN022",
+    "the target needs {axis} {over:.2g} degrees (mm) beyond {end:g}, the end of what was learnt; "
+    "{where}",
+    "show a target inside the ranges, or learn the map with a wider range of {axis}",
+)

@@ -10,24 +10,39 @@ import numpy as np
 
 from assistant.learning.maps.doubting import beside, surroundings
 from assistant.learning.maps.extended_map import ExtendedMap, Pace
-from assistant.learning.maps.rules import FAR, LOST, NO_TARGET, NOT_THERE, STRANGE, UNLIKE
+from assistant.learning.maps.rules import (
+    CLIPPED,
+    FAR,
+    LOST,
+    NO_TARGET,
+    NOT_THERE,
+    STRANGE,
+    UNLIKE,
+)
 from assistant.learning.maps.trials import Arm, Trials, learn, looked, times
 from assistant.program.arrays import Floats, Rows, Truths, norms
 from assistant.program.diagnostics import Diagnostic, Refused
 
 NEAR: Final = 1.4
 """Times the distance between neighbours up to which a target is like what was learnt."""
-MORE: Final = 5.0
-"""Times what a unit usually misses by above which a movement is told of."""
 WORSE: Final = 2.0
 """Times what the movement before missed by above which an arm stops."""
 LEAST: Final = 1.0
-"""Pixels below which nothing is told of."""
+"""Pixels, root mean square, below which nothing is reported: the noise of what cameras measure.
+What a map usually leaves excuses nothing: pixels that are left are an error of the tool."""
+BEYOND: Final = 0.01
+"""Part of the range of an axis by which an answer may leave it: rounding, and noise of pictures."""
+OVERSHOT: Final = 3.0
+"""Times the disagreement of its neighbours by which a unit's first answer may leave the ranges too;
+the movement after it corrects that."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Proposal:
-    """joints: (m, a) for m targets, inside their ranges. winners: (m,) units that answer.
+    """Joints for targets, and how sure they are.
+
+    joints: (m, a) for m targets, inside their ranges. clipped: (m, a) degrees (mm) by which the
+    answers left the ranges; above 0 beyond the upper end. winners: (m,) units that answer.
 
     How sure they are: away: (m,) how far the target is from the winner, in distances between the
     winner and its neighbours; above `NEAR` nothing like it was learnt. beside: (m,) how far it is
@@ -39,6 +54,7 @@ class Proposal:
     """
 
     joints: Floats
+    clipped: Floats
     winners: Rows
     away: Floats
     beside: Floats
@@ -79,12 +95,14 @@ class User:
         net, scale = self.net, self.net.scale
         wanted = scale.pictures(checked(net, targets))
         winners = net.winners(wanted)
-        joints = scale.joints(_answers(net, winners, wanted))
+        angles = _answers(net, winners, wanted)
+        joints = scale.joints(angles)
         offsets, about = wanted - net.places[winners], surroundings(net, winners)
         away = norms(offsets) / about.gap
         spread = self._spread(winners, wanted, joints)
         off = beside(net, winners, offsets, about)
-        return Proposal(joints, winners, away, off, spread, net.missed[winners])
+        clipped = scale.clipped(angles)
+        return Proposal(joints, clipped, winners, away, off, spread, net.missed[winners])
 
     def reach(
         self,
@@ -98,13 +116,14 @@ class User:
 
         pace: learn from them, by this (`cooling.in_use`). asks: called with the joints (a,) of the
         first movement before anything moves; False ends it with a Refused. Raises Refused, before
-        anything moves, for a target that is no picture or like nothing that was learnt; and where
-        the tool gets out of sight, or to where its map does not explain it: then the arm stays
-        where it is.
+        anything moves, for a target that is no picture, like nothing that was learnt, or reached
+        only outside the ranges of the joints; and where the tool gets out of sight, or to where its
+        map does not explain it: then the arm stays where it is.
         """
         net, scale = self.net, self.net.scale
         proposal = self.proposed(target[None])
         _check_known(proposal)
+        self._check_inside(proposal.clipped, OVERSHOT * float(proposal.spread[0]))
         if not asks(proposal.joints[0]):
             raise Refused(exit_status=1)
         wanted, slopes = scale.pictures(target[None]), net.slopes[proposal.winners]
@@ -114,7 +133,9 @@ class User:
         for movement in range(1 + corrections):
             if movement:
                 off = wanted - scale.pictures(seen[-1])
-                joints.append(scale.joints(scale.angles(joints[-1]) + times(slopes, off)))
+                angles = scale.angles(joints[-1]) + times(slopes, off)
+                self._check_inside(scale.clipped(angles), 0.0, movement)
+                joints.append(scale.joints(angles))
             seen.append(looked(arm, joints[-1], len(target)))
             if not np.isfinite(seen[-1]).all():
                 raise Refused(LOST(movement=movement + 1), exit_status=1)
@@ -125,9 +146,26 @@ class User:
             done = Trials(proposal.winners, joints[0], seen[0], joints[1], seen[1])
             learn(net, target[None], done, pace)
         findings: tuple[Diagnostic, ...] = ()
-        if missed[-1] > max(MORE * usual, LEAST):
+        if missed[-1] > LEAST:
             findings = (NOT_THERE(seen=missed[-1], movements=1 + corrections, usual=usual),)
         return Reached(joints[-1][0], seen[-1][0], tuple(missed), findings)
+
+    def _check_inside(self, clipped: Floats, more: float, movement: int = 0) -> None:
+        """Raises Refused where joints would leave the ranges that were learnt.
+
+        clipped: (1, a) by which; more: degrees (mm) that are allowed beside `BEYOND`.
+        """
+        scale = self.net.scale
+        ranges = scale.high - scale.low
+        axis = int(np.argmax(np.abs(clipped[0]) / ranges))
+        over = float(clipped[0, axis])
+        if abs(over) <= BEYOND * float(ranges[axis]) + more:
+            return
+        end = scale.high[axis] if over > 0.0 else scale.low[axis]
+        where = "nothing has moved" if movement == 0 else f"it has stopped after {movement}"
+        name = self.net.task.axes[axis]
+        finding = CLIPPED(axis=name, over=abs(over), end=float(end), where=where)
+        raise Refused(finding, exit_status=1)
 
     def _check_explained(
         self, proposal: Proposal, wanted: Floats, seen: Floats, missed: list[float]

@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 from assistant.learning.maps.cooling import in_use
-from assistant.learning.maps.experiments import moved, three_joints
+from assistant.learning.maps.experiments import TIP, moved, over_ranges, three_joints
 from assistant.learning.maps.extended_map import ExtendedMap
 from assistant.learning.maps.goals import Goals, InBox
 from assistant.learning.maps.map_file import load
-from assistant.learning.maps.training import errors
+from assistant.learning.maps.seen_arm import seen_arm
+from assistant.learning.maps.training import errors, trained, usual
 from assistant.learning.maps.trials import tried
 from assistant.learning.maps.using import User
 from assistant.program.arrays import Floats
@@ -266,3 +267,36 @@ def test_whoever_says_that_nothing_is_wrong_is_right(net, tell) -> None:
         f"learned map, arms and cameras that have changed: {dict(sorted(said.items()))}; "
         f"reached within {max(off):.2f} mm"
     )
+
+
+def test_a_target_outside_the_ranges_of_the_joints_is_refused(tell) -> None:
+    """Joints that are 2 to 10 degrees beyond what was learnt: none is gone to without a word."""
+    arm = seen_arm(ARM.robot, (), [TIP], ("J1", "J2", "J3"), np.array([0.0, 0.0, 0.0, 45.0, 0.0]))
+    ranges = np.array([[-50.0, 50.0], [0.0, 50.0], [50.0, 100.0]])
+    learnt = over_ranges(arm, ranges)
+    net = learnt.start()
+    trained(net, learnt.arm, learnt.space, usual(6000))
+    draw, said = np.random.default_rng(1), Counter()
+    for _ in range(150):
+        inside = draw.uniform(ranges[:, 0], ranges[:, 1])
+        outside, axis, beyond = inside.copy(), draw.integers(3), draw.uniform(2.0, 10.0)
+        low, high = ranges[axis]
+        outside[axis] = high + beyond if draw.random() < 0.5 else low - beyond
+        for what, joints in (("inside", inside), ("outside", outside)):
+            try:
+                found = User(net).reach(learnt.arm, learnt.arm(joints[None])[0], corrections=2)
+            except Refused as refused:
+                said[what, refused.findings[0].code] += 1
+            else:
+                said[what, found.findings[0].code if found.findings else "reached"] += 1
+    tell(f"learned map, joints inside and outside of its ranges: {dict(said)}")
+    assert said["inside", "reached"] >= 145
+    assert said["outside", "LN022"] >= 75
+    assert said["outside", "reached"] == 0
+
+
+def test_pixels_that_are_left_are_reported_however_bad_the_map_is() -> None:
+    poor = replace(load(SMALL), missed=np.full(load(SMALL).units, 50.0))
+    found = User(poor).reach(ARM.longer("a2", 1.1), goals(1).pixels[0])
+    assert found.missed[-1] > 1.0
+    assert [finding.code for finding in found.findings] == ["LN013"]
