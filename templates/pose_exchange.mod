@@ -1,7 +1,8 @@
 MODULE {{ module }}
     ! Poses by files, the robot's side; written by robot-assistant.
     ! A PC puts a request into {{ request }}, the answer goes to {{ answer }}.
-    ! Both appear under their names when they are whole, carry a number and end with END and it.
+    ! Both appear under their names when they are whole, with a number, END with it and a checksum.
+    ! A request that is taken is renamed to {{ taken }}, and removed when it is answered.
     ! A pose has the number after that of the request before, and the robot goes there once.
     ! While {{ stop }} is there the robot is stopped and the program ends.
 {% if tool_data %}
@@ -10,12 +11,15 @@ MODULE {{ module }}
 {% endif %}
 
     LOCAL CONST string stRequest:="{{ request }}";
+    LOCAL CONST string stTaken:="{{ taken }}";
     LOCAL CONST string stAnswer:="{{ answer }}";
     LOCAL CONST string stHalf:="{{ answer }}.new";
     LOCAL CONST string stStop:="{{ stop }}";
     LOCAL CONST string stStopped:="{{ stopped }}";
     LOCAL CONST string stHalfStopped:="{{ stopped }}.new";
     LOCAL CONST num nTries:=100;
+    ! The checksum is Adler-32, its two halves as numbers of their own.
+    LOCAL CONST num nBase:=65521;
 
     LOCAL VAR intnum iStop;
     LOCAL VAR clock clMotion;
@@ -31,9 +35,12 @@ MODULE {{ module }}
     LOCAL VAR string text_orient;
     LOCAL VAR string text_config;
     LOCAL VAR string text_end;
+    LOCAL VAR string text_sum;
     LOCAL VAR string stResult;
     LOCAL VAR num nNumber:=0;
     LOCAL VAR num nLast:=0;
+    LOCAL VAR num nLow:=1;
+    LOCAL VAR num nHigh:=0;
     LOCAL VAR bool bNobody:=FALSE;
     LOCAL VAR bool bTaken:=FALSE;
     LOCAL VAR bool bOpen:=FALSE;
@@ -46,6 +53,7 @@ MODULE {{ module }}
         bNobody:=FALSE;
         ! What an earlier exchange left is never carried out.
         remove stRequest;
+        remove stTaken;
         remove stAnswer;
         remove stStop;
         remove stStopped;
@@ -80,16 +88,21 @@ MODULE {{ module }}
         text_orient:=ReadStr(newposedata);
         text_config:=ReadStr(newposedata);
         text_end:=ReadStr(newposedata);
+        text_sum:=ReadStr(newposedata);
         Close newposedata;
         bOpen:=FALSE;
-        ! Taken is what this program removes: what the PC took back before is not carried out.
-        RemoveFile stRequest;
+        ! Taken is what this program renames: what the PC took back before is not carried out.
+        remove stTaken;
+        RenameFile stRequest,stTaken;
         bTaken:=TRUE;
     ERROR
         IF ERRNO=ERR_FILEOPEN OR ERRNO=ERR_FILEACC OR ERRNO=ERR_RCVDATA THEN
             IF bOpen THEN
                 Close newposedata;
             ENDIF
+            RETURN;
+        ELSEIF ERRNO=ERR_FILEEXIST OR ERRNO=ERR_FILNOTFND THEN
+            ! The PC took it back in this moment, or something else has the name.
             RETURN;
         ELSE
             RAISE;
@@ -101,6 +114,14 @@ MODULE {{ module }}
         IF NOT is_whole() THEN
             text_number:="0";
             tell "incomplete";
+        ELSEIF text_sum<>sum_of_request() THEN
+            ! Of a request whose text has changed the number is not trusted either.
+            text_number:="0";
+            IF text_sum="EOF" THEN
+                tell "unchecked";
+            ELSE
+                tell "incomplete";
+            ENDIF
         ELSEIF text_word="where" THEN
             nLast:=nNumber;
             stResult:="ok";
@@ -133,6 +154,43 @@ MODULE {{ module }}
             RAISE;
         ENDIF
     ENDFUNC
+
+    LOCAL FUNC string sum_of_request()
+        begin_sum;
+        add_line text_number;
+        add_line text_word;
+        add_line text_pos;
+        add_line text_orient;
+        add_line text_config;
+        add_line text_end;
+        RETURN sum_text();
+    ENDFUNC
+
+    LOCAL PROC begin_sum()
+        nLow:=1;
+        nHigh:=0;
+    ENDPROC
+
+    LOCAL PROC add_line(string stLine)
+        ! A line has 80 characters at most, so that the sums stay exact without MOD for each.
+        FOR i FROM 1 TO StrLen(stLine) STEP 1 DO
+            nLow:=nLow+StrToByte(StrPart(stLine,i,1)\Char);
+            nHigh:=nHigh+nLow;
+        ENDFOR
+        nLow:=nLow+10;
+        nHigh:=nHigh+nLow;
+        nLow:=nLow MOD nBase;
+        nHigh:=nHigh MOD nBase;
+    ENDPROC
+
+    LOCAL FUNC string sum_text()
+        RETURN "SUM "+NumToStr(nHigh,0)+" "+NumToStr(nLow,0);
+    ENDFUNC
+
+    LOCAL PROC put_line(VAR iodev ioFile,string stLine)
+        Write ioFile,stLine;
+        add_line stLine;
+    ENDPROC
 
     LOCAL PROC go_there()
         Posenew:=robo_target(text_pos,text_orient,text_config);
@@ -211,23 +269,24 @@ MODULE {{ module }}
 
     LOCAL PROC tell(string stWord)
         VAR robtarget pNow;
-        VAR pos posnow;
         pNow:=cur_pose();
-        posnow:=pNow.trans;
         bOpen:=FALSE;
         Open stHalf,selfposedata\Write;
         bOpen:=TRUE;
         Rewind selfposedata;
-        Write selfposedata,text_number;
-        Write selfposedata,stWord;
-        Write selfposedata,""\Pos:=posnow;
-        Write selfposedata,""\Orient:=pNow.rot;
-        Write selfposedata,ValToStr(pNow.robconf);
-        Write selfposedata,ValToStr(pNow.extax);
-        Write selfposedata,""\Num:=ClkRead(clMotion);
-        Write selfposedata,"END "+text_number;
+        begin_sum;
+        put_line selfposedata,text_number;
+        put_line selfposedata,stWord;
+        put_line selfposedata,ValToStr(pNow.trans);
+        put_line selfposedata,ValToStr(pNow.rot);
+        put_line selfposedata,ValToStr(pNow.robconf);
+        put_line selfposedata,ValToStr(pNow.extax);
+        put_line selfposedata,ValToStr(ClkRead(clMotion));
+        put_line selfposedata,"END "+text_number;
+        Write selfposedata,sum_text();
         Close selfposedata;
         bOpen:=FALSE;
+        remove stTaken;
         remove stAnswer;
         RenameFile stHalf,stAnswer;
     ERROR
@@ -273,19 +332,22 @@ MODULE {{ module }}
         pNow:=cur_pose();
         Open stHalfStopped,ioStop\Write;
         Rewind ioStop;
-        Write ioStop,text_stop;
-        Write ioStop,"stopped";
-        Write ioStop,""\Pos:=pNow.trans;
-        Write ioStop,""\Orient:=pNow.rot;
-        Write ioStop,ValToStr(pNow.robconf);
-        Write ioStop,ValToStr(pNow.extax);
-        Write ioStop,"0";
-        Write ioStop,"END "+text_stop;
+        begin_sum;
+        put_line ioStop,text_stop;
+        put_line ioStop,"stopped";
+        put_line ioStop,ValToStr(pNow.trans);
+        put_line ioStop,ValToStr(pNow.rot);
+        put_line ioStop,ValToStr(pNow.robconf);
+        put_line ioStop,ValToStr(pNow.extax);
+        put_line ioStop,"0";
+        put_line ioStop,"END "+text_stop;
+        Write ioStop,sum_text();
         Close ioStop;
         RemoveFile stStopped;
         RenameFile stHalfStopped,stStopped;
         RemoveFile stStop;
         RemoveFile stRequest;
+        RemoveFile stTaken;
         EXIT;
     ERROR
         ! Whatever cannot be read or written, the robot is stopped.

@@ -106,11 +106,20 @@ def run_pose(cell: str, prefix: str, timeout: float, format: Format) -> int:
 
     with reached(cell, "exchange pose") as there:
         answer = PoseExchange(there.session, prefix=prefix, timeout=timeout).current_pose()
+    _warn(answer.checked, str(there.one.address))
     if format is Format.JSON:
         print_json({"address": str(there.one.address), **_record(answer)})
     else:
         say(_line(answer))
     return 0
+
+
+def _warn(checked: bool | None, place: str) -> None:
+    """Report a module that writes no checksum."""
+    if checked is False:
+        from assistant.controllers.abb.exchange import rules
+
+        print_findings([rules.UNCHECKED(place=place)])
 
 
 def run_stop(cell: str, prefix: str, timeout: float, format: Format) -> int:
@@ -150,6 +159,7 @@ def run_follow(cell: str, trajectory: Path, options: Options) -> int:
         )
         try:
             with _told(str(there.one.address), exchange), exchange, _bar(len(path)) as advance:
+                _warn(exchange.checked, str(there.one.address))
                 exchange.follow(
                     path,
                     configurations=_configurations(path),

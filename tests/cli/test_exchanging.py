@@ -109,6 +109,17 @@ def test_poses_are_followed_recorded_and_drawn(capsys, robot, tmp_path):
     assert status == 0 and json.loads(out)["poses"] == 4
 
 
+def test_a_second_exchange_is_refused_and_a_stop_frees_the_claim(capsys, robot, tmp_path):
+    address, table = robot.controller.address, poses(tmp_path / "way.npy")
+    (robot.home / "exchange_claim").mkdir()  # of a computer that nobody can ask any more
+    for given in (["follow", address, table, "--yes"], ["pose", address]):
+        status, _, err = run(capsys, "exchange", *given)
+        assert status == 1 and "CN519" in err and "exchange stop" in err
+    status, _, err = run(capsys, "exchange", "stop", address)
+    assert status == 0, err
+    assert not (robot.home / "exchange_claim").exists()
+
+
 def test_a_table_of_one_pose_is_followed(capsys, robot, tmp_path):
     table = tmp_path / "one.csv"
     table.write_text("x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z\n420,60,395,0,0,1,0\n")

@@ -1,9 +1,13 @@
 """Poses exchanged with the printed RAPID module, which the interpreter runs, over a file server."""
 
 import csv
+import json
 import math
 import socket
+import subprocess
+import sys
 import threading
+from contextlib import contextmanager, suppress
 
 import numpy as np
 import pytest
@@ -200,10 +204,10 @@ def test_a_check_is_asked_before_anything_is_sent(robot, programs):
     assert moves(robot) == []
 
 
-def ask(robot, text):
+def ask(robot, text, checked=True):
     """Puts a request there by hand and gives the lines of the answer."""
     arriving = robot.home / "arriving"
-    arriving.write_text(text)
+    arriving.write_bytes(messages.with_sum(text.encode()) if checked else text.encode())
     arriving.rename(robot.home / "exchange_request.txt")
     answer = robot.home / "exchange_answer.txt"
     for _ in range(2000):
@@ -217,7 +221,9 @@ def ask(robot, text):
 
 def test_what_the_robot_answers_to_requests_of_any_kind(robot):
     here = ask(robot, "100\nwhere\n\n\n\nEND 100\n")
-    assert here[:2] == ["100", "ok"] and here[-1] == "END 100"
+    assert here[:2] == ["100", "ok"] and here[-2] == "END 100"
+    assert messages.parse("".join(f"{line}\n" for line in here).encode()).checked
+    assert ask(robot, "101\nwhere\n\n\n\nEND 101\n", checked=False)[:2] == ["0", "unchecked"]
     place, turn, configuration = here[2:5]
     assert place == "[420,60,400]" and configuration == "[0,0,0,0]"
 
@@ -240,13 +246,16 @@ def test_what_the_robot_answers_to_requests_of_any_kind(robot):
     assert move("207", end="END 20") == ["0", "incomplete"]
     assert move("x") == ["0", "incomplete"]
     assert ask(robot, "208\nmove\n")[:2] == ["0", "incomplete"]
-    assert ask(robot, "")[:2] == ["0", "incomplete"]
+    assert ask(robot, "", checked=False)[:2] == ["0", "incomplete"]
     assert ask(robot, "9" * 300 + "\n")[:2] == ["0", "incomplete"]
+    assert ask(robot, "208\nmove\n[420,75,400]\n[0,0,1,0]\n\nEND 208\nSUM 1 1\n", False)[1] == (
+        "incomplete"
+    )
     (robot.home / "exchange_stop.txt").write_text("7\nEND 7\n")
     assert robot.ended() == ("end", "")
     assert len(moves(robot)) == 1
     lines = (robot.home / "exchange_stopped.txt").read_text().splitlines()
-    assert lines[:2] == ["7", "stopped"] and lines[-1] == "END 7"
+    assert lines[:2] == ["7", "stopped"] and lines[-2] == "END 7"
 
 
 def test_an_old_answer_is_not_taken_for_a_new_one(tmp_path):
@@ -275,15 +284,167 @@ def test_requests_that_were_left_are_not_carried_out_by_a_program_that_starts(tm
         assert moves(robot) == []
 
 
-def test_a_second_exchange_in_between_is_noticed(robot, programs):
+def test_a_second_exchange_is_refused_while_the_first_goes_on(robot, programs):
     with PoseExchange(programs) as first:
         start = first.current_pose().pose
-        with robot.client() as others, PoseExchange(others) as second:
-            second.current_pose()
-        with pytest.raises(Refused) as refused:
-            first.move_to(start.offset(z=5.0))
-        assert codes(refused) == ["CN513"] and "another exchange" in str(refused.value)
-        first.move_to(start.offset(z=5.0))
+        with robot.client() as others:
+            second = PoseExchange(others)
+            for use in (second.__enter__, second.current_pose, lambda: second.move_to(start)):
+                with pytest.raises(Refused) as refused:
+                    use()
+                assert codes(refused) == ["CN519"]
+        assert first.move_to(start.offset(z=5.0)).pose.position[2] == pytest.approx(395.0)
+    with robot.client() as others, PoseExchange(others) as second:
+        second.current_pose()
+
+
+def test_a_claim_of_a_process_that_has_died_is_taken_over(robot, programs):
+    PoseExchange(programs)._claim.take()
+    claimant = robot.home / "exchange_claimant.txt"
+    content = json.loads(claimant.read_text())
+    ended = subprocess.Popen([sys.executable, "-c", ""])
+    ended.wait()
+    for machine, busy in (("elsewhere", True), (content["machine"], False)):
+        claimant.write_text(json.dumps(content | {"process": ended.pid, "machine": machine}))
+        with robot.client() as others, suppressed(Refused) as met, PoseExchange(others):
+            pass
+        assert [code for error in met for code in codes_of(error)] == ["CN519"] * busy
+    assert not claimant.exists()
+
+
+@contextmanager
+def suppressed(kind):
+    """The errors of a kind that were met, none of which goes on."""
+    met = []
+    try:
+        yield met
+    except kind as error:
+        met.append(error)
+
+
+def codes_of(error):
+    return [finding.code for finding in error.findings]
+
+
+def handing_over(programs, change):
+    """Another writer into the folder, or a damaged transfer: what a request becomes, None: gone."""
+    hand_over = programs.hand_over
+
+    def changed(name, data):
+        data = change(data) if b"move" in data else data
+        if data is not None:
+            hand_over(name, data)
+
+    programs.hand_over = changed
+
+
+@pytest.mark.parametrize("changed", [(b"[420.0", b"[435.0"), (b"1.000000000", b"0.100000000")])
+def test_a_request_that_is_changed_on_the_disk_moves_nothing(robot, programs, changed):
+    handing_over(programs, lambda data: data.replace(*changed))
+    with pytest.raises(Refused) as refused, PoseExchange(programs) as exchange:
+        exchange.move_to(exchange.current_pose().pose.offset(z=5.0))
+    assert codes(refused) == ["CN513"] and "other text" in str(refused.value)
+    assert robot.ended() == ("end", "")
+    assert moves(robot) == []
+
+
+def test_a_request_that_somebody_else_removed_was_not_taken_by_the_robot(robot, programs):
+    handing_over(programs, lambda _: None)
+    exchange = PoseExchange(programs, timeout=1.0, longest=600.0)
+    with pytest.raises(Refused) as refused, exchange:
+        exchange.move_to(exchange.current_pose().pose.offset(z=5.0))
+    assert codes(refused) == ["CN512"] and "something else may have" in str(refused.value)
+    assert robot.ended() == ("end", "") and moves(robot) == []
+
+
+class OldModule:
+    """A robot whose module was written before there were checksums.
+
+    goes: where it is after a motion, None if it never arrives. tail: what follows END.
+    """
+
+    def __init__(self, home, goes, tail=""):
+        self.home, self.goes, self.tail = home, goes, tail
+        self.over = threading.Event()
+        self.thread = threading.Thread(target=self._runs, daemon=True)
+
+    def __enter__(self):
+        self.thread.start()
+        return self
+
+    def __exit__(self, *error):
+        self.over.set()
+        self.thread.join(20)
+
+    def _runs(self):
+        stands = ["[420,60,400]", "[0,0,1,0]", "[0,0,0,0]"]
+        request, stop = (self.home / f"exchange_{file}.txt" for file in ("request", "stop"))
+        while not self.over.wait(0.002):
+            with suppress(OSError):
+                lines = stop.read_text().splitlines()
+                stop.unlink()
+                self._answer("stopped", [lines[0], "stopped", *off()])
+            with suppress(OSError):
+                number, word = request.read_text().splitlines()[:2]
+                request.unlink()
+                stands = self.goes if word == "move" else stands
+                if stands is not None:
+                    self._answer("answer", [number, "ok", *stands])
+
+    def _answer(self, file, lines):
+        lines = [*lines, "[9E9,9E9,9E9,9E9,9E9,9E9]", "0.5", f"END {lines[0]}"]
+        half = self.home / "half"
+        half.write_text("".join(f"{line}\n" for line in lines) + self.tail)
+        half.replace(self.home / f"exchange_{file}.txt")
+
+
+def off(position="[420,60,405]", quaternion="[0,0,1,0]", configuration="[0,0,0,0]"):
+    return position, quaternion, configuration
+
+
+@pytest.mark.parametrize(
+    ("goes", "configuration", "tail", "code"),
+    [
+        (off(), None, "", None),
+        (off("[435,60,405]"), None, "", "CN517"),
+        (off(quaternion="[0,0,0.99939,0.0349]"), None, "", "CN517"),
+        (off(), (0, 0, 0, 0), "", None),
+        (off(configuration="[0,-1,0,0]"), (0, 0, 0, 0), "", None),
+        (off(configuration="[0,2,0,0]"), (0, 0, 0, 0), "", "CN517"),
+        (off(), None, "SUM 12 3\n", "CN521"),
+    ],
+    ids=str,
+)
+def test_the_pose_of_an_answer_is_compared_with_that_of_the_request(
+    tmp_path, goes, configuration, tail, code
+):
+    with (
+        RunningRobot(tmp_path / "home", begins=False) as robot,
+        robot.client() as programs,
+        OldModule(robot.home, goes, tail),
+        suppressed(Refused) as met,
+        PoseExchange(programs, timeout=5.0) as exchange,
+    ):
+        assert exchange.checked is False
+        there = Pose((420.0, 60.0, 405.0), (0.0, 0.0, 1.0, 0.0))
+        exchange.move_to(there, configuration=configuration)
+    assert [each for error in met for each in codes_of(error)] == ([code] if code else [])
+
+
+def test_a_stop_by_another_process_ends_the_claim_and_the_exchange(tmp_path):
+    with (
+        RunningRobot(tmp_path / "home", begins=False) as robot,
+        robot.client() as programs,
+        robot.client() as others,
+        OldModule(robot.home, None),
+        pytest.raises(Refused) as it,
+        PoseExchange(programs, timeout=1.0, longest=600.0) as exchange,
+    ):
+        start = exchange.current_pose().pose
+        assert PoseExchange(others, timeout=5.0).stop() is not None
+        assert not (robot.home / "exchange_claim").exists()
+        exchange.move_to(start.offset(x=-200.0))
+    assert codes(it) == ["CN520"]
 
 
 @pytest.mark.parametrize(
@@ -396,7 +557,7 @@ def test_a_folder_in_the_place_of_the_answer_ends_nothing(robot, programs):
         in_the_way.mkdir()
         for number in (101, 102):
             half = robot.home / "half"
-            half.write_bytes(b"%d\nwhere\n\n\n\nEND %d\n" % (number, number))
+            half.write_bytes(messages.request(number, "where"))
             half.replace(request)
             while request.exists() and robot.thread.is_alive():
                 threading.Event().wait(0.005)

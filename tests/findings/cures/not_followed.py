@@ -28,6 +28,8 @@ NOT_FOLLOWED: Final[Mapping[str, str]] = {
     "CN116": "the line has to leave this computer: tests/cli/test_clear_text.py has one made up",
     "CN208": _LIVE.format("controllers/abb/rws/test_session.py"),
     "CN512": "a controller runs the module: tests/controllers/abb/test_exchange.py",
+    "CN518": "a module of an earlier version runs: tests/controllers/abb/test_exchange.py",
+    "CN519": "another process exchanges poses: tests/controllers/abb/test_exchange.py",
     "CO335": "a program of many files takes its time: tests/compiler/test_keeping.py",
     "CO702": _LIVE.format("cli/test_moving.py"),
     "CO715": _LIVE.format("compiler/test_teaching.py"),

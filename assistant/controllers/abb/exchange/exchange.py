@@ -11,15 +11,17 @@ from __future__ import annotations
 import random
 import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from types import TracebackType
-from typing import Final, Protocol, Self, runtime_checkable
+from typing import Final, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from assistant.controllers import rules as common
 from assistant.controllers.abb.exchange import messages, rules
+from assistant.controllers.abb.exchange.claiming import Claim, Files, HandsOver
 from assistant.controllers.abb.exchange.messages import Answer, Configuration, Word
 from assistant.controllers.abb.exchange.module import file_names
 from assistant.controllers.abb.exchange.recording import FIELDS, Spent, add
@@ -43,26 +45,18 @@ LARGEST_CONFIGURATION: Final = 99_999_999
 _ROWS: Final = "state positions (n, 3) in mm and quaternions (n, 4)"
 FARTHEST: Final = 100_000.0
 """mm that a coordinate has at most: beyond, it is no place of a robot."""
-
-
-@runtime_checkable
-class HandsOver(Protocol):
-    """A client that has a shorter way for small files than `write` and `read`."""
-
-    def hand_over(self, name: str, data: bytes) -> None:
-        """Puts a file there that appears whole; it is not read back."""
-
-    def look(self, name: str) -> bytes | None:
-        """A file, None if there is none that can be read now."""
-
-    def take_away(self, name: str) -> bool:
-        """Deletes a file; False, and nothing happens, if there is none."""
+OFF: Final = 1.0
+"""mm and degrees at most between a requested pose and that of a robot that stands there."""
+SETTLE: Final = 1.0
+"""Seconds after which an answer that cannot be read stays unreadable: a damaged transfer is read
+again until then."""
 
 
 class PoseExchange:
     """An exchange with a program that `module.Module` printed and that runs on the controller.
 
-    A context manager: entering asks where the robot is, which the program must answer. Leaving it
+    A context manager: entering claims the exchange, so that no other client sends requests in
+    between, and asks where the robot is, which the program must answer. Leaving it
     because of an error, or of ^C, stops the robot and ends the program (`stop`); leaving it
     otherwise lets the program wait for the next exchange.
 
@@ -89,7 +83,12 @@ class PoseExchange:
         """What the robot answered to a stop."""
         self.ended = ""
         """Why the exchange is over and in which state the robot is; "" while it goes on."""
+        self.checked: bool | None = None
+        """True if the answers have checksums, None before the first one."""
         self._names = file_names(prefix)
+        self._files = Files(programs)
+        self._claim = Claim(self._files, prefix)
+        self._left: bytes | None = None
         self._timeout, self._longest, self._poll = timeout, longest, poll
         self._check = check
         self._number = random.randrange(1, messages.LARGEST_NUMBER // 2)  # noqa: S311 - no secret
@@ -98,7 +97,13 @@ class PoseExchange:
 
     def __enter__(self) -> Self:
         self._begin = time.monotonic()
-        self.current_pose()
+        self._claim.take()
+        try:
+            self.current_pose()
+        except BaseException:
+            with suppress(Refused):
+                self._claim.free()
+            raise
         return self
 
     def __exit__(
@@ -107,8 +112,15 @@ class PoseExchange:
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        if error is not None and not self.ended:
-            self._stop_after(error)
+        try:
+            if error is not None and not self.ended:
+                self._stop_after(error)
+        finally:
+            try:
+                self._claim.free()
+            except Refused:
+                if error is None:
+                    raise
 
     def current_pose(self) -> Answer:
         """Where the robot is, once its program has come to look for a request."""
@@ -167,12 +179,15 @@ class PoseExchange:
     def stop(self) -> Answer | None:
         """Stops the robot where it is and ends its program; None if nothing answered in time.
 
-        May be asked for at any time, also where a request is under way. `ended` says afterwards
-        what is known of the robot. Raises Refused if the controller could not be told.
+        May be asked for at any time, also where a request is under way or another process exchanges
+        poses: its claim ends. `ended` says afterwards what is known of the robot. Raises Refused if
+        the controller could not be told.
         """
         self._number = _next(self._number)
-        number, names = self._number, self._names
+        number = self._number
         self._put("stop", messages.stop_request(number))
+        with suppress(Refused):  # what cannot be freed keeps nobody from waiting for the answer
+            self._claim.clear()
         end = time.monotonic() + self._timeout
         while time.monotonic() < end:
             data = self._look("stopped")
@@ -183,8 +198,8 @@ class PoseExchange:
                 self.ended = "the robot stands still, and its program has ended"
                 return answer
             self._pause()
-        for name in (names["request"], names["stop"]):
-            self._remove_named(name)
+        for file in ("request", "taken", "stop"):
+            self._remove(file)
         self.ended = (
             f"nothing answered to the stop within {self._timeout:g} s: either no program of an "
             "exchange runs on the controller, or the robot may still move"
@@ -206,12 +221,39 @@ class PoseExchange:
         """Sends a request and waits for its own answer; others are left alone."""
         if self.ended:
             raise Refused(rules.ENDED(place=str(self.programs.address), reason=self.ended))
-        self._number = _next(self._number)
-        if not self._in_step:
-            self._forget_unread()
-        number, began, self._in_step = self._number, time.perf_counter(), False
-        self._hand_over(messages.request(number, word, pose, configuration))
-        handed, looks = time.perf_counter(), 0
+        with self._claimed():
+            self._number = _next(self._number)
+            if not self._in_step:
+                self._forget_unread()
+            number, began, self._in_step = self._number, time.perf_counter(), False
+            self._hand_over(messages.request(number, word, pose, configuration))
+            answer = self._answer(number, word, longest, began)
+            self._remove("answer")
+        if answer.word != "ok":
+            self._declined(answer, number, word)
+        self.checked = answer.checked
+        add(self.recording, time.monotonic() - self._begin, answer, self.spent, pose)
+        if pose is not None and word == "move":
+            self._compare(answer, pose, configuration)
+        self._in_step = True
+        return answer
+
+    @contextmanager
+    def _claimed(self) -> Iterator[None]:
+        """Holds the claim, for one request where it was not taken for all of them."""
+        if self._claim.held:
+            yield
+            return
+        self._claim.take()
+        try:
+            yield
+        finally:
+            with suppress(Refused):
+                self._claim.free()
+
+    def _answer(self, number: int, word: Word, longest: float, began: float) -> Answer:
+        """Waits for the answer to a request; raises Refused where none comes."""
+        handed, looks, unread, asked_after = time.perf_counter(), 0, 0.0, False
         while True:
             looking, looks = time.perf_counter(), looks + 1
             data = self._look("answer")
@@ -220,24 +262,67 @@ class PoseExchange:
                 break
             if self.ended:  # another thread stopped it meanwhile
                 raise Refused(rules.ENDED(place=str(self.programs.address), reason=self.ended))
-            if time.perf_counter() - handed > longest:
+            now = time.perf_counter()
+            if answer is not None or data in (None, self._left):
+                unread = now
+            elif now - (unread or handed) > SETTLE:
+                raise Refused(
+                    rules.BAD_ANSWER(place=str(self.programs.address), number=number, word=word)
+                )
+            if now - handed > longest:
                 self._unanswered(number, word, longest)
+            if now - handed > self._timeout and not asked_after:
+                asked_after = True
+                self._ask_after(number, word, longest)
             self._pause()
         done = time.perf_counter()
         self.spent = Spent(handed - began, looking - handed, done - looking, answer.motion, looks)
-        self._remove("answer")
-        if answer.word != "ok":
-            self._declined(answer, number, word)
-        self._in_step = True
-        add(self.recording, time.monotonic() - self._begin, answer, self.spent, pose)
         return answer
+
+    def _ask_after(self, number: int, word: Word, longest: float) -> None:
+        """Raises Refused if the program has not taken the request of a motion, or was stopped."""
+        self._claim.check()
+        if self.checked and not self._is_taken(number):
+            data = self._look("answer")
+            answer = None if data is None else messages.parse(data)
+            if answer is None or not messages.is_of(answer, number):
+                self._unanswered(number, word, min(self._timeout, longest))
+
+    def _is_taken(self, number: int) -> bool:
+        """True if the program says that it took the request: it has renamed it."""
+        data = self._look("taken")
+        return data is not None and data.startswith(b"%d\n" % number)
+
+    def _compare(self, answer: Answer, pose: Pose, configuration: Configuration | None) -> None:
+        """Raises Refused if a robot that has gone to a pose does not stand there."""
+        distance = float(np.linalg.norm(np.subtract(answer.pose.position, pose.position)))
+        angle = float(rotations.angle_between(answer.pose.quaternion, pose.quaternion))
+        quarters = 0
+        if configuration is not None:  # at the edge of a quarter the controller tells either
+            pairs = zip(answer.configuration[:3], configuration[:3], strict=True)
+            quarters = max(abs(one - int(other)) for one, other in pairs)
+        if distance <= OFF and angle <= OFF and quarters <= 1:
+            return
+        off = [f"{distance:.1f} mm and {angle:.1f} degrees"]
+        if quarters > 1:
+            off.append(f"and by configuration {answer.configuration} instead of {configuration}")
+        raise Refused(
+            rules.ELSEWHERE(
+                place=str(self.programs.address),
+                number=self._number,
+                distance=" ".join(off),
+                stands=_at(answer.pose),
+                asked=_at(pose),
+            )
+        )
 
     def _forget_unread(self) -> None:
         """Removes an old answer that does not name its request: it would be taken for the next."""
-        data = self._look("answer")
-        answer = None if data is None else messages.parse(data)
+        self._left = self._look("answer")
+        answer = None if self._left is None else messages.parse(self._left)
         if answer is not None and answer.number == messages.UNREAD:
             self._remove("answer")
+            self._left = None
 
     def _hand_over(self, data: bytes) -> None:
         """Puts a request there; where that is refused half-way, it is taken back."""
@@ -254,9 +339,12 @@ class PoseExchange:
         """Takes the request back, if it still lies there, so that nothing carries it out later."""
         state = {
             True: "it was not taken and has been removed; it moved nothing",
-            False: "it was taken, so that the robot may still move",
+            False: "it is gone, and the program has not said that it took it: something else may "
+            "have removed it; the robot may still move",
             None: "it has been removed; if it was taken in that moment, the robot may still move",
         }[self._taken_back()]
+        if self._is_taken(number):
+            state = "it was taken, so that the robot may still move"
         raise Refused(
             rules.NO_ANSWER(
                 place=str(self.programs.address),
@@ -283,7 +371,6 @@ class PoseExchange:
     def _declined(self, answer: Answer, number: int, word: Word) -> None:
         unknown = f"it answered `{answer.word}`", "look at the event log of the controller"
         reason, cure = rules.REASONS.get(answer.word, unknown)
-        x, y, z = answer.pose.position
         still = "it stands" if answer.word != "failed" else "it was"
         raise Refused(
             rules.DECLINED(
@@ -291,7 +378,7 @@ class PoseExchange:
                 number=number,
                 word=word,
                 reason=reason,
-                state=f"{still} at ({x:g}, {y:g}, {z:g}) mm",
+                state=f"{still} at {_at(answer.pose)}",
                 cure=cure,
             )
         )
@@ -339,26 +426,13 @@ class PoseExchange:
         return place, turn
 
     def _put(self, file: str, data: bytes) -> None:
-        name = self._names[file]
-        if isinstance(self.programs, HandsOver):
-            self.programs.hand_over(name, data)
-        else:
-            self.programs.write(name, data)
+        self._files.put(self._names[file], data)
 
     def _look(self, file: str) -> bytes | None:
-        name = self._names[file]
-        if isinstance(self.programs, HandsOver):
-            return self.programs.look(name)
-        return self.programs.read(name)
+        return self._files.look(self._names[file])
 
     def _remove(self, file: str) -> None:
-        self._remove_named(self._names[file])
-
-    def _remove_named(self, name: str) -> None:
-        if isinstance(self.programs, HandsOver):
-            self.programs.take_away(name)
-        else:
-            self.programs.remove(name)
+        self._files.remove(self._names[file])
 
     def _pause(self) -> None:
         threading.Event().wait(self._poll)
@@ -389,6 +463,11 @@ def _is_configuration(given: Sequence[float]) -> bool:
 
 def _next(number: int) -> int:
     return number % messages.LARGEST_NUMBER + 1
+
+
+def _at(pose: Pose) -> str:
+    x, y, z = pose.position
+    return f"({x:g}, {y:g}, {z:g}) mm"
 
 
 def _bad(row: int, reason: str, cure: str) -> Diagnostic:

@@ -1,13 +1,15 @@
-"""What both sides write into their files: a number, a word, data line by line, `END number`.
+"""What both sides write into their files: a number, a word, data line by line, `END number`, a sum.
 
-A file without the end mark is not whole. Numbers have at most six digits, as many as a RAPID
-program reads and writes exactly. `templates/pose_exchange.mod` is the other side.
+A file without the end mark is not whole; one with another checksum was changed on its way. Numbers
+have at most six digits, as many as a RAPID program reads and writes exactly.
+`templates/pose_exchange.mod` is the other side.
 """
 
 from __future__ import annotations
 
 import math
 import re
+import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
@@ -27,6 +29,7 @@ UNREAD: Final = 0
 """Number of the answer to a request whose own number could not be read."""
 _NUMBERS: Final = re.compile(r"\[(.*)\]")
 _ANSWER_LINES: Final = 8
+_SUM: Final = "SUM"
 LONGEST: Final = 4096
 """Bytes of an answer; each of its lines has 80 at most, as a RAPID string has."""
 
@@ -37,7 +40,8 @@ class Answer:
 
     word: `ok`, `stopped`, or a reason of `rules.REASONS`. pose: of the tool in the work object of
     the module, mm and unit quaternion. external: degrees or mm, NaN for an axis that is not there.
-    motion: seconds that the motion took, as the controller measured them.
+    motion: seconds that the motion took, as the controller measured them. checked: its checksum
+    is right; False for an answer without one, from a module that was written before there was one.
     """
 
     number: int
@@ -46,6 +50,7 @@ class Answer:
     configuration: Configuration
     external: tuple[float, ...]
     motion: float
+    checked: bool = False
 
 
 def request(
@@ -57,7 +62,18 @@ def request(
         lines[2:4] = _row(pose.position, 6), _row(pose.quaternion, 9)
     if configuration is not None:
         lines[4] = _row(configuration, 0)
-    return "".join(f"{line}\n" for line in lines).encode("ascii")
+    return with_sum("".join(f"{line}\n" for line in lines).encode("ascii"))
+
+
+def with_sum(text: bytes) -> bytes:
+    """Append the line with the checksum of the lines before it."""
+    return text + _sum(text) + b"\n"
+
+
+def _sum(text: bytes) -> bytes:
+    """Adler-32 as the two numbers that a RAPID program adds up exactly."""
+    value = zlib.adler32(text)
+    return f"{_SUM} {value >> 16} {value & 0xFFFF}".encode("ascii")
 
 
 def stop_request(number: int) -> bytes:
@@ -70,11 +86,16 @@ def is_of(answer: Answer, number: int) -> bool:
 
 
 def parse(data: bytes) -> Answer | None:
-    """The answer that a file is, None for one that is not whole or says something else."""
+    """The answer that a file is, None for one that is not whole, was changed or is none."""
     if len(data) > LONGEST:
         return None
-    lines = data.decode("latin-1").replace("\r", "").split("\n")[:_ANSWER_LINES]
+    lines = data.decode("latin-1").replace("\r", "").split("\n")
+    after, lines = lines[_ANSWER_LINES:], lines[:_ANSWER_LINES]
     if len(lines) < _ANSWER_LINES or lines[-1] != f"END {lines[0]}":
+        return None
+    text = "".join(f"{line}\n" for line in lines).encode("latin-1")
+    checked = any(after)
+    if checked and after[0] != _sum(text).decode("ascii"):
         return None
     try:
         number = int(lines[0])
@@ -89,9 +110,8 @@ def parse(data: bytes) -> Answer | None:
     if not math.isfinite(motion) or abs(length - 1.0) > 1e-3:
         return None
     axes = tuple(math.nan if abs(value) > UNUSED else value for value in external)
-    return Answer(
-        number, lines[1], Pose((x, y, z), (w, a, b, c)), (cf1, cf4, cf6, cfx), axes, motion
-    )
+    pose = Pose((x, y, z), (w, a, b, c))
+    return Answer(number, lines[1], pose, (cf1, cf4, cf6, cfx), axes, motion, checked)
 
 
 def _row(values: Sequence[float], decimals: int) -> str:

@@ -19,7 +19,7 @@ from assistant.resources import resource
 
 LANGUAGE: Final = "rapid"
 TEMPLATE: Final = "pose_exchange.mod"
-FILES: Final = ("request", "answer", "stop", "stopped")
+FILES: Final = ("request", "taken", "answer", "stop", "stopped")
 LONGEST_NAME: Final = 32
 LONGEST_FOLDER: Final = 40
 """A RAPID string has 80 characters at most, and the names of the files follow."""
