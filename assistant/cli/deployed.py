@@ -59,7 +59,13 @@ def run_rollback(
     status = 0
     for job in named_controllers(to, targets, Wishes(history=history)):
         with job.opened() as client, working(f"taking back on {job.one.address}"):
-            done = deploy.rollback(client, number, history=job.history, replace=replace)
+            done = deploy.rollback(
+                client,
+                number,
+                history=job.history,
+                replace=replace,
+                tell=lambda finding: print_findings([finding]),
+            )
         status = max(status, finished(done, as_json=format is Format.JSON, back=True))
     return status
 

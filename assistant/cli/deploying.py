@@ -58,7 +58,12 @@ def run_deploy(
         with working(f"comparing with {job.one.address}"):
             plan = job.planned(client)
         with working(f"installing on {job.one.address}"):
-            done = deploy.deploy(plan, history=job.history, files_only=wishes.files_only)
+            done = deploy.deploy(
+                plan,
+                history=job.history,
+                files_only=wishes.files_only,
+                tell=lambda finding: print_findings([finding]),
+            )
     _print([_show(job, plan, done, format)], format)
     return 0 if done.ok else 1
 

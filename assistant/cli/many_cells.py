@@ -49,6 +49,7 @@ def run_many(
             history=history,
             files_only=files_only,
             halt=halt,
+            tell=lambda finding: print_findings([finding]),
         )
     if format is Format.JSON:
         print_json(answer(rollout))

@@ -23,6 +23,8 @@ PATIENCE: Final = 20.0
 and the program that it had open, for a while."""
 Progress = Callable[[Entry], None]
 """Is told each program before it is changed."""
+Tell = Callable[[Diagnostic], None]
+"""Is given what a user has to know before all is over."""
 
 
 class Carrying:

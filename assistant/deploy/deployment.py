@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path as FilePath
@@ -11,7 +11,7 @@ from pathlib import Path as FilePath
 from assistant.controllers.rules import Lost
 from assistant.deploy import rules
 from assistant.deploy.archive import packed
-from assistant.deploy.carrying import PATIENCE, Carrying, Progress
+from assistant.deploy.carrying import PATIENCE, Carrying, Progress, Tell
 from assistant.deploy.claiming import alone_here, check_claim, claim, holder, unclaim
 from assistant.deploy.held import Digests
 from assistant.deploy.identifying import of_another
@@ -33,6 +33,8 @@ def deploy(
     files_only: bool = False,
     progress: Progress | None = None,
     patience: float = PATIENCE,
+    tell: Tell | None = None,
+    leave: Callable[[], bool] | None = None,
 ) -> Deployment:
     """Brings the plan's changes to its controller, reads each back, and compares.
 
@@ -41,9 +43,14 @@ def deploy(
     is raised for it. A plan with conflicts, or whose controller has changed meanwhile, changes
     nothing; neither does one that would replace a running program. Never starts motion.
     files_only: whether programs may be replaced whose taught points this session cannot see.
-    patience: seconds for which what cannot be put back is tried again.
+    patience: seconds for which what cannot be put back is tried again. tell: called with what a
+    user has to know at once, as of a line that is lost. leave: asked while a lost line is tried
+    again; True leaves the deployment open.
     """
-    return _Run(plan, history, patience).done(files_only, progress)
+    run = _Run(plan, history, patience)
+    run.site.tell = tell or run.site.tell
+    run.leave = leave
+    return run.done(files_only, progress)
 
 
 class _Run:
@@ -54,6 +61,7 @@ class _Run:
         self.place = place_of(plan.address, history)
         self.site = plan.site
         self.site.patience = min(self.site.patience, patience)
+        self.leave: Callable[[], bool] | None = None
         self.findings: list[Diagnostic] = []
         self.journal: Journal | None = None
         self.states = {
@@ -116,6 +124,7 @@ class _Run:
             self._check_unchanged,
             self.patience,
             progress,
+            self.leave,
         )
         self.journal = done.journal
         self.states |= done.states
@@ -137,15 +146,18 @@ def carry_out(
     check: Callable[[], None],
     patience: float,
     progress: Progress | None = None,
+    leave: Callable[[], bool] | None = None,
 ) -> Carrying:
     """Brings programs to a controller, with a journal; what fails is put back.
 
-    So is what is interrupted, from outside or by Ctrl-C: only once, what comes behind that
-    waits. check: is asked once nobody else can deploy to it. The findings of what comes back say
-    what failed. Raises Refused if nothing could be begun.
+    So is what is interrupted, from outside or by Ctrl-C: only once, what comes after that waits,
+    unless the line is lost: then it leaves the deployment open, and so does `leave`. check: is
+    asked once nobody else can deploy to it. The findings of what comes back say what failed. Raises
+    Refused if nothing could be begun.
     """
     stood = tasks(site)
     with told_to_end(once=True) as ending:
+        site.waiting = partial(_waiting, ending, leave or (lambda: False))
         journal = _begun(site, place, record, entries, check, patience, ending)
         carrying = Carrying(site, journal, patience)
         try:
@@ -156,19 +168,31 @@ def carry_out(
             except Refused as refusal:
                 ending.hold()
                 carrying.findings += refusal.findings
-                take_back(carrying, connected=not isinstance(refusal, Lost))
+                if isinstance(refusal, Lost):
+                    site.lost(refusal, patience)
+                _take_back(carrying, connected=not isinstance(refusal, Lost))
         except KeyboardInterrupt:
             ending.hold()
             name = next(reversed(carrying.states), "")
             carrying.findings.append(rules.INTERRUPTED(place=name, name=name))
-            take_back(carrying, connected=False)  # an answer may still be on its way
+            _take_back(carrying, connected=False)  # an answer may still be on its way
         except BaseException:
             ending.hold()
-            take_back(carrying, connected=False)
+            _take_back(carrying, connected=False)
             raise
-    with suppress(Refused):  # what became of a lost line is said already
-        carrying.findings += pointers_lost(site, stood)
+    if site.reachable:
+        with suppress(Refused):  # what became of a lost line is said already
+            carrying.findings += pointers_lost(site, stood)
     return carrying
+
+
+@contextmanager
+def _waiting(ending: Ending, leave: Callable[[], bool]) -> Iterator[None]:
+    """While a lost line is tried again, which may be interrupted."""
+    if leave():
+        raise KeyboardInterrupt
+    with ending.released():
+        yield
 
 
 def _begun(
@@ -192,15 +216,17 @@ def _begun(
     except BaseException as caught:
         ending.hold()
         lost = not isinstance(caught, Refused) or isinstance(caught, Lost)
-        _abandon(site, place, record, patience, connected=not lost)
+        held = _abandon(site, place, record, patience, connected=not lost)
+        if held and isinstance(caught, Refused):
+            raise Refused(*caught.findings, *held, exit_status=caught.exit_status) from None
         raise
     return journal
 
 
 def _abandon(
     site: Site, place: FilePath, record: Record, patience: float, *, connected: bool
-) -> None:
-    """Ends a deployment before anything was changed."""
+) -> list[Diagnostic]:
+    """Ends a deployment before anything was changed; a finding if it may still hold the site."""
     with suppress(Refused):
         journal = open_journal(place)
         if journal is not None and journal.record.name == record.name:
@@ -211,9 +237,15 @@ def _abandon(
             site.clear_rests({})
             unclaim(site, record.name)
 
-    if site.disk is not None:
-        with suppress(Refused):
-            site.insist(free, patience, connected=connected)
+    if site.disk is None:
+        return []
+    try:
+        site.insist(free, patience, connected=connected)
+    except (Refused, KeyboardInterrupt):
+        there = str(site.address)
+        reason = "it could not be reached"
+        return [rules.STILL_HELD(place=there, name=record.name, reason=reason)]
+    return []
 
 
 def settle(carrying: Carrying) -> None:
@@ -236,6 +268,15 @@ def take_back(carrying: Carrying, *, connected: bool) -> None:
             carrying.findings += refusal.findings
         else:
             _let_go(carrying)
+
+
+def _take_back(carrying: Carrying, *, connected: bool) -> None:
+    """As `take_back`, and left open where somebody interrupts the wait for a lost line."""
+    try:
+        take_back(carrying, connected=connected)
+    except KeyboardInterrupt:
+        place, name = str(carrying.site.address), carrying.journal.record.name
+        carrying.findings.append(rules.LEFT_OPEN(place=place, name=name))
 
 
 def _let_go(carrying: Carrying) -> None:

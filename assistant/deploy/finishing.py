@@ -12,7 +12,7 @@ from assistant.controllers import Programs
 from assistant.deploy import rules
 from assistant.deploy import site as site_names
 from assistant.deploy.archive import unpack
-from assistant.deploy.carrying import PATIENCE, Carrying
+from assistant.deploy.carrying import PATIENCE, Carrying, Tell
 from assistant.deploy.claiming import alone_here, claim, held_by, holder, unclaim
 from assistant.deploy.clashing import check_clashes
 from assistant.deploy.deployment import carry_out, settle, take_back
@@ -71,15 +71,18 @@ def rollback(
     history: str | FilePath | None = None,
     replace: Collection[str] = (),
     patience: float = PATIENCE,
+    tell: Tell | None = None,
 ) -> Deployment:
     """Takes back a deployment: every program of it is again what it was before, byte for byte.
 
     number: of it in the history; those after it are taken back as well. None for the one that was
     interrupted, or else the last. To take back one that is done is a deployment too, which can be
-    resumed and taken back. replace: see `resume`. Raises Refused if there is none.
+    resumed and taken back. replace: see `resume`. tell: see `deploy`. Raises Refused if there
+    is none.
     """
     place = place_of(controller.address, history)
     with alone_here(place), Site(controller, patience=patience) as site:
+        site.tell = tell or site.tell
         journal, freed = _open(site, place)
         if journal is not None:
             if number not in (None, journal.number):
@@ -158,7 +161,8 @@ def _open(site: Site, place: FilePath) -> tuple[Journal | None, _Freed | None]:
     one = held_by(site)
     if one is None:
         return None, None
-    how = next((s for s in map(last_step, _named(place, one.name)) if s in ENDED), None)
+    steps = map(last_step, _named(place, one.name))
+    how = next((step for step in steps if step in ENDED and step is not Step.NOTHING), None)
     if how is None and one.name:
         data = site.controller.read(UNDER_WAY)
         journal = None if data is None else unpack(data, place, one.name)

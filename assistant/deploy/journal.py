@@ -56,6 +56,9 @@ UNDER_WAY: Final = ".new"
 class Step(enum.StrEnum):
     """What a line of a journal says."""
 
+    NOTHING = "not begun"
+    """It has no line: the process died before anything was changed."""
+
     BEGUN = "begun"
     WRITING = "writing"
     """A program, which is named, is about to be changed."""
@@ -70,7 +73,7 @@ class Step(enum.StrEnum):
     """Another computer ended it, and has deployed since."""
 
 
-ENDED: Final = (Step.DONE, Step.TAKEN_BACK, Step.ELSEWHERE)
+ENDED: Final = (Step.NOTHING, Step.DONE, Step.TAKEN_BACK, Step.ELSEWHERE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -212,7 +215,10 @@ def steps_of(folder: FilePath) -> list[tuple[Step, str]]:
             text = read_text(folder / STEPS, "utf-8", "replace")
         except FileNotFoundError:
             return found
-    for line in text.split("\n"):
+    lines = text.split("\n")
+    if len(lines) == 1:  # its first line, which comes before any change, was never finished
+        return found
+    for line in lines:
         try:
             row = json.loads(line)
             found.append((Step(row["step"]), str(row.get("program", ""))))
@@ -222,8 +228,16 @@ def steps_of(folder: FilePath) -> list[tuple[Step, str]]:
 
 
 def last_step(folder: FilePath) -> Step:
+    """The last step of the deployment of a folder; raises Refused.
+
+    A journal whose whole lines are all damaged counts as begun.
+    """
     steps = steps_of(folder)
-    return steps[-1][0] if steps else Step.BEGUN
+    if steps:
+        return steps[-1][0]
+    with failing(folder):
+        file = folder / STEPS
+        return Step.BEGUN if file.is_file() and b"\n" in read_file(file) else Step.NOTHING
 
 
 def journals(place: FilePath) -> tuple[Journal, ...]:

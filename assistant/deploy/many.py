@@ -16,7 +16,7 @@ from typing import Final
 
 from assistant.controllers import Address
 from assistant.deploy import rules
-from assistant.deploy.carrying import PATIENCE
+from assistant.deploy.carrying import PATIENCE, Tell
 from assistant.deploy.deployment import deploy
 from assistant.deploy.journal import Entry
 from assistant.deploy.outcome import Deployment
@@ -105,7 +105,8 @@ class Halt:
     """Asked for by whoever wants an end in order, a handler of a signal for instance.
 
     No more cells are begun then. Those under way take back what they changed, as soon as the
-    program is there that they were sending. noticed: called once, in the thread that waits.
+    program is there that they were sending; one whose line is lost is left open. noticed: called
+    once, in the thread that waits.
     """
 
     asked: bool = False
@@ -121,18 +122,19 @@ def deploy_to_all(
     files_only: bool = False,
     patience: float = PATIENCE,
     halt: Halt | None = None,
+    tell: Tell | None = None,
 ) -> Rollout:
     """Plans all cells, and deploys to each if every one could be planned without a conflict.
 
     canary: name of the cell that goes first, alone. After a failure no more are begun; those
     under way go on to their end. Cells of one controller follow each other, in their order.
-    Nothing is raised for a cell that fails. history, files_only, patience: see `deploy`.
+    Nothing is raised for a cell that fails. history, files_only, patience, tell: see `deploy`.
     Raises Refused, of exit status 2, if no cell has the name of the canary.
     """
     if canary and canary not in (cell.name for cell in cells):
         known = ", ".join(f"`{cell.name}`" for cell in cells)
         raise Refused(rules.NO_CANARY(name=canary, known=known), exit_status=2)
-    options = _Options(history, files_only, patience)
+    options = _Options(history, files_only, patience, tell)
     return _Rollout(cells, parallel, options, halt or Halt()).done(canary)
 
 
@@ -141,6 +143,7 @@ class _Options:
     history: str | FilePath | None
     files_only: bool
     patience: float
+    tell: Tell | None
 
 
 @dataclass(slots=True)
@@ -224,6 +227,8 @@ class _Rollout:
                 files_only=options.files_only,
                 patience=options.patience,
                 progress=self._go_on,
+                tell=options.tell,
+                leave=lambda: self.halt.asked,
             )
         except Exception as error:  # noqa: BLE001 - told as the finding of this cell
             return replace(_failed(outcome, error), seconds=time.monotonic() - begun)

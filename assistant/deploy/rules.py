@@ -230,6 +230,17 @@ NOT_PUT_BACK = error(
 INTERRUPTED = error(
     "DP304", "the deployment was interrupted while `{name}` was written", "run it again"
 )
+LINE_LOST = warning(
+    "DP305",
+    "the line to the controller is lost: {reason}; what was begun is taken back once the "
+    "controller answers, for which {patience:g} s are allowed",
+    "wait; Ctrl-C leaves the deployment open, and `deploy --resume` or `rollback` ends it later",
+)
+LEFT_OPEN = error(
+    "DP306",
+    "putting back was interrupted while the line was lost; the deployment `{name}` is open",
+    "finish it with `deploy --resume`, or take it back with `rollback`, before any program starts",
+)
 NO_CANARY = error("DP401", "no controller of this deployment is called `{name}`", "write {known}")
 NOT_BEGUN = warning(
     "DP402",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from functools import partial
 from typing import Final, Self, TypeVar
 
@@ -11,9 +12,10 @@ from assistant.controllers import Address, Controller, Programs
 from assistant.controllers.abilities import Disk, Memory, Rests
 from assistant.controllers.rules import Lost, Taken
 from assistant.controllers.states import Identity
+from assistant.deploy import rules
 from assistant.deploy.comparing import said
 from assistant.deploy.held import NOTHING, Digests, Held, digest
-from assistant.program.diagnostics import Refused
+from assistant.program.diagnostics import Diagnostic, Refused
 
 RECORD: Final = "robot-assistant.json"
 """Beside the programs on a disk: what the last deployment left there."""
@@ -52,6 +54,12 @@ class Site:
         self.patience = patience
         self.memory = controller if isinstance(controller, Memory) else None
         self.disk = controller if isinstance(controller, Disk) else None
+        self.tell: Callable[[Diagnostic], None] = lambda _: None
+        """Called at once with what a user has to know before everything is over."""
+        self.waiting: Callable[[], AbstractContextManager[object]] = nullcontext
+        """Entered while a lost line is tried again: what may interrupt that raises in it."""
+        self._silent: float | None = None
+        self._unreachable: Lost | None = None
 
     def __enter__(self) -> Self:
         self.controller.__enter__()
@@ -82,19 +90,53 @@ class Site:
         """Does it again, over a new session where there is none, until it is not refused.
 
         connected: whether the session can be used as it is. only: what is tried again. Raises
-        what it met last.
+        what it met last. A line that is lost has one patience for all that is tried on it.
         """
         end = time.monotonic() + patience
         while True:
             try:
                 if not connected:
-                    self.reconnect()
-                return act()
+                    self._connect_anew(patience)
+                    connected = True
+                done = act()
             except only as refusal:
+                if isinstance(refusal, Lost):
+                    end = min(end, self.lost(refusal, patience))
                 if time.monotonic() + BETWEEN > end:
                     raise
-                connected = not isinstance(refusal, Lost)
-                time.sleep(BETWEEN)
+                connected = connected and not isinstance(refusal, Lost)
+                with self.waiting() if not connected else nullcontext():
+                    time.sleep(BETWEEN)
+            else:
+                self._silent = self._unreachable = None
+                return done
+
+    def lost(self, refusal: Lost, patience: float) -> float:
+        """Reports a lost line, once; until when it is tried again."""
+        if self._silent is None:
+            self._silent = time.monotonic()
+            reason = refusal.findings[0].message if refusal.findings else "it does not answer"
+            place = str(self.address)
+            self.tell(rules.LINE_LOST(place=place, reason=reason, patience=patience))
+        return self._silent + patience
+
+    @property
+    def reachable(self) -> bool:
+        """False while a lost line could not be had back."""
+        return self._unreachable is None
+
+    def _connect_anew(self, patience: float) -> None:
+        """Raises Lost at once where that was tried in vain for as long as the patience lasts."""
+        silent, unreachable = self._silent, self._unreachable
+        if silent is not None and unreachable is not None:
+            if time.monotonic() > silent + patience:
+                raise unreachable
+        try:
+            with self.waiting() if silent is not None else nullcontext():
+                self.reconnect()
+        except Lost as refusal:
+            self._unreachable = refusal
+            raise
 
     @property
     def address(self) -> Address:

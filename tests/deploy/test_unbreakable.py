@@ -5,6 +5,9 @@ import json
 import os
 import shutil
 import signal
+import subprocess
+import sys
+import threading
 import zipfile
 
 import pytest
@@ -13,6 +16,7 @@ from assistant import deploy as deploying
 from assistant.deploy import FileState
 from assistant.deploy.claiming import alone_here
 from assistant.deploy.journal import place_of
+from assistant.deploy.site import Site
 from assistant.program.diagnostics import Refused
 from tests.deploy.benches import CrBench, Irc5Bench, files_below, make_files
 from tests.deploy.children import child
@@ -60,6 +64,101 @@ def test_a_line_of_the_journal_that_is_cut_off_hides_none_behind_it(died):
     assert died.rollback().ok and died.programs() == died.old
     assert json.loads(steps.read_bytes().splitlines()[-1])["step"] == "taken back"
     assert died.deploy().ok
+
+
+@pytest.mark.parametrize("journal", [None, b"", b'{"time": "2026-01-01", "st'])
+def test_a_journal_without_a_line_means_that_nothing_was_begun(bench, journal):
+    """As a full disk leaves it: the first line is there before any program is touched."""
+    shutil.copytree(place(bench) / "0001", place(bench) / "0002")
+    steps = place(bench) / "0002" / "journal.jsonl"
+    steps.unlink()
+    if journal is not None:
+        steps.write_bytes(journal)
+    assert bench.deploy().ok and bench.programs() == bench.new
+    assert deploying.journals(place(bench))[1].result == "not begun"
+    assert bench.rollback().ok and bench.programs() == bench.old
+
+
+def test_a_journal_whose_lines_are_damaged_is_open(died):
+    (place(died) / "0002" / "journal.jsonl").write_bytes(b"\xff\n")
+    assert codes(died.deploy().findings) == ["DP208"]
+
+
+@pytest.fixture
+def dying(bench, monkeypatch):
+    """Its line is lost for good while the second program is sent."""
+    monkeypatch.setattr("assistant.deploy.site.BETWEEN", 0.1)
+    bench.proxy.arm()
+    assert bench.deploy().ok
+    bench.proxy.calm()
+    marks = bench.proxy.marks
+    bench.restore(bench.start)
+    bench.proxy.arm(cut=marks[len(marks) * 2 // 3], again=False)
+    bench.told = []
+    return bench
+
+
+def dead(dying, **options):
+    plan = deploying.plan(dying.local, dying.client(), history=dying.history)
+    return deploying.deploy(
+        plan, history=dying.history, files_only=True, tell=dying.told.append, **options
+    )
+
+
+def test_a_line_that_is_lost_is_reported_at_once_and_has_one_patience_for_all(dying, monkeypatch):
+    connect, tries = Site.reconnect, []
+
+    def counted(site):
+        tries.append(codes(dying.told))
+        connect(site)
+
+    monkeypatch.setattr(Site, "reconnect", counted)
+    done = dead(dying, patience=0.5)
+    assert not done.ok and FileState.UNKNOWN in done.states.values()
+    assert codes(dying.told) == ["DP305"] and "0.5 s" in dying.told[0].message
+    assert all(told == ["DP305"] for told in tries), "it was not reported before it was tried"
+    assert 1 <= len(tries) <= 8
+    dying.proxy.calm()
+    assert dying.rollback().ok and dying.programs() == dying.old
+
+
+def test_a_wait_for_a_lost_line_can_be_left(dying):
+    done = dead(dying, patience=600.0, leave=lambda: True)
+    assert "DP306" in codes(done.findings)
+    dying.proxy.calm()
+    assert codes(dying.deploy().findings) == ["DP208"]
+    assert dying.rollback().ok and dying.programs() == dying.old
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name == "nt", reason="it has no such signals")
+def test_ctrl_c_leaves_a_deployment_open_whose_line_is_lost(dying):
+    process = subprocess.Popen(
+        [sys.executable, "-m", "assistant", *dying.arguments()],
+        env={**os.environ, "ROBOT_ASSISTANT_PASSWORD": dying.password},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    said = ""
+    for line in process.stderr:
+        said += line
+        if "DP305" in said:
+            break
+    over = threading.Event()
+
+    def interrupt():
+        while not over.wait(0.1):
+            process.send_signal(signal.SIGINT)
+
+    thread = threading.Thread(target=interrupt)
+    thread.start()
+    _, err = process.communicate(timeout=60)
+    over.set()
+    thread.join()
+    assert "DP306" in err and "Traceback" not in err, said + err
+    dying.proxy.calm()
+    assert dying.rollback().ok and dying.programs() == dying.old
 
 
 def test_a_journal_that_is_damaged_is_not_believed(died):

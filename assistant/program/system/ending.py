@@ -67,6 +67,15 @@ class Ending:
         """Whatever comes from here on is let pass: what is under way goes on to its end."""
         self._held = True
 
+    @contextmanager
+    def released(self) -> Iterator[None]:
+        """Meanwhile the next that comes is raised again, also where it was held."""
+        held, self._held = self._held, False
+        try:
+            yield
+        finally:
+            self._held = held or self._held
+
     def met(self, number: int, _frame: object) -> None:
         if not self._held:
             self._held = self._once

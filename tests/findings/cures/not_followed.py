@@ -46,6 +46,8 @@ NOT_FOLLOWED: Final[Mapping[str, str]] = {
     ),
     "DP229": _LIVE.format("cli/test_deployments.py"),
     "DP234": "a controller needs two tasks with one module: tests/deploy/test_memory.py",
+    "DP305": _DIED,
+    "DP306": _DIED,
     "ED011": "a port has to be taken meanwhile: tests/editing/test_server.py takes one",
     "LN001": "a map is learnt for minutes: tests/learning/maps/test_map_files.py",
     "LN104": "poses are made by numbers of the arm: tests/learning/calibration/test_bad_poses.py",

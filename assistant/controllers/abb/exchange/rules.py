@@ -70,7 +70,7 @@ REASONS: Final = {
     ),
     "unchecked": (
         "the request carried no checksum",
-        "let one version of robot-assistant write the module and send the poses",
+        "write the module anew with `robot-assistant exchange module`",
     ),
     "failed": ("its motion failed", "look at the event log of the controller"),
     "unknown": (
