@@ -15,6 +15,7 @@ import numpy as np
 import assistant
 from assistant import robots
 from assistant.blocks.running_bdsim import run_paced
+from assistant.program.diagnostics import Refused
 
 PROGRAM = Path(__file__).parent.parent / "rapid" / "gluing.mod"
 ROBOT = robots.get("irb1200-7-0.7")
@@ -106,4 +107,7 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except Refused as refused:
+        raise SystemExit(str(refused)) from None

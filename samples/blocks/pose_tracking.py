@@ -14,6 +14,7 @@ import numpy as np
 from assistant import robots
 from assistant.blocks.running_bdsim import run_paced
 from assistant.program import rotations
+from assistant.program.diagnostics import Refused
 
 ROBOT = robots.get("irb1200-7-0.7")
 STEP, SECONDS = 0.01, 6.0
@@ -105,4 +106,7 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except Refused as refused:
+        raise SystemExit(str(refused)) from None

@@ -19,6 +19,7 @@ from assistant.blocks.diagrams.clocks import RealTime
 from assistant.blocks.leading import led
 from assistant.blocks.running_bdsim import run_paced
 from assistant.controllers.following import Wishes
+from assistant.program.diagnostics import Refused
 from assistant.virtual.cr import VirtualCr
 
 ROBOT = robots.get("rv-2aj")
@@ -118,4 +119,7 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except Refused as refused:
+        raise SystemExit(str(refused)) from None

@@ -17,6 +17,7 @@ from assistant.blocks.diagrams.block import Block, Port
 from assistant.blocks.library.adapted import add
 from assistant.blocks.library.arrays import joints_port
 from assistant.blocks.running_bdsim import run_paced
+from assistant.program.diagnostics import Refused
 from assistant.vision.cameras.camera_file import read_cameras
 from assistant.vision.servoing.ideal import Ticks
 from assistant.vision.servoing.interaction import flange_of, jacobian
@@ -130,4 +131,7 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except Refused as refused:
+        raise SystemExit(str(refused)) from None

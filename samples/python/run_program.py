@@ -11,6 +11,7 @@ import argparse
 
 from assistant.controllers import connect
 from assistant.controllers.mitsubishi.data_link import DataLink, Form, Rate
+from assistant.program.diagnostics import Refused
 
 SQUARE = b"""10 ' Round a square of 20 mm, 20 mm lower, and back
 20 OVRD 50
@@ -44,13 +45,6 @@ TELL = b"""10 ' Where the arm is, until the other program has ended
 """
 FORM = Form.parse("P_CURR | J_CURR")
 
-arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-arguments.add_argument("address", help="of the controller")
-arguments.add_argument("--status", help="what COM2 of the programs leads to")
-arguments.add_argument("--baud", type=int, default=9600, help="of a serial status line")
-arguments.add_argument("--yes", action="store_true", help="do not ask before it moves")
-given = arguments.parse_args()
-
 
 def heard(link):
     """Prints what the second program tells, until it ends."""
@@ -61,28 +55,47 @@ def heard(link):
         )
 
 
-with connect(given.address) as controller:
-    if not given.yes and input("goes round a square of 20 mm, 20 mm lower, type yes: ") != "yes":
-        raise SystemExit(1)
-    controller.write("SQUARE", SQUARE)
-    controller.load("SQUARE")
-    if given.status:
-        controller.write("TELL", TELL)
-        controller.load("TELL", task="2")
-    controller.motors(True)
-    try:
+def main():
+    """Installs the program, starts it and prints where the arm is."""
+    arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    arguments.add_argument("address", help="of the controller")
+    arguments.add_argument("--status", help="what COM2 of the programs leads to")
+    arguments.add_argument("--baud", type=int, default=9600, help="of a serial status line")
+    arguments.add_argument("--yes", action="store_true", help="do not ask before it moves")
+    given = arguments.parse_args()
+
+    with connect(given.address) as controller:
+        if (
+            not given.yes
+            and input("goes round a square of 20 mm, 20 mm lower, type yes: ") != "yes"
+        ):
+            raise SystemExit(1)
+        controller.write("SQUARE", SQUARE)
+        controller.load("SQUARE")
         if given.status:
-            controller.start("2")
-            with DataLink(given.status, rate=Rate(given.baud)) as link:
+            controller.write("TELL", TELL)
+            controller.load("TELL", task="2")
+        controller.motors(True)
+        try:
+            if given.status:
+                controller.start("2")
+                with DataLink(given.status, rate=Rate(given.baud)) as link:
+                    controller.start("1")
+                    heard(link)
+            else:
                 controller.start("1")
-                heard(link)
-        else:
-            controller.start("1")
-        for sample in controller.watch(0.2):
-            x, y, z = sample.position.position
-            print(f"{sample.seconds:.1f} s at {x:.2f} {y:.2f} {z:.2f}")
-            if not sample.state.running:
-                break
-    finally:
-        controller.stop()
-        controller.motors(False)
+            for sample in controller.watch(0.2):
+                x, y, z = sample.position.position
+                print(f"{sample.seconds:.1f} s at {x:.2f} {y:.2f} {z:.2f}")
+                if not sample.state.running:
+                    break
+        finally:
+            controller.stop()
+            controller.motors(False)
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except Refused as refused:
+        raise SystemExit(str(refused)) from None

@@ -1,4 +1,4 @@
-"""Single moves of a Mitsubishi arm by controller link: up by some mm, and back down.
+"""Single moves of a Mitsubishi arm by controller link: along z by some mm, and back.
 
 The controller works out the path; where the arm is can be asked once it stands. Over Ethernet and
 over a serial line alike:
@@ -11,34 +11,47 @@ import argparse
 import re
 
 from assistant.controllers import connect
-
-arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-arguments.add_argument("address", help="of the controller")
-arguments.add_argument("--by", type=float, default=20.0, help="mm upwards")
-arguments.add_argument("--override", type=int, default=10, help="percent of the speed")
-arguments.add_argument("--yes", action="store_true", help="do not ask before it moves")
-given = arguments.parse_args()
+from assistant.program.diagnostics import Refused
 
 NUMBER = re.compile(r"[-+]?\d+\.?\d*")
 
 
 def raised(text, by):
-    """A position as the controller writes it, some mm higher."""
+    """A position as the controller writes it, some mm higher or lower."""
     z = list(NUMBER.finditer(text))[2]
     return f"{text[: z.start()]}{float(z[0]) + by:.2f}{text[z.end() :]}"
 
 
-with connect(given.address) as controller:
-    here = controller.position()
-    print("stands at", here.text)
-    if not given.yes and input(f"moves up by {given.by:g} mm and back, type yes: ") != "yes":
-        raise SystemExit(1)
-    controller.motors(True)
+def main():
+    """Moves the arm along z and back."""
+    arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    arguments.add_argument("address", help="of the controller")
+    arguments.add_argument("--by", type=float, default=-20.0, help="mm upwards, less than 0: down")
+    arguments.add_argument("--override", type=int, default=10, help="percent of the speed")
+    arguments.add_argument("--yes", action="store_true", help="do not ask before it moves")
+    given = arguments.parse_args()
+
+    with connect(given.address) as controller:
+        here = controller.position()
+        print("stands at", here.text)
+        if (
+            not given.yes
+            and input(f"moves along z by {given.by:g} mm and back, type yes: ") != "yes"
+        ):
+            raise SystemExit(1)
+        controller.motors(True)
+        try:
+            controller.set_override(given.override)
+            for target in (raised(here.text, given.by), here.text):
+                controller.execute(f"P99={target}")
+                controller.execute("MVS P99", wait=True)
+                print("stands at", controller.position().text)
+        finally:
+            controller.motors(False)
+
+
+if __name__ == "__main__":
     try:
-        controller.set_override(given.override)
-        for target in (raised(here.text, given.by), here.text):
-            controller.execute(f"P99={target}")
-            controller.execute("MVS P99", wait=True)
-            print("stands at", controller.position().text)
-    finally:
-        controller.motors(False)
+        main()
+    except Refused as refused:
+        raise SystemExit(str(refused)) from None

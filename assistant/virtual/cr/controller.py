@@ -7,9 +7,11 @@ with VirtualCr("rv-2aj") as controller:
 from __future__ import annotations
 
 import contextlib
+import math
 import socket
 import socketserver
 import threading
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from datetime import datetime
@@ -268,6 +270,7 @@ class VirtualCr:
         """`QoK…` or `QeR…` for one command, third letter lower case in an error state."""
         text = command.decode(ENCODING)
         with self.state.lock:
+            session.heard = math.inf
             try:
                 if len(command) > MOST_BYTES:
                     raise CrRefusal(6080)
@@ -277,6 +280,7 @@ class VirtualCr:
             except CrRefusal as error:
                 head = "Qe"
                 body = ";".join([f"{error.number:04}", *map(str, error.places)])
+            session.heard = time.monotonic()
             letter = ("k", "r") if self.state.alarm else ("K", "R")
         answer = head + letter[head == "Qe"] + body
         if self._report is not None:

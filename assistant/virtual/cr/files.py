@@ -102,7 +102,7 @@ def _free(session: CrSession, name: str) -> None:
     state = session.state
     if name in state.selected.values():
         raise CrRefusal(4190)
-    if name in state.edited:
+    if state.is_edited(name):
         raise CrRefusal(4170)
 
 

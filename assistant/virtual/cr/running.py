@@ -39,7 +39,7 @@ def _run(session: CrSession, argument: str) -> str:
             state.machinery.select(slot, program)
         elif now.program != program:
             raise CrRefusal(5120)
-    if state.machinery.slot_now(slot).program in state.edited:
+    if state.is_edited(state.machinery.slot_now(slot).program):
         raise CrRefusal(4170)
     state.machinery.run(slot, MODES.get(number, "REP"))
     return ""

@@ -53,7 +53,8 @@ def _close(session: CrSession) -> str:
 
 
 def _take_right(session: CrSession) -> str:
-    if session.state.right not in (None, session):
+    holder = session.state.right
+    if holder not in (None, session) and not holder.silent:
         raise CrRefusal(6020)
     session.state.right = session
     return ""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -71,8 +72,8 @@ class CrState:
     store: CrStore
     clock: Callable[[], datetime] = datetime.now
     alarm: tuple[int, int] | None = None
-    right: object | None = None
-    edited: dict[str, object] = field(default_factory=dict)
+    right: CrSession | None = None
+    edited: dict[str, CrSession] = field(default_factory=dict)
     board: Board = field(default_factory=Board)
     log: ErrorLog = field(default_factory=ErrorLog)
     hours: dict[str, int] = field(default_factory=lambda: dict.fromkeys("TSDB", 0))
@@ -259,6 +260,19 @@ class CrState:
             self.store[program].keep(name, value)
         self.machinery.set_variable(program, name, value)
 
+    def is_edited(self, name: str, by: CrSession | None = None) -> bool:
+        """True if a session has the program open, other than `by`.
+
+        A session that has said nothing for `SILENT` seconds loses it to the one that asks.
+        """
+        holder = self.edited.get(name)
+        if holder is None or holder is by:
+            return False
+        if holder.silent:
+            holder.close()
+            return False
+        return True
+
     def forget(self, program: str) -> None:
         """A program is another one now, or is gone."""
         self.cycles.pop(program, None)
@@ -280,6 +294,11 @@ class CrState:
             self.lock.acquire()
 
 
+SILENT: Final = 15.0
+"""Seconds without a command after which a client no longer keeps others out; no manual at hand says
+how long a controller waits."""
+
+
 @dataclass(slots=True)
 class BlockFile:
     """A file that FOPEN opened. data: to be read from `at` on, or what was written so far."""
@@ -297,7 +316,8 @@ class CrSession:
     slot: of the command under way. following: by listing, the index behind what was listed last.
     block: the file that is open for blocks. keyword: whether protected parameters are open.
     changed: whether the edit differs from what is stored. listed: changed parameters that are
-    still to be listed.
+    still to be listed. heard: by `time.monotonic`, when its last command was over, inf while one is
+    under way.
     """
 
     state: CrState
@@ -309,6 +329,12 @@ class CrSession:
     keyword: bool = False
     changed: bool = False
     listed: list[str] = field(default_factory=list)
+    heard: float = field(default_factory=time.monotonic)
+
+    @property
+    def silent(self) -> bool:
+        """True if it is taken for dead: a client may vanish without closing its connection."""
+        return time.monotonic() - self.heard > SILENT
 
     @property
     def edit(self) -> CrProgram:
@@ -319,7 +345,7 @@ class CrSession:
 
     def open(self, name: str) -> None:
         """Opens a program or a new one; raises CrRefusal 4170 if another session has it open."""
-        if self.state.edited.get(name, self) is not self:
+        if self.state.is_edited(name, self):
             raise CrRefusal(4170)
         self.close()
         self.state.edited[name] = self

@@ -55,14 +55,14 @@ def test_1_direct_control_with_feedback(tmp_path):
 @pytest.mark.slow
 def test_2_single_moves_over_ethernet(tmp_path):
     with controller() as virtual:
-        moved_up_and_back(sample(tmp_path, "single_moves.py", virtual.address, "--by", -20))
+        moved_up_and_back(sample(tmp_path, "single_moves.py", virtual.address))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("framing", ["plain", "procedural"])
 def test_3_single_moves_over_a_serial_line(framing, tmp_path):
     with controller(serial=True, framing=framing) as virtual:
-        moved_up_and_back(sample(tmp_path, "single_moves.py", serial(virtual), "--by", -20))
+        moved_up_and_back(sample(tmp_path, "single_moves.py", serial(virtual)))
 
 
 def serial(virtual):
@@ -113,6 +113,30 @@ def test_6_two_data_links(tmp_path):
         rows = list(csv.DictReader(file))
     turns = [float(row["J_CURR.J1"]) for row in rows]
     assert max(turns) == pytest.approx(5, abs=0.5) and min(turns) == pytest.approx(-5, abs=0.5)
+
+
+OTHERS = [
+    pytest.param(path.name, marks=pytest.mark.slow)
+    for path in sorted(SAMPLES.glob("*.py"))
+    if path.name != "single_moves.py"
+]
+
+
+@pytest.mark.parametrize("name", ["single_moves.py", *OTHERS])
+def test_what_a_sample_is_refused_is_one_sentence(name, tmp_path):
+    """Nothing listens there."""
+    dead = {"direct_control.py": ["127.0.0.1", "--port", 9]}.get(name, ["melfa://127.0.0.1:9"])
+    lines = ["/dev/null", "127.0.0.1:9"] if name.startswith("two") else []
+    done = subprocess.run(
+        [sys.executable, str(SAMPLES / name), *map(str, [*dead, *lines]), "--yes"],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(SAMPLES.parents[1])},
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert done.returncode == 1 and done.stderr.count("\n") == 1, done.stderr
+    assert done.stderr.startswith("CN")
 
 
 SLOW = [

@@ -279,6 +279,24 @@ def test_a_client_that_vanishes_leaves_nothing_behind(controller, wire):
         assert wire.ask("1;1;NEW") == "QoK"
 
 
+def test_a_client_that_is_silent_loses_its_edit_and_its_right_to_who_asks(
+    controller, wire, monkeypatch
+):
+    """As one whose cable was cut: its connection is there for ever."""
+    load(wire, "SEAM", "10 END")
+    with Wire(controller.port) as lost:
+        for command in ("1;1;CNTLON", "1;1;LOAD=SEAM", "1;1;EDATA20 HLT"):
+            assert lost.ask(command) == "QoK"
+        refused = {"1;1;LOAD=SEAM": "4170", "1;1;FDELSEAM": "4170", "1;1;CNTLON": "6020"}
+        for command, number in refused.items():
+            assert wire.ask(command) == f"QeR{number}"
+        monkeypatch.setattr("assistant.virtual.cr.state.SILENT", -1.0)
+        for command in ("1;1;LOAD=SEAM", "1;1;NEW", "1;1;CNTLON", "1;1;FDELSEAM"):
+            assert wire.ask(command) == "QoK"
+        monkeypatch.undo()
+        assert lost.ask("1;1;EDATA30 HLT") == "QeR4820"
+
+
 def test_clients_at_once_do_not_mix(controller):
     def write(number):
         with Wire(controller.port) as wire:
