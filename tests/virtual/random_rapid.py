@@ -86,6 +86,7 @@ def drawn_with_more(seed: int) -> Drawn:
     rng = Random(f"rapid more {seed}")
     features = {name for name, part in FEATURES.items() if rng.random() < part}
     features = (features - {"waits", "limits", "ends"}) | MORE
+    features |= {"speed limits"} if rng.random() < 0.15 else set()
     scope = Scope(frozenset(features))
     lines = _data(rng, scope)
     called = Routine("rBeside", "PROC", [Parameter("height", "real", "")])

@@ -183,6 +183,11 @@ class Body:
         else:
             self.say(depth, f"{name}.rot:=OrientZYX({step},{rng.choice([0, 25, -60])},180);")
 
+    def speed_limit(self, depth: int) -> None:
+        share = self.rng.choice(["100", "100", "50"])
+        most = self.rng.choice(["80", "150", "5000", f"60+Abs({self.terms.whole(2)}) MOD 90"])
+        self.say(depth, f"VelSet {share},{most};")
+
     def constant_tool(self, depth: int) -> None:
         """A tool that is made of constants, and a move with it."""
         self.say(depth, self.rng.choice(["tWork.tframe:=poWork;", "tWork.tframe.trans:=[0,0,75];"]))
@@ -407,6 +412,7 @@ STATEMENTS: Final[Sequence[tuple[Draw, int, str, bool]]] = (
     (Body.arc, 2, "arcs", False),
     (Body.angle, 8, "angles", False),
     (Body.constant_tool, 1, "constant tools", False),
+    (Body.speed_limit, 2, "speed limits", False),
     (Body.output, 6, "signals", False),
     (Body.pulse, 1, "signals", False),
     (Body.trigger, 8, "triggers", False),

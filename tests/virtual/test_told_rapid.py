@@ -151,7 +151,7 @@ def test_an_output_set_later_has_its_value_until_then(tmp_path: FilePath) -> Non
     ("body", "told"),
     [
         ("VelSet 50,600;\nMoveL p10,v100,fine,tGripper;", False),
-        ("VelSet 50,600;\nMoveL p10,v1000,fine,tGripper;", True),
+        ("VelSet 50,600;\nMoveL p10,v2000,fine,tGripper;", False),
         ("AccSet 50,60;", True),
         ("ActUnit STN1;", True),
         ("PDispOff;", False),

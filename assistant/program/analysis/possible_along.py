@@ -48,6 +48,23 @@ def numbers_at(
     return _Following(possible, procedure, names).at(value, statement)
 
 
+def numbers_of_all(
+    possible: Possible, value: e.Expression, procedure: Procedure
+) -> Callable[[p.Statement], Numbers]:
+    """What an expression may come to at each statement of a procedure, by the statement."""
+    anywhere = possible.of(value, procedure)
+    found: dict[int, Numbers] = {}
+    if possible.is_entry_alone(procedure) and (
+        names := sorted(possible.followed(value, procedure))
+    ):
+        following = _Following(possible, procedure, names)
+        for node, state in following.found.items():
+            for part in following.graph.runs[node]:
+                found[id(part)] = following.of(value, state)
+                state = following.ran(part, state)
+    return lambda statement: found.get(id(statement), anywhere)
+
+
 class _Following:
     """The values of some variables along one procedure. names: in lower case."""
 

@@ -47,6 +47,7 @@ from assistant.languages.rapid.lift.told.left_out import (
     Loss,
     has_external_axes,
 )
+from assistant.languages.rapid.lift.told.limits import with_limit, with_limited_speeds
 from assistant.languages.rapid.lift.told.meeting import DUE, shared, task_lists
 from assistant.languages.rapid.lift.told.outputs import switched
 from assistant.languages.rapid.lift.told.processes import beads, spot_programs, weld_speeds
@@ -113,12 +114,13 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
     if tables := _tables(program):
         program = with_table_rows(program, tables, _with_named_rows)
     if any(map(is_text, everywhere(program, p.Opaque, e.Verbatim))):
+        program, limit = with_limit(program)
         program = with_held_moves(with_aliases(program), findings)
         program = with_interrupts(program, findings)
         program = _with_other_words(program, findings)
         handled = with_errors(program, lift_of(program), findings)
         program = program if handled is program else _with_other_words(handled, findings)
-        program = with_own_waits(program)
+        program = with_limited_speeds(with_own_waits(program), limit)
         program = with_channels(with_operator(program, findings), findings)
         program = exchanged(program, lambda node: (_without_near(node, findings),))
         if arm is not None:

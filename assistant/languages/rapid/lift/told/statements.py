@@ -25,7 +25,6 @@ from assistant.program.diagnostics import Findings
 from assistant.program.motion import Blend, Speed
 from assistant.program.passes.motions import meant
 from assistant.program.program import Program
-from assistant.program.rewriting import records
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,23 +181,10 @@ _USUAL: Final = 100.0
 
 
 def _velocity(telling: Telling, call: Called[s.Expression], _: p.Opaque) -> Said:
-    """`VelSet`: the share of programmed speeds; its limit matters for moves beyond it alone."""
+    """`VelSet`: the share of programmed speeds; `limits` sees to the most that there may be."""
     match call.given:
         case (share, most) if share is not None and most is not None and not call.options:
-            limit = telling.number(most)
-            if limit is None or not _is_within(telling.program, limit):
-                loss = "moves are as fast as they state"
-                telling.lost("the limit of VelSet", loss, "state no more for each move")
             yield p.SetOverride(telling.meaning.expression(share))
-
-
-def _is_within(program: Program, limit: float) -> bool:
-    """Whether no move of a program states more than a limit in mm/s."""
-    motions = [one for one in records(program.procedures) if isinstance(one, p.Motion)]
-    paths = [one.path for one in program.statements() if isinstance(one, p.Follow)]
-    stated = [*(one.speed for one in motions), *(x for path in paths for x in path.speeds)]
-    known = [meant(one, program.speeds) for one in stated]
-    return all(isinstance(one, Speed) and one.tcp <= limit for one in known)
 
 
 def _process(telling: Telling, call: Called[s.Expression], node: p.Opaque) -> Said:
