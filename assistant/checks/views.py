@@ -15,7 +15,7 @@ from assistant.program.arrays import Floats, Rows
 from assistant.program.diagnostics import Diagnostic, Rule, Span
 from assistant.program.expressions import Number
 from assistant.program.program import Program, walk
-from assistant.program.statements import Moving, SetOverride
+from assistant.program.statements import Follow, Moving, SetOverride
 from assistant.robots import Robot, SolvedProgram
 from assistant.robots.solved_program import Leg, SolvedRun
 
@@ -99,10 +99,13 @@ class RunView:
     def groups(self, rows: Rows, badness: Floats) -> Iterator[tuple[Rows, int]]:
         """Rows of the run (k,) ascending, each group with the place of its worst.
 
-        Neighbours and the rows of one statement are together. The place is one among the k of
-        badness (k,), of which more is worse.
+        Neighbours are together, and so are the rows of a path that have no lines of their own. The
+        place is one among the k of badness (k,), of which more is worse.
         """
-        cuts = np.flatnonzero((np.diff(rows) > NEIGHBOURS) & (np.diff(self.leg_of(rows)) > 0)) + 1
+        leg = self.leg_of(rows)
+        alone = np.array([_has_lines(one.statement) for one in self.legs], dtype=bool)[leg]
+        apart = (np.diff(leg) > 0) | alone[1:]
+        cuts = np.flatnonzero((np.diff(rows) > NEIGHBOURS) & apart) + 1
         if len(cuts) >= MOST_GROUPS:
             cuts = cuts[:0]
         at = np.arange(len(rows))
@@ -116,8 +119,16 @@ class RunView:
         return rule(about=about, span=self.span(row), worst=where, **fields)
 
     def span(self, row: int) -> Span | None:
-        """Where the statement stands that moves to a row."""
-        return self.legs[int(self.leg_of(np.array([row]))[0])].statement.span
+        """The source location of the move to a row."""
+        leg = self.legs[int(self.leg_of(np.array([row]))[0])]
+        if isinstance(leg.statement, Follow):
+            return leg.statement.row_span(row - leg.rows.start)
+        return leg.statement.span
+
+
+def _has_lines(statement: Moving) -> bool:
+    """True if each row of the statement has a line of its own in the text."""
+    return isinstance(statement, Follow) and statement.path.places is not None
 
 
 def _overrides(solution: SolvedProgram) -> dict[int, float]:

@@ -43,6 +43,9 @@ class Path:
     configurations: (n, 6) int8, `CONFIGURATION_COLUMNS`; UNSTATED in the first if unknown.
     external: (n, 6) deg or mm, NaN for an unused axis.
     speed, blend, tool, frame: (n,) int32 rows of the tables speeds, blends, tools, frames.
+    places: (n, 2) where the move to each row begins and ends in the source text, counted from the
+    begin of the statement that follows the path; None if the rows have no lines of their own. Not
+    part of what the path says.
     """
 
     name: str
@@ -59,6 +62,7 @@ class Path:
     blends: tuple[Blend | Name, ...]
     tools: tuple[str, ...]
     frames: tuple[str, ...]
+    places: Rows | None = None
 
     @staticmethod
     def of(
@@ -77,6 +81,7 @@ class Path:
         blend: ArrayLike = 0,
         tool: ArrayLike = 0,
         frame: ArrayLike = 0,
+        places: Rows | None = None,
     ) -> Path:
         """A path from arrays; scalars and missing columns hold for every row.
 
@@ -115,6 +120,7 @@ class Path:
             blends=tuple(blends),
             tools=tuple(tools),
             frames=tuple(frames),
+            places=places,
             **indices,
         )
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Final, Literal
 
 from assistant.program.calls import Call as Call
+from assistant.program.diagnostics import Span
 from assistant.program.effects import Effect
 from assistant.program.expressions import Expression, Name, Number
 from assistant.program.expressions import Reason as Reason
@@ -119,6 +120,15 @@ class Follow(Spanned):
     """Along a path of the program's own."""
 
     path: Path
+
+    def row_span(self, row: int) -> Span | None:
+        """Where the move to a row is in the source text; all of the statement if that is all
+        there is.
+        """
+        if self.span is None or self.path.places is None:
+            return self.span
+        start, end = self.path.places[row].tolist()
+        return Span(self.span.start + start, self.span.start + end)
 
 
 @dataclass(frozen=True, slots=True)

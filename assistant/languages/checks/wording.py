@@ -43,11 +43,6 @@ class Listing(Generic[N]):
         return {"names": shown + more, "them": "them" if self.count > 1 else "it"}
 
 
-def as_of_more(count: int) -> str:
-    """What follows a finding at one place that is true of so many in all."""
-    return f", as of {count - 1} more" if count > 1 else ""
-
-
 def like_it(count: int) -> str:
     """What follows the last of some findings, if so many others were like them."""
     return f" and {count} more like it" if count > 0 else ""

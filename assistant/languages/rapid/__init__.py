@@ -148,10 +148,11 @@ class Rapid(Language["File"]):
         return declares(text)
 
     def lift_trees(self, trees: Sequence[File], robot: Robot | None) -> Program:  # noqa: ARG002
+        from assistant.languages.rapid.checks.single_rows import with_single_rows
         from assistant.languages.rapid.lift.program import lift
         from assistant.languages.rapid.text.elsewhere import with_elsewhere
 
-        return lift(with_elsewhere(trees))
+        return lift(with_single_rows(with_elsewhere(trees), unknown=False))
 
     def told(self, program: Program, to: Language[Any]) -> Program:
         from assistant.languages.rapid.lift.plain_data import with_plain_data

@@ -46,7 +46,7 @@ UNKNOWN_ZONE: Final = error(
 )
 NOT_UNIT: Final = error(
     "RA206",
-    "the quaternion of `{name}` is off unit length by {off:.2g}",
+    "the quaternion of `{name}` is off unit length by {off:.2g}{more}",
     "normalise it: the sum of the squares must be 1 within 0.00001",
 )
 NOT_PERSISTENT: Final = error(

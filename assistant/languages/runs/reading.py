@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from assistant.languages.runs.columns import Entries, Run, Store, joined
 from assistant.languages.runs.names import MOST_DIGITS, Names
-from assistant.program.arrays import Truths
+from assistant.program.arrays import Rows, Truths
 from assistant.program.digits_at_offsets import WORD, Offsets, Slots
 
 R = TypeVar("R")
@@ -27,7 +27,7 @@ E = TypeVar("E")
 MOST: Final = 8192
 """Rows read at a time, so that their text and numbers fit the processor's cache."""
 
-_ZERO, _NINE, _POINT = b"09."
+_ZERO, _NINE, _POINT, _BLANK = b"09. "
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +60,21 @@ def stretches(
             yield from stretches(text, middle, end, fewest, store, read)
         return
     yield Found(start, end, node)
+
+
+def line_spans(data: bytes, end: bytes, *, ended: bool) -> Rows:
+    """(n, 2) offsets of the rows of a stretch, without the blanks around them.
+
+    end: the byte that ends each row, which no row has elsewhere. ended: True if it belongs to them.
+    """
+    text = np.frombuffer(data, dtype=np.uint8)
+    ends = np.flatnonzero(text == end[0])
+    starts = np.concatenate([[0], ends[:-1] + 1])
+    while (blank := text[starts] <= _BLANK).any():
+        starts += blank
+    while not ended and (blank := text[ends - 1] <= _BLANK).any():
+        ends -= blank
+    return np.stack([starts, ends + ended], axis=1)
 
 
 def in_parts(data: bytes, read: Callable[[bytes], C]) -> C:

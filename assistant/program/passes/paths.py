@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
@@ -13,6 +13,7 @@ import numpy as np
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import names_in
+from assistant.program.arrays import Rows
 from assistant.program.diagnostics import over
 from assistant.program.geometry import Target
 from assistant.program.kept import effect_of
@@ -100,8 +101,11 @@ class _Gatherer:
     def joined(self, held: list[p.Statement], count: int) -> list[p.Statement]:
         if count < 2 or (len(held) == 1 and isinstance(held[0], p.Follow)):
             return held
+        span = over(held[0].span, held[-1].span)
         paths = [self.path(statement) for statement in held]
-        return [p.Follow(join(paths[0].name, paths), span=over(held[0].span, held[-1].span))]
+        joined = join(paths[0].name, paths)
+        places = None if span is None else _places(held, paths, span.start)
+        return [p.Follow(replace(joined, places=places), span=span)]
 
     def path(self, statement: p.Statement) -> Path:
         match statement:
@@ -131,6 +135,20 @@ class _Gatherer:
             tools=(motion.tool,),
             frames=(motion.frame,),
         )
+
+
+def _places(held: Sequence[p.Statement], paths: Sequence[Path], start: int) -> Rows | None:
+    """Where the rows of paths are in the text, counted from `start`; None if not of all."""
+    parts = []
+    for statement, path in zip(held, paths, strict=True):
+        span, places = statement.span, path.places
+        if span is None or (isinstance(statement, p.Follow) and places is None):
+            return None
+        if not isinstance(statement, p.Follow):
+            places = np.full((len(path), 2), (0, span.end - span.start))
+        assert places is not None
+        parts.append(places + (span.start - start))
+    return np.concatenate(parts)
 
 
 def join(name: str, paths: list[Path]) -> Path:

@@ -14,7 +14,7 @@ import zipfile
 import zlib
 from collections.abc import Mapping
 from pathlib import Path as FilePath
-from typing import Final, cast
+from typing import Any, Final, cast
 
 import numpy as np
 from lark import Token
@@ -106,7 +106,7 @@ class TableReader:
         if hashlib.sha256(data).hexdigest() != self._digest:
             raise Wrong(OTHER_TABLE, self._file, name=self._file_name)
         try:
-            columns = _unpacked(data, self._rows)
+            columns: dict[str, Any] = {**_unpacked(data, self._rows)}
         except (*_DAMAGE, MemoryError) as error:
             raise self._damaged(str(error) or type(error).__name__) from None
         try:

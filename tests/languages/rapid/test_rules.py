@@ -298,7 +298,7 @@ def test_configurations_are_those_of_an_arm(stated: str, codes: list[str]) -> No
     value = f"[[1,2,3],[1,0,0,0],{stated},[9E9,9E9,9E9,9E9,9E9,9E9]]"
     assert found(module(f"CONST robtarget a:={value};")) == [(code, 2) for code in codes]
     several = "".join(f"CONST robtarget p{k}:={value};\n" for k in range(9))
-    assert found(module(several)) == [(code, 2) for code in codes]
+    assert found(module(several)) == [(code, line) for code in codes for line in range(2, 11)]
     written = found(routine(f"TPErase;\nMoveJ {value},v20,fine,tool0;"))
     assert written == [(code, 4) for code in codes]
     listed = module(f"CONST robtarget a{{2}}:=[{value},\n{value}];")
@@ -308,8 +308,9 @@ def test_configurations_are_those_of_an_arm(stated: str, codes: list[str]) -> No
 def test_names_of_runs_are_declared_once() -> None:
     one, other = module(run(20), "one"), module(target("P7", 1, 2), "other")
     assert found(one, other) == [("RA201", 2)]
-    assert found(other, one) == [("RA201", 2)]
-    assert found(one, module(run(9), "other")) == [("RA201", 2)]
+    assert found(other, one) == [("RA201", 8)]
+    again = [("RA201", line) for line in range(2, 11)]
+    assert found(one, module(run(9), "other")) == again
     twice = run(20).replace("p19:", "p3:")
     assert found(module(twice)) == [("RA201", 20)]
 

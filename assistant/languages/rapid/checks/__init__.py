@@ -21,6 +21,7 @@ from assistant.languages.rapid.checks import (
 )
 from assistant.languages.rapid.checks.damage import damage_of
 from assistant.languages.rapid.checks.module_view import Look, Task
+from assistant.languages.rapid.checks.single_rows import with_single_rows
 from assistant.languages.rapid.checks.tasks import tasks
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
@@ -70,8 +71,11 @@ def check(trees: Sequence[s.File]) -> tuple[Diagnostic, ...]:
     found = [finding for tree in trees for finding in tree.findings]
     damage = damage_of(trees)
     for files, common in tasks(trees):
-        task = Task(files, common)
-        for tree in files:
+        single = with_single_rows(files, common)
+        shared = {id(one) for one in common}
+        pairs = zip(files, single, strict=True)
+        task = Task(single, [new for old, new in pairs if id(old) in shared])
+        for tree in single:
             lacks = Needs.ORDER if has_errors(tree.findings) else Needs.NOTHING
             for module in tree.modules:
                 look = Look(tree, module, task)

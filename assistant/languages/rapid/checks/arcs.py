@@ -9,7 +9,7 @@ import numpy as np
 
 from assistant.languages.checks.moves import Follower, Moves, Point
 from assistant.languages.checks.registry import Found
-from assistant.languages.checks.wording import as_of_more
+from assistant.languages.checks.wording import like_it
 from assistant.languages.rapid.checks import plain_rules as rules
 from assistant.languages.rapid.checks.module_view import Look
 from assistant.languages.rapid.tree import syntax as s
@@ -26,6 +26,8 @@ LEAST_APART: Final = 0.1
 """mm between start, circle point and end (instruction manual, MoveC)."""
 LEAST_ANGLE: Final = 1.0
 """degrees between circle point and end, seen from the start (instruction manual, MoveC)."""
+MOST: Final = 100
+"""Arcs of a list of statements with the same mistake that are reported one by one."""
 LONGEST: Final = 240.0
 """degrees that an arc should go round at most."""
 TARGETS: Final = {"movej": 1, "movel": 1, "movec": 2}
@@ -104,25 +106,24 @@ def _found(look: Look, moves: Moves[s.Node]) -> Found:
     close = measures.sides < LEAST_APART  # NaN is no length, so it never is
     plain = ~close.any(axis=1) & ~np.isnan(measures.sides).any(axis=1)
     straight = measures.apart < LEAST_ANGLE
-    for item in np.unique(moves.item[rows]):
-        here = moves.item[rows] == item
-        for rule, what, bad in (
-            (rules.ARC_CLOSE, "start and circle point", close[:, 0]),
-            (rules.ARC_CLOSE, "circle point and end", close[:, 1]),
-            (rules.ARC_CLOSE, "start and end", close[:, 2]),
-            (rules.ARC_STRAIGHT, "", plain & straight),
-            (rules.ARC_LONG, "", plain & ~straight & (measures.around > LONGEST)),
-        ):
-            at = np.flatnonzero(bad & here)
-            if len(at):
-                yield look.finding(
-                    rule,
-                    moves.items[item],
-                    row=int(moves.row[rows[at[0]]]),
-                    what=what,
-                    angle=float(measures.around[at[0]]),
-                    more=as_of_more(len(at)),
-                )
+    for rule, what, bad in (
+        (rules.ARC_CLOSE, "start and circle point", close[:, 0]),
+        (rules.ARC_CLOSE, "circle point and end", close[:, 1]),
+        (rules.ARC_CLOSE, "start and end", close[:, 2]),
+        (rules.ARC_STRAIGHT, "", plain & straight),
+        (rules.ARC_LONG, "", plain & ~straight & (measures.around > LONGEST)),
+    ):
+        faults = np.flatnonzero(bad)
+        for number, at in enumerate(faults[:MOST].tolist(), 1):
+            row = rows[at]
+            yield look.finding(
+                rule,
+                moves.items[moves.item[row]],
+                row=int(moves.row[row]),
+                what=what,
+                angle=float(measures.around[at]),
+                more=like_it(len(faults) - MOST if number == MOST else 0),
+            )
 
 
 class _Positions:

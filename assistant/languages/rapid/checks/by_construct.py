@@ -25,7 +25,6 @@ RULES: Final[Mapping[type, Rules]] = {
     s.ParameterNode: (names_used.type_of,),
     s.Routine: (names_used.type_of,),
     s.Record: (names_used.types_of,),
-    s.MoveRunNode: (names_used.moved,),
     s.Infix: (values.operands,),
     s.IfBranch: (values.condition,),
     s.CompactIf: (values.condition,),

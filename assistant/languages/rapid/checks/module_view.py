@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
-from itertools import islice, takewhile
-from typing import Any, Final, TypeVar
+from itertools import takewhile
+from typing import Any, TypeVar, cast
 
 from assistant.languages.checks.symbols import Declaration, Symbols, find
 from assistant.languages.checks.views import Memory, by_type
-from assistant.languages.checks.wording import as_of_more
+from assistant.languages.rapid.reading.parser import parse_rows
 from assistant.languages.rapid.text.header import opening
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.runs import MOVES
 from assistant.languages.rapid.tree.walk import nodes
-from assistant.program.arrays import Floats, Rows
-from assistant.program.diagnostics import Diagnostic, Rule, Severity, Span
+from assistant.program.diagnostics import Diagnostic, Rule, Severity
 
 N = TypeVar("N", bound=s.Node)
 
@@ -52,11 +49,6 @@ class Task(Memory):
     def levels(self, module: s.Node) -> tuple[Symbols[s.Node], Symbols[s.Node]]:
         """What a module sees: its own LOCAL names, then the global ones."""
         return self.own.get(id(module), self.shared), self.shared
-
-    def row(self, name: str, module: s.Module) -> Declared | None:
-        """The row of a long run of robtargets that declares a name, as a module sees it."""
-        own, shared = self.levels(module)
-        return own.row(name) or shared.row(name)
 
     def main(self, module: s.Module) -> s.Routine | None:
         """The procedure of a module that a task may start at."""
@@ -174,37 +166,22 @@ class Look(Memory):
     def finding(
         self, rule: Rule, node: s.Node | None, *, row: int | None = None, **given: Any
     ) -> Diagnostic:
-        """The rule's finding at a node. row: which one, of a node that is a long run."""
+        """The rule's finding at a node. row: which line, of a node that is a long run; else its
+        first one.
+        """
         if self.file.origin is None or node is None or node.span is None:
             return rule(path=self.file.path, place=self.module.name, **given)
         source, span = self.file.origin.source, node.span
-        if row is not None and isinstance(node, s.TargetRunNode | s.MoveRunNode):
-            span = _row_span(source.text, span, row)
+        if isinstance(node, s.RunNode):
+            span = node.row_span(row or 0) or span
         return source.finding(rule, span, **given)
 
-    def at_rows(
-        self, rule: Rule, node: s.Node, rows: Rows, name: Callable[[int], str], **given: Any
-    ) -> Iterator[Diagnostic]:
-        """The rule's finding at the first of some rows of a node, none if there are none."""
-        for row in rows[:1].tolist():
-            more = as_of_more(len(rows))
-            yield self.finding(rule, node, row=row, name=name(row), more=more, **given)
-
-    @property
-    def targets(self) -> Iterator[tuple[s.Node, Floats, Callable[[int], str]]]:
-        """Long runs of targets that are written out: values (n, 17), and what a row is called."""
-        for run in self.all(s.TargetRunNode):
-            yield run, run.run.values, run.run.names.name
-        for moves in self.all(s.MoveRunNode):
-            if moves.run.values is not None:
-                words = [MOVES[kind] for kind in moves.run.kinds.tolist()]
-                yield moves, moves.run.values, words.__getitem__
-
-
-_ROW: Final = re.compile(r"(?:\s++|![^\n]*+)*+((?:[^;!]|![^\n]*+)*+;)")
-
-
-def _row_span(text: str, run: Span, row: int) -> Span:
-    """Where one row of a long run stands, its `;` included."""
-    match = next(islice(_ROW.finditer(text, run.start, run.end), row, None), None)
-    return Span(*match.span(1)) if match else run
+    def single(self, node: s.RunNode, row: int) -> s.Node:
+        """A line of a long run as it is read alone; the run if there is no text."""
+        span = node.row_span(row)
+        if self.file.origin is None or node.rows is None or span is None:
+            return node
+        declares = isinstance(node, s.TargetRunNode)
+        kind: Any = "items" if declares else "statements"
+        (one,) = parse_rows(self.file.origin.source.text, [span], kind)
+        return cast("s.Node", one)

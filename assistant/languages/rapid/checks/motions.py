@@ -26,10 +26,6 @@ PREDEFINED: Final[Mapping[str, tuple[Mapping[str, Any], Rule]]] = {
 def arguments(look: Look) -> Found:
     named = {d.name.lower() for d in look.all(s.Data)}
     named |= {p.name.lower() for p in look.all(s.ParameterNode)}
-    for run in look.all(s.MoveRunNode):
-        for motion in run.run.motions.table:
-            given = (motion.speed, motion.zone, motion.tool, motion.frame)
-            yield from _motion(look, named, [(name, run) for name in given])
     for call in look.all(s.ProcedureCall):
         plain = positional(call)
         if str(call.name).lower() in WORDS and len(plain) >= 4:

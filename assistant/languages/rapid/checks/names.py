@@ -6,7 +6,6 @@ import math
 from itertools import chain
 from typing import Any, Final
 
-from assistant.languages.checks.name_sets import repeated_rows
 from assistant.languages.checks.registry import Found
 from assistant.languages.checks.repeats import repeated
 from assistant.languages.rapid import rules
@@ -14,7 +13,6 @@ from assistant.languages.rapid.checks import plain_rules
 from assistant.languages.rapid.checks.module_view import (
     Declared,
     Look,
-    Task,
     declaration,
     parameters,
 )
@@ -60,23 +58,17 @@ def duplicates(look: Look) -> Found:
     before: dict[str, bool] = {}
     for item in look.module.items:
         declared = declaration(item, look.module)
-        if declared is None or isinstance(item, s.TargetRunNode):
+        if declared is None or isinstance(item, s.TargetRunNode):  # rows have names of their own
             continue
         name = declared.name.lower()
         if name not in before:
             before[name] = any(id(one.module) in earlier for one in look.task.shared.all(name))
-        elsewhere = before[name] and not declared.local
-        other = look.task.row(declared.name, look.module)
-        here = name in own or (other is not None and other.module is look.module)
-        if here or elsewhere or (other is not None and not look.task.mixed):
+        here = name in own
+        if here or (before[name] and not declared.local):
             sure = here or look.compiled
             severity = Severity.ERROR if sure else Severity.WARNING
             yield look.finding(rules.DUPLICATE, item, severity=severity, name=declared.name)
         own.add(name)
-    for module, item, row in look.task.once(again_declared):
-        if module is look.module:
-            name = item.run.names.name(row)
-            yield look.finding(rules.DUPLICATE, item, row=row, name=name)
     for routine in look.routines:
         inner = map(declaration, chain(parameters(routine), routine.body))
         for declared in repeated([one for one in inner if one], _key):
@@ -90,18 +82,6 @@ def duplicates(look: Look) -> Found:
 def _key(declared: Declared) -> str | None:
     """What a name is told apart by; nothing of rows, which have no name of their own here."""
     return declared.name.lower() or None
-
-
-def again_declared(task: Task) -> list[tuple[s.Module, s.TargetRunNode, int]]:
-    """Rows of runs whose name an earlier row has: the first one of each run."""
-    modules = {id(module): at for at, module in enumerate(task.modules, 1)}
-    scopes = [modules[id(of)] if node.scope == "LOCAL" else 0 for of, node in task.runs]
-    found: dict[int, tuple[s.Module, s.TargetRunNode, int]] = {}
-    for (one, _), (other, row) in repeated_rows([n.run.names for _, n in task.runs], scopes):
-        module, node = task.runs[other]
-        if task.runs[one][0] is module or not task.mixed:
-            found.setdefault(id(node), (module, node, row))
-    return list(found.values())
 
 
 def spelling(look: Look) -> Found:

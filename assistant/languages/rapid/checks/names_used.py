@@ -53,13 +53,6 @@ def data(node: s.Expression, scope: Scope) -> Found:
         yield scope.look.finding(rules.UNKNOWN_DATA, node, name=node.name)
 
 
-def moved(node: s.MoveRunNode, scope: Scope) -> Found:
-    """Tools and frames of many moves in a row; speeds and zones have rules of their own."""
-    for motion in node.run.motions.table:
-        for name in filter(None, (motion.tool, motion.frame)):
-            yield from data(s.NameRef(name, span=node.span), scope)
-
-
 def type_of(node: s.Data | s.ParameterNode | s.Routine, scope: Scope) -> Found:
     yield from _types((node.type,) if node.type else (), node, scope)
 

@@ -13,6 +13,7 @@ from typing import Any
 from assistant.languages.rapid.checks.arguments import call_of, signature_of
 from assistant.languages.rapid.checks.kinds import LOGICAL, NUMBER, SIGNALS, Scope, Types
 from assistant.languages.rapid.checks.module_view import Look, Task
+from assistant.languages.rapid.checks.single_rows import with_single_rows
 from assistant.languages.rapid.checks.wanted_names import OF_TYPE, WEAK, Met, made
 from assistant.languages.rapid.checks.wanted_records import Records, record_of
 from assistant.languages.rapid.tables import predefined
@@ -39,6 +40,7 @@ from assistant.program.wanted import Argument, Wanted
 
 def wanted(files: Sequence[s.File]) -> tuple[Wanted, ...]:
     """What the modules of one task use and nobody declares, in the order of the first uses."""
+    files = with_single_rows(files)
     task, met = Task(files), dict[str, Met]()
     stands = can_stand([module for file in files for module in file.modules])
     first = next((file for file in files if file.modules), None)

@@ -28,6 +28,7 @@ from assistant.program import expressions as e
 from assistant.program import rotations
 from assistant.program import statements as p
 from assistant.program.arrays import Floats, Rows
+from assistant.program.diagnostics import over
 from assistant.program.geometry import Target
 from assistant.program.path import UNSTATED, Kind, Path
 from assistant.program.program import TakenNames, Variable, identifier
@@ -62,27 +63,32 @@ class PathLift:
             self.known.count(run.vias)
 
     def statements(self, node: s.MoveRunNode, motion: Motions) -> Iterator[p.Statement]:
-        run, index = node.run, node.run.motions.index
+        run, index, spans = node.run, node.run.motions.index, node.row_span
         motions = [motion(m.speed, m.zone, m.tool, m.frame) for m in run.motions.table]
         if run.values is not None and len(run) > MOST_WRITTEN and _turned(run.values):
             name = identifier("written", self._taken)  # the program gives these targets no names
             self._taken.add(name)
-            yield p.Follow(_path(name, run.values, run.kinds, index, motions), span=node.span)
+            whole = _path(name, run.values, run.kinds, index, motions)
+            yield p.Follow(replace(whole, places=node.rows), span=node.span)
             return
         if run.values is not None:
-            for values, row, kind in zip(run.values.tolist(), index, run.kinds, strict=True):
+            each = zip(run.values.tolist(), index, run.kinds, strict=True)
+            for at, (values, row, kind) in enumerate(each):
                 word: Any = _KIND[int(kind)]
-                yield p.Move(word, _written(values), motions[row], span=node.span)
+                yield p.Move(word, _written(values), motions[row], span=spans(at))
             return
         rows = PathRows(run.names, run.vias, run.kinds == CIRCULAR, _PLAIN[run.kinds])
         places, alone = self.known.alone(rows.names)
         for part in rows.stretches(alone):
             path = self._path(rows, part, places, index, motions) if part.numbered else None
+            moves = rows.moves[part.start : part.stop]
             if path is not None:
-                yield p.Follow(path, span=node.span)
+                span = over(spans(int(moves[0])), spans(int(moves[-1])))
+                yield p.Follow(replace(path, places=_places(node, moves)), span=span)
                 continue
             made = rows.one_by_one(part, self.original, lambda move: motions[index[move]])
-            yield from (replace(one, span=node.span) for one in made)
+            for move, one in zip(np.unique(moves).tolist(), made, strict=True):
+                yield replace(one, span=spans(move))
 
     def _path(
         self,
@@ -115,6 +121,11 @@ class PathLift:
                 continue
             self.data.variables[name] = Variable("position", _written(values), (), "constant")
         return left
+
+
+def _places(node: s.MoveRunNode, moves: Rows) -> Rows | None:
+    """Where some moves of a run are, counted from the first of them."""
+    return None if node.rows is None else node.rows[moves] - node.rows[moves[0], 0]
 
 
 def _written(values: Sequence[float]) -> e.Expression:

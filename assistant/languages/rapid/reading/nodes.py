@@ -102,12 +102,14 @@ ROWS: Final = {
 class Nodes(nodes.Nodes, rows=ROWS):
     """And the others.
 
-    text: what the grammar read. offset: from an offset in it to one in the source.
+    text: what the grammar read. offset: from an offset in it to one in the source, None for the
+    same.
     """
 
-    def __init__(self, text: str, offset: Callable[[int], int], runs: Runs) -> None:
-        super().__init__(offset if runs else None)
-        self._text, self._offset, self._runs = text, offset, runs
+    def __init__(self, text: str, offset: Callable[[int], int] | None, runs: Runs) -> None:
+        super().__init__(offset)
+        self._text, self._runs = text, runs
+        self._offset: Callable[[int], int] = offset or (lambda at: at)
 
     def start(self, _: Place, c: Children) -> tuple[str | None, tuple[Any, ...]]:
         header, *parts = c
@@ -170,3 +172,9 @@ class Nodes(nodes.Nodes, rows=ROWS):
         (node,) = stack[0]
         assert isinstance(node, s.AggregateNode)
         return node
+
+
+class SingleNodes(
+    Nodes, rows=dict.fromkeys(("statements", "items", "block"), without_place(tuple))
+):
+    """Every line as a node of its own, however many are alike."""

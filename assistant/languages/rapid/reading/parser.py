@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from typing import Any, Final
+from collections.abc import Sequence
+from typing import Any, Final, Literal
 
 from assistant.languages.lalr import Stack
 from assistant.languages.rapid import rules
@@ -58,6 +59,30 @@ def parse_items(text: str) -> tuple[Item, ...] | Diagnostic:
     return read
 
 
+def parse_rows(
+    text: str, spans: Sequence[Span], start: Literal["statements", "items"]
+) -> list[Any]:
+    """The lines of a run that are at these places of a sound text, a node each.
+
+    start: moves are statements, declarations are items of a module.
+    """
+    from assistant.languages.rapid.reading.grammar import grammar
+    from assistant.languages.rapid.reading.nodes import SingleNodes
+    from assistant.languages.rapid.reading.scanner import table_words
+
+    tables, words = grammar().tables[start], table_words()
+    found: list[Any] = []
+    for span in spans:
+        line = with_line_feeds(text[span.start : span.end])
+        line += ";" * (not line.endswith(";"))  # a statement ends before it
+        stack = Stack(tables.first)
+        read = words.sound(line, tables.rows, stack.states)
+        refused = tables.drive(stack, read, SingleNodes(line, span.start.__add__, ()))
+        assert refused is None, line
+        found += stack.values[0]
+    return found
+
+
 def _part(text: str, start: str) -> Any:
     source = SourceText(text)
     reading = files.unreadable(source) or _read(source, start, runs=False)
@@ -84,7 +109,7 @@ def _read(
         if (long := _too_long(short.text)) is not None:
             at = short.offset(long)
             return source.finding(rules.TOO_LONG, Span(at, at + 1), most=MOST_OPERATORS)
-        nodes = Nodes(short.text, short.offset, found)
+        nodes = Nodes(short.text, short.offset if found else None, found)
         stack = Stack(tables.first)
         read = table_words().sound(short.text, tables.rows, stack.states)
         sound = tables.drive(stack, read, nodes) is None

@@ -31,7 +31,7 @@ from assistant.languages.rapid.tree.runs import (
 )
 from assistant.languages.runs.columns import Store
 from assistant.languages.runs.names import Names
-from assistant.languages.runs.reading import MOST, Found, Marks, entries, stretches
+from assistant.languages.runs.reading import MOST, Found, Marks, entries, line_spans, stretches
 from assistant.languages.runs.reading import Words as Spelling
 from assistant.program.digits_at_offsets import Slots
 
@@ -97,7 +97,7 @@ def _declared(store: Store, head: str, data: bytes) -> s.TargetRunNode:
     starts = marks.rows + len(re.sub(r"\s", "", head))
     scope = "LOCAL" if head.startswith("LOCAL") else ""
     names = _WORDS.names(text, starts, equals - len(":"))
-    return s.TargetRunNode(scope, TargetRun(names, values))
+    return s.TargetRunNode(scope, TargetRun(names, values), rows=line_spans(data, b";", ended=True))
 
 
 def _moves(store: Store, inline: bool, data: bytes) -> s.MoveRunNode:
@@ -118,7 +118,8 @@ def _moves(store: Store, inline: bool, data: bytes) -> s.MoveRunNode:
             begins = np.where(circular, first + 1, begins)
         names = _WORDS.names(text, begins, ends)
     motions = entries(text, ends + 1, marks.stops, 4 * LONGEST_NAME + 24, _motion)
-    return s.MoveRunNode(MoveRun(kinds, names, vias, motions, values))
+    run = MoveRun(kinds, names, vias, motions, values)
+    return s.MoveRunNode(run, rows=line_spans(data, b";", ended=False))
 
 
 def _motion(tail: bytes) -> MotionNames:

@@ -28,6 +28,7 @@ from assistant.languages.rapid.tree.runs import (
     TargetRun,
 )
 from assistant.languages.runs import gathering as alike
+from assistant.program.arrays import Rows
 from assistant.program.diagnostics import Span
 
 _PLAIN: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*", re.ASCII)
@@ -66,9 +67,21 @@ def _run(rows: list[Any]) -> TargetRun | MoveRun:
 def _node(stretch: Sequence[Any], run: TargetRun | MoveRun) -> s.TargetRunNode | s.MoveRunNode:
     first, last = stretch[0].span, stretch[-1].span
     span = Span(first.start, last.end) if first and last else None
+    rows = None if span is None else _rows(stretch, span.start)
     if isinstance(run, MoveRun):
-        return s.MoveRunNode(run, span=span)
-    return s.TargetRunNode(stretch[0].scope, run, span=span)
+        return s.MoveRunNode(run, rows=rows, span=span)
+    return s.TargetRunNode(stretch[0].scope, run, rows=rows, span=span)
+
+
+def _rows(stretch: Sequence[Any], start: int) -> Rows | None:
+    """Where the rows of several nodes are, counted from `start`; None if one does not know it."""
+    parts: list[Rows] = []
+    for node in stretch:
+        if node.span is None or (isinstance(node, s.RunNode) and node.rows is None):
+            return None
+        own = node.rows if isinstance(node, s.RunNode) else [[0, node.span.end - node.span.start]]
+        parts.append(np.asarray(own, dtype=np.intp) + (node.span.start - start))
+    return np.concatenate(parts)
 
 
 def target_values(node: s.Data) -> list[float] | None:

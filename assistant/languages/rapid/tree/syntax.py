@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from assistant.languages.rapid.tree.runs import MoveRun, TargetRun
+from assistant.program.arrays import Rows
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.text import SourceText
 
@@ -278,7 +279,25 @@ class Data(Node):
 
 
 @dataclass(frozen=True, slots=True)
-class TargetRunNode(Node):
+class RunNode(Node):
+    """Many lines that are alike.
+
+    rows: (n, 2) where each begins and ends, counted from the begin of the node; None in a tree
+    that was built.
+    """
+
+    rows: Rows | None = field(default=None, compare=False, repr=False, kw_only=True)
+
+    def row_span(self, row: int) -> Span | None:
+        """The source location of one row: that of the node which its line alone is read as."""
+        if self.span is None or self.rows is None:
+            return self.span
+        start, end = self.rows[row].tolist()
+        return Span(self.span.start + start, self.span.start + end)
+
+
+@dataclass(frozen=True, slots=True)
+class TargetRunNode(RunNode):
     """Many `CONST robtarget` declarations in a row. scope: `LOCAL` or empty."""
 
     scope: str
@@ -286,7 +305,7 @@ class TargetRunNode(Node):
 
 
 @dataclass(frozen=True, slots=True)
-class MoveRunNode(Node):
+class MoveRunNode(RunNode):
     """Many plain moves to declared targets in a row."""
 
     run: MoveRun

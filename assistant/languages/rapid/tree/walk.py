@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 from typing import Any, Final
 
 from assistant.languages.answers import (
@@ -114,6 +115,44 @@ def blocks(statement: Any) -> tuple[tuple[s.StatementNode, ...], ...]:
         case s.CompactIf(statement=inner):
             return ((inner,),)
     return ()
+
+
+def map_lists(
+    node: Any, change: Callable[[tuple[s.StatementNode, ...]], tuple[s.StatementNode, ...]]
+) -> Any:
+    """A routine or statement with each list of statements in it changed, inner ones first; itself
+    if nothing changes.
+    """
+
+    def each(body: tuple[s.StatementNode, ...]) -> tuple[s.StatementNode, ...]:
+        made = tuple(map_lists(one, change) for one in body)
+        same = all(one is other for one, other in zip(made, body, strict=True))
+        return change(body if same else made)
+
+    def part(value: Any) -> Any:
+        if isinstance(value, tuple) and value and isinstance(value[0], _HOLDERS):
+            made = tuple(map_lists(one, change) for one in value)
+            return value if all(a is b for a, b in zip(made, value, strict=True)) else made
+        return each(value)
+
+    names: tuple[str, ...] = _LISTS.get(type(node), ())
+    changes = {}
+    for name in names:
+        value = getattr(node, name)
+        made = value if value is None else part(value)
+        if made is not value:
+            changes[name] = made
+    return replace(node, **changes) if changes else node
+
+
+_LISTS: Final[dict[type, tuple[str, ...]]] = {
+    s.Routine: ("body", "handlers"),
+    **dict.fromkeys((s.Handler, s.IfBranch, s.TestCase, s.ForLoop, s.WhileLoop), ("body",)),
+    s.IfThen: ("branches", "otherwise"),
+    s.TestOf: ("cases", "otherwise"),
+}
+"""Fields that are lists of statements, or of what has such lists."""
+_HOLDERS: Final = (s.Handler, s.IfBranch, s.TestCase)
 
 
 def root(value: Any) -> s.NameRef | None:

@@ -1,0 +1,271 @@
+"""Lines of long runs that are no plain ones, handed to the ordinary reader.
+
+A run holds lines of which no rule of a single line has anything to report, and which every language
+takes alike: moves to declared robtargets with a declared speed, zone, tool and work object, and
+declarations of robtargets whose names nothing else has. Any other line of a run is read as if it
+were alone. So a rule of moves or of declarations never looks into runs; only those that compare
+lines with each other, and those of numbers, do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from functools import cache
+from itertools import chain, pairwise
+from typing import Any, Final, Literal
+
+import numpy as np
+
+from assistant.languages.checks.name_sets import NameSet, repeated_rows
+from assistant.languages.rapid.checks.module_view import Look, Task
+from assistant.languages.rapid.checks.motions import PREDEFINED, nearest
+from assistant.languages.rapid.reading.parser import parse_rows
+from assistant.languages.rapid.tables import predefined
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.walk import lists, map_lists, nodes
+from assistant.languages.runs.names import Names
+from assistant.program.arrays import Truths
+from assistant.program.diagnostics import Span
+
+Fit = Literal["plain", "unknown", "odd"]
+"""What a name is where a move has it: data of the right kind, no data of the given modules, or
+something else."""
+
+TYPES: Final = ("speeddata", "zonedata", "tooldata", "wobjdata")
+"""What the words behind the target of a move are."""
+STORAGES: Final = {
+    "robtarget": ("CONST", "PERS"),
+    "tooldata": ("PERS",),
+    "wobjdata": ("PERS",),
+}
+"""By type: how data of it are declared that any move takes; any way for those not listed."""
+
+
+def with_single_rows(
+    files: Sequence[s.File], common: Sequence[s.File] = (), *, unknown: bool = True
+) -> tuple[s.File, ...]:
+    """The files of a task, with an ordinary node for each line of a run that is no plain one.
+
+    unknown: True also for the first line with a name that no given module declares, which a rule
+    reports; another language is told of it as of any other.
+    """
+    files = tuple(files)
+    if not any(True for _ in _runs(files)):
+        return files
+    task = Task(files, common)
+    shared = _shared_names(task)
+    files = tuple(
+        _changed(file, [_with_targets(file, module, shared) for module in file.modules])
+        for file in files
+    )
+    task = Task(files, common)
+    return tuple(
+        _changed(
+            file,
+            [_Moves(Look(file, module, task), unknown=unknown).module() for module in file.modules],
+        )
+        for file in files
+    )
+
+
+def _runs(files: Sequence[s.File]) -> Iterator[s.RunNode]:
+    for file in files:
+        for module in file.modules:
+            for item in module.items:
+                if isinstance(item, s.RunNode):
+                    yield item
+                elif isinstance(item, s.Routine):
+                    for body in lists(item):
+                        yield from (node for node in body if isinstance(node, s.RunNode))
+
+
+def _changed(file: s.File, modules: Iterable[s.Module]) -> s.File:
+    made = iter(modules)
+    parts = tuple(next(made) if isinstance(part, s.Module) else part for part in file.parts)
+    same = all(one is other for one, other in zip(parts, file.parts, strict=True))
+    return file if same else replace(file, parts=parts)
+
+
+def _split(file: s.File, node: s.RunNode, single: Truths) -> list[Any]:
+    """A run with an ordinary node for each of some rows (n,); all of it if it has no text."""
+    if node.rows is None or node.span is None or file.source is None or not single.any():
+        return [node]
+    kind: Any = "items" if isinstance(node, s.TargetRunNode) else "statements"
+    text, start = file.source.text, node.span.start
+    bounds = np.flatnonzero(single[1:] != single[:-1]) + 1
+    found: list[Any] = []
+    for first, stop in pairwise([0, *bounds.tolist(), len(single)]):
+        if single[first]:
+            spans = [Span(a + start, b + start) for a, b in node.rows[first:stop].tolist()]
+            found += parse_rows(text, spans, kind)
+            continue
+        (begin, _), (_, end) = node.rows[first].tolist(), node.rows[stop - 1].tolist()
+        part: Any = node
+        span, rows = Span(start + begin, start + end), node.rows[first:stop] - begin
+        run = part.run.rows(slice(first, stop))
+        found.append(replace(part, run=run, rows=rows, span=span))
+    return found
+
+
+# Declarations
+
+
+@cache
+def _taken() -> NameSet:
+    names = NameSet()
+    names.words |= predefined.taken()
+    return names
+
+
+def _shared_names(task: Task) -> dict[int, Truths]:
+    """By the `id` of a run, its rows (n,) whose name something else has as well."""
+    single = {id(node): np.zeros(len(node.run), dtype=bool) for _, node in task.runs}
+    modules = {id(module): at for at, module in enumerate(task.modules, 1)}
+    columns = [node.run.names for _, node in task.runs]
+    own = [modules[id(module)] for module, _ in task.runs]
+    local = [node.scope == "LOCAL" for _, node in task.runs]
+    for scopes in (own, (np.array(own) * local).tolist()) if columns else ():
+        for at, row in chain.from_iterable(repeated_rows(columns, scopes)):
+            single[id(task.runs[at][1])][row] = True
+    others = NameSet()
+    others.words.update(task.shared.names)
+    for module, node in task.runs:
+        inner = NameSet()
+        inner.words.update(task.levels(module)[0].names)
+        for names in (_taken(), others, inner):
+            single[id(node)] |= names.among(node.run.names)
+    return single
+
+
+def _with_targets(file: s.File, module: s.Module, shared: dict[int, Truths]) -> s.Module:
+    """Declarations that are in order and have names of their own stay in runs."""
+    items: list[Any] = []
+    after = changed = False
+    for item in module.items:
+        match item:
+            case s.TargetRunNode():
+                single = shared[id(item)]
+                items += _split(file, item, single | after)
+                changed |= bool(single.any()) or after
+                continue
+            case s.Routine():
+                after = True
+                made = map_lists(item, lambda body: _declared(file, body))
+                changed |= made is not item
+                item = made
+        items.append(item)
+    return replace(module, items=tuple(items)) if changed else module
+
+
+def _declared(file: s.File, body: tuple[s.StatementNode, ...]) -> tuple[s.StatementNode, ...]:
+    """The statements of a routine: what it declares is data of its own, never a run."""
+    if not any(isinstance(node, s.TargetRunNode) for node in body):
+        return body
+    found: list[s.StatementNode] = []
+    for node in body:
+        if isinstance(node, s.TargetRunNode):
+            found += _split(file, node, np.ones(len(node.run), dtype=bool))
+        else:
+            found.append(node)
+    return tuple(found)
+
+
+# Moves
+
+
+class _Moves:
+    """Moves of a module that are plain. unknown: see `with_single_rows`."""
+
+    def __init__(self, look: Look, *, unknown: bool) -> None:
+        self.look, self.unknown = look, unknown
+        self.targets = NameSet()
+        """Names of targets in runs that the module sees."""
+        for module, node in look.task.runs:
+            if module is look.module or node.scope != "LOCAL":
+                self.targets.columns.append(node.run.names)
+
+    def module(self) -> s.Module:
+        items = tuple(
+            self._routine(item) if isinstance(item, s.Routine) else item
+            for item in self.look.module.items
+        )
+        same = all(one is other for one, other in zip(items, self.look.module.items, strict=True))
+        return self.look.module if same else replace(self.look.module, items=items)
+
+    def _routine(self, routine: s.Routine) -> s.Routine:
+        if not any(isinstance(n, s.MoveRunNode) for body in lists(routine) for n in body):
+            return routine
+        loops = {n.variable.lower() for n in nodes(routine) if isinstance(n, s.ForLoop)}
+        names = _Names(self.look, routine, loops)
+
+        def body(statements: tuple[s.StatementNode, ...]) -> tuple[s.StatementNode, ...]:
+            found: list[s.StatementNode] = []
+            for node in statements:
+                if isinstance(node, s.MoveRunNode):
+                    found += _split(self.look.file, node, self._single(node, names))
+                else:
+                    found.append(node)
+            return statements if len(found) == len(statements) else tuple(found)
+
+        changed: s.Routine = map_lists(routine, body)
+        return changed
+
+    def _single(self, node: s.MoveRunNode, names: _Names) -> Truths:
+        """(n,) the rows that are not plain."""
+        run = node.run
+        single = np.zeros(len(run), dtype=bool)
+        for at, motion in enumerate(run.motions.table):
+            given = (motion.speed, motion.zone, motion.tool, motion.frame)
+            fits = {names.fit(*pair) for pair in zip(given, TYPES, strict=True) if pair[0]}
+            if "odd" in fits:
+                single |= run.motions.index == at
+            elif "unknown" in fits and self.unknown:
+                single[np.flatnonzero(run.motions.index == at)[:1]] = True
+        for column in (run.names, run.vias) if run.values is None else ():
+            self._targets(column, names, single)
+        return single
+
+    def _targets(self, column: Names, names: _Names, single: Truths) -> None:
+        """Adds the rows whose targets are not plain."""
+        named = np.array([bool(stem) for stem in column.stems])[column.stem] | (column.number >= 0)
+        known = self.targets.among(column) & ~names.inner.among(column)
+        found: dict[str, Fit] = {}
+        for row in np.flatnonzero(named & ~known).tolist():
+            low = column.name(row).lower()
+            first = low not in found
+            fit = found[low] if not first else names.fit(low, "robtarget")
+            found[low] = fit
+            single[row] |= fit == "odd" or (fit == "unknown" and first and self.unknown)
+
+
+class _Names:
+    """What names mean in a routine. loops: lower-case variables of its loops."""
+
+    def __init__(self, look: Look, routine: s.Routine, loops: set[str]) -> None:
+        self.look, self.routine, self.loops = look, routine, loops
+        self.inner = NameSet()
+        self.inner.words |= {*look.frame(routine).names, *loops}
+
+    def fit(self, name: str, type: str) -> Fit:
+        """What a name is where data of a type are wanted."""
+        low = name.lower()
+        found = None if low in self.loops else self.look.find(low, self.routine)
+        if low in self.loops:
+            return "odd"
+        if found is None:
+            return self._predefined(low, type)
+        match found.node:
+            case s.Data(dimensions=()) | s.ParameterNode(dimensions=0):
+                storages = STORAGES.get(type)
+                fits = found.type.lower() == type and found.kind in (storages or (found.kind,))
+                several = len(self.look.task.shared.all(low)) > 1
+                return "plain" if fits and not several else "odd"
+        return "odd"
+
+    def _predefined(self, low: str, type: str) -> Fit:
+        standard = predefined.data().get(low)
+        if standard is not None:
+            return "plain" if standard.type.lower() == type else "odd"
+        near = type in PREDEFINED and nearest(low, PREDEFINED[type][0])
+        return "odd" if near else "unknown"

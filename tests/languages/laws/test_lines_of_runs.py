@@ -1,0 +1,245 @@
+"""A line is judged as if it stood alone, however many lines like it are around it.
+
+Long runs of like lines are read as columns. Each bad line is put first, in the middle and last into
+runs that are short enough to be read line by line, and into long ones: both have the same findings,
+at the same places.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, Final, NamedTuple
+
+import pytest
+
+from assistant import languages
+from assistant.program.text import SourceText
+
+ALONE: Final = 3
+"""Lines of a run that no reader takes for columns."""
+PLACES: Final = ("first", "middle", "last")
+
+
+class Way(NamedTuple):
+    """How a run is written. size: its lines. place: of the bad one. mixed: with lines of other
+    kinds between them. comments: behind each line.
+    """
+
+    size: int
+    place: str
+    mixed: bool = False
+    comments: bool = False
+
+    @property
+    def at(self) -> int:
+        return {"first": 0, "middle": self.size // 2, "last": self.size - 1}[self.place]
+
+    @property
+    def alone(self) -> Way:
+        return self._replace(size=ALONE)
+
+
+QUICK: Final = [
+    *(Way(size, "middle") for size in (7, 9)),
+    *(Way(size, place) for size in (8, 50) for place in PLACES),
+    Way(20, "middle", mixed=True),
+    Way(9, "middle", comments=True),
+]
+EVERY: Final = [
+    Way(size, place, mixed, comments)
+    for size in (7, 8, 9, 20, 50)
+    for place in PLACES
+    for mixed in (False, True)
+    for comments in (False, True)
+]
+Finding = tuple[str, int, int, int, str]
+Check = Callable[[str], Sequence[Any]]
+
+
+class Kind(NamedTuple):
+    """A kind of bad line. plain: what stands around it, by the number of the line. text: of a
+    program with a run. mark: of comments.
+    """
+
+    bad: str
+    plain: Callable[[int, Way], str]
+    text: Callable[[str], str]
+    mark: str
+
+    def program(self, way: Way) -> tuple[str, int]:
+        """The text of a program, and the line that is the bad one, counted from 0."""
+        lines = [self.plain(number, way) for number in range(way.size)]
+        lines[way.at] = self.bad
+        comment = f" {self.mark} seen" if way.comments else ""
+        text = self.text("".join(f"{line}{comment}\n" for line in lines))
+        return text, text.split("\n").index(self.bad + comment)
+
+    def findings(self, check: Check, way: Way) -> list[Finding]:
+        """Code, line, columns and message of each finding.
+
+        Lines are counted from the bad one; those behind the run from the end of the text.
+        """
+        text, bad = self.program(way)
+        end, lines = bad + way.size - way.at, text.count("\n")
+        return sorted(
+            (f.code, (f.line or 0) - 1 - (bad if (f.line or 0) <= end else lines), *of(f))
+            for f in check(text)
+        )
+
+
+def of(finding: Any) -> tuple[int, int, str]:
+    return finding.column or 0, finding.end_column or 0, finding.message
+
+
+def judge(kind: Kind, check: Check, ways: Sequence[Way]) -> set[str]:
+    """The codes that a kind has in every way that it is written."""
+    codes: set[str] = set()
+    expected: dict[Way, list[Finding]] = {}
+    for way in ways:
+        if way.alone not in expected:
+            expected[way.alone] = kind.findings(check, way.alone)
+        found = kind.findings(check, way)
+        assert found == expected[way.alone], way
+        codes.update(code for code, *_ in found)
+    return codes
+
+
+# RAPID
+
+EAX: Final = "[9E9,9E9,9E9,9E9,9E9,9E9]"
+DATA: Final = f"""\
+PERS tooldata t1:=[TRUE,[[0,0,100],[1,0,0,0]],[1,[0,0,1],[1,0,0,0],0,0,0]];
+CONST tooldata tc:=[TRUE,[[0,0,100],[1,0,0,0]],[1,[0,0,1],[1,0,0,0],0,0,0]];
+VAR tooldata tv;
+PERS wobjdata w1:=[FALSE,TRUE,"",[[0,0,0],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];
+CONST wobjdata wc:=[FALSE,TRUE,"",[[0,0,0],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];
+CONST jointtarget jt:=[[0,0,0,0,30,0],{EAX}];
+CONST robtarget two{{2}}:=[
+  [[400,0,300],[0,0,1,0],[0,0,0,0],{EAX}],[[0,0,9],[0,0,1,0],[0,0,0,0],{EAX}]];
+VAR num n1:=5;
+VAR string text:="x";
+CONST robtarget a1:=[[400,0,300],[0,0,1,0],[0,0,0,0],{EAX}];
+CONST robtarget a2:=[[420,0,300],[0,0,1,0],[0,0,0,0],{EAX}];
+CONST robtarget a3:=[[420,20,300],[0,0,1,0],[0,0,0,0],{EAX}];
+CONST robtarget a4:=[[400,20,300],[0,0,1,0],[0,0,0,0],{EAX}];
+"""
+USES: Final = 'PROC other()\nTPWrite "t1 tc tv w1 wc jt two n1 text a1 a2 a3 a4 ppp";\nENDPROC\n'
+"""Words in a text count as uses."""
+
+
+def _module(moves: str, data: str = "") -> str:
+    return f"MODULE m\n{DATA}{data}PROC main()\nTPErase;\n{moves}ENDPROC\n{USES}ENDMODULE\n"
+
+
+def _named(number: int, way: Way) -> str:
+    word = "MoveJ" if way.mixed and number % 3 == 1 else "MoveL"
+    return f"{word} a{number % 2 * 2 + 1},v100,z10,t1;"
+
+
+def _in_frame(number: int, way: Way) -> str:
+    return _named(number, way).replace(";", r"\WObj:=w1;")
+
+
+def _target(number: int, rotation: str = "[0,0,1,0]", confdata: str = "[0,0,0,0]") -> str:
+    return f"[[{400 + number},0,300],{rotation},{confdata},{EAX}]"
+
+
+def _written(number: int, way: Way) -> str:
+    if way.mixed and number % 3 == 1:
+        return _named(number, way)
+    return f"MoveL {_target(number)},v100,z10,t1;"
+
+
+def _declared(number: int, way: Way) -> str:
+    scope = "LOCAL " if way.mixed and number % 3 == 1 else ""
+    return f"{scope}CONST robtarget ppp{number}:={_target(number)};"
+
+
+MOVES: Final = {
+    "an undeclared speed": ("MoveL a1,v2OO,z10,t1;", "RA403"),
+    "a speed beside a predefined one": ("MoveL a1,v101,z10,t1;", "RA204"),
+    "an undeclared zone": ("MoveL a1,v100,corner,t1;", "RA403"),
+    "a zone beside a predefined one": ("MoveL a1,v100,z3,t1;", "RA205"),
+    "an undeclared tool": ("MoveL a1,v100,z10,tX;", "RA403"),
+    "an undeclared work object": (r"MoveL a1,v100,z10,t1\WObj:=wX;", "RA403"),
+    "an undeclared target": ("MoveL nowhere,v100,z10,t1;", "RA403"),
+    "an undeclared circle point": ("MoveC nowhere,a2,v100,z10,t1;", "RA403"),
+    "speed and zone swapped": ("MoveL a1,z10,v100,t1;", "RA411"),
+    "a number as speed": ("MoveL a1,n1,z10,t1;", "RA411"),
+    "a number as zone": ("MoveL a1,v100,n1,t1;", "RA411"),
+    "a string as tool": ("MoveL a1,v100,z10,text;", "RA411"),
+    "a number as target": ("MoveL n1,v100,z10,t1;", "RA411"),
+    "a joint target": ("MoveL jt,v100,z10,t1;", "RA411"),
+    "an array without its index": ("MoveL two,v100,z10,t1;", "RA411"),
+    "a predefined speed as target": ("MoveL v100,v100,z10,t1;", "RA411"),
+    "a tool as work object": (r"MoveL a1,v100,z10,t1\WObj:=t1;", "RA411"),
+    "a work object as tool": ("MoveL a1,v100,z10,w1;", "RA411"),
+    "a constant tool": ("MoveL a1,v100,z10,tc;", "RA208"),
+    "a variable tool": ("MoveL a1,v100,z10,tv;", "RA208"),
+    "a constant work object": (r"MoveL a1,v100,z10,t1\WObj:=wc;", "RA208"),
+    "a circle point at the end": ("MoveC a2,a2,v100,z10,t1;", "RA459"),
+    "a move to numbers without orientation": (
+        f"MoveL {_target(0, '[0,0,0,0]')},v100,z10,t1;", "RA462",
+    ),
+    "a quaternion that is no unit": (f"MoveL {_target(0, '[0,0.2,1,0]')},v100,z10,t1;", "RA206"),
+    "half a quadrant": (f"MoveL {_target(0, confdata='[0,0.5,0,0]')},v100,z10,t1;", "RA463"),
+    "a shape there is not": (f"MoveL {_target(0, confdata='[0,0,0,8]')},v100,z10,t1;", "RA464"),
+}  # fmt: skip
+"""What is wrong with a move → the move, and the code of its finding."""
+DECLARATIONS: Final = {
+    "the name of a speed": ("CONST robtarget v100:={};", "RA210"),
+    "the name of a zone": ("CONST robtarget z10:={};", "RA210"),
+    "a name that data have": ("CONST robtarget n1:={};", "RA201"),
+    "a name that a routine has": ("CONST robtarget other:={};", "RA201"),
+    "a name that a target above has": ("CONST robtarget A1:={};", "RA201"),
+    "a target that nothing uses": ("CONST robtarget idle:={};", "RA452"),
+    "no orientation": (f"CONST robtarget ppp:={_target(0, '[0,0,0,0]')};", "RA462"),
+    "a quaternion that is no unit": (f"CONST robtarget ppp:={_target(0, '[0,0.2,1,0]')};", "RA206"),
+    "half a quadrant": (f"CONST robtarget ppp:={_target(0, confdata='[0,0.5,0,0]')};", "RA463"),
+    "a shape there is not": (f"CONST robtarget ppp:={_target(0, confdata='[0,0,0,8]')};", "RA464"),
+}
+
+
+def rapid() -> Iterator[tuple[str, Kind, str]]:
+    """Each kind of bad line of RAPID with a name, and the code of its finding."""
+    for name, (bad, code) in MOVES.items():
+        for plain in (_named, _in_frame, _written):
+            yield f"{name}, {plain.__name__[1:]}", Kind(bad, plain, _module, "!"), code
+    for name, (bad, code) in DECLARATIONS.items():
+        text = bad.format(_target(7))
+        kind = Kind(text, _declared, lambda data: _module("MoveL a1,v100,z10,t1;\n", data), "!")
+        yield f"declared: {name}", kind, code
+        inner = Kind(text, _declared, _in_routine, "!")
+        if code not in ("RA201", "RA452"):
+            yield f"declared in a routine: {name}", inner, code
+
+
+def _in_routine(data: str) -> str:
+    inner = data.replace("LOCAL ", "")
+    return f"MODULE m\n{DATA}PROC main()\n{inner}{USES[13:]}{USES}ENDMODULE\n"
+
+
+def _check(name: str) -> Check:
+    language = languages.get(name)
+    return lambda text: language.check([language.parse(SourceText(text, "m.txt", newline="\n"))])
+
+
+RAPID: Final = {name: (kind, code) for name, kind, code in rapid()}
+SOME: Final = [
+    *(name for at, name in enumerate(RAPID) if at < 3 * len(MOVES) and at % 3 == at // 3 % 3),
+    *(name for name in RAPID if name.startswith("declared")),
+]
+"""Each kind of move among lines of one kind."""
+
+
+@pytest.mark.parametrize("name", SOME)
+def test_a_line_of_rapid_is_judged_alone(name: str) -> None:
+    kind, code = RAPID[name]
+    assert code in judge(kind, _check("rapid"), QUICK)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", RAPID)
+def test_a_line_of_rapid_is_judged_alone_in_every_way(name: str) -> None:
+    kind, code = RAPID[name]
+    assert code in judge(kind, _check("rapid"), EVERY)
