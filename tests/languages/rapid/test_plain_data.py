@@ -7,6 +7,7 @@ from functools import partial
 
 import pytest
 
+import assistant
 from tests.compiler.proven import crossed_module, moves_the_same
 
 HEAD = """MODULE Cell
@@ -433,3 +434,26 @@ def test_values_for_an_array_of_another_size_stop_the_program_and_are_told() -> 
     assert done.ok, [f"{f.code} {f.message}" for f in done.findings]
     told = [row.text for row in done.rows if any(f.code == "RA371" for f in row.reasons)]
     assert told == ["values:=[1,2,3]"]
+
+
+BLOCKS = {
+    "if": "IF go=1 THEN\nTPWrite \"a\";\nELSE\n{}\nENDIF",
+    "case": "TEST go\nCASE 1:\n{}\nDEFAULT:\n{}\nENDTEST",
+    "for": "FOR held FROM 1 TO 2 DO\n{}\nENDFOR",
+    "while": "WHILE go<3 DO\n{}\nENDWHILE",
+    "handler": "go:=2;\nERROR\n{}",
+}
+
+
+@pytest.mark.parametrize("block", BLOCKS)
+def test_a_declaration_in_a_block_is_an_error_and_not_a_crash(block, tmp_path):
+    inside = "VAR num held:=2;\ngo:=held;"
+    body = BLOCKS[block].replace("{}", inside)
+    path = tmp_path / "inside.mod"
+    path.write_text(
+        "MODULE inside\nPERS num held:=1;\nPROC main()\nVAR num go:=1;\n"
+        f"{body}\nENDPROC\nENDMODULE\n"
+    )
+    assert "RA220" in {f.code for f in assistant.check(path).findings}
+    translated = assistant.translate(path, to="melfa-basic-5")
+    assert translated.ok == (block == "handler")  # this one handles no error, and is left out

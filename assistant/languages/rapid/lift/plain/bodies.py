@@ -38,7 +38,7 @@ from assistant.languages.rapid.lift.plain.spreads import Spread, Unsaid
 from assistant.languages.rapid.lift.plain.turns import joined_turns
 from assistant.languages.rapid.lift.plain.values import PLACE, Values
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.walk import nodes
+from assistant.languages.rapid.tree.walk import lists, nodes
 
 Nodes = tuple[s.StatementNode, ...]
 
@@ -54,7 +54,8 @@ class Bodies:
         self.names: dict[str, Datum] = {
             one.name.lower(): program.datum_of(one) for one in parameters(routine)
         }
-        data = [node for node in routine.body if isinstance(node, s.Data)]
+        # a declaration in a block is an error (RA220), and a name like any other
+        data = [node for body in lists(routine) for node in body if isinstance(node, s.Data)]
         self.names |= {node.name.lower(): program.datum(node) for node in data}
         self.values = Values(program, self.names, self._called, self._built)
         self.before: list[s.StatementNode] | None = None
