@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any, Final
 
 from assistant.program.diagnostics import Diagnostic, error
+from assistant.program.expressions import Name
 from assistant.program.motion import Blend, Speed
 from assistant.program.path import Path
 from assistant.program.program import Program
 from assistant.program.rewriting import rewrite
+from assistant.program.subjects import Declared
 
 SLOWEST: Final = 0.01
 FASTEST: Final = 20_000.0
@@ -31,21 +34,36 @@ BLEND = error(
 
 def magnitudes(program: Program) -> Iterator[Diagnostic]:
     """Every speed and blend that the program states, named ones and those of paths as well."""
-    stated: dict[Speed | Blend, None] = {}
+    stated: dict[tuple[Speed | Blend, Declared | None], None] = {}
+    moved: set[str] = set()
 
     def note(part: Any) -> Any:
         if isinstance(part, Speed | Blend):
-            stated[part] = None
+            stated[part, None] = None
         elif isinstance(part, Path):
             values = (*part.speeds, *part.blends)
-            stated.update((v, None) for v in values if isinstance(v, Speed | Blend))
+            stated.update(((v, None), None) for v in values if isinstance(v, Speed | Blend))
+            moved.update(v.name.lower() for v in values if isinstance(v, Name))
+        elif isinstance(part, Name):
+            moved.add(part.name.lower())
         return part
 
-    rewrite(program, note)
-    for value in stated:
+    rewrite(replace(program, speeds={}, blends={}), note)
+    for name, speed in program.speeds.items():
+        if name.lower() in moved or not _is_of_other_axes(speed):
+            stated[speed, Declared(name, "speeds")] = None
+    for name, blend in program.blends.items():
+        stated[blend, Declared(name, "blends")] = None
+    for value, about in stated:
         if isinstance(value, Speed):
             if math.isfinite(value.tcp) and not SLOWEST <= value.tcp <= FASTEST:
-                yield SPEED(value=value.tcp)
+                yield SPEED(value=value.tcp, about=about)
         else:
             radii = [r for r in (value.radius, value.exit) if r is not None and math.isfinite(r)]
-            yield from (BLEND(value=r) for r in radii if not SMALLEST <= r <= LARGEST)
+            wrong = [r for r in radii if not SMALLEST <= r <= LARGEST]
+            yield from (BLEND(value=r, about=about) for r in wrong)
+
+
+def _is_of_other_axes(speed: Speed) -> bool:
+    """True for a speed at which only external axes or the tool's rotation move."""
+    return speed.tcp == 0 and any((speed.rotation, speed.external_linear, speed.external_rotary))

@@ -83,9 +83,9 @@ def frame_of(values: Values) -> Frame | None:
         return None
     held, fixed, mechanism, user, object = values
     first, second = _pose(*user), _pose(*object)
-    if first is None or second is None or fixed == bool(mechanism):
+    if first is None or second is None or not (fixed or mechanism):
         return None
-    return Frame(first, second, held, mechanism)
+    return Frame(first, second, held, "" if fixed else mechanism)
 
 
 def aggregate(items: tuple[e.Expression, ...]) -> e.Expression:

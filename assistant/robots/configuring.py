@@ -99,6 +99,10 @@ def _leg(statement: Moving, solved_run: SolvedRun, rows: slice) -> Leg:
     return Leg(statement, solved_run, rows, joints[rows], start if known else None)
 
 
+UNUSED: Final = 9e9
+"""Stands for an axis of the arm that a target says nothing of."""
+
+
 class _Survey:
     """Goes through a program in order of text and solves its moves run by run.
 
@@ -298,6 +302,9 @@ class _Survey:
         self.joined = False
         if target is None:
             return None
+        if _is_of_other_axes(target):
+            self.findings.append(rules.NO_JOINTS(about=label, robot=self.robot.title))
+            return None
         # A declared one is reported once, by its own name.
         literal = isinstance(statement.target, JointValue)
         joints = self.joints(target, label if literal else None)
@@ -336,7 +343,8 @@ class _Survey:
 
     def joint_targets(self) -> None:
         for name, target in self.program.joint_targets.items():
-            self.joints(target, Declared(name, "joint_targets"))
+            if not _is_of_other_axes(target):
+                self.joints(target, Declared(name, "joint_targets"))
 
     def unused(self) -> None:
         """Configures what no move names, in silence: nobody says how it will be used."""
@@ -372,22 +380,28 @@ class _Survey:
     def tool(self, name: str, about: Goal) -> Tool | None:
         tool = self.names.tool(name)
         if tool is None:
-            there = ", ".join([FLANGE, *self.program.tools])
-            self.findings.append(
-                rules.UNKNOWN_TOOL(about=about, kind="tool", name=name, names=there)
-            )
+            self.findings.append(self._unknown("tool", name, [FLANGE, *self.program.tools], about))
         return tool
+
+    def _unknown(self, kind: str, name: str, there: Sequence[str], about: Goal) -> Diagnostic:
+        """A tool or frame that is not declared, or whose declaration only its language reads."""
+        kept = (one.effect for one in self.program.declarations)
+        if any(effect is not None and name.lower() in effect.writes for effect in kept):
+            return rules.VALUELESS_TOOL(about=about, kind=kind, name=name)
+        return rules.UNKNOWN_TOOL(about=about, kind=kind, name=name, names=", ".join(there))
 
     def frame(self, name: str, about: Goal) -> Frame | None:
         frame = self.names.frame(name)
         if frame is None:
-            there = ", ".join([BASE, *self.program.frames])
-            self.findings.append(
-                rules.UNKNOWN_TOOL(about=about, kind="frame", name=name, names=there)
-            )
+            self.findings.append(self._unknown("frame", name, [BASE, *self.program.frames], about))
         elif frame.mechanism:
             self.findings.append(
                 rules.MOVED_FRAME(about=about, name=name, mechanism=frame.mechanism)
             )
             return None
         return frame
+
+
+def _is_of_other_axes(target: JointTarget) -> bool:
+    """True if a target states external axes and none of the arm."""
+    return bool(target.joints) and all(value >= UNUSED for value in target.joints)

@@ -119,6 +119,11 @@ JOINT_OUTSIDE: Final = error(
     "{axis} at {value:g} {unit} is outside its limits {low:g} to {high:g}",
     "move the joint target inside the limits",
 )
+NO_JOINTS: Final = error(
+    "RB126",
+    "the joint target states no angle of {robot}, so a joint move of the arm goes nowhere",
+    "state the angles of the arm, or move the external axes alone",
+)
 JOINT_COUNT: Final = error(
     "RB110",
     "{count} joint angles do not fit the axes {axes} of {robot}",
@@ -128,6 +133,13 @@ UNKNOWN_TOOL: Final = warning(
     "RB111",
     "no {kind} `{name}` is declared, so where moves with it lead is not checked",
     "declare it, or name one of {names}",
+    misses=True,
+)
+VALUELESS_TOOL: Final = warning(
+    "RB125",
+    "the {kind} `{name}` is declared without values that can be read, so where moves with it lead "
+    "is not checked",
+    "write its values as plain numbers, and every rotation as a quaternion of length 1",
     misses=True,
 )
 MOVED_FRAME: Final = info(

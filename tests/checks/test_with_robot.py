@@ -9,6 +9,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+import assistant
 from assistant import checks, robots
 from assistant.program.diagnostics import Span
 from assistant.program.expressions import JointValue, Name, Number, TargetValue
@@ -379,3 +380,61 @@ def test_apart_statements_have_findings_of_their_own():
     assert sum(f.place.count("move 2 of main") for f in told) == 1
     assert sum(f.place.count("move 6 of main") for f in told) == 1
     assert not any("move 4 of main" in f.place for f in told)
+
+
+EXTERNAL = """MODULE Table
+CONST jointtarget turned:=[[9E9,9E9,9E9,9E9,9E9,9E9],[90,9E9,9E9,9E9,9E9,9E9]];
+CONST speeddata turning:=[0,0,0,30];
+PROC main()
+ActUnit STN1;
+{move}
+ENDPROC
+ENDMODULE
+"""
+
+
+@pytest.mark.parametrize(
+    ("move", "codes"),
+    [
+        ("MoveExtJ turned,turning,fine;", set()),
+        ("MoveExtJ turned,vrot20,fine;", set()),
+        ("MoveAbsJ turned,v100,fine,tool0;", {"RB126"}),
+        ("MoveAbsJ turned,turning,fine,tool0;", {"RB126", "CK201"}),
+    ],
+)
+def test_external_axes_that_move_alone(move, codes, tmp_path):
+    path = tmp_path / "table.mod"
+    path.write_text(EXTERNAL.format(move=move))
+    for robot in (None, ARM):
+        found = {f.code for f in assistant.check(path, robot=robot).findings} - {"RA452"}
+        assert found == (codes if robot else codes - {"RB126"})
+
+
+def test_a_tool_that_is_declared_without_sound_values_is_not_called_undeclared(tmp_path):
+    path = tmp_path / "tool.mod"
+    path.write_text(
+        "MODULE m\nPERS tooldata tA:=[TRUE,[[0,0,9],[0,0,0,0]],[1,[0,0,9],[1,0,0,0],0,0,0]];\n"
+        'PERS wobjdata wA:=[FALSE,FALSE,"",[[0,0,0],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];\n'
+        "CONST robtarget p1:=[[400,0,400],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];\n"
+        "PROC main()\nMoveJ p1,v100,fine,tA;\nMoveL p1,v100,fine,tool0\\WObj:=wA;\n"
+        "MoveL p1,v100,fine,tB;\nENDPROC\nENDMODULE\n"
+    )
+    found = assistant.check(path, robot=ARM).findings
+    codes = {"RA462", "RA468", "RB125", "RB111"}
+    named = {
+        (f.code, name) for f in found for name in ("tA", "wA", "tB") if f"`{name}`" in f.message
+    }
+    assert {one for one in named if one[0] in codes} == {
+        ("RA462", "tA"), ("RA468", "wA"), ("RB125", "tA"), ("RB125", "wA"), ("RB111", "tB")
+    }  # fmt: skip
+
+
+def test_a_tool_without_mass_has_one_finding(tmp_path):
+    path = tmp_path / "tool.mod"
+    path.write_text(
+        "MODULE m\nPERS tooldata tA:=[TRUE,[[0,0,9],[1,0,0,0]],[0,[0,0,9],[1,0,0,0],0,0,0]];\n"
+        "CONST robtarget p1:=[[400,0,400],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];\n"
+        "PROC main()\nMoveJ p1,v100,fine,tA;\nENDPROC\nENDMODULE\n"
+    )
+    codes = [f.code for f in assistant.check(path, robot=ARM).findings]
+    assert (codes.count("RA469"), codes.count("CK331")) == (1, 0)

@@ -56,7 +56,7 @@ class Rapid(Language["File"]):
     family_title = "RAPID"
     fixed = ("RA1", "RA3")
     restated = MappingProxyType(
-        {"CK101": "RA459", "CK102": "RA460", "CK103": "RA460", "CK104": "RA461"}
+        {"CK101": "RA459", "CK102": "RA460", "CK103": "RA460", "CK104": "RA461", "CK331": "RA469"}
     )
     table = "rapid"
     settings = ARITHMETIC

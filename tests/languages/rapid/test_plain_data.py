@@ -437,7 +437,7 @@ def test_values_for_an_array_of_another_size_stop_the_program_and_are_told() -> 
 
 
 BLOCKS = {
-    "if": "IF go=1 THEN\nTPWrite \"a\";\nELSE\n{}\nENDIF",
+    "if": 'IF go=1 THEN\nTPWrite "a";\nELSE\n{}\nENDIF',
     "case": "TEST go\nCASE 1:\n{}\nDEFAULT:\n{}\nENDTEST",
     "for": "FOR held FROM 1 TO 2 DO\n{}\nENDFOR",
     "while": "WHILE go<3 DO\n{}\nENDWHILE",

@@ -67,6 +67,13 @@ DECLARATIONS = {
     "a module named like its routine": ("PROC m()\nENDPROC", [("RA214", 1)]),
     "a constant without value": ("CONST num a;", [("RA218", 2)]),
     "a clock with a value": ("VAR clock c:=0;", [("RA219", 2)]),
+    "a main with a parameter": ("PROC main(num a)\na:=1;\nENDPROC", [("RA235", 2), ("RA453", 2)]),
+    "a world zone with its number": (
+        "VAR wzstationary z:=[0];\nVAR wztemporary t{2}:=[[0],[1]];",
+        [],
+    ),
+    "a world zone with a plain number": ("VAR wzstationary z:=0;", [("RA219", 2)]),
+    "a world zone with a text": ('VAR wztemporary z:=["a"];', [("RA219", 2)]),
     "bytes with a value": ("VAR rawbytes r:=0;", [("RA219", 2)]),
     "an event that is a record": ('VAR triggios t:=[TRUE,10,FALSE,0,"do1",1,0];', []),
     "a persistent with a name as value": ("PERS num a:=pi;", [("RA207", 2)]),
@@ -434,6 +441,115 @@ def test_speeds_that_another_module_may_declare() -> None:
     text = routine("MoveL p,v25,fine,tool0;")
     assert severity(text) is Severity.WARNING
     assert severity(text.replace("MODULE m\n", "MODULE m\n! program: m\n")) is Severity.ERROR
+
+
+BOOKING = {
+    "never booked": ("VAR errnum ERR_JAM:=-1;", "RAISE ERR_JAM;", "warning"),
+    "without a value": ("VAR errnum ERR_JAM;", "RAISE ERR_JAM;", "warning"),
+    "of this module alone": ("LOCAL VAR errnum ERR_JAM:=-1;", "RAISE ERR_JAM;", "error"),
+    "a constant": ("CONST errnum ERR_JAM:=95;", "RAISE ERR_JAM;", "error"),
+    "a number": ("", "RAISE 91;", "warning"),
+    "by its name": (
+        "LOCAL VAR errnum ERR_JAM:=-1;",
+        'ErrRaise "ERR_JAM",4800,"a","b","c","d","e";',
+        "error",
+    ),
+    "booked": ("VAR errnum ERR_JAM:=-1;", "BookErrNo ERR_JAM;\nRAISE ERR_JAM;", ""),
+    "assigned": ("VAR errnum ERR_JAM:=-1;", "ERR_JAM:=ERR_WAIT_MAXTIME;\nRAISE ERR_JAM;", ""),
+    "of those that anybody may raise": ("CONST errnum ERR_JAM:=90;", "RAISE ERR_JAM;", ""),
+    "of the controller": ("", "RAISE ERR_WAIT_MAXTIME;", ""),
+}
+
+
+@pytest.mark.parametrize("case", BOOKING)
+def test_errors_that_nothing_books(case: str) -> None:
+    data, body, severity = BOOKING[case]
+    tree = RAPID.parse(module(f"{data}\nPROC main()\n{body}\nENDPROC"))
+    findings = [f for f in RAPID.check([tree]) if f.code == "RA467"]
+    assert [f.severity.value for f in findings] == [severity] * bool(severity)
+
+
+TOOL = "[{held},[[0,0,100],{rot}],[{mass},[0,0,50],{axes},0,0,0]]"
+FRAME = '[{held},{fixed},"{unit}",[[500,0,0],{user}],[[0,0,0],{object}]]'
+
+
+def tool(
+    held: str = "TRUE", rot: str = "[1,0,0,0]", mass: str = "2", axes: str = "[1,0,0,0]"
+) -> str:
+    return "PERS tooldata tG:=" + TOOL.format(held=held, rot=rot, mass=mass, axes=axes) + ";\n"
+
+
+def frame(
+    held: str = "FALSE",
+    fixed: str = "TRUE",
+    unit: str = "",
+    user: str = "[1,0,0,0]",
+    object: str = "[1,0,0,0]",
+) -> str:
+    values = FRAME.format(held=held, fixed=fixed, unit=unit, user=user, object=object)
+    return f"PERS wobjdata wT:={values};\n"
+
+
+ZERO = "[0,0,0,0]"
+MOUNTED = {
+    "right": (tool(), frame(), ""),
+    "tip without orientation": (tool(rot=ZERO), frame(), "RA462 error"),
+    "load without axes": (tool(axes=ZERO), frame(), "RA462 error"),
+    "user frame without orientation": (tool(), frame(user=ZERO), "RA462 error"),
+    "object frame without orientation": (tool(), frame(object=ZERO), "RA462 error"),
+    "no unit": (tool(), frame(fixed="FALSE"), "RA468 error"),
+    "a unit": (tool(), frame(fixed="FALSE", unit="STN1"), ""),
+    "a unit that moves nothing": (tool(), frame(unit="STN1"), ""),
+    "no mass": (tool(mass="0"), frame(), "RA469 warning"),
+    "mass that nobody has stated": (tool(mass="-1"), frame(), "RA469 warning"),
+    "both held": (tool(), frame(held="TRUE"), "RA470 error"),
+    "neither held": (tool(held="FALSE"), frame(), "RA471 error"),
+    "work carried to the tool": (tool(held="FALSE"), frame(held="TRUE"), ""),
+}
+
+
+@pytest.mark.parametrize("many", [1, 9])
+@pytest.mark.parametrize("case", MOUNTED)
+def test_tools_and_work_objects_that_no_controller_takes(case: str, many: int) -> None:
+    data, more, expected = MOUNTED[case]
+    moves = "MoveL p,v100,z10,tG\\WObj:=wT;\n" * many
+    text = module(f"{data}{more}{target('p', 1, 2)}PROC main()\n{moves}ENDPROC")
+    findings = [f"{f.code} {f.severity.value}" for f in RAPID.check([RAPID.parse(text)])]
+    assert findings == [expected] * bool(expected)
+    assigned = text.replace("PROC main()", "PROC main()\ntG:=tool0;\nwT:=wobj0;")
+    assert not list(RAPID.check([RAPID.parse(assigned)]))
+
+
+def test_tools_that_no_move_uses_may_be_placeholders() -> None:
+    (finding,) = RAPID.check([RAPID.parse(module(tool(rot=ZERO)))])
+    assert (finding.code, finding.severity) == ("RA462", Severity.WARNING)
+    stationary = module(tool(held="FALSE") + routine("MoveL p,v100,fine,tG;")[9:-10])
+    assert ("RA471", 4) in found(stationary)
+    calibrated = routine("MToolTCPCalib j1,j2,j3,j4,tG,reg1,reg2;\nMoveL p,v100,fine,tG;")
+    assert found(module(tool(rot=ZERO), "data"), calibrated) == []
+
+
+UNKNOWN_ERRORS = {
+    "raised": "RAISE ERR_JAMM;",
+    "compared": "IF ERRNO=ERR_JAMM TPErase;",
+    "compared with a number": "IF reg1<>ERR_JAMM TPErase;",
+    "a case": "TEST ERRNO\nCASE ERR_JAM,ERR_JAMM:\nTPErase;\nENDTEST",
+    "assigned": "seen:=ERR_JAMM;",
+    "handled": "TPErase;\nERROR (ERR_JAMM)\nRETRY;",
+    "of any name": "IF seen=JAMMED TPErase;",
+}
+
+
+@pytest.mark.parametrize("case", UNKNOWN_ERRORS)
+def test_errors_that_nothing_declares(case: str) -> None:
+    data = "VAR errnum ERR_JAM:=1;\nVAR errnum seen;"
+    body = UNKNOWN_ERRORS[case]
+    text = module(f"{data}\nPROC main()\nseen:=ERR_JAM;\n{body}\nENDPROC")
+    findings = [f for f in RAPID.check([RAPID.parse(text)]) if f.code == "RA403"]
+    assert len(findings) == 1
+    assert "JAMM" in findings[0].message
+    right = text.replace("ERR_JAMM", "ERR_WAIT_MAXTIME").replace("JAMMED", "ERR_JAM")
+    assert not [f for f in RAPID.check([RAPID.parse(right)]) if f.code == "RA403"]
 
 
 def test_what_was_compiled_gets_no_advice() -> None:

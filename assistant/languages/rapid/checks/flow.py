@@ -9,10 +9,11 @@ from assistant.languages.checks.reach import Reach
 from assistant.languages.checks.registry import Found
 from assistant.languages.rapid import rules as names
 from assistant.languages.rapid.checks import plain_rules as rules
-from assistant.languages.rapid.checks.module_view import Look
+from assistant.languages.rapid.checks.module_view import Look, Task
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
-from assistant.languages.rapid.tree.walk import blocks, nodes
+from assistant.languages.rapid.tree.walk import blocks, nodes, root
+from assistant.program.diagnostics import Severity
 
 Body = Sequence[s.StatementNode]
 
@@ -125,6 +126,69 @@ def handled(look: Look) -> Found:
             elif isinstance(node, s.RaiseError) and node.value is None:
                 what = "RAISE without a number"
                 yield look.finding(rules.OUTSIDE_HANDLER, node, what=what)
+
+
+MOST_RAISED: Final = 90
+"""The numbers of errors that a program may raise without booking them begin with 1."""
+
+
+def never_booked(look: Look) -> Found:
+    """Errors that are raised with a number that no error has.
+
+    Another module that is not given may book what all modules see.
+    """
+    for routine in look.routines:
+        for node in nodes((routine.body, *(h.body for h in routine.handlers))):
+            match node:
+                case s.RaiseError(s.NameRef(name)):
+                    yield from _raised(look, routine, node, name)
+                case s.RaiseError(value) if value is not None:
+                    number = literal_number(value)
+                    if number is not None and not _may_be_raised(number):
+                        what = f"the error {number:g} is raised"
+                        yield look.finding(rules.NEVER_BOOKED, node, what=what)
+                case s.ProcedureCall(str(word), (s.Positional(s.StringLiteral(name)), *_)):
+                    if word.lower() == "errraise":
+                        yield from _raised(look, routine, node, name)
+
+
+def _raised(look: Look, routine: s.Routine, node: s.Node, name: str) -> Found:
+    found = look.find(name, routine)
+    data = found.node if found is not None else None
+    if found is None or not isinstance(data, s.Data) or data.dimensions or _is_given(look, name):
+        return
+    number = 0.0 if data.value is None else literal_number(data.value)
+    if number is None or _may_be_raised(number):
+        return
+    sure = found.local or found.kind == "CONST"
+    what = f"`{name}` is raised with the number {number:g}, and nothing books it"
+    severity = Severity.ERROR if sure else Severity.WARNING
+    yield look.finding(rules.NEVER_BOOKED, node, what=what, severity=severity)
+
+
+def _may_be_raised(number: float) -> bool:
+    return 1 <= number <= MOST_RAISED
+
+
+def _is_given(look: Look, name: str) -> bool:
+    """True if some statement may give data of this name another number."""
+    return name.lower() in look.task.once(_given)
+
+
+def _given(task: Task) -> set[str]:
+    """Lower-case names that are assigned to, or handed over to a routine."""
+    found: set[str] = set()
+    for node in nodes(task.modules):
+        match node:
+            case s.Assignment(target):
+                data = root(target)
+                found |= set() if data is None else {data.name.lower()}
+            case s.ProcedureCall(_, arguments) | s.FunctionCall(_, arguments):
+                for one in arguments:
+                    value = getattr(one, "value", None)
+                    if isinstance(value, s.NameRef):
+                        found.add(value.name.lower())
+    return found
 
 
 def choices(look: Look) -> Found:

@@ -47,10 +47,42 @@ def data(node: s.Expression, scope: Scope) -> Found:
     if not isinstance(node, s.NameRef) or scope.find(node.name) is not None:
         return
     low = node.name.lower()
-    if low in predefined.data() or low.startswith("err_") or scope.look.compiled:
+    if low in predefined.data() or scope.look.compiled:
         return
     if scope.look.first("data", low):
         yield scope.look.finding(rules.UNKNOWN_DATA, node, name=node.name)
+
+
+def errors(
+    node: s.RaiseError | s.Handler | s.Infix | s.TestOf | s.Assignment, scope: Scope
+) -> Found:
+    """Names of errors: those that are raised, handled, assigned, or compared with a number."""
+    named: tuple[s.Expression | None, ...] = ()
+    sure = False
+    match node:
+        case s.RaiseError(value):
+            named, sure = (value,), True
+        case s.Handler(numbers=numbers):
+            named, sure = numbers, True
+        case s.Infix(_, left, right):
+            named, sure = (left, right), _is_errnum(left, scope) or _is_errnum(right, scope)
+        case s.TestOf(subject, cases):
+            named = tuple(value for case in cases for value in case.values)
+            sure = _is_errnum(subject, scope)
+        case s.Assignment(target, value):
+            named, sure = (value,), _is_errnum(target, scope)
+    for one in named:
+        if isinstance(one, s.NameRef) and (sure or one.name.startswith("ERR_")):
+            yield from data(one, scope)
+
+
+def _is_errnum(value: s.Expression, scope: Scope) -> bool:
+    """True for the number of an error; other numbers may be those of signals."""
+    if not isinstance(value, s.NameRef):
+        return False
+    found, standard = scope.find(value.name), predefined.data().get(value.name.lower())
+    type = found.type if found is not None else standard.type if standard is not None else ""
+    return type.lower() == "errnum"
 
 
 def type_of(node: s.Data | s.ParameterNode | s.Routine, scope: Scope) -> Found:

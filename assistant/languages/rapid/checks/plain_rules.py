@@ -160,6 +160,32 @@ NEVER_SET_UP: Final = warning(
     "a move is given the triggdata `{name}`, which nothing sets up",
     "set it up before the move, with TriggIO or TriggEquip",
 )
+NEVER_BOOKED: Final = warning(
+    "RA467",
+    "{what}: a program may raise the errors 1 to 90 and those that it has booked",
+    "declare the error as `VAR errnum` and write `BookErrNo` with its name before it is raised",
+)
+NO_UNIT: Final = error(
+    "RA468",
+    "nothing moves the work object `{name}`: its `ufprog` is FALSE, and its `ufmec` names no unit",
+    "write TRUE for a work object that stands still, or name the mechanical unit that moves it",
+)
+NO_MASS: Final = warning(
+    "RA469",
+    "the tool `{name}` has a mass of {mass:g} kg: the controller stops at the first move with it "
+    "(undefined load, 41439)",
+    "state its mass in kg and its centre of gravity; 0.001 kg is the least that counts",
+)
+HELD_TWICE: Final = error(
+    "RA470",
+    "the robot would hold both the tool `{tool}` and the work object `{frame}` of this move",
+    "set `robhold` of the one that stands in the room to FALSE, or move with another",
+)
+HELD_NOWHERE: Final = error(
+    "RA471",
+    "the robot holds neither the tool `{tool}` nor the work object `{frame}` of this move",
+    "set `robhold` of the one that the robot carries to TRUE, or move with another",
+)
 LONG_TIME: Final = warning(
     "RA466",
     "a time before the end of a move is longer than {most:g} s",

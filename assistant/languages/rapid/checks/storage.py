@@ -12,8 +12,9 @@ from assistant.languages.rapid.checks.places import placed
 from assistant.languages.rapid.tables import predefined
 from assistant.languages.rapid.tables.words import MOST_DIMENSIONS
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.gather import literal_number
+from assistant.languages.rapid.tree.gather import literal_number, numbers
 from assistant.languages.rapid.tree.walk import nodes, root
+from assistant.languages.records import shape
 
 WHAT: Final = {
     "VAR": "a variable",
@@ -48,7 +49,7 @@ def initial_values(look: Look) -> Found:
             if node.storage == "CONST":
                 yield look.finding(rules.NO_VALUE, node, name=node.name)
             continue
-        if predefined.is_handle(node.type):
+        if predefined.is_handle(node.type) and not _is_numbered(node):
             yield look.finding(rules.HANDLE_VALUE, node, name=node.name, type=node.type)
         if node.storage == "PERS":
             continue
@@ -63,6 +64,13 @@ def initial_values(look: Look) -> Found:
             if what:
                 yield look.finding(rules.NOT_CONSTANT, node, name=node.name, what=what)
                 break
+
+
+def _is_numbered(node: s.Data) -> bool:
+    """True for a handle of a type that may have a number in brackets, or an array of those."""
+    form = shape(numbers(node.value))
+    single = form == "n" if not node.dimensions else not form.replace("[n]", "")
+    return single and node.type.lower() in predefined.NUMBERED
 
 
 def _is_literal(value: s.Expression) -> bool:

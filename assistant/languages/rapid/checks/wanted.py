@@ -349,7 +349,7 @@ class _Module:
 
     def _unknown(self, name: str, scope: Scope, type: str) -> bool:
         low = name.lower()
-        if scope.find(name) is not None or low.startswith("err_") or hand_of(low) is not None:
+        if scope.find(name) is not None or hand_of(low) is not None:
             return False
         if low in predefined.data() or low in predefined.types():
             return False

@@ -45,6 +45,10 @@ def is_handle(type: str) -> bool:
     return known is not None and known.kind == "HANDLE"
 
 
+NUMBERED: Final = frozenset(("wztemporary", "wzstationary"))
+"""Handles that may be declared with a number in brackets, as backups of controllers do."""
+
+
 @cache
 def data() -> Mapping[str, Datum]:
     """All predefined data by lower-case name."""
