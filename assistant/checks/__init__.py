@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 from assistant.checks.arcs import arcs
 from assistant.checks.magnitudes import magnitudes
 from assistant.checks.outputs import outputs
+from assistant.checks.signals import group_values, shared_numbers
 from assistant.program.diagnostics import Diagnostic, fold
 from assistant.program.program import Program
 from assistant.program.system.budgets import MEANING, staged
@@ -20,6 +21,8 @@ RULES: Final[tuple[Callable[[Program], Iterator[Diagnostic]], ...]] = (
     arcs,
     magnitudes,
     outputs,
+    shared_numbers,
+    group_values,
 )
 
 

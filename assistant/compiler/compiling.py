@@ -9,6 +9,7 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.checks import check, with_robot
+from assistant.checks.signals import group_values
 from assistant.compiler.arithmetic import differences
 from assistant.compiler.arms import Arms, in_arms, known_robot, robot_of, standing, taught_on
 from assistant.compiler.crossing import for_arm, unsaid, without_unused
@@ -244,6 +245,7 @@ def compile_program(
     if source.origin is not None:
         said = language_of(source.origin.language).exported(program, target, arm)
         program, findings = passed("exported", said.program), [*findings, *said.findings]
+        findings += (f for f in group_values(program) if f not in findings)  # of questions as well
     taught = taught_on(program, arms)
     if taught is not None or not arms.same:
         program, left = without_unused(program, target, taught, arms.robot)
