@@ -71,16 +71,34 @@ def placed(files: Mapping[str, Files]) -> tuple[dict[str, str], list[Diagnostic]
 
 
 def write_each(
-    files: Mapping[str, Files], folders: Mapping[str, str], output: str | Path
-) -> list[str]:
-    """Writes the files of all sources, and of those that have a folder of their own there."""
-    ordered = sorted(files, key=lambda source: source in folders)  # those without one first
-    wanted = {
-        path: data
-        for source in ordered
-        for path, data in places(source, files[source], folders, output).items()
-    }
-    return [str(path) for path in write_all(wanted)]
+    files: Mapping[str, Files],
+    folders: Mapping[str, str],
+    output: str | Path,
+    paths: Mapping[str, str],
+) -> tuple[list[str], list[Diagnostic]]:
+    """Writes the files of all sources, and of those that have a folder of their own there.
+
+    paths: file that each source is, or begins with. Gives the files, and a finding for each that
+    was written from another source: of such a source nothing is written.
+    """
+    from assistant.compiler.keeping import replaced, with_sources, written_in
+
+    wanted: dict[Path, bytes] = {}
+    made: dict[Path, dict[str | Path, list[str]]] = {}
+    told: list[Diagnostic] = []
+    for source in sorted(files, key=lambda source: source in folders):  # those without one first
+        memory = written_in(Path(output) / folders.get(source, ""))
+        wished, path = places(source, files[source], folders, output), paths.get(source, source)
+        if others := replaced(wished, path, memory):
+            told += others
+            continue
+        wanted |= wished
+        made.setdefault(memory, {})[path] = [one.name for one in wished]
+    written = [str(path) for path in wanted]
+    for memory, sources in made.items():
+        wanted |= with_sources(sources, memory)
+    write_all(wanted)
+    return written, told
 
 
 def places(

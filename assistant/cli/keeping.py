@@ -32,14 +32,17 @@ def write_kept(
     files: Mapping[str, Files], folders: Mapping[str, str], output: str, keeper: Keeper
 ) -> Written:
     """Writes the files of all sources, with what was edited in those that are there."""
-    from assistant.compiler.keeping import written_in
+    from assistant.compiler.keeping import Kept, replaced, with_sources, written_in
 
     done = Written()
     wanted: dict[Path, bytes] = {}
     compiled: dict[Path, bytes] = {}
+    made: dict[Path, dict[str | Path, list[str]]] = {}
     for source in sorted(files, key=lambda source: source in folders):
         memory = written_in(Path(output) / folders.get(source, ""))
-        kept = keeper.kept(places(source, files[source], folders, output), memory)
+        wished = places(source, files[source], folders, output)
+        others = [] if keeper.wishes.overwrite else replaced(wished, source, memory)
+        kept = Kept({}, {}, findings=tuple(others)) if others else keeper.kept(wished, memory)
         done.findings += kept.findings
         if not kept.ok:
             done.refused.append(source)
@@ -47,9 +50,12 @@ def write_kept(
         done.diffs |= {str(path): diff for path, diff in kept.diffs.items()}
         wanted |= kept.files
         compiled |= kept.compiled
+        made.setdefault(memory, {})[source] = [path.name for path in wished]
     unknown = keeper.unknown_names()
     done.findings += unknown
     if wanted and not unknown:
+        for memory, sources in made.items():
+            compiled |= with_sources(sources, memory)
         write_all({**wanted, **compiled})
         done.written = [str(path) for path in wanted]
     return done

@@ -129,7 +129,10 @@ def run_translate(
         [file for task in tasks for file in task.files],
         [*paths_of(files, folders, output), *beside],
     )
-    written = write_each(files, folders, output)
+    paths = {task.name: task.files[0] for task in tasks if task.files}
+    written, others = write_each(files, folders, output, paths)
+    refusals += others
+    status = max(status, 1 if others else 0)
     if report is not None and not asked.html:
         written += _written(report, reported(done, report))
     if asked.html or opened:

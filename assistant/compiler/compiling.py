@@ -94,7 +94,7 @@ class Compiled:
     pseudo-program as the language says it. source: the one that it was made of. found: every
     finding, the worst of them may be errors; those of the source have its spans alone.
     wanting: errors that follow from these, see `Adapted`. motion: the proof by motion, None where
-    it was not asked for.
+    it was not asked for. path: file of the source, None if it is none.
     """
 
     program: Program
@@ -106,6 +106,7 @@ class Compiled:
     found: tuple[Diagnostic, ...] = ()
     wanting: tuple[Diagnostic, ...] = ()
     motion: MotionProof | None = None
+    path: str | None = None
 
     @property
     def findings(self) -> tuple[Diagnostic, ...]:
@@ -131,7 +132,7 @@ class Compiled:
         """
         if not self.ok:
             raise Refused(*self.findings)
-        return write_unedited(self.files, folder, overwrite=overwrite)
+        return write_unedited(self.files, folder, source=self.path, overwrite=overwrite)
 
     def __repr__(self) -> str:
         count = len(self.findings)
@@ -208,7 +209,9 @@ def compile(
     begun = entry if program.interface is None or program.origin is not None else None
     compiled = proven_by_motion(compiled, arms, proving, begun)
     about = () if isinstance(cell, InCell) else stands.findings
-    return replace(compiled, found=(*loaded.findings, *about, *sights, *compiled.found))
+    path = None if isinstance(source, Program | Loaded) else str(source)
+    found = (*loaded.findings, *about, *sights, *compiled.found)
+    return replace(compiled, found=found, path=path)
 
 
 def told(program: Program, target: Language[Any]) -> Program:

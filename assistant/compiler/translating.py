@@ -114,7 +114,9 @@ class Translation:
         """Writes the files as `Compiled.write` does; a draft where one was asked for."""
         if not self.files:
             raise Refused(*self.findings)
-        return write_unedited(self.files, folder, overwrite=overwrite)
+        texts = self.compiled.places.texts
+        source = texts[0].path if texts else None
+        return write_unedited(self.files, folder, source=source, overwrite=overwrite)
 
     def __repr__(self) -> str:
         count = len(self.findings)

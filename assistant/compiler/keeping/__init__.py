@@ -6,7 +6,22 @@ the text; `files.py` does all that with files; `remembered.py` remembers what wa
 """
 
 from assistant.compiler.keeping.files import Keeper, Kept
-from assistant.compiler.keeping.remembered import WRITTEN, write_unedited, written_in
+from assistant.compiler.keeping.remembered import (
+    WRITTEN,
+    replaced,
+    with_sources,
+    write_unedited,
+    written_in,
+)
 from assistant.compiler.keeping.sides import Wishes
 
-__all__ = ["WRITTEN", "Keeper", "Kept", "Wishes", "write_unedited", "written_in"]
+__all__ = [
+    "WRITTEN",
+    "Keeper",
+    "Kept",
+    "Wishes",
+    "replaced",
+    "with_sources",
+    "write_unedited",
+    "written_in",
+]

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import json
+import os
+from collections.abc import Iterable, Mapping
 from pathlib import Path as FilePath
 from typing import Final
 
 from assistant.compiler.keeping import rules
-from assistant.program.diagnostics import Refused
+from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.system.bounded import read_file
 from assistant.program.system.writing import place_of, write_all
 
 WRITTEN: Final = FilePath(".robot-assistant") / "written"
+SOURCES: Final = "sources.json"
+"""Of which source each file of a folder was made."""
 SUFFIX: Final = ".written"
-"""Behind the name of what is remembered, which is no program for anybody who looks for such."""
+"""After the name of what is remembered, which is no program for anybody who looks for such."""
 
 
 def written_in(folder: str | FilePath) -> FilePath:
@@ -21,13 +25,67 @@ def written_in(folder: str | FilePath) -> FilePath:
     return FilePath(folder) / WRITTEN
 
 
+def replaced(
+    files: Mapping[FilePath, bytes], source: str | FilePath | None, memory: FilePath
+) -> list[Diagnostic]:
+    """A finding for each file that was written from another source, which is still there.
+
+    source: that the files are made of now, None if it is no file.
+    """
+    known = _sources(memory)
+    found: list[Diagnostic] = []
+    for path, data in files.items():
+        other = memory / known.get(path.name, "")
+        if path.name not in known or bytes_of(path) in (None, data) or not other.is_file():
+            continue
+        if source is None or not FilePath(source).exists() or not other.samefile(source):
+            was = os.path.relpath(other)
+            finding = rules.OF_ANOTHER(
+                path=str(path), file=path, other=was, source=source or "standard input"
+            )
+            found.append(finding)
+    return found
+
+
+def with_sources(
+    made: Mapping[str | FilePath, Iterable[str]], memory: FilePath
+) -> dict[FilePath, bytes]:
+    """What remembers of which source some files were made, by the file that remembers it.
+
+    made: names of files by their source; of what is no file nothing is remembered.
+    """
+    known = _sources(memory)
+    for source, names in made.items():
+        for name in names:
+            known.pop(name, None)
+            if FilePath(source).is_file():
+                known[name] = FilePath(os.path.relpath(source, memory)).as_posix()
+    text = json.dumps(dict(sorted(known.items())), indent=1, ensure_ascii=False)
+    return {memory / SOURCES: f"{text}\n".encode()}
+
+
+def _sources(memory: FilePath) -> dict[str, str]:
+    """The sources of files in a folder by the files' names, relative to its memory."""
+    try:
+        known = json.loads(bytes_of(memory / SOURCES) or b"{}")
+    except ValueError:
+        return {}
+    pairs = known.items() if isinstance(known, dict) else ()
+    return {name: path for name, path in pairs if isinstance(path, str)}
+
+
 def write_unedited(
-    files: Mapping[str, bytes], folder: str | FilePath, *, overwrite: bool = False
+    files: Mapping[str, bytes],
+    folder: str | FilePath,
+    *,
+    source: str | FilePath | None = None,
+    overwrite: bool = False,
 ) -> tuple[FilePath, ...]:
     """Writes files into a folder, and remembers them; gives where they are.
 
-    Raises Refused where one that is there is neither what would be written nor what was written
-    last, unless `overwrite`: edits are kept by the commands alone.
+    source: file that they are made of. Raises Refused where one that is there is neither what would
+    be written nor what was written last, or was made of another source, unless `overwrite`: edits
+    are kept by the commands alone.
     """
     memory = written_in(folder)
     wanted = {place_of(name, folder): data for name, data in files.items()}
@@ -39,7 +97,10 @@ def write_unedited(
     ]
     if edited and not overwrite:
         raise Refused(*(rules.FOREIGN(path=str(path), file=path) for path in edited))
-    write_all({**wanted, **memories})
+    if not overwrite and (others := replaced(wanted, source, memory)):
+        raise Refused(*others)
+    made = {"" if source is None else source: [path.name for path in wanted]}
+    write_all({**wanted, **memories, **with_sources(made, memory)})
     return tuple(wanted)
 
 

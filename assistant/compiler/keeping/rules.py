@@ -17,6 +17,11 @@ FOREIGN: Final = error(
     "written",
     "write to another folder, or over it with `--overwrite`",
 )
+OF_ANOTHER: Final = error(
+    "CO342",
+    "`{file}` was written from `{other}`, and the program of `{source}` would replace it",
+    "write to another folder, or delete `{file}` first",
+)
 BOTH_MOVED: Final = error(
     "CO332",
     "{what} was edited in `{file}` ({was} became {now}), and the source has changed it as well "
