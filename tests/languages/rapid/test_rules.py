@@ -520,6 +520,14 @@ def test_tools_and_work_objects_that_no_controller_takes(case: str, many: int) -
     assert not list(RAPID.check([RAPID.parse(assigned)]))
 
 
+def test_the_first_move_with_a_wrong_pair_is_named() -> None:
+    moves = ["MoveL p,v100,z10,tG;"] * 12
+    moves[5] = moves[7] = "MoveL p,v100,z10,tG\\WObj:=wT;"
+    body = "\n".join(moves)
+    text = module(tool() + frame(held="TRUE") + target("p", 1, 2) + f"PROC main()\n{body}\nENDPROC")
+    assert found(text) == [("RA470", 11)]
+
+
 def test_tools_that_no_move_uses_may_be_placeholders() -> None:
     (finding,) = RAPID.check([RAPID.parse(module(tool(rot=ZERO)))])
     assert (finding.code, finding.severity) == ("RA462", Severity.WARNING)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
+import numpy as np
+
 from assistant.languages.checks.registry import Found
 from assistant.languages.rapid.checks import plain_rules as rules
 from assistant.languages.rapid.checks.module_view import Look, Task
@@ -81,12 +83,15 @@ def _written_out(value: s.Expression, depth: int) -> Iterator[tuple[s.Node, Any]
 
 
 def pairs(look: Look) -> Found:
-    """Moves with a tool and a work object that the robot both holds, or neither of which."""
+    """Moves with a tool and a work object that the robot both holds, or neither of which.
+
+    The first move of each pair.
+    """
     given = look.task.once(_given)
     seen: set[tuple[str, str]] = set()
     for routine in look.routines:
         for node in nodes(routine):
-            for tool, frame in _settings(node):
+            for row, tool, frame in _settings(node):
                 pair = (tool.lower(), frame.lower() or BASE)
                 if pair in seen or not given.isdisjoint(pair):
                     continue
@@ -95,25 +100,27 @@ def pairs(look: Look) -> Found:
                     _is_held(look, routine, *one) for one in zip(pair, (TOOL, FRAME), strict=True)
                 ]
                 if None not in held and held[0] == held[1]:
-                    yield look.finding(
-                        rules.HELD_TWICE if held[0] else rules.HELD_NOWHERE,
-                        node,
-                        tool=tool,
-                        frame=frame or BASE,
-                    )
+                    rule = rules.HELD_TWICE if held[0] else rules.HELD_NOWHERE
+                    yield look.finding(rule, node, row=row, tool=tool, frame=frame or BASE)
 
 
-def _settings(node: s.Node) -> Iterator[tuple[str, str]]:
-    """Names of the tool and the work object that a statement moves with, empty for wobj0."""
+def _settings(node: s.Node) -> Iterator[tuple[int, str, str]]:
+    """Names of the tool and the work object that a statement moves with, empty for wobj0.
+
+    Of a run of moves with the first row of each.
+    """
     match node:
         case s.MoveRunNode(run):
-            yield from ((motion.tool, motion.frame) for motion in run.motions.table)
+            chosen, rows = np.unique(run.motions.index, return_index=True)
+            for at in np.argsort(rows):
+                motion = run.motions.table[int(chosen[at])]
+                yield int(rows[at]), motion.tool, motion.frame
         case s.ProcedureCall(str(word)) if word.lower() in WORDS:
             plain, wobj = positional(node), option(node, "wobj")
             tool = name_of(plain[-1]) if plain else ""
             frame = name_of(wobj.value) if wobj else ""
             if tool and (frame or not wobj):
-                yield tool, frame
+                yield 0, tool, frame
 
 
 def _is_held(look: Look, routine: s.Routine, name: str, type: str) -> bool | None:
