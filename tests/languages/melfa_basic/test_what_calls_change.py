@@ -127,11 +127,12 @@ def test_a_result_is_kept_while_a_function_is_called_inside_another() -> None:
     assert "MN=MINNERRESULT1+MOUTERRESULT" in text
 
 
-@pytest.mark.parametrize(("cases", "said"), [("1", True), ("1,2", False)])
-def test_in_six_a_function_is_called_once_for_all_cases(cases: str, said: bool) -> None:
+@pytest.mark.parametrize("cases", ["1", "1,2"])
+def test_in_six_a_function_is_called_once_for_all_cases(cases: str) -> None:
     source = program(f"TEST counted(1)\nCASE {cases}:\n m:=1;\nENDTEST", COUNTED, NUMBERS)
     codes = {f.code for f in languages.get("melfa-basic-6").adapt(source).findings}
-    assert ("MB209" not in codes) == said
+    assert "MB209" not in codes
+    assert written(source, "melfa-basic-6").upper().count("=COUNTED(1)") <= 1
 
 
 ACTING = """\

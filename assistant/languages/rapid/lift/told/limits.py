@@ -215,8 +215,8 @@ def _moves_of(
         if path.kinds[row] == Kind.VIA:
             via = target
         elif via is not None:
-            yield p.MoveCircular(via, target, motion, span=node.span)
+            yield p.MoveCircular(via, target, motion, span=node.row_span(row))
             via = None
         else:
             kind = "joint" if path.kinds[row] == Kind.JOINT else "linear"
-            yield p.Move(kind, target, motion, span=node.span)  # type: ignore[arg-type]
+            yield p.Move(kind, target, motion, span=node.row_span(row))  # type: ignore[arg-type]
