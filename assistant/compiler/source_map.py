@@ -10,11 +10,19 @@ from assistant.compiler.loading import language_of
 from assistant.languages.answers import (
     Part,
 )
+from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.program import Program, bodies, walk
-from assistant.program.rewriting import Body
-from assistant.program.subjects import Neighbours, NumberedMove, Several, SomeTargets
+from assistant.program.rewriting import Body, records
+from assistant.program.subjects import (
+    Declared,
+    Neighbours,
+    NumberedMove,
+    PathRow,
+    Several,
+    SomeTargets,
+)
 from assistant.program.text import SourceText, starts_of
 
 
@@ -167,12 +175,29 @@ def _span_of(about: object, program: Program) -> Span | None:
                     count += 2 if isinstance(statement, p.MoveCircular) else 1
                 if count >= number:
                     return statement.span
-        case SomeTargets(named=(first, *_)):
-            return _span_of(first, program)
+        case SomeTargets(of=name, named=(first, *_)):
+            return _span_of(first, program) or _move_to(first, name, program)
         case Neighbours(first=first):
             return _span_of(first, program)
         case Several(parts=(first, *_)):
             return _span_of(first, program)
+    return None
+
+
+def _move_to(goal: object, name: str, program: Program) -> Span | None:
+    """The span of the first move of a procedure to a target by its name, or to a row of a path."""
+    if isinstance(goal, Neighbours):
+        goal = goal.first
+    procedure = program.procedure(name)
+    body = procedure.body if procedure is not None else tuple(program.statements())
+    for statement in walk(body):
+        match statement, goal:
+            case p.Follow(path), PathRow(path=named, row=row) if path.name == named:
+                return statement.row_span(row - 1)
+            case p.Move() | p.MoveCircular() | p.MoveJoints(), Declared(name=named):
+                ends = records((statement.target, getattr(statement, "via", None)))
+                if any(isinstance(x, e.Name) and x.name.lower() == named.lower() for x in ends):
+                    return statement.span
     return None
 
 

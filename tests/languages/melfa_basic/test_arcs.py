@@ -9,6 +9,7 @@ import pytest
 
 from assistant import languages
 from assistant.compiler.translating import translate
+from assistant.languages.melfa_basic.lift.statements import paths
 from assistant.program import expressions as e
 from assistant.program import statements as p
 
@@ -80,7 +81,8 @@ def test_a_translated_file_is_proven(tmp_path) -> None:  # type: ignore[no-untyp
     assert made.totals["not"] == 0
 
 
-def test_a_path_may_begin_with_an_arc_from_elsewhere() -> None:
+def test_a_path_may_begin_with_an_arc_from_elsewhere(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(paths, "MOST_TAUGHT", 1)  # of a long run of positions
     points = "P2=(380,60,430,180,0,180)(7,0)\nP3=(400,120,450,180,0,180)(7,0)\n"
     points += "P4=(360,-80,440,180,0,150)(7,0)\n"  # what the path is written with comes behind it
     language = languages.get("melfa-basic-5")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,8 +13,9 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Severity
+from assistant.program.geometry import Configuration
 from assistant.program.motion import FINE, Blend, Speed
-from assistant.program.path import Kind, Path
+from assistant.program.path import Path
 from assistant.program.program import Procedure, Program, Signal
 
 FIVE = languages.get("melfa-basic-5")
@@ -69,23 +71,27 @@ def test_written_program() -> None:
     assert FIVE.check([tree]) == ()
     program = FIVE.lift(tree)
     assert program.comments == ("pick and place",)
-    assert list(program.targets) == ["PHOME", "P9"]
+    taught = [f"P{number}" for number in (1, 2, 3, 4, 5)]
+    assert list(program.targets) == ["PHOME", *taught, "P9"]
+    assert program.targets["P3"].configuration == Configuration(back=True, quadrants=(4, 0, 0))
     assert program.tools["PT"].tip.position == (0.0, 0.0, 100.0)
     assert program.signals["di_3"] == Signal("digital", "input", 3)
     main, pick = program.procedures
-    servo, label, home, test, follow, count, again, fin, stop = main.body
+    servo, label, home, test, *moves, count, again, fin, stop = main.body
     assert servo == p.Opaque("melfa-basic-5", "Servo On")
     assert label == p.Label("LOOP")
     motion = p.Motion(Speed(math.inf, joint=100.0), FINE, "PT")
     assert home == p.Move("joint", e.Name("PHOME"), motion)
     condition = e.Binary("=", e.Name("di_3"), e.Number(1))
     assert test == p.If((p.Branch(condition, (p.Call("PICK"),)),))
-    assert isinstance(follow, p.Follow)
-    path = follow.path
-    assert path.kinds.tolist() == [Kind.LINEAR, Kind.LINEAR, Kind.VIA, Kind.END, Kind.LINEAR]
-    assert path.positions[:, 0].tolist() == [10.0, 20.0, 30.0, 40.0, 50.0]
-    assert path.configurations[2].tolist() == [1, 0, 0, 4, 0, 0]
-    assert [path.blends[i] for i in path.blend] == [FINE] * 4 + [Blend(5.0, 8.0)]
+    one, two, three, four, five = map(e.Name, taught)
+    along = p.Motion(Speed(100.0), FINE, "PT")
+    assert moves == [
+        p.Move("linear", one, along),
+        p.Move("linear", two, along),
+        p.MoveCircular(three, four, along),
+        p.Move("linear", five, replace(along, blend=Blend(5.0, 8.0))),
+    ]
     assert isinstance(count, p.Assign)
     assert isinstance(again, p.If)
     assert again.branches[0].body == (p.Goto("FIN"),)

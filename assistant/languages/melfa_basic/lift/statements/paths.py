@@ -43,6 +43,9 @@ One = Callable[[s.Motion, Values, Span | None], list[p.Statement]]
 """Makes the statements of a move that is part of no path."""
 
 
+MOST_TAUGHT: Final = 2000
+"""Positions of a stem that people may have taught: each keeps its name, as a target of its own.
+More were written by a program, and are rows of paths."""
 _PLAIN: Final = np.array([Kind.JOINT, Kind.LINEAR, Kind.END], dtype=np.uint8)
 """Kinds of rows of a path by those of moves."""
 _ROWS: Final = {
@@ -97,7 +100,7 @@ class Runs:
         self.ranges = sorted(symbols.header.paths)
         self.starts, self.stops = np.array([r[:2] for r in self.ranges]).reshape(-1, 2).T
         self.range = -1
-        self.single = single
+        self.single = {stem: n for stem, n in single.items() if len(n) > MOST_TAUGHT}
 
     # ------------------------------------------------------------------------ gathering
 
