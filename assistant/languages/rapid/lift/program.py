@@ -59,13 +59,15 @@ def lift(files: Sequence[s.File], kept: Mapping[int, str] = NOTHING_KEPT) -> Pro
     """
     modules: list[s.Module] = []
     starts: list[int] = []
+    outside: list[tuple[str, ...]] = []
     for file, start in zip(files, starts_of(file.source for file in files), strict=True):
         modules += file.modules
         starts += [start] * len(file.modules)
+        outside += _outside(file)
     own = with_own_names(modules)
     if not modules:
         return Program("empty", entry=None)
-    return _Lift(own, starts, kept, chosen_signals(files)).program()
+    return _Lift(own, starts, kept, chosen_signals(files), outside).program()
 
 
 def routines(nodes: Iterable[s.Routine]) -> tuple[Procedure, ...]:
@@ -75,7 +77,7 @@ def routines(nodes: Iterable[s.Routine]) -> tuple[Procedure, ...]:
 
 class _Lift:
     """modules: one at least. starts: where the text of each begins, see `starts_of`. chosen:
-    signals that texts alone may name.
+    signals that texts alone may name. outside: the comments around each.
     """
 
     def __init__(
@@ -84,8 +86,9 @@ class _Lift:
         starts: Sequence[int],
         kept: Mapping[int, str],
         chosen: Mapping[str, Signal],
+        outside: Sequence[tuple[str, ...]],
     ) -> None:
-        self.chosen = chosen
+        self.chosen, self.outside = chosen, outside
         self.modules, self.starts = modules, starts
         self.headers = [opening(m) for m in modules]
         self.main = self._main()
@@ -131,7 +134,10 @@ class _Lift:
 
     def program(self) -> Program:
         header = self.headers[self.main]
-        self.comments += header.comments
+        self.comments += (*self.outside[self.main], *header.comments)
+        for at, (module, own) in enumerate(zip(self.modules, self.headers, strict=True)):
+            if at != self.main:
+                self.comments += _about(module, (*self.outside[at], *own.comments))
         for module, start, own in zip(self.modules, self.starts, self.headers, strict=True):
             self.data.start = start
             procedures, declarations = self.module(module, own)
@@ -280,16 +286,33 @@ class _Lift:
         return tuple(found)
 
 
+def _outside(file: s.File) -> list[tuple[str, ...]]:
+    """The comments above each module of a file, and below the last one."""
+    found: list[list[str]] = []
+    above: list[str] = []
+    for part in file.parts:
+        if isinstance(part, s.CommentLine):
+            above.append(part.text)
+        else:
+            found.append(above)
+            above = []
+    if found:
+        found[-1] += above
+    return list(map(tuple, found))
+
+
 def _routines(module: s.Module) -> dict[str, s.Routine]:
     """Those of a module by lower-case name."""
     return {item.name.lower(): item for item in module.items if isinstance(item, s.Routine)}
 
 
-def _about(item: s.Item, notes: Sequence[str]) -> list[str]:
-    """The comments above a declaration with its name, as they will stand far from it."""
+def _about(item: s.Item | s.Module, notes: Sequence[str]) -> list[str]:
+    """The comments above a declaration with its name, as they will stand far from it; of a module
+    those that it begins with.
+    """
     told = list(notes)
     at = next((i for i, note in enumerate(told) if any(map(str.isalnum, note))), None)
-    if at is not None and isinstance(item, s.Data | s.Routine):
+    if at is not None and isinstance(item, s.Data | s.Routine | s.Module):
         if not re.search(rf"\b{item.name}\b", " ".join(told), re.IGNORECASE):
             told[at] = f"{item.name}: {told[at].strip()}"
     return told

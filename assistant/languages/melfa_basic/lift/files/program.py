@@ -45,8 +45,9 @@ def _lifted(
     rest = [f for f in files if f is not main]
     rest.sort(key=lambda f: order.index(f.header.unit) if f.header.unit in order else len(order))
     name = main.header.program or stem(main.tree) or "program"
+    comments = (*main.comments, *(text for file in rest for text in _heading(file)))
     program = Program(
-        name, robot=main.header.robot, comments=main.comments, signals=dict(main.header.signals)
+        name, robot=main.header.robot, comments=comments, signals=dict(main.header.signals)
     )
     names = [(stem(f.tree) or f"-{k}").upper() for k, f in enumerate(files)]
     named = dict(zip(names, files, strict=True))
@@ -70,6 +71,17 @@ def _lifted(
     if not any(file.own for file in files):
         program = without_needless_rounding(program)
     return program, frozenset(followed)
+
+
+def _heading(file: File) -> Iterator[str]:
+    """The comments that a called program begins with, the first one behind its name."""
+    named = file.own
+    for text in file.comments:
+        if not named and any(map(str.isalnum, text)):
+            named = True
+            yield f"{stem(file.tree)}: {text}"
+        else:
+            yield text
 
 
 def settings_that_hold(tree: s.File, wanted: frozenset[int]) -> Iterator[s.Entry]:
