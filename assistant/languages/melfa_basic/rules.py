@@ -153,6 +153,11 @@ FRAME_JOINED = info(
     "MB208", "user and object frame of `{name}` are written as one", "none is needed"
 )
 CANNOT_SAY = error("MB209", "MELFA-BASIC cannot say {what}", "{cure}")
+ADDED = warning(
+    "MB293",
+    "values that `{name}` leaves out count as 0 in the sum, which no manual confirms",
+    "write every value; 0 is one",
+)
 ANGLES = error(
     "MB292",
     "the angles of `{name}` are read or set one by one, and {why}: they may be beyond what its "

@@ -74,6 +74,11 @@ GAP: Final = warning(
     "the position `{name}` leaves out {what}, whose value is undefined then",
     "write every value; 0 is one",
 )
+UNDEFINED: Final = error(
+    "MB622",
+    "the position `{name}` has no value for {what}, and is taken as a pose (controller error 2800)",
+    "write every value; 0 is one",
+)
 LEFT_OUT: Final = error(
     "MB617", "the {which} argument of `{word}` is left out (controller error 3120)", "write it"
 )

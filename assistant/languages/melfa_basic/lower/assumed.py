@@ -9,12 +9,15 @@ from typing import Any, Final, Literal
 import numpy as np
 
 from assistant.languages.melfa_basic import rules
+from assistant.languages.melfa_basic.checks import value_rules
+from assistant.languages.melfa_basic.checks.left_out import summed, undefined
 from assistant.languages.melfa_basic.lift.settings.held import FRAME, TOOL
 from assistant.languages.melfa_basic.lift.values.pallets import ARC, FIXED, array_name
 from assistant.languages.melfa_basic.lower.depended import depended_on
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.languages.melfa_basic.tables.functions import BITS
 from assistant.languages.melfa_basic.tables.variables import KEPT as PARAMETERS
+from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.outside import COMMANDS
 from assistant.languages.melfa_basic.tree.walk import literal, nodes, program_key, program_name
@@ -57,6 +60,7 @@ def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
         if span is not None and all(one is not None and one.start > span.start for one in set_at):
             how = "as it stands, like the texts that stay" if number in left else "with none"
             yield rules.SETTING_KEPT(word=word, what=word.lower(), how=how, plain=plain, span=span)
+    yield from _undefined(trees)
     there = {program_key(program_name(tree)) for tree in trees}
     for span, node in commands:
         if isinstance(node, s.CallP) and isinstance(node.program, s.String):
@@ -83,6 +87,23 @@ def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
                 yield rules.NO_CORNER(span=span)
             if isinstance(node, s.Command) and node.keyword == "JOvrd":
                 yield rules.JOINT_OVERRIDE(span=span)
+
+
+def _undefined(trees: tuple[Any, ...]) -> Iterator[Diagnostic]:
+    """Positions with elements that have no value, taken as poses or added."""
+    start = 0
+    for tree in trees:
+        for one in undefined(tree):
+            span = None if one.item.span is None else one.item.span.moved(start)
+            yield value_rules.UNDEFINED(span=span, name=one.name, what=one.what)
+        for item in tree.items:
+            if isinstance(item, s.Line) and item.span is not None:
+                for node in nodes(item.statement):
+                    for constant in summed(node) if isinstance(node, s.Binary) else ():
+                        name = printer.expression(constant)
+                        span = item.span.moved(start)
+                        yield rules.ADDED(name=name, span=span)
+        start += len(tree.source.text if tree.source else "") + 1
 
 
 def _commands(trees: tuple[Any, ...]) -> Iterator[tuple[Span | None, s.Statement]]:
