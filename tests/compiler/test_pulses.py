@@ -48,7 +48,7 @@ def test_a_pulse_of_melfa_basic() -> None:
 
 
 @pytest.mark.parametrize(
-    "line", ["M_Out(7)=0 Dly 0.5", "M_Out(7)=1 Dly 3000", "M_Out(7)=1 Dly 0", "M_Outb(8)=1 Dly 1"]
+    "line", ["M_Out(7)=0 Dly 3000", "M_Out(7)=1 Dly 3000", "M_Out(7)=1 Dly 0", "M_Outb(8)=1 Dly 1"]
 )
 def test_a_pulse_that_rapid_has_not(line: str) -> None:
     errors = [f.code for f in from_melfa(line).findings if f.severity is Severity.ERROR]

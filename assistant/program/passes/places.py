@@ -204,6 +204,8 @@ def _is_foreign(job: Legalising) -> bool:
 def _find_pulses(job: Legalising, can: Outputs) -> None:
     """Pulses of another language's that may begin with the output on."""
     for pulse in doubtful_pulses(job.program) if _is_foreign(job) else ():
+        if pulse.value != e.Number(1):
+            continue  # it is set back to the other value
         with job.findings.at(pulse.span):
             job.findings.append(can.pulse(name=pulse.signal))
 

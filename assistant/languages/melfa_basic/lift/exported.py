@@ -19,6 +19,7 @@ from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lift.told.angles import with_angles_beside
 from assistant.languages.melfa_basic.lift.told.flags import with_flags
 from assistant.languages.melfa_basic.lift.told.kept import with_told
+from assistant.languages.melfa_basic.lift.told.stated_lines import with_stated_lines
 from assistant.languages.melfa_basic.reading.line import statement as read_statement
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
@@ -54,6 +55,10 @@ LOSSES: Final[Mapping[str, tuple[str, str]]] = {
     "SPDOPT": ("the speed is not raised where the axes could go faster", "none is needed"),
     "COLCHK": ("collisions are watched for as the other controller is set", _NO_NEED),
     "COLLVL": ("collisions are watched for as the other controller is set", _NO_NEED),
+    "RESET ERR": (
+        "the program resets no error: on the other controller none runs while there is one",
+        "let the operator or the cell's controller reset it, and start the program",
+    ),
     "CAVCHK": ("common areas are not watched for by the program", "let the cell watch them"),
 }  # fmt: skip
 """What is lost with a command, by its word and the argument that it hangs on, and what to do
@@ -84,6 +89,7 @@ def exported(program: Program) -> Adapted:
     findings = Findings()
     findings += _uncalled(program)
     findings += _unsigned(program)
+    program = with_stated_lines(program)
     program = _as_each_begins(with_told(_as_settings_begin(with_flags(program)), findings))
     program = with_angles_beside(program, findings)
     texts = [record.text for record in records(program) if _is_text(record)]

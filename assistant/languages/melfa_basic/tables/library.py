@@ -27,6 +27,7 @@ NAMES: Final[Mapping[str, Mapping[int, str]]] = {
     "HEX": {1: "hex_digits", 2: "last_hex_digits"},
     "BIN": {1: "binary_digits"},
     "VAL": {1: "number_in"},
+    "ZONE2": {4: "in_capsule"},
 }
 """Functions of MELFA-BASIC, by how many arguments they have, and the procedures that say them."""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -78,6 +79,16 @@ class Positions:
             parts.append(PositionRows(stem, np.array([at]), *_row(constant)))
         table = joined(parts)
         return table.rows(np.argsort(table.numbers, kind="stable"))
+
+    @cached_property
+    def slides(self) -> bool:
+        """Whether a position states a place of an additional axis other than 0."""
+        alone = (constant for _, constant in self.names.values())
+        inside = (one for _, kept in self.elements.values() for one in kept.values())
+        if any(any(one.values[6:]) for one in (*alone, *inside)):
+            return True
+        tables = (rows.values[:, 6:] for found in self.tables.values() for rows in found)
+        return any(bool(np.nan_to_num(axes).any()) for axes in tables)
 
     def find(self, stem: str, numbers: Ints) -> tuple[Floats, Ints, Truths]:
         """Values, flags and whether there are any, of the positions of these numbers."""

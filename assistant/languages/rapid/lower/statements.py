@@ -160,12 +160,13 @@ def _set_signal(b: Body, x: p.SetSignal) -> Lowered:
 
 def _check_pulse(b: Body, x: p.SetSignal, seconds: e.Expression) -> None:
     signal = b.signals.get(x.signal.lower())
-    if x.value != e.Number(1) or (signal is not None and signal.kind != "digital"):
-        what = f"a pulse of `{x.signal}` to anything but 1 of one bit"
-        raise cannot(what, "set the signal, wait and set it back")
     if isinstance(seconds, e.Number) and not SHORTEST_PULSE <= seconds.value <= LONGEST_PULSE:
         what = f"a pulse of `{x.signal}` that is not {SHORTEST_PULSE} to {LONGEST_PULSE} s"
         raise cannot(what, "give a time in that range")
+    if x.value != e.Number(1) or (signal is not None and signal.kind != "digital"):
+        group = signal is not None and signal.kind != "digital"
+        what = f"a pulse of the group `{x.signal}`" if group else f"such a pulse of `{x.signal}`"
+        raise cannot(what, "set the signal, wait and set it back")
 
 
 def _call(b: Body, x: p.Call) -> Lowered:

@@ -10,7 +10,7 @@ from typing import Final
 
 from assistant.languages.rapid.tree import syntax as s
 from assistant.virtual.kernel.motion import Instant
-from assistant.virtual.rapid.ends import Fault, NotSimulated
+from assistant.virtual.rapid.ends import Fault
 from assistant.virtual.rapid.given import Given, takes
 from assistant.virtual.rapid.machine import Function
 from assistant.virtual.rapid.scopes import Signal
@@ -65,10 +65,8 @@ def _delayed(value: Callable[[Given], float]) -> Callable[[Given], None]:
     def does(given: Given) -> None:
         delay = given.optional_number("sdelay")
         signal, signals = given.signal(0), given.machine.signals
-        if delay is None:
+        if delay is None or not has_time(given):
             signals.set(signal, value(given))
-        elif not has_time(given):
-            raise NotSimulated(r"`\sdelay` where motions take no time")
         else:
             signals.set_later(signal, value(given), delay)
 

@@ -166,7 +166,10 @@ class Statements:
             reason = found.reason or refused
             if set_here and told is not None:
                 reason = kept_reasons.DEPENDED_ON
-            return [self.opaque(node, reason, told or [])]
+            stood = self.runs.previous if told and isinstance(node, s.Motion) else None
+            kept = self.opaque(node, reason, told or [])
+            self.runs.previous = stood  # where others have the robot as well
+            return [kept]
 
     def as_told(self, values: Values) -> Values:
         """The settings of a move for other languages while these are told it."""

@@ -9,12 +9,13 @@ from typing import Any, Final
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lift.told.signals import AnyNumber, Numbered
 from assistant.languages.melfa_basic.lift.told.supplied import Supplied
+from assistant.languages.melfa_basic.lift.told.turned import with_turned_places
 from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS, TOLD
 from assistant.languages.melfa_basic.tables.library import library
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Findings
-from assistant.program.program import Procedure, Program
+from assistant.program.program import Procedure, Program, Variable
 from assistant.program.rewriting import (
     Body,
     head,
@@ -37,6 +38,8 @@ STATES: Final[Mapping[str, tuple[str, e.Expression, str, str]]] = {
     ),
 }  # fmt: skip
 """States of the controller: as they are written, what they are elsewhere, what is lost, a cure."""
+OVERRIDE: Final = "M_OVRD"
+"""The percentage of speed that `Ovrd` has set."""
 _MARK: Final = TOLD.format("")
 
 
@@ -49,7 +52,33 @@ def with_told(program: Program, findings: Findings) -> Program:
     telling = _Telling(Numbered(program, findings), findings)
     procedures = tuple(map(telling.procedure, program.procedures))
     program = telling.numbered.added(replace(program, procedures=procedures))
+    if telling.override:
+        program = _with_override(program, telling.override)
+    if telling.held:
+        variables = {**program.variables, telling.held: Variable("position")}
+        program = replace(program, variables=variables)
     return telling.supplied.added(program)
+
+
+def _with_override(program: Program, name: str) -> Program:
+    """With a variable that each statement sets which sets the percentage, and a cycle's begin."""
+
+    def body(statements: Body) -> Body:
+        return tuple(made for one in statements for made in told(map_bodies(one, body)))
+
+    def told(one: p.Statement) -> Body:
+        if isinstance(one, p.SetOverride):
+            return one, p.Assign(e.Name(name), one.percent, span=one.span)
+        return (one,)
+
+    full = e.Number(100)
+    begun: Body = (p.Assign(e.Name(name), full),)
+    procedures = tuple(
+        replace(one, body=(*(begun if one.name == program.entry else ()), *body(one.body)))
+        for one in program.procedures
+    )
+    variables = {**program.variables, name: Variable("number", full)}
+    return replace(program, procedures=procedures, variables=variables)
 
 
 class _Telling:
@@ -58,6 +87,7 @@ class _Telling:
     def __init__(self, numbered: Numbered, findings: Findings) -> None:
         self.numbered, self.findings = numbered, findings
         self.supplied = Supplied(numbered.free)
+        self.held = self.override = ""
 
     def procedure(self, procedure: Procedure) -> Procedure:
         def told(x: e.Expression) -> e.Expression:
@@ -81,6 +111,8 @@ class _Telling:
                     made = tuple(whole(one, node, told) for one in made)
                 except AnyNumber:
                     made = (node,)
+                turned = with_turned_places(made, self._held)
+                made = (node,) if turned is None else turned
                 if any(map(_counts_axis, made)):
                     self.findings.append(rules.SLIDES())
                 return tuple(map_bodies(one, body) for one in made)
@@ -99,6 +131,17 @@ class _Telling:
 
         return replace(procedure, body=body(procedure.body))
 
+    def _held(self) -> e.Name:
+        """A position that is worked out in front of the statement that names it."""
+        if not self.held:
+            self.held = self.numbered.free("worked_out")
+        return e.Name(self.held)
+
+    def _override(self) -> str:
+        """The variable that holds the percentage of speed that the program has set last."""
+        self.override = self.override or self.numbered.free("current_override")
+        return self.override
+
     def _state(
         self, key: str, given: tuple[e.Expression, ...], procedure: Procedure
     ) -> e.Expression:
@@ -106,6 +149,8 @@ class _Telling:
             return self.numbered.read(key, given[0], procedure)
         if key in library():
             return e.Apply(self.supplied.name(key), given)
+        if key == OVERRIDE:
+            return e.Name(self._override())
         what, value, loss, cure = STATES[key]
         self.findings.append(rules.LEFT_OUT(what=what, loss=loss, cure=cure))
         return value

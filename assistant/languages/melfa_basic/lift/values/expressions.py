@@ -8,6 +8,12 @@ from typing import Any, Final, TypeVar
 
 from assistant.languages.kept_reasons import WAYS
 from assistant.languages.melfa_basic.lift.values.constants import INITIAL
+from assistant.languages.melfa_basic.lift.values.elementwise import (
+    built,
+    built_place,
+    elementwise,
+    product,
+)
 from assistant.languages.melfa_basic.lift.values.moved_targets import (
     amounts,
     fixed,
@@ -21,7 +27,7 @@ from assistant.languages.melfa_basic.lift.values.operators import (
     operator_name,
 )
 from assistant.languages.melfa_basic.lift.values.pallets import declared
-from assistant.languages.melfa_basic.lift.values.reasons import NUMBERED, SLIDING
+from assistant.languages.melfa_basic.lift.values.reasons import BUILT, NUMBERED, SLIDING
 from assistant.languages.melfa_basic.lift.values.supplied import supplied
 from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS, STATES, TOLD, Unliftable
 from assistant.languages.melfa_basic.lift.values.timers import elapsed
@@ -72,6 +78,8 @@ _NUMBERS: Final = {
     **{key: e.Number(round(value)) for key, value in INITIAL.items()},
 }
 """What status variables that never change are."""
+NOWHERE: Final = s.Constant((0.0,) * 6, (0, 0))
+"""What `P_Zero` is."""
 _HERE: Final = ("P_CURR", "P_FBC", "J_CURR")
 """Status variables of where the robot stands, as commanded or as measured."""
 DEGREE: Final = math.pi / 180.0
@@ -251,6 +259,8 @@ class Expressions(Types):
             return self.here(key)
         if key in _CLOCK and node.arguments is None:
             return e.Apply(_CLOCK[key])
+        if key == "P_ZERO" and self.m.telling:
+            return self.m.value_of(NOWHERE, "position")
         return _NUMBERS.get(key) or self.m.name(node)
 
     def here(self, key: str) -> e.Expression:
@@ -336,6 +346,8 @@ class Expressions(Types):
             return self.degrees(values[0])
         if (key in _TO_ANGLE or key == "RAD") and not self.m.own:
             return e.Binary("*", self.degrees(node), e.Number(DEGREE))
+        if key in ("SETJNT", "SETPOS") and self.m.telling:
+            return self.built(key, values)
         if key == "INV" and (pose := fixed(node, self.m)) is not None:
             return e.TargetValue(Target(pose))
         bare = self.m.own or (self.m.telling and self.m.placing == (FLANGE, BASE))
@@ -344,6 +356,14 @@ class Expressions(Types):
         if self.m.telling:
             return supplied(key, values, self)
         raise Unliftable
+
+    def built(self, key: str, given: list[s.Expression]) -> e.Expression:
+        """The joints or the position of `SetJnt` and `SetPos`, of numbers that are known."""
+        made = built(given, self) if key == "SETJNT" else built_place(given, self)
+        if made is None or len(given) != len(JOINTS) or self.five_axis:
+            raise Unliftable(BUILT)
+        constant = s.Constant(made, None if key == "SETJNT" else (None, None))
+        return self.m.value_of(constant, "joints" if key == "SETJNT" else "position")
 
     def rounded(self, node: s.Expression) -> e.Expression:
         """A subscript or another value that is rounded if it is not known to be whole."""
@@ -410,13 +430,24 @@ class Expressions(Types):
                 return e.TargetValue(Target(pose))
         constant = shift(right, self.m)
         if operator in "+-*" and constant is not None and self.type_of(left) == "position":
-            given = amounts(operator, constant, self.m)
-            name = "relative" if operator == "*" else "offset"
-            return e.Apply(name, (self.plain(left), *map(e.Number, given)))
+            turns = operator != "*" and any(constant.values[3:6])
+            if not (turns and self.m.telling):
+                given = amounts(operator, constant, self.m)
+                name = "relative" if operator == "*" else "offset"
+                return e.Apply(name, (self.plain(left), *map(e.Number, given)))
         positions = {self.type_of(left), self.type_of(right)} <= _PLACES
         if operator == "*" and positions and self.m.own:
             return e.Binary("@", self.plain(left), self.plain(right))
+        if self.m.telling and not self.five_axis:
+            if operator == "*" and positions:
+                return product(self.plain(left), right, self)
+            if operator in ("+", "-", "*", "/") and self.type_of(left) == "position":
+                return elementwise(s.Binary(operator, left, right), self)
         raise Unliftable
+
+    @property
+    def five_axis(self) -> bool:
+        return self.m.robot is not None and self.m.robot.five_axis
 
 
 def _is_plain(record: Any) -> bool:

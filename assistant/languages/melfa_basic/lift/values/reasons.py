@@ -20,6 +20,10 @@ CIRCLE: Final = Reason(
     "a full circle is no statement elsewhere, and its points are set by the program, or on a line",
     "write two arcs with Mvr",
 )
+BUILT: Final = Reason(
+    "the place is put together of numbers that the program works out, or of less than six",
+    "give a variable the numbers one by one, and name that",
+)
 NO_PROCEDURE: Final = Reason(
     "it calls lines that are no subroutine: others run or jump into them, or out of them",
     "begin the subroutine with a label of its own behind End, Return or GoTo, end it with Return",

@@ -10,6 +10,7 @@ from assistant.languages.melfa_basic.tables.functions import CHECKS, FIRST_CHECK
 from assistant.languages.melfa_basic.tables.library import NAMES, library
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
+from assistant.program.program import ValueType
 
 
 class Lifting(Protocol):
@@ -25,6 +26,9 @@ class Lifting(Protocol):
 
     def rounded(self, node: s.Expression) -> e.Expression:
         """One that is whole."""
+
+    def type_of(self, node: s.Expression | None) -> ValueType:
+        """Its type."""
 
 
 def supplied(key: str, given: Sequence[s.Expression], lift: Lifting) -> e.Expression:
@@ -45,7 +49,12 @@ def supplied(key: str, given: Sequence[s.Expression], lift: Lifting) -> e.Expres
     name = NAMES.get(key, {}).get(len(given))
     if name is None:
         raise Unliftable
-    kinds = (one.type for one in library()[name].parameters)
+    kinds = [one.type for one in library()[name].parameters]
+    if any(
+        (kind == "position") != (lift.type_of(value) == "position")
+        for kind, value in zip(kinds, given, strict=True)
+    ):
+        raise Unliftable
     values = (
         lift.rounded(value) if kind == "integer" else lift.number(value)
         for kind, value in zip(kinds, given, strict=True)

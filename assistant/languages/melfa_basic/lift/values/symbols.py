@@ -42,7 +42,7 @@ IO_BITS: Final = {"BIT": 1, "BYTE": 8, "WORD": 16, "INTEGER": 16, "DWORD": 32}
 
 TOLD: Final = "told {}"
 """Name of a function that stands for a status variable until other languages are told of it."""
-STATES: Final = ("M_SVO", "M_OPOVRD")
+STATES: Final = ("M_SVO", "M_OPOVRD", "M_OVRD")
 """States of the controller that other languages are told."""
 
 

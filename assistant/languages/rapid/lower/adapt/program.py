@@ -19,6 +19,7 @@ from assistant.languages.rapid.lower.adapt.data import POSITIONS
 from assistant.languages.rapid.lower.adapt.interrupts import with_interrupts
 from assistant.languages.rapid.lower.adapt.motions import Motions
 from assistant.languages.rapid.lower.adapt.mounts import with_set_mounts
+from assistant.languages.rapid.lower.adapt.pulses import with_pulses
 from assistant.languages.rapid.lower.adapt.statements import StatementAdapter
 from assistant.languages.rapid.lower.names import NAMES
 from assistant.languages.rapid.lower.program import build
@@ -129,6 +130,7 @@ PASSES: Final[tuple[Pass, ...]] = (
     with_set_mounts,
     sayable,
     with_channels,
+    with_pulses,
     with_breaks,
     with_interrupts,
     pure(with_own_dates),
