@@ -177,6 +177,8 @@ def _span_of(about: object, program: Program) -> Span | None:
                     return statement.span
         case SomeTargets(of=name, named=(first, *_)):
             return _span_of(first, program) or _move_to(first, name, program)
+        case PathRow() | Declared(table=None | "targets"):
+            return _move_to(about, "", program)
         case Neighbours(first=first):
             return _span_of(first, program)
         case Several(parts=(first, *_)):

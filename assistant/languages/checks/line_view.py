@@ -48,8 +48,8 @@ class LineView(Memory):
         same = self.source.text[start:end].upper() == name.upper()
         return Span(start, end) if inside and same else None
 
-    def row(self, table: Placed, row: int, name: str = "") -> Span | None:
-        """Where a row of a table stands; where a name stands in it, if given."""
+    def row(self, table: Placed, row: int, name: str = "", *, last: bool = False) -> Span | None:
+        """Where a row of a table stands; where a name first or last stands in it, if given."""
         if self.source is None or table.span is None:
             return None
-        return row_of(self.source.text, table.span, row, name)
+        return row_of(self.source.text, table.span, row, name, last=last)

@@ -70,13 +70,17 @@ def _is_whole(text: str, start: int, end: int) -> bool:
     return not (text[end - 1].isalnum() and (after.isalnum() or after == "_"))
 
 
-def row_of(text: str, span: Span, row: int, name: str = "") -> Span:
-    """Where a line of a table stands, without its line end; where a name stands in it, if given."""
+def row_of(text: str, span: Span, row: int, name: str = "", *, last: bool = False) -> Span:
+    """Where a line of a table stands, without its line end; where a name first or last stands in
+    it, if given.
+    """
     start = span.start
     for _ in range(row):
         start = text.find("\n", start) + 1
     end = text.find("\n", start)
     line = text[start : span.end if end < 0 else end].rstrip()
-    found = re.search(rf"\b{re.escape(name)}\b", line, re.IGNORECASE) if name else None
-    first, last = found.span() if found else (0, len(line))
-    return Span(start + first, start + last)
+    names = re.finditer(rf"\b{re.escape(name)}\b", line, re.IGNORECASE) if name else ()
+    matches = list(names)
+    found = matches[-1 if last else 0] if matches else None
+    begin, stop = found.span() if found else (0, len(line))
+    return Span(start + begin, start + stop)

@@ -24,6 +24,7 @@ from assistant.languages.melfa_basic.checks import (
 )
 from assistant.languages.melfa_basic.checks.damage import damage_of, spoiled
 from assistant.languages.melfa_basic.checks.file_view import Calls, Look
+from assistant.languages.melfa_basic.checks.single_rows import with_single_rows
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, Dialect
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.diagnostics import Diagnostic
@@ -90,9 +91,10 @@ def check(trees: Sequence[s.File], dialect: Dialect | None = None) -> tuple[Diag
     What may follow from a line with a syntax error is left out.
     dialect: with the limits of a certain controller; without it that of each file.
     """
-    calls = Calls(trees)
     damage = damage_of(trees)
     lacks = spoiled(trees, damage)
+    trees = with_single_rows(trees, dialect)
+    calls = Calls(trees)
     found: list[Diagnostic] = []
     for tree in trees:
         look = Look(tree, dialect or DIALECTS[tree.dialect], calls, damage)

@@ -165,19 +165,10 @@ def never_taught(look: Look) -> Found:
                     yield look.at(
                         rules.NEVER_TAUGHT, line, name, name=name, what=zeros[key], more=""
                     )
-    yield from _zero_rows(look)
 
 
 def _is_given_elsewhere(look: Look, key: str) -> bool:
     return key in look.once(_changed)
-
-
-def _zero_rows(look: Look) -> Found:
-    run = look.once(moves)
-    if run is not None:
-        in_tables = np.array([isinstance(item, MoveRows) for item in run.items])[run.item]
-        zero = in_tables & (run.ends == 0).all(axis=1)
-        yield from _told(look, rules.NEVER_TAUGHT, run, zero, what="it lies in the origin")
 
 
 def flags(look: Look) -> Found:
@@ -223,7 +214,7 @@ def _named(
     """The name of a position that a move starts or ends at, and where it stands."""
     if isinstance(item, MoveRows):
         name = f"{item.stem}{int(getattr(item, point)[row])}"
-        return name, look.row(item, row, name)
+        return name, look.row(item, row, name, last=point == "end")
     motion = item.statement
     arguments = motion.arguments if isinstance(motion, s.Motion) else (None,)
     variable = arguments[-1 if point == "end" else 0]

@@ -5,8 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-import numpy as np
-
 from assistant.languages.checks.registry import Found
 from assistant.languages.checks.repeats import firsts, repeated
 from assistant.languages.melfa_basic import rules
@@ -14,7 +12,6 @@ from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tables.dialects import PROGRAM_NAME
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
 from assistant.languages.melfa_basic.tree.walk import declarations, program_name
 
 # ---------------------------------------------------------------------------------- as written
@@ -25,18 +22,15 @@ def spelling(look: Look) -> Found:
     most = look.dialect.longest
     long = (one for one in _named(look) if len(one[1]) > most and not _is_known(one[1]))
     for item, name, where in firsts(long, lambda one: one[1].upper()):
-        if isinstance(where, str):
-            yield look.at(rules.LONG_NAME, item, where, name=name, most=most)
-        else:
-            yield look.finding(rules.LONG_NAME, look.row(item, where), name=name, most=most)
+        yield look.at(rules.LONG_NAME, item, where, name=name, most=most)
     for line in look.lines if not look.dialect.label_underscores else ():
         if line.label is not None and "_" in line.label.upper().removeprefix("L_"):
             name, title = line.label, look.dialect.title
             yield look.at(rules.LABEL_FORM, line, f"*{name}", name=name, title=title)
 
 
-def _named(look: Look) -> Iterator[tuple[s.Item, str, str | int]]:
-    """Names with what they stand in, and the word or row there; of tables the longest one."""
+def _named(look: Look) -> Iterator[tuple[s.Item, str, str]]:
+    """Names with what they stand in, and the word there; those of tables are short enough."""
     for line in look.lines:
         if line.label is not None:
             yield line, line.label, f"*{line.label}"
@@ -45,10 +39,6 @@ def _named(look: Look) -> Iterator[tuple[s.Item, str, str | int]]:
     for item in look.tree.items:
         if isinstance(item, s.Data):
             yield item, item.variable.name, item.variable.name
-        elif isinstance(item, PositionRows | MoveRows) and len(item):
-            numbers = item.numbers if isinstance(item, PositionRows) else item.end
-            row = int(np.argmax(numbers))
-            yield item, f"{item.stem}{int(numbers[row])}", row
 
 
 def _is_known(name: str) -> bool:

@@ -5,8 +5,6 @@ from __future__ import annotations
 import re
 from typing import Final
 
-import numpy as np
-
 from assistant.languages.checks.registry import Found
 from assistant.languages.checks.repeats import repeated
 from assistant.languages.line_steps import places_of_steps
@@ -19,8 +17,6 @@ from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.languages.melfa_basic.tree.targets import exits_of
 from assistant.program.diagnostics import Span
 
-MOST_ROWS: Final = 20
-"""Findings about rows of one table; more say nothing new."""
 _NUMBER: Final = re.compile(r"[ \t]*([0-9]+)")
 
 
@@ -30,8 +26,7 @@ def order(look: Look) -> Found:
     before = 0
     for item in look.code:
         if isinstance(item, MoveRows):
-            yield from _rows(look, item, before)
-            before = int(item.steps[-1])
+            before = int(item.steps[-1])  # in a table they ascend
         elif item.number is None:
             if numbered:
                 what = "the line has no step number, but others have"
@@ -47,26 +42,6 @@ def order(look: Look) -> Found:
     if first is not None and not numbered and look.dialect.steps_needed:
         what = f"{look.dialect.title} needs a step number at every line, and no line has one"
         yield look.finding(rules.NO_STEP_NUMBER, first, what=what)
-
-
-def _rows(look: Look, rows: MoveRows, before: int) -> Found:
-    numbers = np.concatenate([[before], rows.steps])
-    for at in np.flatnonzero(numbers[1:] <= numbers[:-1])[:MOST_ROWS].tolist():
-        yield look.finding(
-            rules.NOT_ASCENDING,
-            look.row(rows, at),
-            number=numbers[at + 1],
-            before=numbers[at],
-        )
-    wrong = np.flatnonzero(rows.steps > LAST_STEP)
-    if len(wrong):
-        first = int(wrong[0])
-        yield look.finding(
-            rules.STEP_RANGE,
-            look.row(rows, first),
-            number=int(rows.steps[first]),
-            most=LAST_STEP,
-        )
 
 
 def _number(look: Look, line: s.Line) -> Span | None:

@@ -11,7 +11,7 @@ from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.tables.words import MOST_PULSES
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import is_word
-from assistant.languages.melfa_basic.tree.columnar import MoveRows
+from assistant.languages.melfa_basic.tree.columnar import KEYWORDS, MoveRows
 from assistant.languages.melfa_basic.tree.walk import lines_with, literal
 
 STOPS: Final = frozenset({"Hlt", "End", "Dly", "HOpen", "HClose"})
@@ -52,7 +52,8 @@ def tools(look: Look) -> Found:
         return
     for item in look.code:
         if isinstance(item, MoveRows):
-            yield look.finding(rules.NO_TOOL, look.row(item, 0))
+            word = KEYWORDS[int(item.kinds[0])]
+            yield look.finding(rules.NO_TOOL, look.row(item, 0, word))
             return
         if isinstance(item.statement, s.Motion):
             yield look.at(rules.NO_TOOL, item, item.statement.keyword)

@@ -5,19 +5,14 @@ from __future__ import annotations
 import re
 from typing import Final
 
-import numpy as np
-
 from assistant.languages.checks.registry import Found
 from assistant.languages.checks.slips import slips
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks.file_view import Look
-from assistant.languages.melfa_basic.checks.steps import MOST_ROWS
-from assistant.languages.melfa_basic.checks.variables_of import Known, known
+from assistant.languages.melfa_basic.checks.variables_of import known
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.columnar import MVR, MoveRows
 from assistant.languages.melfa_basic.tree.walk import nodes
-from assistant.languages.runs.names import Names
 
 _PLACES: Final = ("Tool", "Base")
 
@@ -49,21 +44,6 @@ def variables(look: Look) -> Found:
             yield look.at(rules.NO_POSITION, line, name, kind=kind, name=name)
         else:
             yield look.at(rules.NO_VALUE, line, variable, name=variable.marked)
-    for item in look.code:
-        if isinstance(item, MoveRows):
-            yield from _undefined_rows(look, item, names)
-
-
-def _undefined_rows(look: Look, rows: MoveRows, names: Known) -> Found:
-    arc = rows.kinds == MVR
-    numbers = np.unique(np.concatenate([rows.end, rows.via[arc], rows.start[arc]]))
-    stem = rows.stem.encode("ascii")
-    missing = numbers[~names.given.among(Names.numbered(stem, numbers))].tolist()
-    for number in missing[:MOST_ROWS]:
-        fitting = (rows.end == number) | (rows.via == number) | (rows.start == number)
-        name = f"{rows.stem}{number}"
-        where = look.row(rows, int(np.argmax(fitting)), name)
-        yield look.finding(rules.NO_POSITION, where, kind="position", name=name)
 
 
 def is_call(look: Look, variable: s.Variable) -> bool:

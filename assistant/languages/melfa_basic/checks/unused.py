@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections import Counter
-
 import numpy as np
 
-from assistant.languages.checks.name_sets import NameSet, repeated_rows
+from assistant.languages.checks.name_sets import NameSet
 from assistant.languages.checks.registry import Found
 from assistant.languages.checks.wording import Listing
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks.file_view import Look
-from assistant.languages.melfa_basic.checks.steps import MOST_ROWS
 from assistant.languages.melfa_basic.checks.uses import Use
 from assistant.languages.melfa_basic.checks.variables_of import Known, is_position, known, names_of
 from assistant.languages.melfa_basic.text import printer
@@ -22,31 +19,15 @@ from assistant.languages.runs.names import Names
 
 
 def twice(look: Look) -> Found:
-    """Variables with two lines of data."""
+    """Variables with two lines of data; names in tables are there once."""
     items: dict[str, list[s.Data]] = {}
-    tables: list[PositionRows] = []
     for item in look.data:
-        if isinstance(item, PositionRows):
-            tables.append(item)
-        else:
+        if isinstance(item, s.Data):
             items.setdefault(printer.expression(item.variable).upper(), []).append(item)
-    single = [name for name in items if name.isascii()]
-    columns = [*map(names_of, tables), Names.of(single)]
-    pairs = repeated_rows(columns)
-    earlier = {before for before, _ in pairs}
-    told: Counter[str] = Counter()
-    for owner, row in (again for _, again in pairs if again not in earlier):
-        name = columns[owner].name(row)
-        stem = name.rstrip("0123456789")
-        told[stem] += 1
-        if told[stem] <= MOST_ROWS:
-            inside = owner < len(tables)
-            where = look.row(tables[owner], row) if inside else items.pop(name)[-1]
-            yield look.finding(rules.TWO_POSITIONS, where, name=name)
-    for name, several in items.items():
+    for several in items.values():
         if len(several) > 1:
             last = several[-1]
-            yield look.at(rules.TWO_POSITIONS, last, last.variable.name, name=name)
+            yield look.at(rules.TWO_POSITIONS, last, last.variable.name, name=last.variable.name)
 
 
 # -------------------------------------------------------------------------------------- unused

@@ -10,20 +10,17 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Final
 
-import numpy as np
-
 from assistant.languages.melfa_basic.checks.file_view import Calls, Look
+from assistant.languages.melfa_basic.checks.single_rows import with_single_rows
 from assistant.languages.melfa_basic.checks.undefined import is_call
-from assistant.languages.melfa_basic.checks.variables_of import Known, known
+from assistant.languages.melfa_basic.checks.variables_of import known
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.languages.melfa_basic.tables.variables import KEPT, PARAMETERS, STATUS, kept_as
 from assistant.languages.melfa_basic.tree import outside
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.columnar import MVR, MoveRows
 from assistant.languages.melfa_basic.tree.positions import Positions
 from assistant.languages.melfa_basic.tree.walk import literal, nodes, program_name
-from assistant.languages.runs.names import Names
 from assistant.program.diagnostics import Span
 from assistant.program.wanted import STATE, Argument, Plain, Wanted, WantedKind
 
@@ -43,6 +40,7 @@ def wanted(trees: Sequence[s.File]) -> tuple[Wanted, ...]:
 
     Those of programs behind the first one have the name of their program before them.
     """
+    trees = with_single_rows(trees)
     calls, found = Calls(trees), dict[str, Wanted]()
     looks = [Look(tree, DIALECTS[tree.dialect], calls) for tree in trees]
     given = {key for look in looks for key in _externals(look)}
@@ -102,9 +100,6 @@ def _variables(look: Look) -> Iterator[Wanted]:
         assigned = one.assigned or use.role != "read"
         met[key] = replace(one, uses=(*one.uses, _place(look, line.span)), assigned=assigned)
     yield from met.values()
-    for item in look.code:
-        if isinstance(item, MoveRows):
-            yield from _rows(look, item, names, empty)
 
 
 def _externals(look: Look) -> Iterator[str]:
@@ -133,17 +128,6 @@ def _empty(tree: s.File) -> set[str]:
         and item.value.flags == (None, None)
         and not any(item.value.values)
     }
-
-
-def _rows(look: Look, rows: MoveRows, names: Known, empty: set[str]) -> Iterator[Wanted]:
-    arc = rows.kinds == MVR
-    numbers = np.unique(np.concatenate([rows.end, rows.via[arc], rows.start[arc]]))
-    given = names.given.among(Names.numbered(rows.stem.encode("ascii"), numbers))
-    untaught = np.array([f"{rows.stem.upper()}{number}" in empty for number in numbers], bool)
-    for number in numbers[~given | untaught].tolist():
-        fitting = (rows.end == number) | (rows.via == number) | (rows.start == number)
-        where = look.row(rows, int(np.argmax(fitting)), f"{rows.stem}{number}")
-        yield Wanted(f"{rows.stem}{number}", "position", uses=(_place(look, where),))
 
 
 def _parameters(look: Look) -> Iterator[Wanted]:

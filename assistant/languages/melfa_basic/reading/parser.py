@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import compress
 from typing import Final
 
 from assistant.languages.melfa_basic import rules
@@ -12,9 +13,15 @@ from assistant.languages.melfa_basic.reading.line import TooLarge, parts, read_l
 from assistant.languages.melfa_basic.tables.vocabulary import status
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import statement_of
-from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows, rows_at
+from assistant.languages.melfa_basic.tree.columnar import (
+    MoveRows,
+    PositionRows,
+    row_spans,
+    rows_at,
+)
 from assistant.languages.melfa_basic.tree.targets import exits_of
 from assistant.languages.recovery.lexemes import Stop
+from assistant.program.arrays import Truths
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.lines import with_line_feeds
 from assistant.program.text import SourceText
@@ -59,6 +66,17 @@ def parse(source: SourceText | str, dialect: str, *, runs: bool = True) -> s.Fil
             items.append(node)
     parsed = tuple(_with_data(items))
     return s.File(dialect, parsed, tuple(findings), source, parsed)
+
+
+def read_rows(text: str, rows: MoveRows | PositionRows, chosen: Truths) -> list[s.Item]:
+    """Some rows (n,) of a table as the grammar reads their lines. text: of the table."""
+    found: list[s.Item] = []
+    for span in compress(row_spans(rows), chosen.tolist()):
+        start, stop = span.start, span.start + len(text[span.start : span.end].rstrip("\r\n"))
+        node = read_line(text, start, stop, span.end)
+        assert isinstance(node, s.Line | s.Data), text[start:stop]
+        found.append(_datum(node) or node if isinstance(rows, PositionRows) else node)
+    return found
 
 
 def _pieces(text: str, items: list[s.Item], runs: bool) -> Iterator[tuple[int, int]]:

@@ -20,7 +20,7 @@ from assistant.languages.runs.groups import Groups
 from assistant.languages.runs.groups import places_of as fewest_places
 from assistant.languages.runs.names import Names
 from assistant.languages.runs.reading import Marks, behind_digits, in_parts, numbered
-from assistant.program.arrays import Floats, Ints
+from assistant.program.arrays import Floats, Ints, Rows
 from assistant.program.columns import Chosen, Decimal, Integer, Piece, rows_text
 from assistant.program.diagnostics import Span
 from assistant.program.digits_at_offsets import Offsets, Slots
@@ -40,7 +40,8 @@ class PositionRows(Run):
     """n position lines `P1=(x,y,z,a,b,c)(fl1,fl2)` whose names differ in the number only.
 
     stem: the name before the number. numbers: (n,) ≥ 0.
-    values: (n, 6 … 8) mm and degrees. flags: (n, 2).
+    values: (n, 6 … 8) mm and degrees. flags: (n, 2). places: (n, 2) where each line begins and
+    ends, its line end included, counted from the begin of the table.
     """
 
     stem: str
@@ -48,6 +49,7 @@ class PositionRows(Run):
     values: Floats
     flags: Ints
     span: Span | None = field(default=None, compare=False, repr=False)
+    places: Rows | None = field(default=None, compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,7 +59,7 @@ class MoveRows(Run):
     steps: (n,) step numbers. kinds: (n,) rows of KEYWORDS.
     start, via: (n,) numbers of an arc's first two positions, -1 for other moves.
     end: (n,) number of the position that is reached.
-    label, statement, comment: what a single line may have.
+    label, statement, comment: what a single line may have. places: see `PositionRows`.
     """
 
     label: ClassVar[None] = None
@@ -70,9 +72,28 @@ class MoveRows(Run):
     via: Ints
     end: Ints
     span: Span | None = field(default=None, compare=False, repr=False)
+    places: Rows | None = field(default=None, compare=False, repr=False)
 
 
-R = TypeVar("R", "PositionRows", "MoveRows")
+R = TypeVar("R", "PositionRows", "MoveRows", "PositionRows | MoveRows")
+
+
+def row_spans(rows: PositionRows | MoveRows) -> list[Span]:
+    """Where the lines of a table are in the text; none of one that was built."""
+    if rows.span is None or rows.places is None:
+        return []
+    return [Span(start, end) for start, end in (rows.places + rows.span.start).tolist()]
+
+
+def row_slice(rows: R, first: int, stop: int) -> R:
+    """Some lines of a table, with their place in the text."""
+    part = rows.rows(slice(first, stop))
+    if rows.span is None or rows.places is None:
+        return part
+    begin, end = int(rows.places[first, 0]), int(rows.places[stop - 1, 1])
+    span = Span(rows.span.start + begin, rows.span.start + end)
+    return replace(part, span=span, places=rows.places[first:stop] - begin)
+
 
 # ---------------------------------------------------------------------------- to text
 
@@ -167,8 +188,11 @@ def rows_at(text: str, at: int) -> PositionRows | MoveRows | None:
 
 
 def _table(found: re.Match[str], read: Callable[[bytes], R]) -> R:
-    rows = in_parts(found.group().encode("ascii").translate(None, b" \t\r"), read)
-    return replace(rows, span=Span(found.start(), found.end()))
+    data = found.group().encode("ascii")
+    ends = np.flatnonzero(np.frombuffer(data, dtype=np.uint8) == ord("\n")) + 1
+    places = np.stack([np.concatenate([[0], ends[:-1]]), ends], axis=1)
+    rows = in_parts(data.translate(None, b" \t\r"), read)
+    return replace(rows, span=Span(found.start(), found.end()), places=places)
 
 
 def _positions(groups: Groups, data: bytes) -> PositionRows:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -17,7 +17,7 @@ from assistant.languages.melfa_basic.lift.values.symbols import Symbols
 from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tables.words import ARC_START
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.columnar import KEYWORDS, MOV, MVR, MoveRows
+from assistant.languages.melfa_basic.tree.columnar import KEYWORDS, MOV, MVR, MoveRows, row_slice
 from assistant.languages.melfa_basic.tree.line_tables import (
     rows_as_lines,
     split_name,
@@ -28,7 +28,7 @@ from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.languages.runs.paths import path_kinds, settings_of_parts
 from assistant.languages.settings.flow import UNKNOWN, Computed
 from assistant.program import statements as p
-from assistant.program.arrays import Ints, Truths
+from assistant.program.arrays import Ints, Rows, Truths
 from assistant.program.diagnostics import Span, over
 from assistant.program.motion import Speed
 from assistant.program.path import Kind, Path
@@ -61,6 +61,8 @@ class _Chunk:
     kinds: NDArray[np.uint8]
     settings: Values
     span: Span | None
+    places: Rows | None = None
+    """(rows, 2) where the line of each is, counted from the begin of the span; None: all of it."""
 
 
 def sayable(values: Values, joint: bool) -> bool:
@@ -123,13 +125,18 @@ class Runs:
             for at in range(low, high):
                 kinds = path_kinds(arc[at:high], _PLAIN[rows.kinds[at:high]])
                 start = s.Variable(f"{rows.stem}{rows.start[at]}")
+                part = row_slice(rows, at, high)
+                self.at = part.span
                 if not alone[at] and self.extend(
                     rows.stem, int(first[at]), kinds, start, values, self.at, made
                 ):
+                    if part.places is not None:
+                        self.chunks[-1].places = np.repeat(part.places, 1 + arc[at:high], axis=0)
                     break
-                self.one_by_one(rows.rows(slice(at, at + 1)), values, made)
+                self.one_by_one(row_slice(rows, at, at + 1), values, made)
 
     def one_by_one(self, rows: MoveRows, values: Values, made: list[p.Statement]) -> None:
+        self.at = rows.span
         self.flush(made)
         for line in rows_as_lines(rows):
             if isinstance(line, s.Line) and isinstance(line.statement, s.Motion):
@@ -252,7 +259,7 @@ class Runs:
             **settings_of_parts([chunk.kinds for chunk in chunks], motion),
         )
         span = over(chunks[0].span, chunks[-1].span)
-        made.append(p.Follow(path, span=span))
+        made.append(p.Follow(replace(path, places=_places(chunks)), span=span))
 
     def name(self) -> str:
         (at,) = self.ranges_of(self.stem, np.array([self.first])).tolist()
@@ -268,6 +275,19 @@ class Runs:
         made = self.one(s.Motion(word, (target,)), chunk.settings, chunk.span)
         self.previous = previous
         return made
+
+
+def _places(chunks: Sequence[_Chunk]) -> Rows | None:
+    """Where the rows of chunks are, counted from the begin of the first."""
+    first, parts = chunks[0].span, list[Rows]()
+    for chunk in chunks:
+        if chunk.span is None or first is None:
+            return None
+        own = chunk.places
+        if own is None:
+            own = np.full((len(chunk.kinds), 2), (0, chunk.span.end - chunk.span.start))
+        parts.append(own + (chunk.span.start - first.start))
+    return np.concatenate(parts)
 
 
 def stands(at: s.Expression | None, values: Values) -> Place | None:
