@@ -36,15 +36,6 @@ def test_what_only_tunes_is_told_and_left_out(statement: str, tmp_path: Path) ->
     assert [reason.code for reason in row.reasons] == ["MB254"]
 
 
-def test_a_program_resets_no_error_elsewhere(tmp_path: Path) -> None:
-    source = tmp_path / "JOB.prg"
-    source.write_text(f"Mvs P1\nReset Err\nEnd\n{PLACES}", encoding="utf-8")
-    found = translate(source, to="rapid", language="melfa-basic-5")
-    assert found.ok, found.findings
-    (row,) = [row for row in found.rows if row.text == "Reset Err"]
-    assert [reason.code for reason in row.reasons] == ["MB254"]
-
-
 def test_motors_that_are_switched_off_and_on(tmp_path: Path) -> None:
     found = translated("Servo Off\nDly 1\nServo On", tmp_path)
     assert found.ok, found.findings

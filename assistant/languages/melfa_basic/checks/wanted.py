@@ -48,7 +48,13 @@ def wanted(trees: Sequence[s.File]) -> tuple[Wanted, ...]:
         if look.has_strangers:
             continue
         before = f"{program_name(tree)}_" if at else ""
-        for one in (*_variables(look), *_parameters(look), *_outside(look), *_functions(look)):
+        for one in (
+            *_variables(look),
+            *_parameters(look),
+            *_tools(look),
+            *_outside(look),
+            *_functions(look),
+        ):
             external = one.name[1:2] == "_"
             shared = external or one.kind in ("tool", "frame", "routine")
             if external and one.name.upper() in given:
@@ -141,6 +147,17 @@ def _parameters(look: Look) -> Iterator[Wanted]:
             name = known_as.format(number=round(number))
             if positions.constant(kept_as(name)) is None:
                 yield Wanted(name, kind, uses=(_place(look, line.span),))
+
+
+def _tools(look: Look) -> Iterator[Wanted]:
+    """Tools that `M_Tool` is given by their numbers."""
+    positions = Positions(look.tree)
+    for line, node in look.all(s.Assign):
+        number = literal(node.value) if node.target.key == STATUS["Tool"] else None
+        if number:
+            name = PARAMETERS["Tool"].format(number=round(number))
+            if positions.constant(kept_as(name)) is None:
+                yield Wanted(name, "tool", uses=(_place(look, line.span),))
 
 
 def kept(trees: Sequence[s.File]) -> Iterator[Wanted]:

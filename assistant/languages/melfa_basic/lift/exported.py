@@ -32,6 +32,10 @@ from assistant.program.program import Declaration, Program, walk
 from assistant.program.rewriting import exchanged, head, records
 
 _NO_NEED: Final = "none is needed, but see that the other controller watches the arm as you want"
+_OWN_ARM: Final = (
+    "the arm is the program's own: on the other controller a motion task has it",
+    "see that no other task moves it",
+)
 LOSSES: Final[Mapping[str, tuple[str, str]]] = {
     "SERVO ON": (
         "the program does not switch the motors on: they must be on when it starts",
@@ -55,9 +59,11 @@ LOSSES: Final[Mapping[str, tuple[str, str]]] = {
     "SPDOPT": ("the speed is not raised where the axes could go faster", "none is needed"),
     "COLCHK": ("collisions are watched for as the other controller is set", _NO_NEED),
     "COLLVL": ("collisions are watched for as the other controller is set", _NO_NEED),
-    "RESET ERR": (
-        "the program resets no error: on the other controller none runs while there is one",
-        "let the operator or the cell's controller reset it, and start the program",
+    "GETM": _OWN_ARM,
+    "RELM": _OWN_ARM,
+    "PRIORITY": (
+        "the program gets no other share of the controller's time",
+        "none is needed, but see that nothing beside it comes too late",
     ),
     "CAVCHK": ("common areas are not watched for by the program", "let the cell watch them"),
 }  # fmt: skip

@@ -20,7 +20,7 @@ from assistant.languages.melfa_basic.lift.settings.held import (
     Settings,
     set_by,
 )
-from assistant.languages.melfa_basic.lift.values.expressions import Expressions
+from assistant.languages.melfa_basic.lift.values.expressions import OPTIMUM, Expressions
 from assistant.languages.melfa_basic.lift.values.symbols import Symbols, Unliftable
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.settings.flow import UNKNOWN
@@ -30,8 +30,6 @@ from assistant.program.geometry import BASE, FLANGE, IDENTITY, Frame, Tool
 from assistant.program.motion import FINE, Blend
 from assistant.program.program import Variable
 
-OPTIMUM: Final = 10000.0
-"""mm/s that `M_NSpd` stands for: as fast as the arm can."""
 STOPS: Final = -1.0
 """Of a corner: none, the move ends at its target."""
 OPEN_CORNER: Final = 10.0

@@ -28,6 +28,8 @@ def assign(node: s.Assign, lift: Expressions, runs: Runs) -> list[p.Statement]:
     target = node.target
     if _is_chosen(node, lift):
         return [_chosen(node, lift, runs)]
+    if target.key == "M_HND" and lift.m.telling:
+        return [_hand(node, lift)]
     if target.key in SIGNALS or (target.key in lift.m.io and not lift.m.is_shadowed(target.key)):
         return [_signal(node, lift)]
     timer = lift.m.timers.get(timer_of(target) or 0)
@@ -45,6 +47,16 @@ def assign(node: s.Assign, lift: Expressions, runs: Runs) -> list[p.Statement]:
         case e.Name() | e.Index():
             return [p.Assign(place, value_of(node, lift))]
     raise Unliftable
+
+
+def _hand(node: s.Assign, lift: Expressions) -> p.Gripper:
+    """`M_Hnd(1)=1` opens a hand, 0 closes it."""
+    given = node.target.arguments or ()
+    number = lift.m.value(given[0]) if len(given) == 1 else None
+    state = lift.m.value(node.value)
+    if not isinstance(number, float) or state not in (0.0, 1.0) or node.delay is not None:
+        raise Unliftable
+    return p.Gripper("open" if state else "close", round(number))
 
 
 def _is_chosen(node: s.Assign, lift: Expressions) -> bool:

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Final
 
 from assistant.languages import kept_reasons
 from assistant.languages.melfa_basic.lift.settings.along_lines import Ways, depends
@@ -53,6 +53,8 @@ class Block:
     label: str | None = None
 
 
+FORCED: Final = "HOpen"
+"""Takes forces and a time beside its hand (COSIROP: HOPEN)."""
 Lift = Callable[[Any, Any], list[p.Statement]]
 """What a statement says, given the reader and it; raises Unliftable."""
 
@@ -161,7 +163,8 @@ class Statements:
             return read()
         except Unliftable as found:
             set_here = self.effect(node) is not None
-            tells = set_here or isinstance(node, s.Assign | s.Motion)
+            hand = isinstance(node, s.Command) and node.keyword == FORCED
+            tells = set_here or hand or isinstance(node, s.Assign | s.Motion)
             told = self.expressions.told(read) if tells else None
             reason = found.reason or refused
             if set_here and told is not None:
@@ -263,7 +266,10 @@ class Statements:
             if len(node.arguments) != count or None in node.arguments:
                 raise Unliftable
             return lift(self, node)
-        called: Called[s.Expression] = Called(node.keyword, node.arguments)
+        arguments = node.arguments
+        if node.keyword == FORCED and self.expressions.m.telling:
+            arguments = arguments[:1]  # without force and time, see `told.kept`
+        called: Called[s.Expression] = Called(node.keyword, arguments)
         said = ROWS.read(called, self.reading)
         if said is None:
             raise Unliftable

@@ -9,7 +9,12 @@ from __future__ import annotations
 import itertools
 
 from assistant.languages.melfa_basic.lift.structure.blocks import Structure
-from assistant.languages.melfa_basic.lift.structure.regions import called, goes_on_above, jumps
+from assistant.languages.melfa_basic.lift.structure.regions import (
+    called,
+    goes_on_above,
+    handlers,
+    jumps,
+)
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import statement_of
 from assistant.languages.melfa_basic.tree.targets import labels_of
@@ -28,7 +33,7 @@ def in_order(code: list[s.Entry]) -> list[s.Entry]:
     main = whole[0]
     if [k for k, part in enumerate(whole) if part == main] == list(range(whole.count(main))):
         return code
-    wanted = called(code)
+    wanted = called(code) | set(handlers(code))
     calls = [not wanted.isdisjoint(labels_of(code, span)) for span in spans]
     subroutines = {part for part, is_called in zip(whole, calls, strict=True) if is_called}
 
@@ -56,7 +61,7 @@ def _begins(code: list[s.Entry], at: int) -> bool:
 def _joined(code: list[s.Entry], spans: list[range]) -> list[int]:
     """By run, the first of those that jumps join with it."""
     home = {name: k for k, span in enumerate(spans) for name in labels_of(code, span)}
-    joined = list(range(len(spans)))
+    joined, answering = list(range(len(spans))), handlers(code)
 
     def first(k: int) -> int:
         while joined[k] != k:
@@ -65,7 +70,7 @@ def _joined(code: list[s.Entry], spans: list[range]) -> list[int]:
         return k
 
     for k, span in enumerate(spans):
-        for name in jumps(code, span):
+        for name in jumps(code, span, answering):
             if name in home:
                 one, two = sorted((first(k), first(home[name])))
                 joined[two] = one

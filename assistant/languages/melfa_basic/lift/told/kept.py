@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any, Final
@@ -107,6 +108,10 @@ class _Telling:
         def said(node: p.Statement) -> Body:
             with self.findings.at(node.span):
                 made = node.told if isinstance(node, p.Opaque) and node.told else (node,)
+                if made != (node,) and (loss := _lost(node, made)) is not None:
+                    what, cure = loss
+                    text = getattr(node, "text", "").strip()
+                    self.findings.append(rules.LEFT_OUT(what=text, loss=what, cure=cure))
                 try:
                     made = tuple(whole(one, node, told) for one in made)
                 except AnyNumber:
@@ -154,6 +159,28 @@ class _Telling:
         what, value, loss, cure = STATES[key]
         self.findings.append(rules.LEFT_OUT(what=what, loss=loss, cure=cure))
         return value
+
+
+_FORCE: Final = re.compile(r"HOpen\s+[^,]+,", re.IGNORECASE)
+_OPEN_CORNER: Final = re.compile(r"Cnt\s+1", re.IGNORECASE)
+
+
+def _lost(node: p.Statement, made: Body) -> tuple[str, str] | None:
+    """What is lost with a text for which other words stand, and what to do."""
+    text = getattr(node, "text", "").strip()
+    if _FORCE.match(text):
+        return (
+            "the hand is opened, with no force and no time of its own",
+            "set both on the gripper, and wait for it below",
+        )
+    if _OPEN_CORNER.fullmatch(text):
+        radius = next((one.value for one in made if isinstance(one, p.Assign)), None)
+        value = radius.value if isinstance(radius, e.Number) else 0
+        return (
+            f"the size of the corner, which the controller chooses, is {value:g} mm",
+            "state it: Cnt 1,10,10",
+        )
+    return None
 
 
 def _counts_axis(statement: p.Statement) -> bool:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from typing import Any, Final, TypeVar
 
-from assistant.languages.kept_reasons import WAYS
+from assistant.languages.kept_reasons import STATUS, WAYS
 from assistant.languages.melfa_basic.lift.values.constants import INITIAL
 from assistant.languages.melfa_basic.lift.values.elementwise import (
     built,
@@ -78,9 +78,11 @@ _NUMBERS: Final = {
     **{key: e.Number(round(value)) for key, value in INITIAL.items()},
 }
 """What status variables that never change are."""
+OPTIMUM: Final = 10000.0
+"""mm/s that `M_NSpd` stands for: as fast as the arm can."""
 NOWHERE: Final = s.Constant((0.0,) * 6, (0, 0))
 """What `P_Zero` is."""
-_HERE: Final = ("P_CURR", "P_FBC", "J_CURR")
+_HERE: Final = ("P_CURR", "P_FBC", "J_CURR", "J_FBC")
 """Status variables of where the robot stands, as commanded or as measured."""
 DEGREE: Final = math.pi / 180.0
 
@@ -259,13 +261,17 @@ class Expressions(Types):
             return self.here(key)
         if key in _CLOCK and node.arguments is None:
             return e.Apply(_CLOCK[key])
+        if key == "M_NSPD" and self.m.telling:
+            return e.number_of(OPTIMUM)
         if key == "P_ZERO" and self.m.telling:
             return self.m.value_of(NOWHERE, "position")
         return _NUMBERS.get(key) or self.m.name(node)
 
     def here(self, key: str) -> e.Expression:
         """Where the robot stands, seen with the tool and base that hold."""
-        if key == "J_CURR":
+        if key in ("J_CURR", "J_FBC"):
+            if key == "J_FBC" and not self.m.telling:
+                raise Unliftable(STATUS)
             return e.Apply("joints_here")
         tool, frame = self.m.placing_told if self.m.telling else self.m.placing
         if not isinstance(tool, str) or not isinstance(frame, str):
