@@ -71,7 +71,7 @@ def translated_sheet(one: Translated, scene: Scene | None, robot: Robot | None) 
     sheet = compiled_sheet(one.source, translation.written, scene, robot)
     said = f"{share(translation):.1f} % said: {totals(translation)}"
     draft = ("the files are a draft: not all of it is said",) if translation.draft else ()
-    found = [*translation.whole, *(f for row in translation.rows for f in row.reasons)]
+    found = [*translation.whole, *(f for row in translation.rows.noted for f in row.reasons)]
     placed = map(translation.compiled.places.finding, found)
     return replace(
         sheet,

@@ -150,7 +150,9 @@ def run_translate(
             _show(one, every)
         if len(done) > 1:
             say(f"{len(done)} programs, {sum(one.translation.ok for one in done)} of them whole")
-        changed = any(row.level != "supported" for one in done for row in one.translation.rows)
+        changed = any(
+            row.level != "supported" for one in done for row in one.translation.rows.noted
+        )
         if changed and not every:
             say("each statement by itself: --all, or --report FILE")
         for file in written:

@@ -11,15 +11,18 @@ from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Any, Final, TypeAlias
 
+import numpy as np
+
 from assistant.compiler.arms import Arms
 from assistant.compiler.compiling import Compiled, compile_program, told
 from assistant.compiler.source_map import Places, Trace
 from assistant.languages.language import Language
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Diagnostic, Severity, Span, error
+from assistant.program.diagnostics import Diagnostic, Severity, Span, error, over
 from assistant.program.kept import effect_of
 from assistant.program.lines import lines_of
+from assistant.program.path import Kind
 from assistant.program.program import Procedure, Program, Variable
 from assistant.program.rewriting import Body, map_bodies, records
 from assistant.program.subjects import DATA, Declared, Inner
@@ -231,8 +234,41 @@ def _body(body: Body, spans: Collection[Span], places: Places) -> Iterator[p.Sta
             if span != stopped:  # one line of the source may be lifted as two statements
                 yield from _stopped(span, places)
             stopped = span
+        elif isinstance(statement, p.Follow):
+            yield from _path(statement, spans, places)
         else:
             yield map_bodies(statement, lambda b: tuple(_body(b, spans, places)))
+
+
+def _path(follow: p.Follow, spans: Collection[Span], places: Places) -> Iterator[p.Statement]:
+    """A path with a stop for each line of it that cannot be said, and the others in pieces."""
+    lines, whole = follow.lines, follow.span
+    out: list[int] = []
+    if lines is not None and whole is not None:
+        inside = [s for s in spans if whole.start <= s.start and s.end <= whole.end]
+        out = sorted({int(np.searchsorted(lines[:, 0], s.start, side="right")) - 1 for s in inside})
+    if not out or lines is None:
+        yield follow
+        return
+    ends = np.flatnonzero(np.append(follow.path.kinds[1:], 0) != Kind.END) + 1
+    firsts = [0, *ends[:-1].tolist()]
+    start = 0
+    for line in [*out, len(lines)]:
+        stop = firsts[line] if line < len(lines) else len(follow.path)
+        if stop > start:
+            yield _piece(follow, start, stop)
+        if line < len(lines):
+            yield from _stopped(Span(*lines[line].tolist()), places)
+            start = int(ends[line])
+
+
+def _piece(follow: p.Follow, start: int, stop: int) -> p.Follow:
+    """Some rows of a path that has lines, as a path of another name if they are not its first."""
+    first, last = follow.row_span(start), follow.row_span(stop - 1)
+    name = follow.path.name if not start else f"{follow.path.name}_from_{start + 1}"
+    path = follow.path.rows(start, stop, name)
+    moved = None if path.places is None else path.places - path.places[0, 0]
+    return p.Follow(replace(path, places=moved), span=over(first, last))
 
 
 def _stopped(span: Span, places: Places) -> Iterator[p.Statement]:

@@ -12,7 +12,7 @@ from assistant.compiler.loading import Loaded
 from assistant.compiler.locations import with_locations
 from assistant.compiler.scenes import InCell
 from assistant.compiler.seen_frames import with_known
-from assistant.compiler.source_map import Places
+from assistant.compiler.source_map import Places, at_moves
 from assistant.compiler.travelling import travelled
 from assistant.compiler.turning import with_turns
 from assistant.program.diagnostics import Diagnostic, Refused, error, fold, has_errors
@@ -66,6 +66,7 @@ def solve(
     solution = robots.solve_program(replace(ways.program, robot=arm.name), arm)
     also = () if has_errors(ways.findings) else solution.findings
     changed = (*located, *sights, *changed, *map(places.finding, ways.findings))
-    found = (*loaded.findings, *changed, *also)
+    at_lines = map(places.finding, at_moves(also, solution.program, places))
+    found = (*loaded.findings, *changed, *at_lines)
     said = [*stands.findings, *fold(f.within(source) for f in found)]
     return Solved(solution, arms.scene, places, said, loaded.program)

@@ -6,6 +6,8 @@ from bisect import bisect_right
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from assistant.compiler.loading import language_of
 from assistant.languages.answers import (
     Part,
@@ -13,6 +15,7 @@ from assistant.languages.answers import (
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic, Span
+from assistant.program.path import Kind
 from assistant.program.program import Program, bodies, walk
 from assistant.program.rewriting import Body, records
 from assistant.program.subjects import (
@@ -82,8 +85,7 @@ class Places:
         language = language_of(origin.language)
         for start, tree in zip(self._starts, origin.trees, strict=True):
             for part in language.parts(tree):
-                within = None if part.within is None else part.within.moved(start)
-                yield replace(part, span=part.span.moved(start), within=within)
+                yield part.moved(start)
 
     def of(self, span: Span) -> Place | None:
         """The place of a span, None if it is in no text."""
@@ -215,15 +217,33 @@ class Trace:
         pairs = () if written is None else _pairs_of(adapted, written)
         self._went: dict[Span, list[Span]] = {}
         self._from: dict[Span, Span] = {}
-        for mine, its in pairs:
+        self._paths: dict[Span, tuple[p.Follow, p.Follow]] = {}
+        """Paths of the source with those that they became, by the span of either."""
+        for one, other in pairs:
+            mine, its = one.span, other.span
+            if mine is None or its is None:
+                continue
             self._went.setdefault(mine, []).append(its)
             self._from.setdefault(its, mine)
+            if isinstance(one, p.Follow) and isinstance(other, p.Follow):
+                if one.path.places is not None and len(one.path) == len(other.path):
+                    self._paths[mine] = self._paths[its] = one, other
 
     def written(self, span: Span) -> list[Place]:
         """Where a statement of the source went, in order; none if that is not known."""
         assert self._there is not None or not self._went
         places = [self._there.of(s) for s in self._went.get(span, ())] if self._there else []
         return [place for place in places if place is not None]
+
+    def written_line(self, span: Span, line: int) -> list[Place]:
+        """The same of a line of a path, counted from 0."""
+        if span not in self._paths or self._there is None:
+            return self.written(span)
+        mine, its = self._paths[span]
+        rows = np.flatnonzero(np.append(mine.path.kinds[1:], 0) != Kind.END)
+        there = its.row_span(int(rows[line]))
+        place = None if there is None else self._there.of(there)
+        return [] if place is None else [place]
 
     def source(self, finding: Diagnostic) -> Span | None:
         """The span in the source that a finding is about, also one in the written text."""
@@ -234,17 +254,26 @@ class Trace:
             return None
         holding = [s for s in self._from if s.start <= span.start and span.end <= s.end]
         inmost = min(holding, key=lambda s: s.end - s.start, default=None)
+        if inmost in self._paths:
+            return _row_at(*self._paths[inmost], span)
         return self._from[inmost] if inmost is not None else None
 
 
-def _pairs_of(source: Program, written: Program) -> Iterator[tuple[Span, Span]]:
+def _row_at(mine: p.Follow, its: p.Follow, span: Span) -> Span | None:
+    """Where the row of a path was whose line in the written text holds a span."""
+    places = its.path.places
+    if places is None or its.span is None:
+        return mine.span
+    row = int(np.searchsorted(places[:, 0], span.start - its.span.start, side="right")) - 1
+    return mine.row_span(row) if row >= 0 else mine.span
+
+
+def _pairs_of(source: Program, written: Program) -> Iterator[tuple[p.Statement, p.Statement]]:
     there = {q.name.lower(): q for q in written.procedures}
     for procedure in source.procedures:
         other = there.get(procedure.name.lower())
         if other is not None:
-            for mine, its in _pairs(procedure.body, other.body):
-                if mine.span is not None and its.span is not None:
-                    yield mine.span, its.span
+            yield from _pairs(procedure.body, other.body)
 
 
 def _pairs(one: Body, two: Body) -> Iterator[tuple[p.Statement, p.Statement]]:

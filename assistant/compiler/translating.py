@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import chain
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Final, Literal, TypeAlias
+from typing import TYPE_CHECKING, Final, Literal, TypeAlias, overload
+
+import numpy as np
 
 from assistant.compiler.arms import in_arms, robot_of, standing
 from assistant.compiler.compiling import Compiled, compile_program, proven_by_motion, told
@@ -26,6 +30,7 @@ from assistant.compiler.source_map import Place, Places, Trace
 from assistant.compiler.unsaid import lose
 from assistant.lazy import pictured
 from assistant.program import statements as p
+from assistant.program.arrays import Rows
 from assistant.program.diagnostics import Diagnostic, Refused, Severity, Span, error, fold
 from assistant.program.lines import lines_of
 from assistant.program.program import Program, bodies, walk
@@ -58,7 +63,7 @@ LONGEST_TEXT: Final = 100
 class Row:
     """What becomes of one statement or declaration of the source.
 
-    text: its first line. count: rows of a table or moves of a path, else 1.
+    text: its first line. count: how many of them it is.
     reasons: why it is not said as it stands, errors first. went: where it is in the written files.
     """
 
@@ -83,7 +88,7 @@ class Translation:
     compiled: Compiled
     written: Compiled
     language: str
-    rows: tuple[Row, ...]
+    rows: SourceRows
     whole: tuple[Diagnostic, ...]
     files: Mapping[str, bytes] = field(default_factory=dict)
     wanting: tuple[Wanted, ...] = ()
@@ -130,7 +135,7 @@ class Translation:
     @property
     def totals(self) -> dict[Level, int]:
         """How many statements there are at each level; rows of a table count one by one."""
-        return {level: sum(r.count for r in self.rows if r.level == level) for level in LEVELS}
+        return self.rows.totals
 
 
 @uncollected()
@@ -190,7 +195,6 @@ def translate(
         written = compiled = proven_by_motion(compiled, arms, sought, entry)
     with within(REPORTING, None, program.size()):
         rows, whole = _report(compiled, written, later)
-        rows = tuple(row for row in rows if not _is_stated(row) or row.level == "not")
     unfilled = tuple(UNFILLED(what=said(one), place=one.name) for one in loaded.wanting)
     if loaded.wanting and proving is not None:
         unfilled += (UNPROVEN(),)
@@ -216,25 +220,114 @@ class _Part:
 
     names: that findings know it by. head: whether its first line stands for it. silent: left
     out of the report unless something is found about it. within: the part that it is said with.
+    lines: (n, 2) where each line of many that are alike begins and ends, None for any other part;
+    at: what is found about some of them.
     """
 
     span: Span
-    count: int = 1
     names: tuple[_Name, ...] = ()
     head: bool = False
     silent: bool = False
     within: Span | None = None
+    lines: Rows | None = None
     found: list[Diagnostic] = field(default_factory=list)
+    at: dict[int, list[Diagnostic]] = field(default_factory=dict)
+
+    def line(self, span: Span) -> int | None:
+        """The line that holds a span, None if none does."""
+        if self.lines is None:
+            return None
+        at = int(np.searchsorted(self.lines[:, 0], span.start, side="right")) - 1
+        return at if at >= 0 and span.end <= self.lines[at, 1] else None
+
+    def reasons(self, line: int | None) -> list[Diagnostic]:
+        """What is found about one of its lines, or about the part that has none."""
+        more = () if line is None else self.at.get(line, ())
+        return [*self.found, *(f for f in more if f not in self.found)]
+
+    def note(self, finding: Diagnostic, line: int | None) -> None:
+        about = self.found if line is None else self.at.setdefault(line, [])
+        if finding.message not in [f.message for f in about]:
+            about.append(finding)
 
 
-def _is_stated(row: Row) -> bool:
+class SourceRows(Sequence[Row]):
+    """The rows of a report; those of many lines that are alike are made when they are asked for."""
+
+    def __init__(
+        self,
+        parts: Sequence[_Part],
+        row: Callable[[_Part, int | None], Row | None],
+        level: Callable[[Sequence[Diagnostic]], Level],
+    ) -> None:
+        self._row, self._level = row, level
+        each = ((part, part if part.lines is not None else row(part, None)) for part in parts)
+        self._parts = [made for _, made in each if made is not None]
+        sizes = [len(one.lines) if isinstance(one, _Part) else 1 for one in self._parts]  # type: ignore[arg-type]
+        self._starts = np.concatenate([[0], np.cumsum(sizes)]).astype(int)
+
+    def __len__(self) -> int:
+        return int(self._starts[-1])
+
+    @overload
+    def __getitem__(self, at: int) -> Row: ...
+    @overload
+    def __getitem__(self, at: slice) -> tuple[Row, ...]: ...
+    def __getitem__(self, at: int | slice) -> Row | tuple[Row, ...]:
+        if isinstance(at, slice):
+            return tuple(self[k] for k in range(*at.indices(len(self))))
+        at = range(len(self))[at]
+        number = int(np.searchsorted(self._starts, at, side="right")) - 1
+        return self._line(self._parts[number], at - int(self._starts[number]))
+
+    def __iter__(self) -> Iterator[Row]:
+        for one in self._parts:
+            if isinstance(one, Row):
+                yield one
+            else:
+                assert one.lines is not None
+                yield from (self._line(one, line) for line in range(len(one.lines)))
+
+    def _line(self, one: Row | _Part, line: int) -> Row:
+        made = one if isinstance(one, Row) else self._row(one, line)
+        assert made is not None
+        return made
+
+    @property
+    def noted(self) -> Iterator[Row]:
+        """Those about which something is found."""
+        for one in self._parts:
+            if isinstance(one, Row):
+                if one.reasons:
+                    yield one
+                continue
+            assert one.lines is not None
+            lines = range(len(one.lines)) if one.found else sorted(one.at)
+            yield from (self._line(one, line) for line in lines)
+
+    @property
+    def totals(self) -> dict[Level, int]:
+        """How many there are at each level."""
+        counts = dict.fromkeys(LEVELS, 0)
+        for one in self._parts:
+            if isinstance(one, Row):
+                counts[one.level] += one.count
+                continue
+            assert one.lines is not None
+            counts[self._level(one.found)] += len(one.lines) - len(one.at)
+            for line in one.at:
+                counts[self._level(one.reasons(line))] += 1
+        return counts
+
+
+def _is_stated(place: Place | None) -> bool:
     """Whether it is in no file that was read, but in what a cell file says."""
-    return (row.place.path or "").startswith(STATED)
+    return place is not None and (place.path or "").startswith(STATED)
 
 
 def _report(
     compiled: Compiled, written: Compiled, later: Sequence[Diagnostic]
-) -> tuple[tuple[Row, ...], tuple[Diagnostic, ...]]:
+) -> tuple[SourceRows, tuple[Diagnostic, ...]]:
     """The rows, and the findings that belong to none of them.
 
     later: what is found of the source once other parts are left out; part of a row or nothing.
@@ -250,27 +343,77 @@ def _report(
         known.silent = known.silent and part.silent
         for name in part.names:
             names.setdefault(name, known)
+    about = _About(parts, names, compiled.source)
     back = Trace(compiled.program, compiled.proof.lifted)
     whole: list[Diagnostic] = []
     for finding in compiled.found:
         proven = finding in compiled.proof.findings  # what it is about is in another tree
-        about = _about(finding, back.source(finding), parts, {} if proven else names)
-        if about is None:
+        one, line = about.part(finding, back.source(finding), named=not proven)
+        if one is None:
             whole.append(places.finding(finding))
-        elif finding.message not in [f.message for f in about.found]:
-            about.found.append(finding)
+        else:
+            one.note(finding, line)
     for finding in later:
-        about = parts.get(finding.span) if finding.span else None
-        if about is not None and finding.message not in [f.message for f in about.found]:
-            about.found.append(finding)
+        if finding.span is not None:
+            one, line = about.at(finding.span)
+            if one is not None:
+                one.note(finding, line)
     _hand_on(parts)
     lose(compiled.source, {span: part.found for span, part in parts.items()})
-    shown = [part for part in parts.values() if part.found or not part.silent]
+    shown = [part for part in parts.values() if part.found or part.at or not part.silent]
     shown.sort(key=lambda part: (part.span.start, -part.span.end))
     trace = Trace(written.program, written.proof.lifted)
-    advice = _advice(compiled)
-    rows = [row for part in shown if (row := _row(part, places, trace, advice)) is not None]
-    return tuple(rows), fold(whole)
+    level = _levels(_advice(compiled))
+    shown = [
+        part for part in shown if not _is_stated(places.of(part.span)) or level(part.found) == "not"
+    ]
+    return SourceRows(shown, partial(_row, places, trace, level), level), fold(whole)
+
+
+class _About:
+    """Which part of a source, and which line of it, a finding is about."""
+
+    def __init__(
+        self, parts: Mapping[Span, _Part], names: Mapping[_Name, _Part], program: Program
+    ) -> None:
+        self._parts, self._names, self._program = parts, names, program
+        self._runs = sorted(
+            (part for part in parts.values() if part.lines is not None),
+            key=lambda part: part.span.start,
+        )
+        self._starts = [part.span.start for part in self._runs]
+
+    def part(
+        self, finding: Diagnostic, span: Span | None, *, named: bool
+    ) -> tuple[_Part | None, int | None]:
+        """span: of the source that it is about, None if it has none. named: look for names too."""
+        if span is not None:
+            part, line = self.at(span)
+            if part is not None:
+                return part, line
+            holding = [s for s in self._parts if s.start <= span.start and span.end <= s.end]
+            inmost = min(holding, key=lambda s: s.end - s.start, default=None)
+            return (self._parts[inmost] if inmost is not None else None), None
+        if not named:
+            return None, None
+        part = next((self._names[n] for n in _named(finding.about) if n in self._names), None)
+        if part is not None and part.lines is not None and isinstance(finding.about, PathRow):
+            return part, part.line(self._row_of(finding.about) or part.span)
+        return part, None
+
+    def at(self, span: Span) -> tuple[_Part | None, int | None]:
+        """The part that stands at a span, or the line of many that does."""
+        at = bisect_right(self._starts, span.start) - 1
+        line = self._runs[at].line(span) if at >= 0 else None
+        if line is not None:
+            return self._runs[at], line
+        return self._parts.get(span), None
+
+    def _row_of(self, about: PathRow) -> Span | None:
+        for statement in self._program.statements():
+            if isinstance(statement, p.Follow) and statement.path.name == about.path:
+                return statement.row_span(about.row - 1)
+        return None
 
 
 def _hand_on(parts: Mapping[Span, _Part]) -> None:
@@ -293,7 +436,7 @@ def _parts(program: Program, places: Places, lifted: Container[Span | None]) -> 
             continue
         name, owner = (part.name or "").lower(), part.owner.lower()
         called = ((None, "", name), (None, owner, name)) if name else ()
-        yield _Part(part.span, part.count, called, head=True, within=part.within)
+        yield _Part(part.span, called, head=True, within=part.within, lines=part.lines)
 
 
 def _told_parts(program: Program) -> Iterator[_Part]:
@@ -318,7 +461,7 @@ def _said(program: Program) -> Iterator[_Part]:
             match statement:
                 case p.Follow(path, span=Span() as span):
                     called = _names("paths", path.name)
-                    yield _Part(span, len(path), called, head=True)
+                    yield _Part(span, called, head=True, lines=statement.lines)
                 case p.Comment(span=Span() as span) | p.Label(span=Span() as span):
                     yield _Part(span, silent=True)
                 case _ if statement.span is not None:
@@ -326,21 +469,6 @@ def _said(program: Program) -> Iterator[_Part]:
     for declaration in program.declarations:
         if declaration.span is not None:
             yield _Part(declaration.span, head=True)
-
-
-def _about(
-    finding: Diagnostic,
-    span: Span | None,
-    parts: Mapping[Span, _Part],
-    names: Mapping[_Name, _Part],
-) -> _Part | None:
-    """The part that a finding is about, None if it is about the whole."""
-    if span is not None:
-        if span in parts:
-            return parts[span]
-        holding = [s for s in parts if s.start <= span.start and span.end <= s.end]
-        return parts[min(holding, key=lambda s: s.end - s.start)] if holding else None
-    return next((names[name] for name in _named(finding.about) if name in names), None)
 
 
 def _names(table: Table, name: str) -> tuple[_Name, ...]:
@@ -374,18 +502,35 @@ def _advice(compiled: Compiled) -> Callable[[Diagnostic], bool]:
     return is_advice
 
 
+def _levels(is_advice: Callable[[Diagnostic], bool]) -> Callable[[Sequence[Diagnostic]], Level]:
+    """The level of what some findings are about."""
+
+    def level(found: Sequence[Diagnostic]) -> Level:
+        if all(map(is_advice, found)):
+            return "supported"
+        return "not" if any(f.severity is Severity.ERROR for f in found) else "partial"
+
+    return level
+
+
 def _row(
-    part: _Part, places: Places, trace: Trace, is_advice: Callable[[Diagnostic], bool]
+    places: Places,
+    trace: Trace,
+    level: Callable[[Sequence[Diagnostic]], Level],
+    part: _Part,
+    line: int | None,
 ) -> Row | None:
-    place = places.of(part.span)
+    """line: of a part with many, counted from 0."""
+    span = part.span
+    if line is not None and part.lines is not None:
+        span = Span(*part.lines[line].tolist())
+    place = places.of(span)
     if place is None:
         return None
-    level: Level = "supported"
-    reasons = sorted(part.found, key=lambda f: f.severity is not Severity.ERROR)
-    if not all(map(is_advice, reasons)):
-        level = "not" if reasons[0].severity is Severity.ERROR else "partial"
-    lines = [line.strip() for line in lines_of(place.text) if line.strip()]
-    text = " ".join(lines[:1] if part.head else lines)
+    reasons = sorted(part.reasons(line), key=lambda f: f.severity is not Severity.ERROR)
+    texts = [text.strip() for text in lines_of(place.text) if text.strip()]
+    text = " ".join(texts[:1] if part.head else texts)
     if len(text) > LONGEST_TEXT:
         text = text[: LONGEST_TEXT - 1] + "…"
-    return Row(place, text, level, tuple(reasons), tuple(trace.written(part.span)), part.count)
+    went = trace.written(span) if line is None else trace.written_line(part.span, line)
+    return Row(place, text, level(reasons), tuple(reasons), tuple(went))

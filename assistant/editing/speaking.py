@@ -286,7 +286,7 @@ class _Vendor(Spoken):
             for row in done.rows
             if row.place.path == text.path
         ]
-        told = (*done.whole, *(one for row in done.rows for one in row.reasons))
+        told = (*done.whole, *(one for row in done.rows.noted for one in row.reasons))
         return Translated(done.files, rows, told, done.draft)
 
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any, Final, Generic, Literal, Protocol, TypeVar
 
+from assistant.program.arrays import Rows
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.program import Program
 from assistant.program.text import SourceText
@@ -44,7 +45,8 @@ class Part:
 
     name: of what is declared. count: rows of a table, 1 for anything else. owner: the procedure
     whose own it is, empty for the program's. within: what it is said with, of a statement that has
-    no place of its own in a program: what becomes of that becomes of it.
+    no place of its own in a program: what becomes of that becomes of it. lines: (count, 2) where
+    each of its lines begins and ends, of many that are alike.
     """
 
     span: Span
@@ -52,6 +54,13 @@ class Part:
     count: int = 1
     owner: str = ""
     within: Span | None = None
+    lines: Rows | None = None
+
+    def moved(self, by: int) -> Part:
+        """The part of a text that is so much farther on."""
+        within = None if self.within is None else self.within.moved(by)
+        lines = None if self.lines is None else self.lines + by
+        return replace(self, span=self.span.moved(by), within=within, lines=lines)
 
 
 @dataclass(frozen=True, slots=True)

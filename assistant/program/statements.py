@@ -6,6 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
+import numpy as np
+
+from assistant.program.arrays import Rows
 from assistant.program.calls import Call as Call
 from assistant.program.diagnostics import Span
 from assistant.program.effects import Effect
@@ -19,7 +22,7 @@ from assistant.program.motion import COMPUTED as COMPUTED
 from assistant.program.motion import Blend, Speed
 from assistant.program.motion import ComputedBlend as ComputedBlend
 from assistant.program.motion import ComputedSpeed as ComputedSpeed
-from assistant.program.path import Path
+from assistant.program.path import Kind, Path
 from assistant.program.spanned import Spanned as Spanned
 
 
@@ -129,6 +132,16 @@ class Follow(Spanned):
             return self.span
         start, end = self.path.places[row].tolist()
         return Span(self.span.start + start, self.span.start + end)
+
+    @property
+    def lines(self) -> Rows | None:
+        """(m, 2) where each move of the path is in the source text, an arc once; None if the rows
+        have no lines of their own.
+        """
+        if self.span is None or self.path.places is None or not len(self.path):
+            return None
+        ends = np.append(self.path.kinds[1:], 0) != Kind.END
+        return np.asarray(self.path.places[ends] + self.span.start)
 
 
 @dataclass(frozen=True, slots=True)

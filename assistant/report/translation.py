@@ -53,7 +53,7 @@ def summary(one: Translated) -> Iterator[str]:
     translation = one.translation
     yield f"{one.source}: {share(translation):.1f} % said: {totals(translation)}"
     for level in ("not", "partial"):
-        rows = [row for row in translation.rows if row.level == level]
+        rows = [row for row in translation.rows.noted if row.level == level]
         every = costs(rows, len(rows))
         for cost in every[:MOST]:
             cure = f"; {cost.cure}" if cost.cure else ""
@@ -69,7 +69,7 @@ def summary(one: Translated) -> Iterator[str]:
 
 def reasons(one: Translated) -> Iterator[str]:
     """What most statements are not said for, a line each; none of a program that is whole."""
-    for cost in costs(row for row in one.translation.rows if row.level == "not"):
+    for cost in costs(row for row in one.translation.rows.noted if row.level == "not"):
         cure = f"; {cost.cure}" if cost.cure else ""
         statements = "statement" if cost.count == 1 else "statements"
         yield (
@@ -96,7 +96,7 @@ def _program_markdown(one: Translated) -> Iterator[str]:
     if translation.draft:
         yield "- the files are a draft, with a stop for each statement that is not said"
     yield from findings_markdown(translation.whole)
-    most = costs(translation.rows)
+    most = costs(translation.rows.noted)
     if most:
         yield from (
             "",
@@ -133,7 +133,7 @@ def record(one: Translated) -> dict[str, Any]:
         "draft": translation.draft,
         "totals": translation.totals,
         "said_percent": round(share(translation), 1),
-        "reasons": [cost.record() for cost in costs(translation.rows)],
+        "reasons": [cost.record() for cost in costs(translation.rows.noted)],
         "statements": [_row(row) for row in translation.rows],
         "findings": [finding_record(f) for f in translation.whole],
         "files": sorted(translation.files),

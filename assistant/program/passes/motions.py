@@ -5,16 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Final, Generic, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from assistant.program import expressions as e
+from assistant.program.diagnostics import Span
 from assistant.program.geometry import BASE, FLANGE
 from assistant.program.motion import FINE, MAXIMUM_SPEED, Blend, Speed
 from assistant.program.passes.legalising import Corners, Legalising
 from assistant.program.passes.legalising import Motions as MotionTable
-from assistant.program.passes.path_tables import table_of
+from assistant.program.passes.path_tables import at_lines, table_of
 from assistant.program.path import Kind, Path
 from assistant.program.program import Program, identifier
 from assistant.program.rewriting import rewrite
@@ -176,13 +179,20 @@ class ByValue:
             self.job.findings.append(self.can.blend_part())
         return replace(blend, details=None)
 
-    def path(self, path: Path) -> Path:
-        """A path with tables of such values, each once and in the order of their first use."""
+    def path(self, path: Path, line: Callable[[int], Span | None] = lambda _: None) -> Path:
+        """A path with tables of such values, each once and in the order of their first use.
+
+        line: where the move to a row is in the source text.
+        """
+
+        def table(index: NDArray[Any], value: Callable[[int], Any]) -> Any:
+            return table_of(index, partial(at_lines, self.job.findings, line, index, value))
+
         pairs = path.speed.astype(np.int64) * 2 + (path.kinds == Kind.JOINT)
-        speeds, speed = table_of(pairs, lambda i: self.speed(path.speeds[i // 2], bool(i % 2)))
-        blends, blend = table_of(path.blend, lambda i: self.blend(path.blends[i]))
-        tools, tool = table_of(path.tool, lambda i: self.tool(path.tools[i]))
-        frames, frame = table_of(path.frame, lambda i: self.frame(path.frames[i]))
+        speeds, speed = table(pairs, lambda i: self.speed(path.speeds[i // 2], bool(i % 2)))
+        blends, blend = table(path.blend, lambda i: self.blend(path.blends[i]))
+        tools, tool = table(path.tool, lambda i: self.tool(path.tools[i]))
+        frames, frame = table(path.frame, lambda i: self.frame(path.frames[i]))
         return replace(
             path, speeds=speeds, speed=speed, blends=blends, blend=blend,
             tools=tools, tool=tool, frames=frames, frame=frame,

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from assistant.program.diagnostics import Findings, Span
 from assistant.program.path import Kind, Path
+
+T = TypeVar("T")
 
 COLUMNS: Final = ("speed", "blend", "tool", "frame")
 """Columns of rows in the tables `speeds`, `blends`, `tools` and `frames` of a path."""
@@ -42,6 +45,31 @@ def compact(path: Path) -> Path:
         table: tuple[Any, ...] = getattr(path, column + "s")
         made[column + "s"], made[column] = table_of(getattr(path, column), table.__getitem__)
     return replace(path, **made)
+
+
+def at_lines(
+    findings: Findings,
+    line: Callable[[int], Span | None],
+    index: NDArray[Any],
+    value: Callable[[int], T],
+    entry: int,
+) -> T:
+    """The value of an entry, with what is found about it at the line of each row that has it.
+
+    line: where the move to a row is in the source text. index: (n,) the entry of each row.
+    """
+    rows = np.flatnonzero(index == entry)
+    before, known = line(int(rows[0])), len(findings)
+    with findings.at(before):
+        made = value(entry)
+    found = findings[known:]
+    for row in rows[1:].tolist() if found else ():
+        span = line(row)
+        if span != before:  # the two rows of an arc have one line
+            with findings.at(span):
+                findings.extend(found)
+        before = span
+    return made
 
 
 def table_of(

@@ -152,7 +152,7 @@ def _places(held: Sequence[p.Statement], paths: Sequence[Path], start: int) -> R
 
 
 def join(name: str, paths: list[Path]) -> Path:
-    """Paths one after the other as one."""
+    """Paths one after the other as one, without the places of their rows."""
     tables: dict[str, tuple[Any, ...]] = {}
     columns: dict[str, Any] = {}
     for column in ("speed", "blend", "tool", "frame"):
@@ -167,4 +167,4 @@ def join(name: str, paths: list[Path]) -> Path:
     for column in ("kinds", "positions", "quaternions", "configurations", "external"):
         columns[column] = np.concatenate([getattr(path, column) for path in paths])
     columns.update(tables)
-    return replace(paths[0], name=name, **columns)
+    return replace(paths[0], name=name, places=None, **columns)

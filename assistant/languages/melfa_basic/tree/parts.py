@@ -23,7 +23,8 @@ def parts(file: s.File) -> Iterator[Part]:
             case s.Data(variable=variable, span=Span() as span):
                 yield Part(span, variable.name)
             case PositionRows(span=Span() as span):
-                yield Part(span, count=len(item))
+                lines = None if item.places is None else item.places + span.start
+                yield Part(span, count=len(item), lines=lines)
             case s.Line(statement=s.Command(keyword=word)) if word in ENDS:
                 pass
             case s.Line(statement=None | s.Motion() | s.ElseIf() | s.Next() | s.Case()):

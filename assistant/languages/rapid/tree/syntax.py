@@ -288,6 +288,11 @@ class RunNode(Node):
 
     rows: Rows | None = field(default=None, compare=False, repr=False, kw_only=True)
 
+    @property
+    def lines(self) -> Rows | None:
+        """(n, 2) where each line is in the text; None in a tree that was built."""
+        return None if self.span is None or self.rows is None else self.rows + self.span.start
+
     def row_span(self, row: int) -> Span | None:
         """The source location of one row: that of the node which its line alone is read as."""
         if self.span is None or self.rows is None:

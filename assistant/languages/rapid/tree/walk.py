@@ -29,7 +29,7 @@ def data(file: s.File) -> Iterator[Part]:
                     case s.Data(span=Span() as span):
                         yield Part(span, node.name, owner=owner)
                     case s.TargetRunNode(span=Span() as span):
-                        yield Part(span, count=len(node.run))
+                        yield Part(span, count=len(node.run), lines=node.lines)
             for body in lists(item) if isinstance(item, s.Routine) else ():
                 yield from (Part(x.span) for x in body if x.span is not None and set_up(x))
             if isinstance(item, s.Routine):
@@ -55,8 +55,10 @@ def _statements(body: tuple[s.StatementNode, ...], within: Span | None) -> Itera
             pending.extend(blocks(node))
             if node.span is None or isinstance(node, s.CommentLine | s.LabelMark | s.Placeholder):
                 continue
-            count = len(node.run) if isinstance(node, s.MoveRunNode | s.TargetRunNode) else 1
-            yield Part(node.span, count=count, within=within)
+            if isinstance(node, s.MoveRunNode | s.TargetRunNode):
+                yield Part(node.span, count=len(node.run), within=within, lines=node.lines)
+            else:
+                yield Part(node.span, within=within)
 
 
 ROUTINES: Final = {"PROC": "procedure", "FUNC": "function", "TRAP": "trap routine"}

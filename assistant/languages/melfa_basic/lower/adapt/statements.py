@@ -162,7 +162,7 @@ class Plain(Rewording):
 
     def follow(self, node: p.Follow) -> Iterator[p.Statement]:
         if len(node.path):
-            yield replace(node, path=self.motions.path(self.written.path(node.path)))
+            yield replace(node, path=self.motions.path(self.written.path(node.path), node.row_span))
 
     def opaque(self, node: p.Opaque) -> Iterator[p.Statement]:
         """The vendor text in its canonical layout, if this language has it."""

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Final
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
 
 from assistant.languages.positions import Written
 from assistant.languages.rapid.lift.expressions import frame_name, tool_name
@@ -20,9 +24,11 @@ from assistant.languages.rapid.tables.motions import (
 from assistant.languages.rapid.tables.words import LONGEST_NAME
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.diagnostics import Span
 from assistant.program.motion import Blend, Speed
 from assistant.program.passes.legalising import Legalising
 from assistant.program.passes.motions import Named, Sizing
+from assistant.program.passes.path_tables import at_lines
 from assistant.program.path import Path
 from assistant.program.subjects import Declared
 
@@ -55,12 +61,23 @@ class Motions:
             self._job.cannot("a joint speed in percent that is worked out", cure)
         return p.Motion(speed, blend, tool_name(motion.tool), frame_name(motion.frame))
 
-    def path(self, path: Path) -> Path:
+    def path(self, path: Path, line: Callable[[int], Span | None]) -> Path:
+        """line: where the move to a row is in the source text."""
         path = self._written.path(self._sizing.path(path))
+
+        def said(index: NDArray[np.int32], table: Sequence[Any], names: Named[Any]) -> Any:
+            used = set(np.unique(index).tolist())
+            return tuple(
+                at_lines(self._job.findings, line, index, lambda i: names.said(table[i]), entry)
+                if entry in used
+                else names.said(table[entry])
+                for entry in range(len(table))
+            )
+
         return replace(
             path,
-            speeds=tuple(self.speeds.said(v) for v in path.speeds),
-            blends=tuple(self.blends.said(v) for v in path.blends),
+            speeds=said(path.speed, path.speeds, self.speeds),
+            blends=said(path.blend, path.blends, self.blends),
             tools=tuple(tool_name(t) for t in path.tools),
             frames=tuple(frame_name(f) for f in path.frames),
         )

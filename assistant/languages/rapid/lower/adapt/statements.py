@@ -149,7 +149,7 @@ def _follow(a: StatementAdapter, x: p.Follow) -> Changed:
     if not len(x.path):
         a.job.changed(f"the path `{x.path.name}`, which has no targets", "nothing", "leave it out")
         return []
-    path = a.motions.path(x.path)
+    path = a.motions.path(x.path, x.row_span)
     if len(path) > 1 or has_errors(a.job.findings):
         return [replace(x, path=path)]
     name = identifier(f"{path.name}_1", {*a.program.targets, *a.targets, *a.program.variables})

@@ -1,0 +1,124 @@
+"""Lines of long runs of moves: where findings of the whole program are, and rows of reports."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from assistant.api.simulating import simulate
+from assistant.compiler.checking import check_text
+from assistant.compiler.translating import Translation, translate
+from assistant.editing.service import Workspace, findings
+from assistant.program.diagnostics import Refused
+from assistant.program.text import SourceText
+
+EAX = "[9E9,9E9,9E9,9E9,9E9,9E9]"
+SIZES = (3, 8, 50)
+PLACES = {"first": lambda _: 0, "middle": lambda size: size // 2, "last": lambda size: size - 1}
+BY_NAME, WRITTEN, NUMBERED = FORMS = ("by name", "written out", "numbered")
+
+
+def target(number: int, *, far: bool = False) -> str:
+    return f"[[{2400 if far else 350 + number},0,400],[0,0,1,0],[0,0,0,0],{EAX}]"
+
+
+def module(form: str, size: int, bad: int, *, far: bool = False, tool: str = "tool0") -> str:
+    """A run of moves to targets, one of which is out of reach or has another tool."""
+    names = [f"s_{k + 1}" if form == NUMBERED else f"q{k}" for k in range(size)]
+    targets = [target(k, far=far and k == bad) for k in range(size)]
+    data = [f"CONST robtarget {n}:={t};\n" for n, t in zip(names, targets, strict=True)]
+    goals = targets if form == WRITTEN else names
+    moves = [
+        f"MoveL {goal},v100,fine,{tool if k == bad else 'tool0'};\n" for k, goal in enumerate(goals)
+    ]
+    declared = "" if form == WRITTEN else "".join(data)
+    return f"MODULE m\n{declared}PROC main()\n{''.join(moves)}ENDPROC\nENDMODULE\n"
+
+
+def line_of(form: str, size: int, row: int) -> int:
+    """The line of a move of such a module."""
+    return 3 + row + size * (form != WRITTEN)
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("place", PLACES)
+def test_a_target_out_of_reach_is_reported_at_its_move(form: str, size: int, place: str) -> None:
+    bad = PLACES[place](size)
+    text = SourceText(module(form, size, bad, far=True), "m.mod", newline="\n")
+    found = check_text(text, language="rapid", robot="irb120-3-0.58").findings
+    told = [(f.code, f.line, f.column) for f in found if f.code.startswith("RB")]
+    assert told == [("RB102", line_of(form, size, bad), 1)]
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_positions_out_of_reach_are_reported_at_their_moves(size: int) -> None:
+    bad = size // 2
+    moves = "".join(f"{k + 2} MVS P{k + 1}\n" for k in range(size))
+    x = [2400 if k == bad else 350 + k for k in range(size)]
+    data = "".join(
+        f"P{k + 1}=({x[k]}.00,0.00,400.00,180.00,0.00,180.00)(7,0)\n" for k in range(size)
+    )
+    text = SourceText(f"1 TOOL (0,0,0,0,0,0)\n{moves}900 END\n{data}", "M.prg", newline="\n")
+    found = check_text(text, language="melfa-basic-4", robot="rv-4frl").findings
+    assert [(f.line, f.column) for f in found if f.code == "RB102"] == [(bad + 2, 1)]
+
+
+def test_what_no_arm_runs_is_refused_at_its_line(tmp_path: Path) -> None:
+    file = tmp_path / "m.mod"
+    file.write_text(module(WRITTEN, 20, 12, far=True))
+    with pytest.raises(Refused) as refused:
+        simulate(file, robot="irb120-3-0.58")
+    assert [f.line for f in refused.value.findings if f.code == "RB102"] == [15]
+
+
+def translated(tmp_path: Path, text: str, to: str = "melfa-basic-5") -> Translation:
+    file = tmp_path / "m.mod"
+    file.write_text(text)
+    return translate(file, to=to, draft=True)
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("size", SIZES)
+def test_each_move_is_a_row_of_the_report(tmp_path: Path, form: str, size: int) -> None:
+    done = translated(tmp_path, module(form, size, size // 2, tool="nowhere"))
+    declared = size * (form != WRITTEN)
+    assert done.totals == {"supported": declared + size, "partial": 0, "not": 1}
+    levels = {row.place.line: row.level for row in done.rows}
+    moves = range(line_of(form, size, 0), line_of(form, size, size))
+    bad = line_of(form, size, size // 2)
+    assert [line for line in moves if levels[line] == "not"] == [bad]
+    assert len(done.rows) == sum(done.totals.values())
+    assert [row.place.line for row in done.rows] == [*range(2, 2 + declared), 2 + declared, *moves]
+    assert all(row.count == 1 for row in done.rows)
+    assert done.rows[-1].text.startswith("MoveL ")
+    (written,) = done.files.values()
+    assert written.count(b"Mvs ") == size - 1, "a draft has all other moves"
+
+
+def test_where_each_move_of_a_path_went(tmp_path: Path) -> None:
+    done = translated(tmp_path, module(NUMBERED, 20, -1))
+    ((name, data),) = done.files.items()
+    lines = data.decode().splitlines()
+    went = [row.went[0] for row in done.rows if row.text.startswith("MoveL")]
+    assert [lines[place.line - 1].split()[1:] for place in went] == [
+        ["Mvs", f"P{k}"] for k in range(1, 21)
+    ], name
+
+
+def test_a_remark_on_joint_moves_is_at_those_alone(tmp_path: Path) -> None:
+    text = module(NUMBERED, 12, -1).replace("MoveL s_4,", "MoveJ s_4,")
+    done = translated(tmp_path, text)
+    changed = [row.text for row in done.rows if row.level == "partial"]
+    assert changed == ["MoveJ s_4,v100,fine,tool0"]
+
+
+def test_an_editor_shows_an_undeclared_target_in_a_long_run(tmp_path: Path) -> None:
+    text = module(BY_NAME, 14, 6).replace("MoveL q6,", "MoveL nowhere,")
+    workspace = Workspace(tmp_path)
+    document = workspace.open(str(tmp_path / "m.mod"), text, version=1)
+    told = [
+        (f.diagnostic.code, f.range.start.line, f.range.start.column) for f in findings(document)
+    ]
+    assert ("RA403", line_of(BY_NAME, 14, 6) - 1, 6) in told
