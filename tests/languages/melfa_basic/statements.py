@@ -65,6 +65,10 @@ def _command(row: vocabulary.Statement, level: int) -> Strategy:
 def _argument(row: vocabulary.Statement, at: int, level: int) -> Strategy:
     if at == 0 and row.words:
         return st.sampled_from([word_node(word) for word in row.words])
+    if at == 0 and "lines" in row.effects:
+        name = st.builds(s.Opening, expressions("C", level, 1), SMALL)
+        opens = row.word.endswith("Open")
+        return st.builds(s.Channel, SMALL) | (name if opens else expressions("M", level, 1))
     kinds = TYPED.get(row.word, "")
     kind = kinds[at] if at < len(kinds) else "M"
     if kind == "?":

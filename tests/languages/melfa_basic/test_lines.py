@@ -85,6 +85,20 @@ LINES = """\
 10 CallP "SUB",P1,M1
 10 Open "ENET:192.168.0.1" For Input As 1
 10 Close #1,#2
+10 NVOpen "COM2:" As #1
+10 NVOpen CLINE$ As 2
+10 NVClose
+10 NVClose #1,#2
+10 NVLoad #1,"PARTS"
+10 NVRun #1, "PARTS"
+10 NVPst #1,"PARTS","E76","J81","L84",1,10
+10 NVIn #M1,"PARTS","E76","J81","L84",0,10
+10 NVTrg #1,10,MENC1,,MENC2
+10 EBRead #1,,MNUM,PVS1,PVS2
+10 EBWrite #1,"Job.Robot.X",M1
+10 V3Open "COM2:" As #1
+10 TrkMv On,PX1,*S1
+10 TrkMv Off
 10 Cmp Pos,&B011011
 10 Fine 0.5,P
 10 XRun 2,"SUB",1

@@ -54,6 +54,7 @@ CHECKS: Final[tuple[Check[Look], ...]] = (
     Check(values.ranges),
     Check(values.counts),
     Check(values.types, Needs.NAMES),
+    Check(values.strange, Needs.NAMES),
     Check(values.status),
     Check(timing.at_a_time),
     Check(left_out.positions),

@@ -60,6 +60,8 @@ def of_variable(look: Look, variable: s.Variable) -> Kind:
         return _sure(status.type)
     if (known := look.once(declared).get(key)) is not None:
         return known.letter
+    if look.has_strangers and (variable.arguments is not None or key[0] not in SPOKEN):
+        return ""  # a function or a name that a file declares which is not among these
     return key[0] if key[0] in "PJ" or key.startswith("C_") else "M"
 
 

@@ -77,6 +77,8 @@ LIMITED: Final[Mapping[type[Any], Callable[[Any], tuple[Sequence[Limits | None],
     s.Open: lambda node: ((FILE,), (node.number,)),
     s.Print: lambda node: ((FILE,), (node.number,)),
     s.Input: lambda node: ((FILE,), (node.number,)),
+    s.Channel: lambda node: ((FILE,), (node.number,)),
+    s.Opening: lambda node: ((FILE,), (node.number,)),
     s.Close: lambda node: ((FILE,) * len(node.numbers), node.numbers),
     s.Assign: lambda node: ((PULSE,), (node.delay,)),
     s.Variable: lambda node: ((INDICES.get(node.key),), node.arguments or ()),
@@ -200,6 +202,32 @@ def counts(look: Look) -> Found:
                 given=given,
                 number=one.too_few if given < one.least else TOO_MANY,
             )
+
+
+STRANGE: Final[Mapping[type[Any], tuple[vocabulary.Effect, str]]] = {
+    s.Channel: ("lines", "the number of a line"),
+    s.Opening: ("lines", "a line that is opened"),
+    s.Target: ("labels", "a label"),
+}
+"""Arguments that only some statements take: the mark of those in the vocabulary, and its words."""
+
+
+def strange(look: Look) -> Found:
+    """Lines and labels among the arguments of statements that take neither."""
+    for line, command in look.all(s.Command):
+        row = vocabulary.statement(command.keyword)
+        for at, argument in enumerate(command.arguments):
+            effect, given = STRANGE.get(type(argument), ("reads", ""))
+            if given and (row is None or effect not in row.effects):
+                yield look.at(
+                    rules.ARGUMENT_TYPE,
+                    line,
+                    command.keyword,
+                    word=command.keyword,
+                    which=ORDER[min(at, 3)],
+                    given=given,
+                    wanted="a value",
+                )
 
 
 def types(look: Look) -> Found:

@@ -74,7 +74,9 @@ def _unquoted(text: str) -> str:
     return text[1:-1]
 
 
-LISTS: Final = dict.fromkeys(("arguments", "type", "parameters", "printed"), without_place(tuple))
+LISTS: Final = dict.fromkeys(
+    ("arguments", "given", "type", "parameters", "printed"), without_place(tuple)
+)
 ROWS: Final = {
     **LISTS,
     "later_arguments": without_place(lambda children: (None, *children)),
@@ -89,6 +91,8 @@ ROWS: Final = {
     "unary": row(s.Unary, operator=str.upper),
     "pallet": row(s.Pallet),
     "word": row(s.Word, text=str.capitalize),
+    "channel": row(s.Channel),
+    "opening": row(s.Opening),
     # statements
     "command": row(s.Command, "keyword arguments?", keyword=spelled),
     "word_alone": row(s.Command, "keyword", keyword=spelled),

@@ -153,6 +153,8 @@ _ROWS: Final[dict[type, Any]] = {
     s.Variable: _variable,
     s.Constant: lambda _, node: constant(node),
     s.Word: "<text^>",
+    s.Channel: "#<number>",
+    s.Opening: "<name> As #<number>",
     s.Pallet: "(Plt <number>,<point>)",
     s.Unary: _unary,
     s.Binary: _binary,

@@ -88,4 +88,30 @@ class Word:
     text: str
 
 
-Expression = Number | String | Variable | Constant | Unary | Binary | Pallet | Word
+@dataclass(frozen=True, slots=True)
+class Channel:
+    """The number of a camera or line among the arguments of a statement: `#1`."""
+
+    number: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class Opening:
+    """A line that a statement opens, and the number that it has from then on: `"COM2:" As #1`."""
+
+    name: Expression
+    number: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """Where a jump goes, or a label among the arguments: a label's name or a step number."""
+
+    place: str | int
+    span: Span | None = field(default=None, compare=False, repr=False)
+
+
+Expression = (
+    Number | String | Variable | Constant | Unary | Binary | Pallet | Word | Channel | Opening
+    | Target
+)  # fmt: skip

@@ -13,11 +13,14 @@ from typing import Literal
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
 from assistant.languages.melfa_basic.tree.expressions import (
     Binary as Binary,
+    Channel as Channel,
     Constant as Constant,
     Expression as Expression,
     Number as Number,
+    Opening as Opening,
     Pallet as Pallet,
     String as String,
+    Target as Target,
     Unary as Unary,
     Variable as Variable,
     Word as Word,
@@ -26,14 +29,6 @@ from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.text import SourceText
 
 # ---------------------------------------------------------------------------- statements
-
-
-@dataclass(frozen=True, slots=True)
-class Target:
-    """Where a jump goes: a label's name or a step number."""
-
-    place: str | int
-    span: Span | None = field(default=None, compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True)

@@ -45,8 +45,10 @@ def exits_of(statement: s.Statement | s.Target | None) -> Exits[s.Target]:
             return Exits(handlers=((target, keyword == "GoSub"),))
         case s.If(_, then, otherwise) if then is not None:
             return exits_of(then) | exits_of(otherwise)
-        case s.Command(keyword=keyword):
-            return _WORDS.get(keyword, ON)
+        case s.Command(keyword=keyword, arguments=given):
+            named = tuple(one for one in given if isinstance(one, s.Target))
+            handlers = Exits(handlers=tuple((target, True) for target in named))
+            return handlers if named else _WORDS.get(keyword, ON)
     return ON
 
 

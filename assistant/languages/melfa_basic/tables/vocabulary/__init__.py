@@ -17,10 +17,23 @@ from importlib.resources import files
 from typing import Final, Literal, cast
 
 Role = Literal["motion", "command", "statement", "part"]
-Effect = Literal["reads", "gives", "sets", "needs", "stays", "moves", "jumps", "waits"]
+Effect = Literal[
+    "reads", "gives", "sets", "needs", "stays", "moves", "jumps", "waits", "lines", "labels"
+]
 
 ROLES: Final = ("motion", "command", "statement", "part")
-EFFECTS: Final = ("reads", "gives", "sets", "needs", "stays", "moves", "jumps", "waits")
+EFFECTS: Final = (
+    "reads",
+    "gives",
+    "sets",
+    "needs",
+    "stays",
+    "moves",
+    "jumps",
+    "waits",
+    "lines",
+    "labels",
+)
 
 
 @dataclass(frozen=True, slots=True)
