@@ -49,9 +49,19 @@ def _is_program(file: FilePath, spoken: Sequence[Language[Any]], controller: Pro
     suffix = file.suffix.lower()
     if suffix in controller.lists:
         return True
+    if not any(suffix in language.suffixes for language in spoken):
+        return False
+    return _spoken(str(file), read_bytes(file, allow_empty=True), spoken) is not None
+
+
+def _spoken(path: str, data: bytes, spoken: Sequence[Language[Any]]) -> Language[Any] | None:
+    """Which of a controller's languages a file is in, or may be in as it is of an older version."""
+    suffix = FilePath(path).suffix.lower()
     taking = [language for language in spoken if suffix in language.suffixes]
-    data = read_bytes(file, allow_empty=True) if taking else b""
-    return any(language.recognises(data, suffix) for language in taking)
+    found = next((one for one in taking if one.recognises(data, suffix)), None)
+    if found is None and taking and (other := languages.of_file(path, data)) is not None:
+        found = next((one for one in taking if other.name in one.older), None)
+    return found
 
 
 def _named_in(path: str, language: Language[Any]) -> Iterator[str]:
@@ -125,10 +135,9 @@ def _language(path: str, data: bytes, controller: Programs) -> str | Diagnostic 
     """Name of the controller's language that a file is in, None for a list of modules."""
     if path.lower().endswith(controller.lists):
         return None
-    for name in controller.languages:
-        language = languages.get(name)
-        if FilePath(path).suffix.lower() in language.suffixes and language.recognises(data):
-            return name
+    language = _spoken(path, data, [languages.get(name) for name in controller.languages])
+    if language is not None:
+        return language.name
     taken = ", ".join(languages.get(name).title for name in controller.languages)
     address, other = controller.address, languages.of_file(path, data)
     if other is None:

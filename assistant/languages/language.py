@@ -73,6 +73,8 @@ class Language(abc.ABC, Generic[T]):
     """Whether others call a program by the name of its file, and see nothing else of it."""
     steps: bool = False
     """Whether its lines have step numbers."""
+    older: tuple[str, ...] = ()
+    """Names of the languages whose programs a controller of this one takes as well."""
 
     loading: Loading | None = None
     surroundings: Surroundings | None = None

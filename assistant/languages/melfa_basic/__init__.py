@@ -93,6 +93,8 @@ class MelfaBasic(Language["File"]):
     def __init__(self, name: str) -> None:
         self.dialect = DIALECTS[name]
         self.name, self.title = name, self.dialect.title
+        level = self.dialect.level
+        self.older = tuple(key for key, other in DIALECTS.items() if other.level < level)
 
     def with_frames(self, frames: Frames) -> MelfaBasic:
         made = copy(self)
