@@ -6,9 +6,11 @@ Nothing is written into `build/`: programs are made anew in a folder that is gon
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterable, Mapping, Sequence
+import shutil
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
+from tempfile import TemporaryDirectory
 
 from assistant.compiler.checking import check_files
 from assistant.findings.project_severities import settle
@@ -43,7 +45,7 @@ def check(
 ) -> ProjectCheck:
     """Everything that targets want is made and checked, the programs of a target together.
 
-    Raises Refused if the folder of the project cannot be written.
+    Nothing of the project is changed. Raises Refused if no folder at all can be written.
     """
     orders = {
         (place.name, recipe.name): order_of(project.folder, place, recipe)
@@ -79,6 +81,22 @@ def check(
     )
 
 
+@contextlib.contextmanager
+def _folder(project: Project) -> Iterator[FilePath]:
+    """A folder for the programs of a target, which is gone afterwards.
+
+    It is in the project, whose settings hold for them there. Where the project cannot be written it
+    is among the temporary files of the computer, with a copy of the project's file.
+    """
+    with contextlib.ExitStack() as stack:
+        try:
+            folder = stack.enter_context(scratch(project.kept))
+        except OSError:
+            folder = FilePath(stack.enter_context(TemporaryDirectory())).resolve()
+            shutil.copyfile(project.file, folder / project.file.name)
+        yield folder
+
+
 def _silent(_: int) -> contextlib.AbstractContextManager[None]:
     return contextlib.nullcontext()
 
@@ -91,7 +109,7 @@ def _checked(project: Project, target: str, arm: str | None, made: Sequence[Made
     origins = {name: origin for one in made for name, origin in one.origins.items()}
     told = [finding for one in made if not one.origins for finding in one.findings]
     try:
-        with scratch(project.kept) as folder:
+        with _folder(project) as folder:
             paths = _written(folder, files)
             checked = check_files(list(paths), robot=arm)
             settled = settle(checked.findings, checked.texts)

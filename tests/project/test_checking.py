@@ -1,10 +1,11 @@
 """`check` of a project: sources, and what is made of them, on the robot of each target."""
 
+import errno
 import re
 
 import pytest
 
-from assistant.project import build, project_of
+from assistant.project import build, checking, project_of
 from assistant.project.checking import check
 from tests.project.conftest import Home, module, pseudo
 
@@ -37,6 +38,27 @@ def test_a_project_in_order_and_nothing_is_written(cell):
     assert (done.programs, done.findings, done.unreadable) == (2, (), False)
     assert not (cell.folder / "build").exists()
     assert list((cell.folder / ".robot-assistant").iterdir()) == []
+
+
+def test_a_project_that_cannot_be_written_is_checked_as_any_other(cell, monkeypatch):
+    cell.put("hand/seam.mod", FAR.replace("v100", "v123"))
+    cell.put("assistant.toml", (cell.folder / "assistant.toml").read_text() + SEVERITY)
+    expected = found(cell)
+    assert {code for code, _ in expected} >= {"RB102"}
+    before = sorted(cell.folder.rglob("*"))
+
+    def refused(folder):
+        raise OSError(errno.EROFS, "Read-only file system", str(folder))
+
+    monkeypatch.setattr(checking, "scratch", refused)
+    assert found(cell) == expected
+    assert sorted(cell.folder.rglob("*")) == before
+
+
+SEVERITY = """
+[severity]
+RA204 = "off"
+"""
 
 
 def test_a_program_is_checked_for_the_robot_of_its_target(cell):
