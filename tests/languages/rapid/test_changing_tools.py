@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+import assistant
+from assistant.program.pseudo import print_program
 from tests.compiler.proven import crossed_module, moves_the_same
 
 HEAD = """MODULE Cell
@@ -126,3 +128,32 @@ def test_what_a_mechanical_unit_carries_stands_where_the_cell_says(tmp_path: Pat
 def test_a_conveyor_does_not_stand_still() -> None:
     body = CARRIED.replace("PROC main()", "PROC main()\nWaitWobj wTurn;").replace("STN1", "CNV1")
     assert next(row.level for row in crossed(body).rows if row.text.startswith("MoveL")) == "not"
+
+
+RECORDS = {
+    "a variable": "VAR tooldata tOther;\nPROC main()\ntOther:=tGrip;\ntNow:=tOther;\nENDPROC",
+    "a variable of the routine": (
+        "PROC main()\nVAR tooldata tOther;\ntOther:=tGrip;\ntNow:=tOther;\nENDPROC"
+    ),
+    "an element": ("VAR tooldata tAll{2};\nPROC main()\ntAll{2}:=tGrip;\ntNow:=tAll{2};\nENDPROC"),
+    "what is active": "PROC main()\ntNow:=CTool();\nwBelt:=CWObj();\nENDPROC",
+    "a function": (
+        "PROC main()\ntNow:=chosen(1);\nENDPROC\nFUNC tooldata chosen(num n)\n"
+        "IF n=1 RETURN tool0;\nRETURN tGrip;\nENDFUNC"
+    ),
+    "a work object": "VAR wobjdata wOther;\nPROC main()\nwOther:=wTaught;\nwBelt:=wOther;\nENDPROC",
+    "a pose": "VAR pose tip;\nPROC main()\ntip:=tGrip.tframe;\ntNow.tframe:=tip;\nENDPROC",
+}
+
+
+@pytest.mark.parametrize("case", RECORDS)
+def test_a_program_that_is_shown_is_compiled_again(case: str, tmp_path: Path) -> None:
+    source, shown = tmp_path / "cell.mod", tmp_path / "shown.pseudo"
+    source.write_text(f"{HEAD}{RECORDS[case]}\nENDMODULE\n")
+    shown.write_text(print_program(assistant.load(source).program).text)
+    again = assistant.compile(shown, language="rapid")
+    assert again.ok, [str(finding) for finding in again.findings]
+    (text,) = (data.decode() for data in again.files.values())
+    for line in RECORDS[case].split("\n"):
+        if ":=" in line and "VAR" not in line:
+            assert line in text

@@ -6,10 +6,13 @@ declared with one; of a robtarget the parts of a pose are taken. A tool is `grip
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
-from typing import ClassVar, Final
+from typing import Any, ClassVar, Final
 
+from assistant.languages.rapid.tables.signatures import signature
+from assistant.languages.rapid.text import verbatim
+from assistant.languages.rapid.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.kinds import is_position
@@ -21,6 +24,8 @@ from assistant.program.program import Procedure, Program
 TIP: Final = "tframe"
 USER: Final = "uframe"
 OBJECT: Final = "oframe"
+MOUNTS: Final = ("tooldata", "wobjdata")
+RAPID: Final = "rapid"
 PARTS: Final = ("trans", "rot")
 """Those of a position that are a pose."""
 
@@ -44,11 +49,16 @@ class _Mounts(Rewording):
         self.tools = {name.lower() for name in program.tools}
         self.shadows = {name.lower() for name in program.variables}
         self.own: set[str] = set()
+        texts = (one.text for one in program.declarations if one.language == RAPID)
+        self.kept = _mounts_in(verbatim.items, texts)
+        self.records = self.kept
 
     def enter(self, procedure: Procedure) -> None:
         super().enter(procedure)
         self.own = self.shadows | {name.lower() for name in procedure.variables}
         self.own |= {parameter.name.lower() for parameter in procedure.parameters}
+        texts = (one.text for one in procedure.body if isinstance(one, p.Opaque))
+        self.records = self.kept | _mounts_in(verbatim.statements, texts)
 
     def assign(self, node: p.Assign) -> Iterator[p.Statement]:
         name = node.target.name.lower() if isinstance(node.target, e.Name) else ""
@@ -62,9 +72,17 @@ class _Mounts(Rewording):
 
     def is_whole(self, value: e.Expression) -> bool:
         """Whether a value is a tool or frame itself, or a record of one."""
-        if isinstance(value, e.Name):
-            name = value.name.lower()
-            return name not in self.own and (name in self.frames or name in self.tools)
+        match value:
+            case e.Name(name):
+                low = name.lower()
+                known = low in self.frames or low in self.tools or low in self.records
+                return known and low not in self.own
+            case e.Index(e.Name(name)):
+                return name.lower() in self.records - self.own
+            case e.Apply(name):
+                routine = signature(name)
+                told = routine is not None and routine.result in MOUNTS
+                return told or name.lower() in self.records
         return isinstance(value, e.Aggregate | e.Verbatim)
 
     def pose(self, value: e.Expression) -> e.Expression:
@@ -78,3 +96,16 @@ class _Mounts(Rewording):
         return value
 
     changes: ClassVar[Changes] = {p.Assign: assign}
+
+
+def _mounts_in(read: Callable[[str], Any], texts: Iterable[str]) -> frozenset[str]:
+    """Lower-case names of the tools and work objects that kept texts declare.
+
+    Functions that give one are among them.
+    """
+    nodes = (node for text in texts for node in verbatim.understood(read, text) or ())
+    return frozenset(
+        node.name.lower()
+        for node in nodes
+        if isinstance(node, s.Data | s.Routine) and node.type.lower() in MOUNTS
+    )
