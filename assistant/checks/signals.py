@@ -30,7 +30,8 @@ COMPARISONS: Final = frozenset(("=", "<>", "<", ">", "<=", ">="))
 def shared_numbers(program: Program) -> Iterator[Diagnostic]:
     """Signals of one kind and direction with the same number: an error if both are used.
 
-    A digital signal may be a bit of a group: controllers read both.
+    A digital signal may be a bit of a group: controllers read both. So they do with a group input
+    that is the lower bits of a wider one, which is mostly a mistake all the same.
     """
     used: set[str] | None = None
     found: dict[tuple[str, str, int], str] = {}
@@ -42,6 +43,8 @@ def shared_numbers(program: Program) -> Iterator[Diagnostic]:
         if other != name:
             used = _used(program) if used is None else used
             both = {name.lower(), other.lower()} <= used
+            if signal.direction == "input" and signal.bits != program.signals[other].bits:
+                both = False
             yield SHARED(
                 severity=Severity.ERROR if both else Severity.WARNING,
                 name=name,

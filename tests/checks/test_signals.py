@@ -22,7 +22,8 @@ def found(signals: dict[str, Signal], *body: Statement) -> list[str]:
     ("one", "other", "expected"),
     [
         (Signal("digital", "input", 5), Signal("digital", "input", 5), ["CK121 error"]),
-        (Signal("group", "input", 8, 4), Signal("group", "input", 8, 8), ["CK121 error"]),
+        (Signal("group", "input", 8, 4), Signal("group", "input", 8, 8), ["CK121 warning"]),
+        (Signal("group", "output", 8, 4), Signal("group", "output", 8, 8), ["CK121 error"]),
         (Signal("digital", "input", 5), Signal("digital", "output", 5), []),
         (Signal("digital", "input", 5), Signal("analog", "input", 5), []),
         (Signal("digital", "input", 9), BYTE, []),

@@ -98,3 +98,20 @@ def test_rapid_to_melfa_basic(name: str, tmp_path: Path) -> None:
     tally = from_rapid.judged("melfa-basic-6", [(name, text, CHANGES)], tmp_path)
     assert tally.kept == []
     assert tally.counts["equal"] == 1
+
+
+def test_a_group_of_inputs_may_be_the_lower_bits_of_another() -> None:
+    lines = ("Tool P_NTool", "Base P_NBase", "Spd 90", "Cnt 0", "M1=M_Inb(8)", "M2=M_Inb(8) And 3")
+    code = "\n".join(f"{at} {one}" for at, one in enumerate((*lines, "Mvs P1,-M1-M2", "End"), 1))
+    tally = Tally()
+    judge(
+        tally,
+        "lower bits",
+        code + MELFA_PLACES,
+        CHANGES[:3],
+        source=("melfa-basic-5", lambda *given: from_melfa.run_melfa(5, None, *given)),
+        target=("rapid", lambda *given: from_melfa.run_rapid(None, *given)),
+        signals=from_melfa.SIGNALS,
+    )
+    assert tally.kept == []
+    assert tally.counts["equal"] == 1

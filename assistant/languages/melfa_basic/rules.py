@@ -153,6 +153,11 @@ FRAME_JOINED = info(
     "MB208", "user and object frame of `{name}` are written as one", "none is needed"
 )
 CANNOT_SAY = error("MB209", "MELFA-BASIC cannot say {what}", "{cure}")
+FULL_SPEED = warning(
+    "MB294",
+    "nothing sets the speed of this move: it is as fast as the arm can be, in both languages",
+    "write `Spd` with mm/s in front of it, or `Spd M_NSpd` if full speed is meant",
+)
 ADDED = warning(
     "MB293",
     "values that `{name}` leaves out count as 0 in the sum, which no manual confirms",

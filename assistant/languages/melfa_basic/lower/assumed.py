@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Final, Literal
 
 import numpy as np
@@ -22,6 +23,7 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.outside import COMMANDS
 from assistant.languages.melfa_basic.tree.walk import literal, nodes, program_key, program_name
 from assistant.program import expressions as e
+from assistant.program import statements as p
 from assistant.program.analysis.assumptions import (
     first_move,
     read_unset,
@@ -31,6 +33,8 @@ from assistant.program.analysis.assumptions import (
 from assistant.program.analysis.uses import unordered
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.geometry import BASE, FLANGE
+from assistant.program.motion import Speed
+from assistant.program.path import Kind
 from assistant.program.program import Program
 
 KEPT: Final[tuple[tuple[str, int, Literal["tool", "frame"], str, str, str], ...]] = (
@@ -70,6 +74,7 @@ def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
             elif not what and program_key(name) not in there:
                 yield rules.NOT_CALLED(name=name, span=span)
     if to not in DIALECTS:
+        yield from _full_speed(program, commands)
         yield from _loops(program)
         yield from _signed_bits(program)
         yield from _without_value(program)
@@ -87,6 +92,32 @@ def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
                 yield rules.NO_CORNER(span=span)
             if isinstance(node, s.Command) and node.keyword == "JOvrd":
                 yield rules.JOINT_OVERRIDE(span=span)
+
+
+def _full_speed(
+    program: Program, commands: Sequence[tuple[Span | None, s.Statement]]
+) -> Iterator[Diagnostic]:
+    """Moves of the tool at full speed that no `Spd` asks for."""
+    spds = [(at, node) for at, node in commands if isinstance(node, s.Command)]
+    spds = [(at, node) for at, node in spds if node.keyword == "Spd"]
+    asked = any(
+        not isinstance(argument, s.Number) for _, node in spds for argument in node.arguments
+    )
+    first = min((at.start for at, _ in spds if at is not None), default=None)
+    for statement in program.statements():
+        match statement:
+            case p.Move(kind="linear", motion=motion) | p.MoveCircular(motion=motion):
+                speeds = (motion.speed,)
+            case p.Follow(path=path):
+                speeds = tuple(
+                    path.speeds[row] for row in set(path.speed[path.kinds != Kind.JOINT])
+                )
+            case _:
+                continue
+        full = any(isinstance(one, Speed) and math.isinf(one.tcp) for one in speeds)
+        span = statement.span
+        if full and not (asked and first is not None and span is not None and span.start > first):
+            yield rules.FULL_SPEED(span=span)
 
 
 def _undefined(trees: tuple[Any, ...]) -> Iterator[Diagnostic]:

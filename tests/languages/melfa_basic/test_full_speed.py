@@ -1,0 +1,38 @@
+"""Moves at full speed that no `Spd` asks for are told when they are translated."""
+
+from __future__ import annotations
+
+import pytest
+
+from assistant.compiler import translate
+from assistant.compiler.loading import load_text
+from assistant.program.diagnostics import Severity
+from assistant.program.text import SourceText
+
+PLACES = "P1=(+310,0,400,180,0,180)(7,0)\nP2=(+330,0,420,180,0,180)(7,0)\nP3=(+350,9,420,180,0,180)(7,0)\n"
+PROGRAMS = {
+    "without Spd": (("Mvs P1", "Mvs P2"), [3, 4]),
+    "an arc": (("Mov P1", "Mvr P1,P2,P3"), [4]),
+    "before the first Spd": (("Mvs P1", "Spd 100", "Mvs P2"), [3]),
+    "asked for": (("Spd M_NSpd", "Mvs P1"), []),
+    "asked for later": (("Mvs P1", "Spd 100", "Mvs P2", "Spd M_NSpd", "Mvs P1"), [3]),
+    "joints alone": (("Mov P1", "Mov P2"), []),
+    "with Spd": (("Spd 80", "Mvs P1"), []),
+    "a long run": ([f"Mvs P{1 + k % 3}" for k in range(12)], list(range(3, 15))),
+}
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_implicit_full_speed_is_told(name: str) -> None:
+    lines, expected = PROGRAMS[name]
+    code = ("Tool P_NTool", "Base P_NBase", *lines, "End")
+    text = "\n".join(f"{at} {line}" for at, line in enumerate(code, 1))
+    made = translate(
+        load_text(SourceText(f"{text}\n{PLACES}"), language="melfa-basic-5"), to="rapid"
+    )
+    found = [one for one in made.findings if one.code == "MB294"]
+    assert bool(found) == bool(expected)
+    assert all(one.severity is Severity.WARNING and "Spd" in one.cure for one in found)
+    rows = [row for row in made.rows if any(one.code == "MB294" for one in row.reasons)]
+    assert len(rows) in (0, 1, len(expected))
+    assert [row.place.line for row in rows][:1] == expected[:1]
