@@ -9,10 +9,13 @@ from assistant.compiler.loading import load_text
 from assistant.program.diagnostics import Severity
 from assistant.program.text import SourceText
 
-PLACES = "P1=(+310,0,400,180,0,180)(7,0)\nP2=(+330,0,420,180,0,180)(7,0)\nP3=(+350,9,420,180,0,180)(7,0)\n"
+PLACES = """P1=(+310,+0,+400,+180,+0,+180)(7,0)
+P2=(+330,+0,+420,+180,+0,+180)(7,0)
+P3=(+350,+9,+420,+180,+0,+180)(7,0)
+"""
 PROGRAMS = {
     "without Spd": (("Mvs P1", "Mvs P2"), [3, 4]),
-    "an arc": (("Mov P1", "Mvr P1,P2,P3"), [4]),
+    "an arc": (("Mov P1", "Dly 1", "Mvr P1,P2,P3"), [5]),
     "before the first Spd": (("Mvs P1", "Spd 100", "Mvs P2"), [3]),
     "asked for": (("Spd M_NSpd", "Mvs P1"), []),
     "asked for later": (("Mvs P1", "Spd 100", "Mvs P2", "Spd M_NSpd", "Mvs P1"), [3]),
