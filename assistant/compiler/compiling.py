@@ -28,6 +28,7 @@ from assistant.compiler.seen_frames import with_known
 from assistant.compiler.source_map import Places, at_moves
 from assistant.compiler.travelling import travelled, travels
 from assistant.compiler.turning import has_free_turns, with_turns
+from assistant.compiler.uncalled import is_of, without_uncalled
 from assistant.compiler.unplaced import unplaced
 from assistant.lazy import pictured
 from assistant.program.contents import saying
@@ -245,10 +246,12 @@ def compile_program(
     program = source
     findings = list(check(program))
     arm = arms.robot or known_robot(program.robot)
+    unlike = tuple[Diagnostic, ...]()
     if source.origin is not None:
         said = language_of(source.origin.language).exported(program, target, arm)
         program, findings = passed("exported", said.program), [*findings, *said.findings]
         findings += (f for f in group_values(program) if f not in findings)  # of questions as well
+        unlike = said.findings
     taught = taught_on(program, arms)
     if taught is not None or not arms.same:
         program, left = without_unused(program, target, taught, arms.robot)
@@ -298,6 +301,15 @@ def compile_program(
         program, changed = at_a_speed(program, arms.joint_speed)
         findings += changed
     adapted = target.adapt(program, arm, most_targets=most_targets)
+    while source.origin is not None:
+        rest = without_uncalled(program, (*unlike, *adapted.findings), target.name)
+        if rest is None:
+            break
+        program, uncalled = rest
+        findings = [one for one in findings if not is_of(one, uncalled)]
+        unlike = tuple(one for one in unlike if not is_of(one, uncalled))
+        findings += uncalled
+        adapted = target.adapt(program, arm, most_targets=most_targets)
     findings += adapted.findings
     program = adapted.program
     if program.interface is not None:

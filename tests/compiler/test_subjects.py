@@ -36,7 +36,7 @@ WORDS = """MODULE Words
         num array;
     ENDRECORD
     VAR list lOne;
-    PROC main()
+    PROC first()
         lOne.array:=1;
     ENDPROC
     PROC Use(num array{*,*})

@@ -13,6 +13,8 @@ MODULE part
   VAR num n:=1;
   PROC main()
     {0}
+    IF n>9 Outer;
+    IF n>9 n:=Value();
   ENDPROC
   PROC Outer()
     Inner;

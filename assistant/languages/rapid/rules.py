@@ -173,6 +173,12 @@ STANDS: Final = warning(
     "`{frame}`: what it carries does not turn with it",
     "state its place in the cell file, and let the unit stand there",
 )
+OWN_TASK: Final = warning(
+    "RA363",
+    "the position is read of the arm of the task `{task}`, which is taken for the arm of this "
+    "program's controller",
+    "see that this controller has the arm of that task",
+)
 BEFORE_MOVES: Final = warning(
     "RA362",
     "where no move came before, this reads the position of the flange in the robot's base",
@@ -199,6 +205,11 @@ COMPARED: Final = warning(
     "targets are compared by where they are and the angles of their orientation: configurations, "
     "and signs of quaternions, may differ",
     "none is needed where a program asks whether the arm stands at a target",
+)
+NEARLY: Final = warning(
+    "RA350",
+    "a pose is compared with numbers: it counts as equal up to 0.005 mm and 0.05 degrees",
+    "compare a distance with a limit if that is too much",
 )
 IDLE: Final = info("RA344", "this is left out: nothing reads what it assigns", "none is needed")
 SETTLED: Final = warning(

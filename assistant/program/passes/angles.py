@@ -16,7 +16,9 @@ import numpy as np
 from assistant.program import expressions as e
 from assistant.program import rotations
 from assistant.program import statements as p
+from assistant.program.analysis.uses import base
 from assistant.program.contents import everywhere
+from assistant.program.geometry import Pose
 from assistant.program.passes.legalising import Legalising
 from assistant.program.program import Program
 from assistant.program.rewriting import (
@@ -121,20 +123,24 @@ def with_read_angles(program: Program) -> Program:
     if not any(map(_is_angle, records(said))):
         return program
 
+    poses = _poses(program)
+
     def body(statements: Body) -> Body:
         return tuple(one for node in statements for one in each(node))
 
     def each(node: p.Statement) -> Iterator[p.Statement]:
         match node:
-            case p.Assign(place, e.Apply("oriented", (base, *given))) if not _copies(given):
+            case p.Assign(place, e.Apply("oriented", (turned, *given))) if not _copies(given):
                 numbers = [e.plain_number(one) for one in given]
                 if None in numbers:
                     yield node
-                    again = e.Apply("relative", (place, *(e.Number(0),) * 3))
+                    again: e.Expression = e.Apply("relative", (place, *(e.Number(0),) * 3))
+                    if base(place) in poses:
+                        again = e.Binary("@", place, e.PoseValue(Pose()))
                     yield p.Assign(place, again, span=node.span)
                 else:
                     said = map(e.number_of, _read_back([n or 0.0 for n in numbers]))
-                    yield replace(node, value=e.Apply("oriented", (base, *said)))
+                    yield replace(node, value=e.Apply("oriented", (turned, *said)))
             case _:
                 yield map_bodies(node, body)
 
@@ -142,11 +148,21 @@ def with_read_angles(program: Program) -> Program:
     return replace(program, procedures=tuple(procedures))
 
 
+def _poses(program: Program) -> frozenset[str]:
+    """Names in lower case that only poses have: targets have no products with other poses."""
+    tables = (program.variables, *(q.variables for q in program.procedures))
+    each = [(name.lower(), one.type) for table in tables for name, one in table.items()]
+    each += [(one.name.lower(), one.type) for q in program.procedures for one in q.parameters]
+    return frozenset(
+        {n for n, type in each if type == "pose"} - {n for n, t in each if t != "pose"}
+    )
+
+
 def _without_copies(x: Any) -> Any:
     """A target that is turned as another one is, without the angles that it is given."""
     match x:
-        case e.Apply("oriented", (base, *given)) if _copies(given):
-            return base
+        case e.Apply("oriented", (turned, *given)) if _copies(given):
+            return turned
     return x
 
 

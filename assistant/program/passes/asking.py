@@ -33,15 +33,25 @@ def is_operators(name: str) -> bool:
 
 
 def asked_for_key(
-    answer: e.Expression | None, keys: Sequence[int], values: Sequence[e.Expression]
+    answer: e.Expression | None,
+    keys: Sequence[int],
+    values: Sequence[e.Expression],
+    counts: Sequence[e.Expression | None] = (),
 ) -> Iterator[p.Statement]:
     """Waits until one of some keys is pressed, the first of which gives the answer its value.
 
-    answer: None if nobody asks which. values: of the keys, in their order.
+    answer: None if nobody asks which. values: of the keys, in their order. counts: conditions under
+    which each of them counts, None for one that always does; none at all if all of them do.
     """
     names = [KEY.format(key) for key in keys]
-    yield p.WaitUntil(_all("and", (_is(name, 0) for name in names)))
-    pressed = p.WaitUntil(_all("or", (_is(name, 1) for name in names)))
+    each = [_is(name, 1) for name in names]
+    free = [_is(name, 0) for name in names]
+    for at, one in enumerate(counts):
+        if one is not None:
+            each[at] = e.Binary("and", each[at], one)
+            free[at] = e.Unary("not", each[at])
+    yield p.WaitUntil(_all("and", free))
+    pressed = p.WaitUntil(_all("or", each))
     if answer is None or len(keys) == 1:
         yield pressed
         yield from () if answer is None else (p.Assign(answer, values[0]),)
@@ -50,8 +60,7 @@ def asked_for_key(
     none = e.Number(NO_KEY)
     yield p.Assign(answer, none)
     chosen = (
-        p.Branch(_is(name, 1), (p.Assign(answer, value),))
-        for name, value in zip(names, values, strict=True)
+        p.Branch(one, (p.Assign(answer, value),)) for one, value in zip(each, values, strict=True)
     )
     yield p.While(e.Binary("=", answer, none), (pressed, p.If(tuple(chosen))))
 

@@ -31,6 +31,13 @@ def with_stops(
     def waits(node: Any) -> bool:
         return isinstance(node, p.Opaque) and [*(kept(node.text) or ())] == [Step.STOPS]
 
+    def moves(node: Any) -> bool:
+        """True if a kept text may move the arm: the program is incomplete by that, not by waits."""
+        if not isinstance(node, p.Opaque):
+            return False
+        steps = kept(node.text)
+        return steps is None or Step.MOVES in steps or Step.CALLS in steps
+
     if not any(map(waits, program.statements())):
         return program
     ways = Ways(program, waits, kept)
@@ -40,8 +47,9 @@ def with_stops(
         for node in walk(procedure.body)
         if waits(node)
     }
-    known = (moves for moves in corners.values() if UNKNOWN not in moves)
+    known = (one for one in corners.values() if UNKNOWN not in one)
     early = frozenset().union(*known).intersection(ways.cut) - {STOP}
+    standing = {STOP, UNKNOWN} if any(map(moves, program.statements())) else {STOP}
     stopping = frozenset().union(*corners.values()) - ways.cut - {UNKNOWN, STOP} | early
 
     def said(body: Body) -> Body:
@@ -52,7 +60,7 @@ def with_stops(
                     always(node)
                 made.append(stopped(node))
             elif isinstance(node, p.Opaque) and id(node) in corners:
-                stands = corners[id(node)] <= {STOP, *stopping}
+                stands = corners[id(node)] <= {*standing, *stopping}
                 made += left(node) if stands else [replace(node, reason=in_corner)]
             else:
                 made.append(map_bodies(node, said))

@@ -84,6 +84,10 @@ names alone are stated).
 CAPITALS: Final = "".join(map(chr, (*range(65, 91), *range(0xC0, 0xD7), *range(0xD8, 0xDF))))
 TEXTS: Final = {
     "stempty": "",
+    "errstr_task": "TASK",
+    "errstr_context": "CONTEXT",
+    "errstr_unused": "",
+    "errstr_empty": "",
     "diskhome": "HOME:",
     "disktemp": "TEMP:",
     "diskram": "RAMDISK:",

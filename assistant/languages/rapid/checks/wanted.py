@@ -22,13 +22,17 @@ from assistant.languages.rapid.tables.motions import BLENDS, SPEEDS
 from assistant.languages.rapid.tables.processes import MOVES, UNSAID
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tables.states import (
+    COUNT,
+    MEETING,
     OF_A_CELL,
     OPTIONS_OF_A_CELL,
+    STATES,
     State,
     state_of,
 )
 from assistant.languages.rapid.tables.words import ZONES
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.calls import worked_out_task
 from assistant.languages.rapid.tree.external_axes import asked as asked_axes
 from assistant.languages.rapid.tree.external_axes import place_of as place_of_axis
 from assistant.languages.rapid.tree.gather import literal_number
@@ -194,6 +198,10 @@ class _Module:
                 return
         elif isinstance(found.node, s.Routine):
             routine = signature_of(found.node)
+        if found is None and low in MEETING:
+            self._meets(node, scope)
+        if found is None and isinstance(node, s.FunctionCall) and worked_out_task(node):
+            self._state(STATES["gettaskname"])
         bound = (
             {}
             if routine is None
@@ -219,6 +227,15 @@ class _Module:
                 assigned=changed,
                 weak=type == "num" and not changed,
             )
+
+    def _meets(self, node: s.ProcedureCall | s.FunctionCall, scope: Scope) -> None:
+        """How many tasks meet whose list has no values here, as data of the cell."""
+        match [one.value for one in node.arguments if isinstance(one, s.Positional)]:
+            case [_, s.NameRef(name)]:
+                found = scope.find(name)
+                listed = None if found is None else found.node
+                if isinstance(listed, s.Data) and listed.value is None:
+                    self._note(f"{name}{COUNT}", "num").usual = 1.0
 
     def _state(self, state: State) -> None:
         """What the controller tells of itself, as data of the cell."""

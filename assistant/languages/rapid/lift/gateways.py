@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from typing import Any, Final
 
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.lift.told.calls import call_of
+from assistant.languages.rapid.lift.told.calls import GATEWAY, call_of
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -18,7 +18,7 @@ from assistant.program.diagnostics import Findings
 from assistant.program.program import Program, TakenNames, Variable, identifier, walk
 from assistant.program.rewriting import head, records
 
-OPTION: Final = "gateway"
+OPTION: Final = GATEWAY
 GREETING: Final = "GATEWAY 1"
 """Both say it when a line is open: the number is that of the words that they speak."""
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
 from assistant.languages.patterns import Called
@@ -21,11 +21,15 @@ Said: TypeAlias = Iterator[p.Statement]
 
 @dataclass(frozen=True, slots=True)
 class KeptCall:
-    """call: of an instruction or a function. answer: of a function, where its result goes."""
+    """call: of an instruction or a function. answer: of a function, where its result goes.
+
+    sizes: the extents of arrays, by lower-case name.
+    """
 
     call: Called[s.Expression]
     value: Callable[[s.Expression], e.Expression]
     answer: e.Expression | None = None
+    sizes: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
 
     @property
     def word(self) -> str:
@@ -70,6 +74,7 @@ def with_calls(
 
     instructions, functions: lower-case names; of functions those whose result is assigned.
     """
+    sizes = _sizes(program)
 
     def body(statements: Body) -> Body:
         return tuple(part for node in statements for part in said(node))
@@ -79,6 +84,7 @@ def with_calls(
         if call is None:
             yield map_bodies(node, body)
             return
+        call = replace(call, sizes=sizes)
         try:
             made = tuple(saying(call, node))
         except Unsaid as unsaid:
@@ -90,6 +96,15 @@ def with_calls(
 
     procedures = tuple(replace(q, body=body(q.body)) for q in program.procedures)
     return replace(program, procedures=procedures)
+
+
+def _sizes(program: Program) -> Mapping[str, tuple[int, ...]]:
+    """The extents of arrays; of a name that several arrays have only where these are equal."""
+    found: dict[str, set[tuple[int, ...]]] = {}
+    for table in (program.variables, *(q.variables for q in program.procedures)):
+        for name, variable in table.items():
+            found.setdefault(name.lower(), set()).add(variable.size)
+    return {name: sizes.pop() for name, sizes in found.items() if len(sizes) == 1}
 
 
 def _kept_call(

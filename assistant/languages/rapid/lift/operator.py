@@ -113,12 +113,20 @@ def _keys(q: KeptCall) -> Said:
     shown = [(n, node) for n, node in shown if node != s.StringLiteral("")]
     if answer is None or question is None or not shown:
         raise Unsaid
-    if any(not isinstance(node, s.StringLiteral) for _, node in shown):
-        raise Unsaid(WORKED_OUT)
-    texts = [f" [{n}: {node.value}]" for n, node in shown if isinstance(node, s.StringLiteral)]
+    texts = [f" [{n}: {_text(node)}]" for n, node in shown if node is not None]
     yield p.Message((question, e.Text("".join(texts))))
     keys = [n for n, _ in shown]
-    yield from asking.asked_for_key(answer, keys, [e.Number(n) for n in keys])
+    counts = [_counts(q, node) for _, node in shown if node is not None]
+    yield from asking.asked_for_key(answer, keys, [e.Number(n) for n in keys], counts)
+
+
+def _counts(q: KeptCall, node: s.Expression) -> e.Expression | None:
+    """The condition under which a key has a text, None if it always has one."""
+    if isinstance(node, s.StringLiteral):
+        return None
+    if not isinstance(node, s.NameRef | s.Component | s.Element):
+        raise Unsaid(WORKED_OUT)
+    return e.Binary("<>", q.value(node), e.Text(""))
 
 
 def _number(q: KeptCall) -> Said:
@@ -134,7 +142,7 @@ def _number(q: KeptCall) -> Said:
 
 def _entry(q: KeptCall) -> Said:
     """UINumEntry: a number between two. What it begins with is only shown."""
-    if not q.only("header", "message", "initvalue", "minvalue", "maxvalue", "asinteger", *LOOKS):
+    if not q.only("initvalue", "minvalue", "maxvalue", "asinteger", "msgarray", *LINES, *LOOKS):
         raise Unsaid(ENDED)
     assert q.answer is not None
     yield p.Message(_shown(q))
@@ -157,24 +165,38 @@ def _box(q: KeptCall) -> Said:
     ):
         raise Unsaid(ENDED)
     answer = q.option("result") if q.answer is None else q.answer
-    buttons = _buttons(q)
-    own = isinstance(q.call.options.get("btnarray"), s.AggregateNode)
+    listed = _listed(q, "btnarray")
+    buttons = _buttons(q, listed)
+    own = listed is not None
     keys = [at for _, at in buttons] if own else list(range(1, len(buttons) + 1))
+    counts = [_counts(q, one) for one in listed or () if _is_shown(one)]
     texts = [f" [{n}: {name}]" for n, (name, _) in zip(keys, buttons, strict=True)]
     yield p.Message((*_shown(q), e.Text("".join(texts))))
     if not buttons and answer is not None:
         raise Unsaid
     if buttons:
-        yield from asking.asked_for_key(answer, keys, [e.Number(value) for _, value in buttons])
+        values = [e.Number(value) for _, value in buttons]
+        yield from asking.asked_for_key(answer, keys, values, counts)
 
 
-def _buttons(q: KeptCall) -> list[tuple[str, int]]:
-    """The names of the buttons of a box, and what each gives."""
-    node, own = q.call.options.get("buttons"), q.call.options.get("btnarray")
-    if isinstance(own, s.AggregateNode):
-        return [(_text(one), at) for at, one in enumerate(own.items, 1) if _is_shown(one)]
+def _listed(q: KeptCall, option: str) -> Sequence[s.Expression] | None:
+    """The elements of an array that an option is given; None for none of a known size."""
+    match q.call.options.get(option):
+        case s.AggregateNode(items):
+            return items
+        case s.NameRef(name) as array if len(size := q.sizes.get(name.lower(), ())) == 1:
+            places = (s.NumberLiteral(str(at)) for at in range(1, size[0] + 1))
+            return [s.Element(array, (place,)) for place in places]
+    return None
+
+
+def _buttons(q: KeptCall, own: Sequence[s.Expression] | None) -> list[tuple[str, int]]:
+    """The names of the buttons of a box, and what each gives. own: those that a box lists."""
+    if own is not None:
+        return [(_text(one), at) for at, one in enumerate(own, 1) if _is_shown(one)]
+    node = q.call.options.get("buttons")
     known = BUTTONS.get("btnok" if node is None else name_of(node).lower())
-    if own is not None or known is None:
+    if "btnarray" in q.call.options or known is None:
         raise Unsaid(WORKED_OUT)
     return [(one.removeprefix("res"), ANSWERS[one.lower()]) for one in known]
 
@@ -191,9 +213,7 @@ def _text(button: s.Expression) -> str:
 
 def _shown(q: KeptCall) -> tuple[e.Expression, ...]:
     first = [q.given(0)] if q.answer is None else []
-    array = q.call.options.get("msgarray")
-    if isinstance(array, s.AggregateNode):
-        first += [q.value(item) for item in array.items]
+    first += [q.value(item) for item in _listed(q, "msgarray") or ()]
     lines = [q.option("header"), *first, *(q.option(name) for name in LINES[1:])]
     return _joined([line for line in lines if line is not None])
 

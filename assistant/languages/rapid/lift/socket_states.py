@@ -5,18 +5,16 @@ Reference manual of functions: SocketGetStatus; of data types: socketstatus.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Iterator
 from typing import Any, Final
 
+from assistant.languages.rapid.tables.words import SOCKET_STATES
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Program, TakenNames, Variable, identifier
 from assistant.program.rewriting import records, rewrite
 
-STATES: Final[Mapping[str, int]] = {
-    "socket_created": 1, "socket_connected": 2, "socket_bound": 3, "socket_listening": 4,
-    "socket_closed": 5,
-}  # fmt: skip
 FUNCTION: Final = "socketgetstatus"
 _DONE: Final = {
     "socketcreate": (0, 1), "socketconnect": (0, 2), "socketaccept": (1, 2),
@@ -32,23 +30,25 @@ class States:
 
     def __init__(self, program: Program) -> None:
         asked: dict[str, str] = {}
-        other: set[str] = set()
+        times: Counter[str] = Counter()
+        plain: Counter[str] = Counter()
         for part in records((program.procedures, program.variables)):
             match part:
                 case e.Apply(function, (e.Name(name),)) if function.lower() == FUNCTION:
                     asked.setdefault(name.lower(), name)
+                    times[name.lower()] += 1
                 case e.Binary("=" | "<>", e.Apply(function, (e.Name(name),)), e.Name(state)) if (
-                    function.lower() == FUNCTION
+                    function.lower() == FUNCTION and state.lower() == "socket_connected"
                 ):
-                    if state.lower() != "socket_connected":
-                        other.add(name.lower())
+                    plain[name.lower()] += 1
+        other = {name for name, count in times.items() if count > plain[name]}
         taken = TakenNames((*program.variables, *program.signals, *program.targets))
         self.names = {
             low: identifier(f"{asked[low]}_state", taken) for low in asked if low in other
         }
 
     def variables(self) -> dict[str, Variable]:
-        closed = e.Number(STATES["socket_closed"])
+        closed = e.Number(SOCKET_STATES["socket_closed"])
         return {name: Variable("number", closed) for name in self.names.values()}
 
     def behind(self, word: str, names: list[str]) -> Iterator[p.Statement]:
@@ -66,10 +66,6 @@ class States:
                 case e.Apply(function, (e.Name(name),)) if function.lower() == FUNCTION:
                     own = self.names.get(name.lower())
                     return part if own is None else e.Name(own)
-                case e.Binary(operator, e.Name() as one, e.Name(state)) if (
-                    one.name in self.names.values() and state.lower() in STATES
-                ):
-                    return e.Binary(operator, one, e.Number(STATES[state.lower()]))
             return part
 
         return rewrite(program, change) if self.names else program

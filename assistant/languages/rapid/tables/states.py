@@ -47,6 +47,10 @@ STATES: Final[Mapping[str, State]] = {
 Numbers are those of `OP_AUTO`, `RUN_CONT_CYCLE`, `IOUNIT_PHYS_STATE_RUNNING` and `BUSSTATE_RUN`,
 see `words.ELSEWHERE`.
 """
+COUNT: Final = "_tasks"
+"""Behind the name of a list of tasks, of the cell's number of programs that meet there."""
+MEETING: Final = frozenset(("waitsynctask", "syncmoveon"))
+"""Instructions at which the tasks of a list meet."""
 _SYSTEM: Final = "getsysinfo"
 OF_SYSTEM: Final[Mapping[str, State]] = {
     "serialno": State("controller_serial_number", "string", "14-21858"),

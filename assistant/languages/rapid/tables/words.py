@@ -87,10 +87,16 @@ WHOLE_NUMBERS: Final = {
     "usint": 1, "uint": 2, "udint": 4, "ulint": 8, "sint": -1, "int": -2, "dint": -4, "lint": -8,
 }  # fmt: skip
 """Constants of type inttypes (the same)."""
+SOCKET_STATES: Final = {
+    "socket_created": 1, "socket_connected": 2, "socket_bound": 3, "socket_listening": 4,
+    "socket_closed": 5,
+}  # fmt: skip
+"""Constants of type socketstatus (the same)."""
 CAPITALS: Final = "".join(map(chr, (*range(65, 91), *range(0xC0, 0xD7), *range(0xD8, 0xDF))))
 """The letters of Latin-1 that have both cases."""
 ELSEWHERE: Final[Mapping[str, float | str]] = {
-    **ANSWERS, **MODES, **ICONS, **WHOLE_NUMBERS, "pi": math.pi, "str_digit": "0123456789",
+    **ANSWERS, **MODES, **ICONS, **WHOLE_NUMBERS, **SOCKET_STATES, "pi": math.pi,
+    "str_digit": "0123456789",
     "errstr_task": "TASK", "errstr_context": "CONTEXT", "errstr_unused": "", "errstr_empty": "",
     "stempty": "", "eof": "EOF", "eof_num": 9.998e36, "wait_max": 99999.0,
     "str_upper": CAPITALS, "str_lower": CAPITALS.lower(),

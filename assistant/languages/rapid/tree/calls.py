@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Final
 
 from assistant.languages.patterns import Called
 from assistant.languages.rapid.tree import syntax as s
+
+TASK_NAME: Final = "taskname"
+"""The option that names the task whose arm a function reads of."""
 
 
 def called(node: s.Node) -> Called[s.Expression] | None:
@@ -55,3 +59,12 @@ def arguments(call: Called[s.Expression]) -> tuple[s.Argument, ...]:
     parts: tuple[Sequence[s.Argument], ...] = (given, options)
     first, second = reversed(parts) if call.leading else parts
     return (*first, *second)
+
+
+def worked_out_task(call: s.FunctionCall) -> s.Expression | None:
+    """The name of the task whose arm is read, None where it is written out or left out."""
+    for argument in call.arguments:
+        match argument:
+            case s.Option(option, s.Node() as name) if option.lower() == TASK_NAME:
+                return None if isinstance(name, s.StringLiteral) else name
+    return None

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Final
 
 import numpy as np
 
+from assistant.languages.rapid.tree import syntax as s
 from assistant.program.arrays import Floats
 from assistant.program.geometry import Pose
 from assistant.robots.configurations import from_confdata, to_confdata
@@ -147,13 +148,30 @@ def _frame(given: Given) -> Record:
     return given.machine.arm.frame or wobj0()
 
 
+def _of_own_task(read: Callable[[Given], Record]) -> Callable[[Given], Record]:
+    """Reads of the arm of the task that an option names: only its own is known here."""
+
+    def of_task(given: Given) -> Record:
+        task, reference = given.optional("taskname"), given.options.get("taskref")
+        if isinstance(reference, s.NameRef):
+            task = reference.name.lower().removesuffix("id")
+        if task is not None and str(task).lower() != given.machine.task.name.lower():
+            if any(str(task).lower() == one.name.lower() for one in given.machine.controller.tasks):
+                raise NotSimulated("the arm of another task")
+            raise Fault(f"there is no task `{task}`", "ERR_TASKNAME")
+        return read(given)
+
+    return of_task
+
+
+OF_TASK: Final = "taskname taskref"
 TABLE: Final[Mapping[str, Function]] = dict(
     (
-        takes("CRobT", 0, present_target, "tool wobj"),
+        takes("CRobT", 0, _of_own_task(present_target), f"tool wobj {OF_TASK}"),
         takes("CPos", 0, lambda given: pos(_here(given).position), "tool wobj"),
-        takes("CJointT", 0, _joints),
-        takes("CTool", 0, _tool),
-        takes("CWObj", 0, _frame),
+        takes("CJointT", 0, _of_own_task(_joints), OF_TASK),
+        takes("CTool", 0, _of_own_task(_tool), OF_TASK),
+        takes("CWObj", 0, _of_own_task(_frame), OF_TASK),
         takes("CalcRobT", 2, _target_of_joints, "wobj"),
         takes("CalcJointT", 2, _joints_of_target, "wobj usecurwobjpos"),
     )

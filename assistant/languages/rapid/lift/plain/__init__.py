@@ -27,6 +27,8 @@ from assistant.languages.rapid.lift.plain.long_numbers import with_long_numbers
 from assistant.languages.rapid.lift.plain.mounted import with_wholes
 from assistant.languages.rapid.lift.plain.optional import with_required
 from assistant.languages.rapid.lift.plain.own_routines import with_own_routines
+from assistant.languages.rapid.lift.plain.own_settings import with_own_settings
+from assistant.languages.rapid.lift.plain.own_task import with_own_task
 from assistant.languages.rapid.lift.plain.paces import changing
 from assistant.languages.rapid.lift.plain.process_data import with_process_data
 from assistant.languages.rapid.lift.plain.raw_bytes import with_bytes
@@ -41,6 +43,7 @@ from assistant.languages.rapid.lift.plain.unread import Unread, without_unread
 from assistant.languages.rapid.lift.plain.unused_parameters import without_unused_parameters
 from assistant.languages.rapid.lift.plain.values import Values
 from assistant.languages.rapid.lift.plain.whole_texts import with_whole_texts
+from assistant.languages.rapid.lift.plain.written_out import with_written_out
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.program import Signal
@@ -79,7 +82,8 @@ def plain(files: Sequence[s.File]) -> Plain | None:
 def _plain(files: Sequence[s.File], apart: frozenset[str]) -> Plain | None:
     """apart: see `Layouts`."""
     there = with_own_names([module for file in files for module in file.modules])
-    short, of_numbers = with_long_numbers(with_whole_texts(there), files)
+    written, of_task = with_own_task(with_own_settings(with_written_out(there)))
+    short, of_numbers = with_long_numbers(with_whole_texts(written), files)
     named, of_calls = with_named_calls(*with_own_routines(short))
     still, of_axes = with_still_axes(without_unused_parameters(with_process_data(named)))
     standing, of_units = with_standing_units(still)
@@ -99,7 +103,7 @@ def _plain(files: Sequence[s.File], apart: frozenset[str]) -> Plain | None:
     made: list[s.Module] = []
     outside: list[Outside] = []
     remarks: list[tuple[Diagnostic, ...]] = []
-    early = (of_numbers, of_calls, chosen.remarks, of_axes, of_units, of_names)
+    early = (of_task, of_numbers, of_calls, chosen.remarks, of_axes, of_units, of_names)
     for at, module in enumerate(modules):
         made.append(_module(program, module, kept))
         outside.append(tuple(program.outside))
@@ -116,7 +120,7 @@ def _plain(files: Sequence[s.File], apart: frozenset[str]) -> Plain | None:
         return None
     left, unread = without_unread(made, program)
     listed, found, axes, others_of = iter(left), iter(unread), iter(outside), iter(remarks)
-    written, told, without, remarked = [], [], [], []
+    filed, told, without, remarked = [], [], [], []
     for file in files:
         own = [next(listed) for _ in file.modules]
         told.append(tuple(one for _ in file.modules for one in next(found)))
@@ -124,9 +128,9 @@ def _plain(files: Sequence[s.File], apart: frozenset[str]) -> Plain | None:
         remarked.append(tuple(one for _ in file.modules for one in next(others_of)))
         others = iter(own)
         parts = (next(others) if isinstance(one, s.Module) else one for one in file.parts)
-        written.append(replace(file, parts=tuple(parts)))
+        filed.append(replace(file, parts=tuple(parts)))
     return Plain(
-        tuple(written),
+        tuple(filed),
         kept,
         tuple(told),
         tuple(without),

@@ -18,6 +18,7 @@ from assistant.languages.rapid.tree.walk import nodes
 from assistant.program.geometry import FLANGE
 from assistant.program.rewriting import rewrite
 
+WORLD: Final = "wobj0"
 _NAMED: Final = (s.NameRef, s.Component, s.Element)
 
 
@@ -53,8 +54,10 @@ def _said(node: s.FunctionCall, displaced: str) -> s.Expression | None:
     if not isinstance(tool, _NAMED) or value is None:
         return None
     bare = isinstance(tool, s.NameRef) and tool.name.lower() == FLANGE
-    if bare and not options and not displaced:
-        return None
+    if isinstance(frame, s.NameRef) and frame.name.lower() == WORLD:
+        frame = None
+    if bare and frame is None and not displaced:
+        return call_of(node.name, value, tool) if options else None
     user: s.Expression = no_pose()
     object: s.Expression = no_pose()
     match frame:

@@ -8,7 +8,7 @@ own, which is given its first values where the routine begins. Copies of routine
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import product
 from typing import Any, Final
@@ -17,6 +17,7 @@ from assistant.languages.rapid.lift.plain.assigning import names_in
 from assistant.languages.rapid.lift.plain.changing import calls_of, repeated
 from assistant.languages.rapid.lift.plain.layouts import Layouts
 from assistant.languages.rapid.lift.plain.optional import nothing_of
+from assistant.languages.rapid.lift.plain.substituting import is_literal
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
 from assistant.languages.rapid.tree.walk import inner_names, nodes
@@ -42,10 +43,14 @@ def with_shared_arrays(modules: Sequence[s.Module], layouts: Layouts) -> Sequenc
     taken = TakenNames(one.name for one in every if isinstance(one, _NAMING))
     taken.update(one.variable for one in every if isinstance(one, s.ForLoop))
     again = repeated(calls_of(routines))
+    one_of = {key: own[0] for key, own in routines.items() if len(own) == 1}
     made = []
     for module in modules:
         changed: list[s.Item] = []
         for item in module.items:
+            if isinstance(item, s.Routine):
+                held, item = _held(item, one_of, taken)
+                changed += held
             if isinstance(item, s.Routine) and item.name.lower() not in again:
                 data, item = _shared(item, given, layouts, taken)
                 changed += data
@@ -54,6 +59,56 @@ def with_shared_arrays(modules: Sequence[s.Module], layouts: Layouts) -> Sequenc
         same = same and len(changed) == len(module.items)
         made.append(module if same else replace(module, items=tuple(changed)))
     return made
+
+
+def _held(
+    routine: s.Routine, known: Mapping[str, s.Routine], taken: TakenNames
+) -> tuple[list[s.Data], s.Routine]:
+    """The arrays that a routine hands over in brackets, as constants, and the routine with them."""
+    data: list[s.Data] = []
+
+    def visit(node: Any) -> Any:
+        match node:
+            case s.ProcedureCall(str(name)) | s.FunctionCall(str(name)):
+                callee = known.get(name.lower())
+                return node if callee is None else replace(node, arguments=_arguments(node, callee))
+        return node
+
+    def _arguments(
+        node: s.ProcedureCall | s.FunctionCall, callee: s.Routine
+    ) -> tuple[s.Argument, ...]:
+        groups = iter([group for group in callee.parameters if not group.optional])
+        made: list[s.Argument] = []
+        for argument in node.arguments:
+            group = next(groups, None) if isinstance(argument, s.Positional) else None
+            match group, argument:
+                case s.ParameterGroup(_, (s.ParameterNode() as one,)), s.Positional(
+                    s.AggregateNode() as value
+                ) if one.dimensions > 0 and is_literal(value):
+                    sizes = _sizes(value, one.dimensions)
+                    if sizes is not None:
+                        name = identifier(f"{callee.name}_{one.name}", taken)
+                        taken.add(name)
+                        extents = tuple(s.NumberLiteral(str(size)) for size in sizes)
+                        data.append(s.Data("", "CONST", one.type, name, extents, value))
+                        argument = replace(argument, value=s.NameRef(name))
+            made.append(argument)
+        return tuple(made)
+
+    changed: s.Routine = rewrite(routine, visit, ())
+    return data, changed if data else routine
+
+
+def _sizes(value: s.AggregateNode, dimensions: int) -> tuple[int, ...] | None:
+    """The extents of an array in brackets; None if its rows are not all as long."""
+    if dimensions == 1 or not value.items:
+        return (len(value.items),) if value.items else None
+    inner = {
+        _sizes(one, dimensions - 1) if isinstance(one, s.AggregateNode) else None
+        for one in value.items
+    }
+    (only,) = inner if len(inner) == 1 else (None,)
+    return None if only is None else (len(value.items), *only)
 
 
 def takes_arrays(routine: s.Routine) -> bool:

@@ -44,6 +44,10 @@ def assembled(type: str, place: Any, value: s.AggregateNode) -> Iterator[tuple[A
             yield place, one
         case [s.Component(one, "robconf"), outside] if outside == OUTSIDE_ALL:
             yield place, one
+        case [conf, s.NameRef() | s.Component() as outside] if is_written_out(conf):
+            first = (_numbers(_NOWHERE[name]) for name in ("trans", TURN))
+            yield place, s.AggregateNode((*first, conf, OUTSIDE_ALL))
+            yield s.Component(place, "extax"), outside
         case _ if all(map(is_written_out, outer)):
             first = (_numbers(_NOWHERE[name]) for name in ("trans", TURN))
             yield place, s.AggregateNode((*first, *outer))

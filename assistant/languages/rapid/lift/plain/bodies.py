@@ -32,12 +32,14 @@ from assistant.languages.rapid.lift.plain.library import (
     worded,
 )
 from assistant.languages.rapid.lift.plain.outside import OUTSIDE
+from assistant.languages.rapid.lift.plain.own_task import OWN_TASK, without_task
 from assistant.languages.rapid.lift.plain.paces import is_computed, single_moves
 from assistant.languages.rapid.lift.plain.scopes import Datum, Program, parameters
 from assistant.languages.rapid.lift.plain.spreads import Spread, Unsaid
 from assistant.languages.rapid.lift.plain.turns import joined_turns
 from assistant.languages.rapid.lift.plain.values import PLACE, Values
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.calls import worked_out_task
 from assistant.languages.rapid.tree.walk import lists, nodes
 
 Nodes = tuple[s.StatementNode, ...]
@@ -57,10 +59,14 @@ class Bodies:
         # a declaration in a block is an error (RA220), and a name like any other
         data = [node for body in lists(routine) for node in body if isinstance(node, s.Data)]
         self.names |= {node.name.lower(): program.datum(node) for node in data}
-        self.values = Values(program, self.names, self._called, self._built)
+        self.values = Values(
+            program, self.names, self._called, self._built, self._asked_before, self._of_own_task
+        )
         self.before: list[s.StatementNode] | None = None
         self.alone: s.Expression | None = None
         """A value that is used at once, before anything else is called."""
+        self.direct: s.Expression | None = None
+        """A value that is assigned as it is."""
         self.added: list[s.Data] = []
 
     def whole(self) -> s.Routine:
@@ -113,6 +119,9 @@ class Bodies:
                 yield from self._assigned(node, target, value)
             case s.ProcedureCall(str()) if (own := worded(self.values, node)) is not node:
                 yield from self._said(own)
+            case s.ProcedureCall(str(name)) if raised := raising(node, self.values.is_own(name)):
+                for one in raised:
+                    yield from self._said(one)
             case s.ProcedureCall(name, arguments):
                 said = name if isinstance(name, str) else plain(name)
                 yield replace(node, name=said, arguments=self.values.arguments(name, arguments))
@@ -200,6 +209,7 @@ class Bodies:
         if kind is None or not self.values.is_record(kind) or self._is_setting(target, kind):
             type = None if kind is None else kind[0]
             variable = self.values.plain(target)
+            self.direct = value
             said = self.values.given(value, type)
             if variable is OUTSIDE:
                 yield from self._still_called(said, node)
@@ -268,6 +278,8 @@ class Bodies:
     ) -> Iterator[s.StatementNode]:
         """A target or pose that is worked out, part by part."""
         place: s.NameRef | s.Component | s.Element = self.values.plain(target)
+        if isinstance(place, s.NameRef) and self.values.find(place.name) is None:
+            self.names[place.name.lower()] = Datum(place.name, type)  # a part with a name now
         value = self._without_axes(type, value)
         own = names_in(place)
         if own & names_in(value):
@@ -376,6 +388,28 @@ class Bodies:
         self.before += self._put_together(s.Assignment(held, value), held, type, value)
         return held
 
+    def _asked_before(self, type: str, call: s.FunctionCall) -> s.Expression:
+        """A variable with what a function that asks gives; the call where nothing can be before."""
+        if self.before is None or self._is_direct(call):
+            return call
+        held = self._variable("answer", type)
+        self.before.append(s.Assignment(held, call))
+        return held
+
+    def _of_own_task(self, call: s.FunctionCall) -> s.FunctionCall:
+        """A read of the arm of its own task, behind a check of a name that is worked out."""
+        own = self.program.data_of(OWN_TASK)
+        name = worked_out_task(call)
+        if own is None or name is None or self.before is None:
+            return call
+        other = s.Infix("<>", name, s.NameRef(own.name))
+        error = s.RaiseError(s.NameRef("ERR_TASKNAME"))
+        self.before.append(s.IfThen((s.IfBranch(other, (error,)),)))
+        return without_task(call)
+
+    def _is_direct(self, call: s.FunctionCall) -> bool:
+        return isinstance(self.direct, s.FunctionCall) and self.direct.span == call.span
+
     def _place(self, call: s.FunctionCall) -> Spread:
         """Where the robot stands, read before the statement at hand."""
         if self.before is None:
@@ -384,6 +418,21 @@ class Bodies:
         here = replace(call, name="CRobT", arguments=self.values.arguments("CRobT", call.arguments))
         self.before.append(s.Assignment(held, here))
         return {(axis,): s.Component(s.Component(held, "trans"), axis) for axis in "xyz"}
+
+
+def raising(node: s.ProcedureCall, own: bool) -> Sequence[s.ProcedureCall | s.RaiseError]:
+    """`ErrRaise` as what it does: a message in the event log, and the error of that name.
+
+    None of any other call, and of a name that is worked out. own: the program has such a routine.
+    """
+    match node:
+        case s.ProcedureCall(
+            str(word), (s.Positional(s.StringLiteral(name)), s.Positional(number), *texts)
+        ) if word.lower() == "errraise" and not own and name.isidentifier():
+            given = (s.Positional(number), s.Option("W"), *texts)
+            report = s.ProcedureCall("ErrLog", given, span=node.span)
+            return report, s.RaiseError(s.NameRef(name), span=node.span)
+    return ()
 
 
 def _at(made: s.StatementNode, node: s.StatementNode) -> s.StatementNode:

@@ -8,6 +8,7 @@ from typing import Any, Final, Protocol
 
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.plain.kinds import Kind
+from assistant.languages.rapid.lift.plain.library import call_of, is_written_out
 from assistant.languages.rapid.lift.plain.scopes import Program
 from assistant.languages.rapid.lift.plain.spreads import Spread
 from assistant.languages.rapid.tree import syntax as s
@@ -17,6 +18,8 @@ EQUAL: Final = {"=": "AND", "<>": "OR"}
 _JOINTS: Final = "jointtarget"
 COMPARED: Final = frozenset(("robtarget", "pose", _JOINTS))
 _ANGLES: Final = ("X", "Y", "Z")
+NEAR: Final = "pose_near"
+"""Of the library: whether a pose is at numbers, up to 0.005 mm and 0.05 degrees."""
 
 
 class _Values(Protocol):
@@ -35,8 +38,24 @@ def compared(values: _Values, operator: str, left: Any, right: Any, kind: Kind) 
     """Two records, targets or poses compared; as they are where not all of one can be told."""
     if values.is_record(kind):
         first, second = values.spread(left, kind), values.spread(right, kind)
-        return _joined(operator, [(first[path], second[path]) for path in first])
+        types = {one.path: one.type for one in values.program.layouts.parts(kind[0]) or ()}
+        each = [
+            compared(values, operator, first[path], second[path], (types[path], 0))
+            if types.get(path) in COMPARED
+            else s.Infix(operator, first[path], second[path])
+            for path in first
+        ]
+        return s.Group(reduce(lambda one, two: s.Infix(EQUAL[operator], one, two), each))
     type, program = kind[0], values.program
+    for place, written in ((left, right), (right, left)):
+        match written:
+            case s.AggregateNode((s.AggregateNode(where), s.AggregateNode(turn))) if (
+                type == "pose" and is_written_out(written) and len(where) == 3 and len(turn) == 4
+            ):
+                whole = values.plain(place)
+                if isinstance(whole, s.NameRef | s.Component | s.Element):
+                    program.remarks.append(rules.NEARLY(span=program.at))
+                    return _near(values, operator, whole, where, turn)
     sides = [values.plain(left), values.plain(right)]
     named = [one for one in sides if isinstance(one, s.NameRef | s.Component | s.Element)]
     if len(named) < len(sides) or (type != "pose" and program.has_axes):
@@ -45,6 +64,19 @@ def compared(values: _Values, operator: str, left: Any, right: Any, kind: Kind) 
         program.remarks.append(rules.COMPARED(span=program.at))
     one, two = (map(values.plain, _parts_of(place, type)) for place in named)
     return _joined(operator, list(zip(one, two, strict=True)))
+
+
+def _near(
+    values: _Values,
+    operator: str,
+    place: s.NameRef | s.Component | s.Element,
+    where: Sequence[s.Expression],
+    turn: Sequence[s.Expression],
+) -> s.Expression:
+    """A pose that is compared with numbers, which the other controller has with other digits."""
+    numbers = (*where, *turn)
+    near = values.plain(call_of(NEAR, place, *numbers))
+    return near if operator == "=" else s.Prefix("NOT", near)
 
 
 def _joined(operator: str, pairs: Sequence[tuple[Any, Any]]) -> s.Expression:

@@ -156,6 +156,10 @@ def _asks(node: Any) -> bool:
             return name.lower() == TURN or name.lower() in QUATERNION
         case s.Data(type=type) | s.ParameterNode(type=type):
             return type.lower() == "orient"
+        case s.AggregateNode((_, s.AggregateNode(turn), *_)):  # a target that is worked out
+            return len(turn) == len(QUATERNION) and not is_written_out(s.AggregateNode(turn))
+        case s.Infix("=" | "<>", left, right):  # a pose with numbers, see `comparing`
+            return isinstance(left, s.AggregateNode) or isinstance(right, s.AggregateNode)
     return False
 
 

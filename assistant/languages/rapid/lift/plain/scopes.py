@@ -121,7 +121,7 @@ class Program:
         for index, run in self._tables:
             row = int(index.row(name)[0])
             if row >= 0:
-                datum = Datum(run.names.name(row), "robtarget", value=_of_row(run, row))
+                datum = Datum(run.names.name(row), "robtarget", value=of_row(run, row))
                 return self.data.setdefault(name, datum)
         self._elsewhere.add(name)
         return None
@@ -316,7 +316,7 @@ def predefined_type(name: str) -> str:
 _NAMING: Final = (s.NameRef, s.Data, s.ParameterNode, s.Routine, s.Record, s.Alias)
 
 
-def _of_row(run: TargetRun, row: int) -> s.Expression:
+def of_row(run: TargetRun, row: int) -> s.Expression:
     """The value of a row of a table as it would be written out."""
     numbers = [_number(n) for n in run.values[row].tolist()]
     parts = (numbers[:3], numbers[3:7], numbers[7:11], numbers[11:])

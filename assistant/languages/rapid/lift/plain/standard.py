@@ -80,4 +80,5 @@ def standard_part(layouts: Layouts, name: str, path: Sequence[str]) -> s.Express
             return None
         value = value.items[names.index(low)]
         type = layouts.component(type, component) or ""
-    return None if isinstance(value, s.AggregateNode) else value
+    whole = not isinstance(value, s.AggregateNode) or layouts.is_whole(type)
+    return value if whole else None

@@ -24,6 +24,7 @@ from assistant.languages.rapid.lift.plain.library import (
     worded,
 )
 from assistant.languages.rapid.lift.plain.outside import OUTSIDE, is_outside
+from assistant.languages.rapid.lift.plain.own_task import READING
 from assistant.languages.rapid.lift.plain.scopes import Names, Program, predefined_type
 from assistant.languages.rapid.lift.plain.spreads import (
     Spread,
@@ -53,6 +54,21 @@ Built = Callable[[str, s.AggregateNode], s.Expression]
 """A variable of a type with a target or pose that is put together before."""
 
 
+Held = Callable[[str, s.FunctionCall], s.Expression]
+"""A variable of a type with what a function gives that is called before."""
+ASKING: Final = {
+    "uinumentry": "num", "uidnumentry": "num", "uimessagebox": "num",
+    "readstr": "string", "readnum": "num",
+}  # fmt: skip
+"""Functions in lower case that wait for somebody or something, with the types of their results.
+
+Other languages have a statement for each."""
+
+
+def _not_held(type: str, value: s.FunctionCall) -> s.Expression:  # noqa: ARG001
+    return value
+
+
 def _not_built(type: str, value: s.AggregateNode) -> s.Expression:  # noqa: ARG001
     raise Unsaid(f"it puts a {type} together where nothing can be done before")
 
@@ -60,14 +76,22 @@ def _not_built(type: str, value: s.AggregateNode) -> s.Expression:  # noqa: ARG0
 class Values(Kinds):
     """Expressions where some names mean something.
 
-    names: of the routine, in front of those of the program. called, built: see `Called`, `Built`.
+    names: of the routine, in front of those of the program. called, built, hold: see `Called`,
+    `Built`, `Held`. own_task: makes a read of the arm of a task that is worked out one of its own.
     """
 
     def __init__(
-        self, program: Program, names: Names, called: Called, built: Built | None = None
+        self,
+        program: Program,
+        names: Names,
+        called: Called,
+        built: Built | None = None,
+        hold: Held | None = None,
+        own_task: Callable[[s.FunctionCall], s.FunctionCall] = lambda call: call,
     ) -> None:
         super().__init__(program, names)
-        self.called = called
+        self.called, self.own_task = called, own_task
+        self.hold = _not_held if hold is None else hold
         self.built = _not_built if built is None else built
 
     # ----------------------------------------------------------------------------- plain
@@ -113,7 +137,11 @@ class Values(Kinds):
                 size = self._size(node)
                 if size is not None:
                     return size
-                return replace(node, arguments=self.arguments(name, arguments))
+                made = replace(node, arguments=self.arguments(name, arguments))
+                if str(name).lower() in READING and not self.is_own(name):
+                    made = self.own_task(made)
+                type = ASKING.get(str(name).lower(), "")
+                return self.hold(type, made) if type and not self.is_own(name) else made
         return node
 
     def whole_turn(self, node: Any) -> s.Variable | None:
@@ -222,6 +250,8 @@ class Values(Kinds):
         """A value; a record that is taken apart in brackets. type: of an aggregate, if known."""
         kind = self.kind(node)
         match node:
+            case s.AggregateNode() if type in ASSEMBLED and not is_written_out(node):
+                return self.built(str(type), node)
             case s.AggregateNode(items) if type and (inner := self.layouts.components(type)):
                 if len(items) == len(inner):
                     pairs = zip(items, inner, strict=True)

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from dataclasses import replace
-from typing import Any
+from typing import Any, Final
 
 from assistant.languages.rapid.lift.instructions import Meaning, instruction
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
+
+GATEWAY: Final = "gateway"
+"""The option of what is said to a gateway, see `tables/bytes.txt`."""
 
 
 def is_text(record: Any) -> bool:
@@ -24,6 +27,13 @@ def call_of(node: p.Opaque) -> s.ProcedureCall | None:
             case (s.ProcedureCall(name=str()) as call,):
                 return call
     return None
+
+
+def is_by_gateway(node: p.Statement) -> bool:
+    """True if a statement says something to a gateway, or hears it."""
+    call = call_of(node) if isinstance(node, p.Opaque) else None
+    options = () if call is None else (a for a in call.arguments if isinstance(a, s.Option))
+    return any(one.name.lower() == GATEWAY for one in options)
 
 
 def word_of(call: s.ProcedureCall) -> str:

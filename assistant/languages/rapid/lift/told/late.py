@@ -14,7 +14,7 @@ from assistant.program import statements as p
 from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import is_repeatable
 
-MOST_CASES: Final = 40
+MOST_CASES: Final = 80
 """Routines that one call may choose from."""
 _STOP: Final = p.Stop(end=True)
 
@@ -58,15 +58,19 @@ def _given(call: s.ProcedureCall, meaning: Meaning) -> tuple[e.Expression, ...] 
 
 
 def _called_so(text: e.Expression, program: Program, count: int) -> list[Procedure]:
-    """Procedures that may be meant: those whose names begin as the text does."""
-    begin = text
+    """Procedures that may be meant: those whose names begin and end as the text does."""
+    begin = last = text
     while isinstance(begin, e.Binary) and begin.operator == "+":
         begin = begin.left
+    while isinstance(last, e.Binary) and last.operator == "+":
+        last = last.right
     start = begin.value.lower() if isinstance(begin, e.Text) else ""
+    end = last.value.lower() if isinstance(last, e.Text) else ""
     return [
         q
         for q in program.procedures
         if q.name.lower().startswith(start)
+        and q.name.lower().endswith(end)
         and q.result is None
         and len(q.parameters) == count
         and q.name != program.entry

@@ -10,8 +10,10 @@ from collections.abc import Iterator, Mapping
 from typing import Final
 
 from assistant.languages.patterns import Called
+from assistant.languages.rapid.tables.states import COUNT
 from assistant.languages.rapid.text import effects, verbatim
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.walk import nodes
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Program, Variable
@@ -21,18 +23,39 @@ TASKS: Final = "tasks"
 """The type of data of the lists."""
 
 
-def task_lists(program: Program) -> Mapping[str, int]:
-    """How many tasks each declared list has, by its lower-case name."""
+def task_lists(program: Program) -> Mapping[str, e.Expression]:
+    """How many tasks each list has, by its lower-case name.
+
+    Of a list without values in the program, what the cell states; of one that is given another
+    number of tasks as the program runs nothing.
+    """
     if program.origin is None or program.origin.language != verbatim.LANGUAGE:
         return {}
-    items = (i for file in program.origin.trees for m in file.modules for i in m.items)
-    return {
-        item.name.lower(): sum(map(_names, item.value.items))
-        for item in items
-        if isinstance(item, s.Data)
-        and isinstance(item.value, s.AggregateNode)
-        and item.type.lower() == TASKS
-    }
+    items = [i for file in program.origin.trees for m in file.modules for i in m.items]
+    counts: dict[str, set[int]] = {}
+    stated: dict[str, e.Expression] = {}
+    for item in items:
+        match item:
+            case s.Data(type=type, name=name, value=s.AggregateNode(rows)) if type.lower() == TASKS:
+                counts.setdefault(name.lower(), set()).add(sum(map(_names, rows)))
+            case s.Data(name=name) if name.lower().endswith(COUNT):
+                stated[name.lower().removesuffix(COUNT)] = e.Name(name)
+            case s.Routine():
+                for node in nodes(item):
+                    match node:
+                        case s.Assignment(s.NameRef(name), s.AggregateNode(rows)) if rows and all(
+                            map(_is_task, rows)
+                        ):
+                            counts.setdefault(name.lower(), set()).add(sum(map(_names, rows)))
+    known = {name: e.Number(*found) for name, found in counts.items() if len(found) == 1}
+    return {**{name: one for name, one in stated.items() if name not in counts}, **known}
+
+
+def _is_task(row: s.Expression) -> bool:
+    match row:
+        case s.AggregateNode((s.StringLiteral(),)):
+            return True
+    return False
 
 
 def _names(row: s.Expression) -> bool:
@@ -76,14 +99,14 @@ DUE: Final = "all_there"
 """The count at which a program goes on."""
 
 
-def met(call: Called[s.Expression], lists: Mapping[str, int]) -> Iterator[p.Statement]:
+def met(call: Called[s.Expression], lists: Mapping[str, e.Expression]) -> Iterator[p.Statement]:
     """A wait for all tasks of a list; the arm stands there where it says so."""
     match call.given:
         case (s.NameRef(point), s.NameRef(listed)) if listed.lower() in lists:
             if call.options.keys() - {"inpos"}:
                 return
             here, due = e.Name(shared(point)[0]), e.Name(DUE)
-            count = e.Number(lists[listed.lower()])
+            count = lists[listed.lower()]
             if call.options:
                 text = "WaitRob\\InPos;"
                 yield p.Opaque(verbatim.LANGUAGE, text, effect=effects.of_text(text, "statement"))

@@ -43,7 +43,7 @@ class Telling:
     switched: frozenset[str]
     displaced: bool
     welds: Mapping[str, float]
-    lists: Mapping[str, int]
+    lists: Mapping[str, e.Expression]
     spots: Callable[[], Mapping[str, float]]
     beads: Callable[[], Mapping[str, int]]
     points: list[str] = field(default_factory=list)

@@ -7,6 +7,7 @@ from typing import Final
 
 from assistant.languages.patterns import Called
 from assistant.languages.rapid.lift.instructions import Meaning, of_call
+from assistant.languages.rapid.lift.told.calls import is_by_gateway
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -37,7 +38,7 @@ def _is_asked_again(asked: e.Expression, program: Program) -> bool:
     """Whether it does not matter how often it is worked out while the program waits for it.
 
     How often functions of the user's are called is the controller's own; they may do no more than
-    give values to variables.
+    give values to variables, and ask a gateway how many bytes it has.
     """
     if is_repeatable(asked):
         return True
@@ -54,7 +55,9 @@ def _is_asked_again(asked: e.Expression, program: Program) -> bool:
                 return False
             continue
         seen.add(key)
-        if not all(isinstance(node, _QUIET) for node in walk(known[key].body)):
+        if not all(
+            isinstance(node, _QUIET) or is_by_gateway(node) for node in walk(known[key].body)
+        ):
             return False
         pending += called(known[key])
     return True

@@ -1,0 +1,187 @@
+"""Routines that nothing in a program calls, left out where a language has no equivalent for them.
+
+Old routines in a file are normal: one that nothing calls must not keep the program from the other
+language. What of it can be expressed stays, so that a user finds it there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from dataclasses import replace
+from typing import Final
+
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.analysis.uses import texts_in
+from assistant.program.contents import everywhere
+from assistant.program.diagnostics import Diagnostic, Severity, Span, warning
+from assistant.program.kept import effect_of
+from assistant.program.program import Declaration, Procedure, Program, walk
+from assistant.program.rewriting import records
+from assistant.program.subjects import Declared
+
+NOT_CALLED: Final = warning(
+    "CO015",
+    "`{name}` is left out: nothing in the program calls it, and {language} has no equivalent for "
+    "part of it",
+    "translate it by hand if an operator or another program calls it",
+)
+
+
+def without_uncalled(
+    program: Program, found: Iterable[Diagnostic], language: str
+) -> tuple[Program, tuple[Diagnostic, ...]] | None:
+    """Return the program without such routines, and a finding for each; None if none is in the way.
+
+    found: what is found of the program, with errors for what the language cannot express.
+    """
+    wrong = [one for one in found if one.severity is Severity.ERROR]
+    if program.entry is None or not wrong:
+        return None
+    routines: list[Procedure | Declaration] = [*program.procedures, *_kept_routines(program)]
+    named = {_name(one): _named(one) for one in routines}
+    if _may_call_any(program, named):
+        return None
+    live = _reached(program.entry.lower(), program, named)
+    dead = {name: one for one in routines if (name := _name(one)) not in live}
+    faulty = {name for name, one in dead.items() if any(_is_in(x, name, one) for x in wrong)}
+    if not faulty:
+        return None
+    gone = {name for name in dead if not faulty.isdisjoint(_all_from(name, named))}
+    idle = _named_only_in(gone, program, named)
+    left = replace(
+        program,
+        procedures=tuple(one for one in program.procedures if one.name.lower() not in gone),
+        declarations=tuple(
+            one
+            for one in program.declarations
+            if effect_of(one).writes.isdisjoint(gone) and not effect_of(one).writes & idle
+        ),
+    )
+    told = [x for name in dead if name in gone for x in _told(dead[name], name, language)]
+    told += [
+        NOT_CALLED(name=name, language=language, span=one.span)
+        for one in program.declarations
+        for name in sorted(effect_of(one).writes & idle)
+        if one.span is not None
+    ]
+    return left, tuple(told)
+
+
+def _named_only_in(
+    gone: Set[str], program: Program, named: Mapping[str, Set[str]]
+) -> frozenset[str]:
+    """Data of kept declarations that only routines which are left out name."""
+    own = {id(one) for one in _kept_routines(program)}
+    data = {
+        name
+        for one in program.declarations
+        if id(one) not in own and one.effect is not None
+        for name in one.effect.writes
+    }
+    inside = {name for key in gone for name in named[key]}
+    outside = {name for key, names in named.items() if key not in gone for name in names}
+    outside |= texts_in(tuple(program.variables.values()))
+    for one in program.declarations:
+        if id(one) not in own:
+            outside |= effect_of(one).names - effect_of(one).writes
+    return frozenset(data & inside - outside)
+
+
+def _told(one: Procedure | Declaration, name: str, language: str) -> Iterator[Diagnostic]:
+    """A finding for the routine, and for each statement in it."""
+    spelled = one.name if isinstance(one, Procedure) else name
+    spans = [one.span, *(s.span for s in walk(one.body))] if isinstance(one, Procedure) else []
+    for span in dict.fromkeys(spans or [one.span]):
+        if span is not None:
+            yield NOT_CALLED(name=spelled, language=language, span=span)
+
+
+def is_of(finding: Diagnostic, told: Sequence[Diagnostic]) -> bool:
+    """True if a finding is about what is left out, and would stop the program."""
+    spans = [one.span for one in told if one.span is not None]
+    return finding.severity is Severity.ERROR and _is_inside(finding.span, spans)
+
+
+def _is_inside(span: Span | None, outer: Sequence[Span]) -> bool:
+    return span is not None and any(o.start <= span.start and span.end <= o.end for o in outer)
+
+
+def _name(one: Procedure | Declaration) -> str:
+    if isinstance(one, Procedure):
+        return one.name.lower()
+    return next(iter(sorted(effect_of(one).writes)), "")
+
+
+def _kept_routines(program: Program) -> Iterator[Declaration]:
+    """Declarations of one name that do something where they are called."""
+    for one in program.declarations:
+        effect = effect_of(one)
+        if len(effect.writes) == 1 and one.effect is not None and _is_routine(one):
+            yield one
+
+
+def _is_routine(one: Declaration) -> bool:
+    """True if a kept declaration has statements: more lines than data have."""
+    return len(one.text.strip().splitlines()) > 1
+
+
+def _named(one: Procedure | Declaration) -> frozenset[str]:
+    """Every name and text in a routine, in lower case."""
+    if isinstance(one, Declaration):
+        return effect_of(one).names
+    found = texts_in((one.body, tuple(one.variables.values())))
+    for record in records(one.body):
+        if isinstance(record, p.Opaque | e.Verbatim):
+            found |= effect_of(record).names
+    return frozenset(found)
+
+
+def _reached(entry: str, program: Program, named: Mapping[str, Set[str]]) -> set[str]:
+    """Routines that run as the program does, or as what it declares does."""
+    routines = {id(one) for one in _kept_routines(program)}
+    begun = {entry}
+    for declaration in program.declarations:
+        if id(declaration) not in routines:
+            begun |= effect_of(declaration).names & named.keys()
+    begun |= texts_in(tuple(program.variables.values())) & named.keys()
+    found: set[str] = set()
+    pending = list(begun)
+    while pending:
+        name = pending.pop()
+        if name not in found:
+            found.add(name)
+            pending += named.get(name, frozenset()) & named.keys()
+    return found
+
+
+def _all_from(name: str, named: Mapping[str, Set[str]]) -> set[str]:
+    found: set[str] = set()
+    pending = [name]
+    while pending:
+        one = pending.pop()
+        if one not in found:
+            found.add(one)
+            pending += named.get(one, frozenset()) & named.keys()
+    return found
+
+
+def _may_call_any(program: Program, named: Mapping[str, Set[str]]) -> bool:
+    """True if a kept statement calls what is no routine of the program, and may go on anywhere."""
+    return any(
+        effect.jumps and not effect.calls <= named.keys()
+        for part in everywhere(program, p.Opaque)
+        if isinstance(part, p.Opaque)
+        for effect in (effect_of(part),)
+    )
+
+
+def _is_in(finding: Diagnostic, name: str, one: Procedure | Declaration) -> bool:
+    if finding.span is not None:
+        return one.span is not None and _is_inside(finding.span, (one.span,))
+    match finding.about:
+        case Declared(name=about, table="procedures"):
+            return about.lower() == name
+        case Declared(owner=owner):
+            return owner.lower() == name
+    return False
