@@ -53,6 +53,12 @@ OUTSIDE_LIMITS: Final = error(
     "at worst {axis} would be at {value:.2f} {unit}, its limit is {limit:g} ({where})",
     "turn the tool about its axis, or move the work piece{nearest}",
 )
+AT_LIMIT: Final = warning(
+    "RB127",
+    "{axis} is {over:.2g} {unit} beyond its limit, which is less than the printed decimals tell "
+    "({where}): the controller may refuse the target or stop there",
+    "teach the target again a little inside the limit",
+)
 NOT_IN_PLANE: Final = error(
     "RB104",
     "the tool axis leaves the plane of the five-axis arm, "

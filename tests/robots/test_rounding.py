@@ -8,6 +8,12 @@ import numpy as np
 import pytest
 
 from assistant import languages, robots
+from assistant.program.expressions import TargetValue
+from assistant.program.geometry import Pose, Target
+from assistant.program.motion import FINE, Speed
+from assistant.program.program import Procedure, Program
+from assistant.program.rotations import from_euler, to_euler
+from assistant.program.statements import Motion, Move
 from tests.robots.printed import nearest, printed, solve_program
 
 ARMS = [robots.get(name) for name in robots.names()]
@@ -168,7 +174,7 @@ def refused(arm, count: int, *, whole: bool) -> None:
     findings = solve_program(arm, p, q, configurations).findings
     told = 0
     for finding in findings:
-        assert finding.code in ("RB102", "RB103", "RB107", "RB108")
+        assert finding.code in ("RB102", "RB103", "RB107", "RB108", "RB127")
         counted = re.search(r"(\d+) of \d+ targets", finding.where())
         told += int(counted[1]) if counted else 1
     assert told == len(p)
@@ -198,3 +204,25 @@ def test_ten_thousand_poses_as_printed_are_taken(arm, kind) -> None:
 @pytest.mark.parametrize("arm", ARMS, ids=lambda arm: arm.name)
 def test_ten_thousand_poses_that_rounding_does_not_explain_are_refused(arm) -> None:
     refused(arm, 10_000, whole=True)
+
+
+def at_limit(name: str, axis: int, over: float, digits: int) -> list[tuple[str, str]]:
+    """Findings of a move to a pose, as printed, with a joint beyond its limit by so much."""
+    arm = robots.get(name)
+    joints = arm.home + np.array([4.0, -7.0, 5.0, 6.0, 0.0, -3.0])
+    joints[4] = 35.0
+    joints[axis] = arm.limits[axis, 1] + over
+    p, q = arm.fk(joints[None])
+    turn = from_euler(np.round(to_euler(q), digits))
+    target = Target(Pose.of(np.round(p[0], digits), np.asarray(turn).reshape(4)))
+    move = Move("linear", TargetValue(target), Motion(Speed(100.0), FINE))
+    program = Program("p", (Procedure("main", (move,)),), robot=name)
+    findings = robots.solve_program(program, arm).findings
+    return [(one.code, one.severity.value) for one in findings]
+
+
+@pytest.mark.parametrize(("name", "axis"), [("irb1200-7-0.7", 2), ("irb1200-7-0.7", 1)])
+def test_what_two_decimals_explain_is_a_warning(name: str, axis: int) -> None:
+    assert at_limit(name, axis, 0.005, 2) == [("RB127", "warning")]
+    assert at_limit(name, axis, 0.03, 2) == [("RB103", "error")]
+    assert at_limit(name, axis, 0.005, 7) == [("RB103", "error")]  # it means what it says

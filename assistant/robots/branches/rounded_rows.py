@@ -6,12 +6,13 @@ that need them: few, so that they are kept as a table.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
 
 from assistant.program.arrays import Floats, Rows, Truths, norms
+from assistant.robots.arms.arm import CLOSING
 from assistant.robots.branches.rounding import roundings
 from assistant.robots.branches.within_rounding import CLOSE, PLAY, Wanted, looseness, settled, split
 from assistant.robots.motion.run import Run
@@ -19,6 +20,11 @@ from assistant.robots.robot import IN_LINE, Robot
 
 SHORT: Final = 0.2
 """mm that a pose may be out of reach by rounding at most."""
+HAIR: Final = 0.01
+"""degrees or mm beyond a limit up to which a target is taken at the limit, with a warning: its
+printed decimals are no finer than that."""
+COARSER: Final = 20.0
+"""Roundings by which a target that is taken at a limit may be missed."""
 ZERO: Final = 2e-6
 """degrees of axis 5 that are left of a straight wrist, so that its branch can be told."""
 
@@ -30,6 +36,8 @@ class Slack:
     rows: list[Rows] = field(default_factory=list)
     branches: list[Rows] = field(default_factory=list)
     joints: list[Floats] = field(default_factory=list)
+    beyond: list[tuple[Rows, Rows, Floats]] = field(default_factory=list)
+    """Rows (m,) that are taken at a limit, their axes there, and how far they are beyond (m,)."""
 
     def add(self, rows: Rows, branches: Rows, joints: Floats) -> None:
         self.rows.append(rows)
@@ -96,8 +104,9 @@ def take(
     p, q, joints = given
     low, high = robot.limits.T
 
-    def settle(row: Rows, branch: Rows, box: tuple[Floats, Floats]) -> Rows:
+    def settle(row: Rows, branch: Rows, box: tuple[Floats, Floats], coarser: float = 1.0) -> Rows:
         wanted = wanted_of(run, robot, p[row], q[row], start + row)
+        wanted = replace(wanted, rounding=wanted.rounding * coarser)
         found, met = settled(robot, wanted, branch, joints[:, branch, row].T, box)
         joints[:, branch[met], row[met]] = found[met].T
         allowed[branch[met], row[met]] = True
@@ -126,10 +135,28 @@ def take(
         beyond[np.abs(angles[:, 4]) < CLOSE, 3::2] = 0.0
     loose = looseness(robot, angles)
     worst = beyond.max(axis=1)
+    whole = branch, row, beyond
     some = worst <= np.minimum(PLAY * loose, CLOSE)
     branch, row, worst, loose = (each[some] for each in (branch, row, worst, loose))
     wanted = wanted_of(run, robot, p[row], q[row], start + row)
     some = worst <= wanted.play * loose
     branch, row = branch[some], row[some]
     if len(row):
-        settle(row, branch, (np.tile(low, (len(row), 1)), np.tile(high, (len(row), 1))))
+        settle(row, branch, _box(robot, row))
+    branch, row, beyond = whole
+    meant = np.where(own[row] >= 0, own[row] == branch, ~np.asarray(allowed.any(axis=0))[row])
+    some = np.flatnonzero((beyond.max(axis=1) <= HAIR) & meant & ~allowed[branch, row])
+    branch, row, beyond = branch[some], row[some], beyond[some]
+    if len(row):
+        off = roundings(robot, *run.targets(start + row))[:, 0]
+        printed = np.flatnonzero(off > CLOSING)
+        branch, row, beyond = branch[printed], row[printed], beyond[printed]
+    if len(row):
+        met = settle(row, branch, _box(robot, row), COARSER)
+        axis = beyond[met].argmax(axis=1)
+        slack.beyond.append((start + row[met], axis, beyond[met, axis]))
+
+
+def _box(robot: Robot, rows: Rows) -> tuple[Floats, Floats]:
+    low, high = robot.limits.T
+    return np.tile(low, (len(rows), 1)), np.tile(high, (len(rows), 1))

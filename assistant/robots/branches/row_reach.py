@@ -127,6 +127,22 @@ class Survey:
             else:
                 finding = rules.TILTED(about=about, worst=worst, where=where, robot=robot.title)
             out.append(finding)
+        if self.slack.beyond:
+            rows, axes, over = (
+                np.concatenate(columns) for columns in zip(*self.slack.beyond, strict=True)
+            )
+            at = int(over.argmax()) if len(over) else 0
+            if len(over):
+                axis = int(axes[at])
+                out.append(
+                    rules.AT_LIMIT(
+                        about=run.what(np.unique(rows)),
+                        axis=robot.axes[axis],
+                        unit=robot.units[axis],
+                        over=float(over[at]),
+                        where=run.label(int(rows[at])),
+                    )
+                )
         if self.limits.rows:
             axis, value = int(self.limits.fields["axis"]), float(self.limits.fields["angle"])  # type: ignore[call-overload,arg-type]
             low, high = robot.limits[axis]
