@@ -15,6 +15,7 @@ from assistant.compiler.seen_frames import with_known
 from assistant.compiler.source_map import Places, at_moves
 from assistant.compiler.travelling import travelled
 from assistant.compiler.turning import with_turns
+from assistant.compiler.unplaced import unplaced
 from assistant.program.diagnostics import Diagnostic, Refused, error, fold, has_errors
 from assistant.program.program import Program
 
@@ -67,6 +68,6 @@ def solve(
     also = () if has_errors(ways.findings) else solution.findings
     changed = (*located, *sights, *changed, *map(places.finding, ways.findings))
     at_lines = map(places.finding, at_moves(also, solution.program, places))
-    found = (*loaded.findings, *changed, *at_lines)
+    found = (*loaded.findings, *changed, *unplaced(program, arm, at_lines))
     said = [*stands.findings, *fold(f.within(source) for f in found)]
     return Solved(solution, arms.scene, places, said, loaded.program)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic, Severity, error, warning
+from assistant.program.diagnostics import Diagnostic, error, has_errors
 from assistant.program.geometry import BASE
 from assistant.program.program import Program, walk
 from assistant.program.statements import Follow, Move, MoveCircular
@@ -17,18 +17,17 @@ from assistant.program.statements import Follow, Move, MoveCircular
 if TYPE_CHECKING:
     from assistant.robots import Robot
 
-SAID: Final = "what {arm} cannot do there: {codes}"
 CURE: Final = (
     "give the work its place: `position` of a frame that [motion] names, or of [placement], in the"
-    " process file, or --place X,Y,Z for one run"
+    " process file, or --place X,Y,Z for one run; --place 0,0,0 if it is drawn around the base"
+)
+FRAMED: Final = (
+    "give the work its place: `position` of a frame that [motion] names, in the process file"
 )
 UNPLACED: Final = error(
-    "CO340", f"the work stands at the robot's own base, without a frame: {SAID}", CURE
+    "CO340", "nothing places the work, so it stands at the base of {arm}{codes}", "{cure}"
 )
-HARDLY: Final = warning(
-    "CO341", f"the work stands around the robot's own base, without a frame: {SAID}", CURE
-)
-FAMILIES: Final = ("RB", "CK3")
+FAMILIES: Final = ("RB", "CK3", "CK42")
 """Of the findings that tell what an arm cannot do somewhere."""
 NEAR: Final = 0.15
 """Part of an arm's reach from its axis 1 in which nobody puts a work piece."""
@@ -37,18 +36,32 @@ NEAR: Final = 0.15
 def unplaced(program: Program, arm: Robot, found: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
     """What was found of a program for an arm; of work that was never placed, in one finding.
 
-    A drawing is drawn about its own origin, and without a frame that is the robot's: then all that
-    is told of reach, limits, singularities and speeds tells the same.
+    A drawing is drawn about its own origin, and without a frame that is the robot's: it is refused.
+    What is told of reach, limits, singularities and speeds there tells the same.
     """
     found = tuple(found)
     told = [one for one in found if one.code.startswith(FAMILIES)]
-    worst = {one.severity for one in told} - {Severity.INFO}
-    if not worst or program.origin is not None or not _at_the_base(program, arm):
+    if program.placed is False and _in_the_base(program):
+        return (_told(arm, told, CURE), *(other for other in found if other not in told))
+    if program.placed is not None:
         return found
+    if not has_errors(told) or program.origin is not None or not _at_the_base(program, arm):
+        return found
+    return (_told(arm, told, FRAMED), *(other for other in found if other not in told))
+
+
+def _told(arm: Robot, told: Sequence[Diagnostic], cure: str) -> Diagnostic:
     counts = Counter(one.code for one in told)
     codes = ", ".join(f"{code} ({n} times)" if n > 1 else code for code, n in counts.items())
-    one = (UNPLACED if Severity.ERROR in worst else HARDLY)(arm=arm.title, codes=codes)
-    return (one, *(other for other in found if other not in told))
+    there = f", where it cannot do all of it: {codes}" if told else ""
+    return UNPLACED(arm=arm.title, codes=there, cure=cure)
+
+
+def _in_the_base(program: Program) -> bool:
+    """Whether it moves or has targets, and all of its moves are in the robot's base."""
+    moving = [s for s in program.statements() if isinstance(s, Follow | Move | MoveCircular)]
+    frames = {frame for statement in moving for frame in _frames(statement)}
+    return bool(moving or program.targets) and not frames - {BASE}
 
 
 def _at_the_base(program: Program, arm: Robot) -> bool:

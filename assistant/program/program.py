@@ -196,6 +196,7 @@ class Program:
     comments: the lines above the program.
     origin: lets its own language give back what was not changed as it stood; it is not part
     of what the program says. interface: what others of its controller know of it; nor is that.
+    placed: of a drawing, whether something says where it stands; None for other programs.
     Names of one kind are unique without regard to case.
     """
 
@@ -215,6 +216,7 @@ class Program:
     declarations: tuple[Declaration, ...] = ()
     origin: Origin | None = field(default=None, compare=False, repr=False)
     interface: Interface | None = field(default=None, compare=False, repr=False)
+    placed: bool | None = field(default=None, compare=False, repr=False)
     _by_name: dict[str, Procedure] = field(
         default_factory=dict, init=False, compare=False, repr=False
     )

@@ -85,6 +85,7 @@ def assemble(contents: Contents, path: FilePath, process: Process) -> Reading:
         }
         | ends,
         joint_targets={home: JointTarget(process.home)} if home and process.home else {},
+        placed=process.placement is not None,
     )
     return Reading(program, tuple(findings))
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from assistant.program.diagnostics import Diagnostic, Refused, Severity, error, has_errors, info
 from assistant.program.expressions import JointValue, Name, Number
-from assistant.program.geometry import JointTarget, Pose, Target
+from assistant.program.geometry import BASE, JointTarget, Pose, Target
 from assistant.program.path import Kind, Path, configuration_of
 from assistant.program.program import identifier
 from assistant.program.statements import (
@@ -36,6 +36,7 @@ from assistant.sources.tables.cells import Cells
 from assistant.sources.tables.columns import Table, table_of
 from assistant.sources.tables.delimited import read_cells
 from assistant.sources.tables.headers import columns_of, shown
+from assistant.sources.tables.poses import like_metres
 
 ERROR: Final = Severity.ERROR
 MIXED = error(
@@ -61,6 +62,8 @@ def read_table(data: bytes, path: str, stem: str, process: Process) -> Reading:
     if left := [c for c in columns if c.group == "left out"]:
         names = ", ".join(shown(cells.header[c.part]) for c in left)
         notes.append(LEFT_OUT(path=path, line=cells.header_line, names=names))
+    if set(table.motions.frames) <= {BASE} and not table.of_joints.any():
+        notes += like_metres(table.positions, {"path": path})
     if any(c.group == "name" for c in columns):
         program, more = _named(name, table, process)
         notes += more

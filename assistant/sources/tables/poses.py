@@ -45,7 +45,8 @@ LAST_ROW = error(
 METRES = warning(
     "TB208",
     "all {count} positions lie within {most:g} mm of the frame; are they metres?",
-    'give millimetres, or say `unit = "m"` in the file or its process file',
+    'give millimetres, or say `unit = "m"` in the file or its process file; columns of metres are '
+    "called `x_m`, `y_m` and `z_m`",
 )
 
 LARGEST_POSITION: Final = 1e6
@@ -144,7 +145,7 @@ def of_matrices(matrices: Floats, locate: Locate) -> tuple[Floats, Floats, list[
 
 
 def like_metres(positions: Floats, place: Mapping[str, Any]) -> list[Diagnostic]:
-    """A warning if positions whose unit was not stated look like metres."""
+    """A warning if positions look like metres."""
     if len(positions) > 1 and 0 < np.abs(positions).max() <= LIKE_METRES:
         return [METRES(**place, count=len(positions), most=LIKE_METRES)]
     return []
