@@ -41,6 +41,7 @@ COMMON: Final = frozenset(
 EXCEPTIONS: Final = {
     ("__init__.py", "connect"): "the name of our own function",
     ("checks/arcs.py", "rapid"): "says whose limit it is",
+    ("checks/clearances.py", "clear"): "apart",
     ("cli/app.py", "rapid"): "help: what the program is for",
     ("cli/app.py", "melfa"): "help: what the program is for",
     ("cli/looking.py", "reset"): "the name of our own command",

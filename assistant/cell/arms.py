@@ -8,12 +8,14 @@ more.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Final
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from assistant.cell.scene import Body, Part, Placed, Scene
+from assistant.cell.scene import FLANGE, Body, Part, Placed, Scene
 from assistant.cell.shapes import Capsule
 from assistant.program.arrays import Floats, Rows, Truths, norms
 from assistant.program.geometry import IDENTITY, Pose, Vector
@@ -44,9 +46,13 @@ def placed(
 def link_bodies(name: str, robot: Robot) -> Iterator[Body]:
     """Bodies `NAME.base`, `NAME.J1` … of a robot, each carried by what it is called after.
 
-    Where axis 1 begins on the floor, the lower half of its column is the base.
+    Where axis 1 begins on the floor, the lower half of its column is the base. A horizontal arm
+    has a column and a quill, see `_horizontal`.
     """
     chain = robot.arm.whole_chain
+    if len(robot.axes) == 4 and robot.sliding.tolist() == [False, False, True, False]:
+        yield from _horizontal(name, robot)
+        return
     steps = [*(joint.pose.position for joint in chain.joints), chain.flange.position]
     origin, foot = np.zeros(3), np.zeros(3)
     for carrier, step, radius in zip(("base", *robot.axes), steps, robot.radii, strict=True):
@@ -62,6 +68,44 @@ def link_bodies(name: str, robot: Robot) -> Iterator[Body]:
             yield Body(f"{name}.{carrier}", parts, parent=f"{name}.{carrier}")
 
 
+def _horizontal(name: str, robot: Robot) -> Iterator[Body]:
+    """Bodies of a SCARA: a column on the floor, two links at one height, and the quill.
+
+    Its lengths say how far apart its axes are, and not how high its links are: they are taken to
+    lie just above the highest place of the flange, which its quill leaves downwards.
+    """
+    chain = robot.arm.whole_chain
+    base, one, two, _, quill = (float(radius) for radius in robot.radii)
+    steps = [np.array(joint.pose.position) for joint in chain.joints]
+    low, high = (robot.limits[2] + robot.zero[2]) * float(chain.joints[2].axis[2])
+    low, high = min(low, high), max(low, high)
+    height = float(steps[0][2] + steps[1][2] + steps[2][2])
+    up = max(height + high, height) + max(one, two) - height if height <= SHORT else 0.0
+    parts = {
+        "base": (_upright(base, base, height + up - one - base),),
+        "J1": (_between(_raised(steps[1] * [0, 0, 1], up), _raised(steps[1], up), one),),
+        "J2": (_between(_raised(steps[2] * [0, 0, 1], up), _raised(steps[2], up), two),),
+        "J4": (_upright(quill, quill, up - low + quill),),
+    }
+    for carrier, shapes in parts.items():
+        there = tuple(part for part in shapes if part is not None)
+        if there:
+            yield Body(f"{name}.{carrier}", there, parent=f"{name}.{carrier}")
+
+
+def _raised(place: Floats, by: float) -> Floats:
+    return np.asarray(place + np.array([0.0, 0.0, by]))
+
+
+def _upright(radius: float, low: float, high: float) -> Part | None:
+    return _between(np.array([0.0, 0.0, low]), np.array([0.0, 0.0, high]), radius)
+
+
+def _between(start: Floats, end: Floats, radius: float) -> Part | None:
+    long = float(norms((end - start)[None])[0]) > SHORT and start[2] <= end[2]
+    return capsule_between(start, end, radius) if long else None
+
+
 def _up(step: Vector) -> Floats:
     """What of a step to the next frame goes along the z axis of this one, as a step."""
     return np.array([0.0, 0.0, step[2]])
@@ -73,6 +117,38 @@ def capsule_between(start: Floats, end: Floats, radius: float) -> Part:
     length = float(norms(way[None])[0])
     x, y, z = (way / length).tolist()
     return Part(Capsule(radius, length), Pose.of((start + end) / 2.0, np.array(onto_z((x, y, z)))))
+
+
+ALONE: Final = "robot"
+"""How an arm is called that stands in no cell, in names of its links."""
+THIN: Final = 1.0
+"""mm of the radius of what stands for a tool of which only the tip is known."""
+_STANDING: Final[WeakKeyDictionary[Robot, dict[tuple[str, Vector] | None, Scene]]] = (
+    WeakKeyDictionary()
+)
+MOST: Final = 64
+"""Tools of an arm whose scenes are kept."""
+
+
+def alone(robot: Robot, tool: tuple[str, Pose] | None = None) -> Scene:
+    """An arm without a cell, with a tool of a name and a tip, in which only contacts count.
+
+    The tool is a thin rod from the middle of the flange to its tip.
+    """
+    key = None if tool is None else (tool[0], tool[1].position)
+    if key is not None and float(norms(np.array([key[1]]))[0]) <= SHORT:
+        key = None
+    made = _STANDING.setdefault(robot, {})
+    if key not in made:
+        arm, bodies = placed(ALONE, robot), list[Body]()
+        if key is not None:
+            rod = capsule_between(np.zeros(3), np.array(key[1]), THIN)
+            bodies.append(Body(key[0], (rod,), parent=f"{ALONE}.{FLANGE}"))
+        out = touching_links(replace(arm, links=(*arm.links, *bodies)))
+        if len(made) >= MOST:
+            made.clear()
+        made[key] = Scene(tuple(bodies), (arm,), allowed=out, margin=0.0)
+    return made[key]
 
 
 def touching_links(placed: Placed) -> frozenset[tuple[str, str]]:

@@ -2,36 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Final
 
 import numpy as np
 
+from assistant.cell.arms import alone
 from assistant.cell.collision.carriers import Carriers
-from assistant.cell.collision.continuous import Hit, Way, hits
+from assistant.cell.collision.continuous import RESOLUTION, Curve, Hit, Least, Way, firsts, leasts
 from assistant.cell.collision.model import Contact, Model
 from assistant.cell.holding import Holding
 from assistant.cell.scene import FLANGE, Placed, Scene
-from assistant.program.arrays import Floats
+from assistant.cell.shapes import Mesh
+from assistant.program.arrays import Floats, Rows, Truths
 from assistant.program.diagnostics import Span
-from assistant.program.geometry import Pose
+from assistant.program.geometry import Pose, Tool
 from assistant.robots.robot import Robot
 from assistant.robots.timing import Carried, Simulation
 from assistant.robots.timing.passed import Passed, Stretches, stretches_of
 
-LOOKED: Final = 64
-"""Places in a run of stretches at which the least distance of a pair is looked for."""
-
 
 @dataclass(frozen=True, slots=True)
 class Closeness:
-    """A place where two bodies come too near to each other.
+    """Two bodies that come too near to each other on the way of a motion statement.
 
     procedure, number, row: the motion statement and its move. label: what it moves to. time:
-    seconds from the start of the procedure. contact: there. least: mm at the nearest place after
-    it. joints: (a,) of the robot there.
+    seconds from the start of the procedure at which that begins. contact: then. least: mm at the
+    nearest place of the statement. bound: mm that it is not less than. starts: whether the
+    statement starts so near. joints: (a,) of the robot where it begins.
     """
 
     procedure: str
@@ -41,14 +40,25 @@ class Closeness:
     time: float
     contact: Contact
     least: float
+    bound: float
+    starts: bool
     joints: Floats
     span: Span | None = None
+
+    @property
+    def touches(self) -> bool:
+        return self.bound <= 0.0 and self.least <= RESOLUTION
+
+    @property
+    def exact(self) -> bool:
+        return self.least - self.bound <= RESOLUTION
 
 
 def closeness(
     simulation: Simulation, scene: Scene, name: str | None = None, margin: float | None = None
 ) -> Iterator[Closeness]:
-    """Where a program comes nearer than the margins to anything, in order of its ways.
+    """Where a program comes nearer than the margins to anything, in order of its ways: of each
+    statement and two parts once.
 
     name: of the robot of the scene that runs it; the others stand at home. margin: mm, for all
     pairs, instead of those of the scene; 0 for contacts only.
@@ -61,10 +71,57 @@ def closeness(
                 now = carried.scene_now() if isinstance(carried, Holding) else scene
                 models[carried] = Model(now)
             model = models[carried]
-            margins = model.margins if margin is None else np.full(len(model), margin)
-            way = Way(*rows_of(scene, placed, stretches))
-            for hit in hits(model, way, margins):
-                yield _closeness(simulation, model, passed, stretches, way, hit)
+            limit = model.margins if margin is None else np.full(len(model), margin)
+            yield from _of_stretches(simulation, model, passed, stretches, (placed, limit))
+
+
+def own_contacts(simulation: Simulation, tools: Mapping[str, Tool]) -> Iterator[Closeness]:
+    """Where an arm without a cell touches itself, its base or the tool that moves, in order.
+
+    tools: those of the program, by their names.
+    """
+    robot = simulation.robot
+    names = {tool.tip.position: name for name, tool in reversed(list(tools.items()))}
+    models: dict[int, Model] = {}
+    for passed in simulation.passed:
+        moves, whole = passed.plan.course.moves, stretches_of(passed.plan)
+        mount = moves.mount[whole.row]
+        ends = [0, *(np.flatnonzero(np.diff(mount)) + 1).tolist(), len(mount)]
+        for first, last in pairwise(ends):
+            tool = moves.mounts[mount[first]].tool if last > first else Tool()
+            name = names.get(tool.tip.position)
+            scene = alone(robot, (name, tool.tip) if name and tool.held else None)
+            model = models.setdefault(id(scene), Model(scene))
+            asked = scene.robots[0], model.margins
+            yield from _of_stretches(simulation, model, passed, whole.part(first, last), asked)
+
+
+def _of_stretches(
+    simulation: Simulation,
+    model: Model,
+    passed: Passed,
+    stretches: Stretches,
+    asked: tuple[Placed, Floats],
+) -> Iterator[Closeness]:
+    """Of the robot and the limits (p,) that are asked for."""
+    placed, limit = asked
+    way = way_of(model.scene, placed, stretches)
+    ends = np.cumsum([len(piece.moves) for piece in passed.pieces])
+    statement = np.searchsorted(ends, stretches.row + passed.skipped, side="right")
+    found = leasts(model, way, limit, statement)
+    contacts = [one for one in found if _touches(one)]
+    others = [one for one in found if not _touches(one)]
+    begin = firsts(model, way, np.minimum(limit, 0.0), statement, contacts)
+    begin |= firsts(model, way, limit, statement, others)
+    firsts_of = dict(zip(*np.unique(statement, return_index=True), strict=True))
+    known = [(begin[one.group, one.pair], one) for one in found if (one.group, one.pair) in begin]
+    for hit, one in sorted(known, key=lambda two: two[0].at):
+        starts = hit.at <= firsts_of[one.group]
+        yield _closeness(simulation, model, passed, stretches, (hit, one, starts))
+
+
+def _touches(one: Least) -> bool:
+    return one.bound <= 0.0 and one.distance <= RESOLUTION
 
 
 def carrying(passed: Passed) -> Iterator[tuple[Carried | None, Stretches]]:
@@ -78,12 +135,7 @@ def carrying(passed: Passed) -> Iterator[tuple[Carried | None, Stretches]]:
     kind = np.array(moves[passed.skipped :])[whole.row]
     ends = [*(np.flatnonzero(np.diff(kind)) + 1).tolist(), len(kind)]
     for first, last in pairwise([0, *ends]):
-        part = Stretches(
-            whole.joints[first : last + 1],
-            whole.slack[first:last],
-            whole.times[first : last + 1],
-            whole.row[first:last],
-        )
+        part = whole.part(first, last)
         yield kinds[int(kind[first])] if first < len(kind) else kinds[0], part
 
 
@@ -121,6 +173,26 @@ def beyond_bodies(scene: Scene, placed: Placed, tip: Pose) -> float:
     return min(gaps, default=float(np.linalg.norm(tip.position)))
 
 
+def way_of(scene: Scene, placed: Placed, stretches: Stretches) -> Way:
+    """The way of the joints of all robots, of which one moves."""
+    return Way(*rows_of(scene, placed, stretches), curve_of(scene, placed, stretches))
+
+
+def curve_of(scene: Scene, placed: Placed, stretches: Stretches) -> Curve:
+    """Where the joints of all robots are between the ends of stretches, of which one moves."""
+    rows, _ = rows_of(scene, placed, stretches.part(0, 0))
+    columns = Carriers(scene.robots).columns
+    own = next(c for c, one in zip(columns, scene.robots, strict=True) if one is placed)
+
+    def curve(stretch: Rows, part: Floats) -> tuple[Floats, Truths]:
+        joints, exact = stretches.between(stretch, part)
+        out = np.tile(rows[0], (len(joints), 1))
+        out[:, own] = joints
+        return out, exact
+
+    return curve
+
+
 def rows_of(scene: Scene, placed: Placed, stretches: Stretches) -> tuple[Floats, Floats]:
     """Rows of the joints of all robots, of which one moves, with their slack."""
     rows, slack = [], []
@@ -132,13 +204,25 @@ def rows_of(scene: Scene, placed: Placed, stretches: Stretches) -> tuple[Floats,
 
 
 def _closeness(
-    simulation: Simulation, model: Model, passed: Passed, stretches: Stretches, way: Way, hit: Hit
+    simulation: Simulation,
+    model: Model,
+    passed: Passed,
+    stretches: Stretches,
+    found: tuple[Hit, Least, bool],
 ) -> Closeness:
+    hit, least, starts = found
     at = min(int(hit.at), len(stretches.row) - 1)
     part = hit.at - at
-    move = int(stretches.row[at])
-    piece, row = passed.piece_of(move)
+    piece, row = passed.piece_of(int(stretches.row[at]))
     time = float(stretches.times[at] * (1.0 - part) + stretches.times[at + 1] * part)
+    distance, bound = least.distance, least.bound
+    shapes = [model.items[int(i[hit.pair])] for i in (model.one, model.other)]
+    if any(not item.body.shown for item in shapes):
+        touches = _touches(least)
+        distance = hit.distance  # how far into space that nobody knows says nothing
+        bound = min(distance, 0.0) if touches else distance
+    elif distance <= 0.0 and any(isinstance(item.part.shape, Mesh) for item in shapes):
+        bound = -np.inf  # triangles do not tell how deep something is
     return Closeness(
         piece.procedure,
         piece.number,
@@ -146,27 +230,8 @@ def _closeness(
         simulation.labels.get((piece.procedure, piece.number), ""),
         passed.start + time,
         model.contact(hit.joints, hit.pair),
-        _least(model, way, hit),
+        distance,
+        bound,
+        starts,
         hit.joints,
     )
-
-
-def _least(model: Model, way: Way, hit: Hit) -> float:
-    """Mm that the pair of a hit is apart at the nearest place of the stretches behind it."""
-    if any(not model.items[int(i[hit.pair])].body.shown for i in (model.one, model.other)):
-        return hit.distance  # how far into space that nobody knows says nothing
-    first = int(hit.at)
-    limit = model.margins[hit.pair]
-    last = first + 1
-    while last < len(way.rows) - 1 and last - first < LOOKED:
-        if _distances(model, way.rows[last : last + 1], hit.pair)[0] > limit:
-            break
-        last += 1
-    part = np.linspace(0.0, 1.0, LOOKED)[:, None]
-    some = way.rows[first : last + 1]
-    places = np.concatenate([a + part * (b - a) for a, b in pairwise(some)])
-    return float(min(hit.distance, _distances(model, places, hit.pair).min()))
-
-
-def _distances(model: Model, rows: Floats, pair: int) -> Floats:
-    return model.exact(rows, np.arange(len(rows)), np.full(len(rows), pair))

@@ -37,15 +37,12 @@ def with_robot(
 ) -> tuple[Diagnostic, ...]:
     """Findings of the rules about how a robot gets through a program.
 
-    scene: the cell that it stands in, None if nobody has told of one. cycle: seconds between two
-    places that the controller commands; None for what is known of it.
+    scene: the cell that it stands in, None if nobody has told of one: then the arm is looked at
+    alone, with its base and its tools. cycle: seconds between two places that the controller
+    commands; None for what is known of it.
     What cannot be reached at all are findings of the solution itself.
     """
     from assistant.checks import robot_rules
-
-    found = robot_rules.check(solution, cycle)
-    if scene is None:
-        return found
     from assistant.checks.clearances import clearances
 
-    return (*found, *fold(clearances(solution, scene)))
+    return (*robot_rules.check(solution, cycle), *fold(clearances(solution, scene)))

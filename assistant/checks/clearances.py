@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
-from assistant.program.diagnostics import Diagnostic, Rule, Span, error, info, warning
+from assistant.program.diagnostics import Diagnostic, Rule, Severity, Span, error, info, warning
 from assistant.program.subjects import Declared
 from assistant.robots import SolvedProgram
 
@@ -17,15 +18,21 @@ if TYPE_CHECKING:
 
 TOUCHES: Final = error(
     "CK421",
-    "`{one}` touches `{other}` after {time:.2f} s of `{procedure}`, at {point} mm, on the way to "
-    "{label}; in the end {deep:.3g} mm deep, from which {normal} leads away",
+    "`{one}` {touches} `{other}` after {time:.2f} s of `{procedure}`, at {point} mm, on the way to "
+    "{label}; {deep} mm deep, from which {normal} leads away",
     "go round it, move the target or the body; two that may touch stand under `allowed` of [world]",
 )
 NEAR: Final = warning(
     "CK422",
-    "`{one}` comes within {least:.3g} mm of `{other}` after {time:.2f} s of `{procedure}`, on the "
+    "`{one}` comes within {least} of `{other}` after {time:.2f} s of `{procedure}`, on the "
     "way to {label}; the margin is {margin:g} mm",
     "keep away from it, or state a smaller margin in the cell file",
+)
+NOT_PROVEN: Final = warning(
+    "CK428",
+    "`{one}` is not proven clear of `{other}` after {time:.2f} s of `{procedure}`, on the way to "
+    "{label}: {least} mm are left, and the way of the joints is known to {doubt:.2g} mm there",
+    "keep away from singularities there, or leave more room",
 )
 NO_ROBOT: Final = error(
     "CK423",
@@ -71,16 +78,20 @@ UNSEEN: Final = (
     "is set by the program",
 )
 """Words of what a simulation does not know by which ways of the arm are left out."""
+SHALLOW: Final = 0.05
+"""Of the radii of two links, by which their capsules overlap where the links may not: nobody has
+measured them, and they are thicker than the castings."""
 BARE: Final = 50.0
 """mm from a tip to the next body from which on the tool is taken to have none."""
 
 
 def clearances(
-    solution: SolvedProgram, scene: Scene, simulation: Simulation | None = None
+    solution: SolvedProgram, scene: Scene | None = None, simulation: Simulation | None = None
 ) -> Iterator[Diagnostic]:
     """Contacts as errors, what is nearer than a margin as warnings: of two bodies and a statement
     the first place, with what is worst.
 
+    scene: None for an arm without a cell, whose contacts with itself, its base and its tool count.
     simulation: of the solution, where there is one.
     """
     for finding, _ in placed_clearances(solution, scene, simulation):
@@ -88,15 +99,21 @@ def clearances(
 
 
 def placed_clearances(
-    solution: SolvedProgram, scene: Scene, simulation: Simulation | None = None
+    solution: SolvedProgram, scene: Scene | None = None, simulation: Simulation | None = None
 ) -> Iterator[tuple[Diagnostic, Closeness | None]]:
     """The same, each with where in the scene it is; None for what is about no place."""
-    from assistant.cell.clearances import beyond_bodies, closeness, robot_of
+    from assistant.cell.arms import alone
+    from assistant.cell.clearances import beyond_bodies, closeness, own_contacts, robot_of
     from assistant.cell.holding import Holding
     from assistant.program.diagnostics import has_errors
     from assistant.robots.timing import simulate
 
     if has_errors(solution.findings):  # what cannot be reached is not gone through
+        return
+    if scene is None:
+        done = simulation or simulate(solution)
+        found = own_contacts(done, solution.tools)
+        yield from _told_of(solution, alone(solution.robot), found, alone=True)
         return
     try:
         placed = robot_of(scene, solution.robot)
@@ -106,14 +123,7 @@ def placed_clearances(
     holding = Holding.at_first(scene, placed)
     if simulation is None or holding.places:
         simulation = simulate(solution, carried=holding if holding.places else None)
-    near = list(closeness(simulation, scene, placed.name))
-    contacts = list(closeness(simulation, scene, placed.name, 0.0)) if near else []
-    touched = _worst(contacts)
-    for one in touched.values():
-        yield _told(solution, scene, one, TOUCHES), one
-    for key, one in _worst(one for one in near if one.least > 0.0).items():
-        if key not in touched:
-            yield _told(solution, scene, one, NEAR), one
+    yield from _told_of(solution, scene, closeness(simulation, scene, placed.name))
     for name, tool in solution.tools.items():
         far = beyond_bodies(scene, placed, tool.tip) if tool.held else 0.0
         if far > BARE:
@@ -126,6 +136,30 @@ def placed_clearances(
     for unknown in simulation.unknown:
         if any(words in unknown.what for words in UNSEEN):
             yield NOT_LOOKED(what=str(unknown)), None
+
+
+def _told_of(
+    solution: SolvedProgram, scene: Scene, found: Iterable[Closeness], *, alone: bool = False
+) -> Iterator[tuple[Diagnostic, Closeness]]:
+    """Of two bodies and a statement the worst, contacts first. alone: of an arm in no cell."""
+    near = list(found)
+    touched = _worst(one for one in near if one.touches)
+    for one in touched.values():
+        finding = _told(solution, scene, one, TOUCHES)
+        if alone and _hardly(scene, one):
+            finding = replace(finding, severity=Severity.WARNING)
+        yield finding, one
+    for key, one in _worst(one for one in near if not one.touches).items():
+        if key not in touched:
+            yield _told(solution, scene, one, NOT_PROVEN if one.bound <= 0.0 else NEAR), one
+
+
+def _hardly(scene: Scene, one: Closeness) -> bool:
+    """Whether links of an arm in no cell overlap by less than their capsules are too thick."""
+    links = {body.name: body for body in scene.robots[0].links}
+    parts = [links[n].parts for n in (one.contact.one, one.contact.other) if n in links]
+    radii = [max(getattr(part.shape, "radius", 0.0) for part in some) for some in parts]
+    return -one.least <= SHALLOW * sum(radii)
 
 
 def _worst(found: Iterable[Closeness]) -> dict[tuple[str, int, str, str], Closeness]:
@@ -163,16 +197,23 @@ def _told(solution: SolvedProgram, scene: Scene, one: Closeness, rule: Rule) -> 
         del said["one"], said["other"]
         return UNKNOWN_SPACE(name=leaves, point=_vector(contact.points[0], 1), **said)
     if rule is TOUCHES:
+        deep = max(0.0, -min(one.least, contact.distance))
         return rule(
+            touches="starts in contact with" if one.starts else "touches",
             point=_vector(contact.points[0], 1),
-            deep=max(0.0, -min(one.least, contact.distance)),
+            deep=f"{'up to' if one.exact else 'at least'} {figure(deep)}",
             normal=_vector(contact.normal, 2),
             **said,
         )
+    if rule is NOT_PROVEN:
+        return rule(least=figure(one.least), doubt=one.least - one.bound, **said)
     names = contact.one, contact.other
     margins = [body.margin for body in scene.all_bodies() if body.name in names]
     margin = max(scene.margin if m is None else m for m in margins)
-    return rule(least=min(one.least, margin), margin=margin, **said)
+    least = f"{figure(min(one.least, margin))} mm"
+    if not one.exact:
+        least += f" or less (more than {figure(one.bound)} mm)"
+    return rule(least=least, margin=margin, **said)
 
 
 def _leaves_known_space(scene: Scene, one: str, other: str) -> str | None:
@@ -191,6 +232,11 @@ def _leaves_known_space(scene: Scene, one: str, other: str) -> str | None:
 def _span(solution: SolvedProgram, one: Closeness) -> Span | None:
     legs = solution.legs.get(one.procedure, ())
     return legs[one.number - 1].statement.span if 0 < one.number <= len(legs) else None
+
+
+def figure(value: float) -> str:
+    """A number of mm, in tenths, with two digits below 1."""
+    return f"{round(value, 1):g}" if abs(value) >= 1.0 else f"{round(value, 2):g}"
 
 
 def _vector(values: tuple[float, float, float], digits: int) -> str:

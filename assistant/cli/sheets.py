@@ -161,9 +161,9 @@ def simulated_page(
     def write(
         source: str, options: Options, ready: Solved, findings: list[Diagnostic]
     ) -> Sequence[Path]:
-        from assistant import checks
+        from assistant.checks import robot_rules
 
-        found = checks.with_robot(ready.solution)
+        found = robot_rules.check(ready.solution)
         sheet = solved_sheet(source, ready, options, found)
         read = [source, *map(str, filter(None, (options.cell, options.process)))]
         written, told = write_page(asked, [sheet], read, stem_of(source))

@@ -76,7 +76,7 @@ def run_simulate(
         if has_errors(findings):
             return refused(source, solution.robot, findings, format, pages=pages)
         done = simulate(solution, period=options.period, acceleration=options.acceleration)
-        near = () if ready.scene is None else fold(clearances(solution, ready.scene, done))
+        near = fold(clearances(solution, ready.scene, done))
         findings += [ready.places.finding(finding).within(source) for finding in near]
         files = {path: _written(path.name, done, source) for path in wanted}
         written = [*_put(source, files), *pages]

@@ -80,7 +80,7 @@ def shown_of(source: str, options: Options, ready: Solved) -> Shown:
 
     Raises Refused for a cell without its robot.
     """
-    from assistant import checks
+    from assistant.checks import robot_rules
     from assistant.checks.clearances import no_robot
 
     solution = ready.solution
@@ -91,7 +91,7 @@ def shown_of(source: str, options: Options, ready: Solved) -> Shown:
             robot_of(ready.scene, solution.robot)
         except LookupError:
             raise Refused(no_robot(solution.robot, ready.scene), exit_status=2) from None
-    sheet = solved_sheet(source, ready, options, checks.with_robot(solution))
+    sheet = solved_sheet(source, ready, options, robot_rules.check(solution))
     return shown_sheet(replace(sheet, plan=False))
 
 

@@ -8,7 +8,8 @@ from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
-from assistant import checks, languages
+from assistant import languages
+from assistant.checks import robot_rules
 from assistant.compiler.arms import robot_of
 from assistant.compiler.entering import entered
 from assistant.compiler.loading import (
@@ -101,7 +102,7 @@ def _made(studio: Studio, source: str, process: str, text: str, name: str) -> St
     except Refused as refused:
         found += refused.findings
     if solved is not None and not has_errors(found):
-        found += checks.with_robot(solved.solution)
+        found += robot_rules.check(solved.solution)
     sheet = Sheet(
         FilePath(source).name,
         found,

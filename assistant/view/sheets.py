@@ -115,7 +115,7 @@ def _moving(
     solution = sheet.solution or robots.solve_program(replace(program, robot=arm.name), arm)
     holding = Holding.at_first(scene, stands) if takeable(scene) else None
     done = simulate(solution, acceleration=sheet.acceleration, carried=holding)
-    near = () if sheet.scene is None else placed_clearances(solution, scene, done)
+    near = placed_clearances(solution, sheet.scene, done)
     return solution, done, list(near)
 
 

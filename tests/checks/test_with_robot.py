@@ -301,7 +301,7 @@ def test_targets_that_are_passed_faster_than_places_are_commanded(speed, expecte
 def with_tool(mass: float | None, *, arm=ARM, held: bool = True, used: bool = True):
     load = None if mass is None else Load(mass, (0, 0, 50))
     motion = Motion(Speed(100.0), FINE, "gripper" if used else "tool0")
-    target = TargetValue(Target(Pose((500, 0, 400), DOWN)))
+    target = TargetValue(Target(Pose((0.7 * arm.reach, 0, 400), DOWN)))
     body = Move("joint", target, motion)
     return codes(body, arm=arm, tools={"gripper": Tool(Pose(), load, held)})
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.checks.clearances import clearances
 from assistant.compiler import Translation, compile, load, translate
 from assistant.program.expressions import Name
 from assistant.program.geometry import Frame, Pose, Target, Tool
@@ -15,7 +17,7 @@ from assistant.program.motion import FINE, Speed
 from assistant.program.path import configuration_of, configuration_row
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Motion, Move
-from assistant.robots import Robot
+from assistant.robots import Robot, solve_program
 
 CELL = Path(__file__).parents[2] / "samples" / "melfa" / "cell.process.toml"
 ABB, MITSUBISHI = robots.get("irb120-3-0.58"), robots.get("rv-4frl")
@@ -61,13 +63,25 @@ def taught(arm: Robot, other: Robot, seed: int, count: int) -> dict[str, Target]
     for shift in np.vstack([ROUNDING * np.eye(3), -ROUNDING * np.eye(3)]):
         for each in (arm, other):
             both &= each.ik(positions + shift, quaternions)[1].any(axis=1)
-    joints = joints[both][:count]
-    assert len(joints) == count
+    joints = joints[both][: 2 * count]
     configurations = arm.configuration(joints)
-    return {
+    targets = {
         f"P{k}": Target(pose, configuration_of(row))
         for k, (pose, row) in enumerate(zip(tips(arm, joints), configurations, strict=True), 1)
     }
+    while touched := in_itself(arm, targets) | in_itself(other, targets):
+        targets = {name: target for name, target in targets.items() if name not in touched}
+    assert len(targets) >= count
+    return dict(list(targets.items())[:count])
+
+
+def in_itself(arm: Robot, targets: dict[str, Target]) -> set[str]:
+    """Names of targets at or before which an arm touches itself."""
+    own = {name: Target(target.pose) for name, target in targets.items()}
+    if arm is ABB:
+        own = targets
+    found = clearances(solve_program(program(arm, own), arm))
+    return {name for one in found for name in re.findall(r"to `(P\d+)`", one.message)}
 
 
 def kept(translation: Translation, folder: Path) -> Path:

@@ -157,6 +157,7 @@ def beside_post(a: Floats, b: Floats) -> float:
     return float(np.hypot(across, above).min())
 
 
+PLACED = "\n[placement]\nposition = [0, 0, 0]\n"
 UNDER = """
 [robots.arm]
 robot = "irb1200-7-0.7"
@@ -186,7 +187,7 @@ def under(tmp_path: Path) -> Path:
     document = ezdxf.new("R2000", units=4)
     document.modelspace().add_line((420, 0, 300), (420, -30, 300), dxfattribs={"layer": "GLUE"})
     document.saveas(tmp_path / "under.dxf")
-    (tmp_path / "under.process.toml").write_text(ABOVE)
+    (tmp_path / "under.process.toml").write_text(ABOVE + PLACED)
     (tmp_path / "cell.toml").write_text(UNDER)
     return tmp_path / "under.dxf"
 

@@ -1,13 +1,16 @@
 """Contacts between frames: the way between two rows of joints, with nothing left out.
 
-First what is far away is left out, of whole groups of stretches at once (`culling`). A stretch of
-what remains is clear if the distances at its two ends add up to more than anything can move from
-the one to the other; if not, it is halved. What each joint moves is counted with the largest lever
-that a pair has on it (`Model.leverage`), so that no thing is thin enough to be stepped over.
+First what is far away is left out, of whole groups of stretches at once (`culling`). A part of a
+stretch of what remains is clear if the distances at its two ends add up to more than anything can
+move from the one to the other; if not, it is halved. What each joint moves is counted with the
+largest lever that a pair has on it (`Model.leverage`), so that no thing is thin enough to be
+stepped over. Joints that go no straight way are computed at the ends and in the middle of each
+part, so that what they may be off the straight line between them shrinks as the part does.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -18,11 +21,22 @@ from assistant.cell.collision.model import Model
 from assistant.program.arrays import Floats, Rows, Truths
 
 RESOLUTION: Final = 0.1
-"""mm that anything moves in the shortest stretch: what comes that near counts as touching."""
+"""mm that anything moves in the shortest part: what comes that near counts as touching."""
 TOGETHER: Final = 500_000
 """Stretches times pairs that are looked at together: each takes some hundred bytes at most."""
 LONGEST: Final = 65536
 """Stretches of which a chunk has no more."""
+ROUGH: Final = 0.1
+"""degrees (mm) that curved joints may be off the line of their stretch beyond its slack."""
+SAFETY: Final = 1.5
+"""By how much more than in the middle of a part joints may be off its straight line elsewhere."""
+FINEST: Final = 0.05
+"""mm to which a least distance is found."""
+MOST: Final = 400_000
+"""Distances that are computed for least ones at most; what is found then is a bound."""
+
+Curve = Callable[[Rows, Floats], tuple[Floats, Truths]]
+"""Numbers of stretches (k,) and parts of them (k,) → joints (k, j), and whether they are exact."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,10 +44,12 @@ class Way:
     """Rows (n, j) of joints that are gone through, along straight lines of the joints.
 
     slack: (n - 1, j) how far a joint may be from the line of its stretch; None for not at all.
+    curve: where it is, None if nothing but the slack is known.
     """
 
     rows: Floats
     slack: Floats | None = None
+    curve: Curve | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +65,23 @@ class Hit:
     joints: Floats
 
 
+@dataclass(frozen=True, slots=True)
+class Least:
+    """How near a pair comes to each other in a group of stretches.
+
+    distance: mm, the least that was found. bound: mm that it is not less than.
+    """
+
+    group: int
+    pair: int
+    distance: float
+    bound: float
+
+    @property
+    def exact(self) -> bool:
+        return self.distance - self.bound <= RESOLUTION
+
+
 def hits(
     model: Model, way: Way, margin: float | Floats = 0.0, resolution: float = RESOLUTION
 ) -> list[Hit]:
@@ -56,15 +89,13 @@ def hits(
 
     A pair that is so from the start on begins there. resolution: mm, see `RESOLUTION`.
     """
-    n = len(way.rows) - 1
-    if n < 1 or not len(model):
+    if len(way.rows) < 2 or not len(model):
         return []
     limit = np.broadcast_to(np.asarray(margin, dtype=np.float64), (len(model),))
     found: list[Hit] = []
-    for start in range(0, n, LONGEST):
-        chunk = _Chunk(model, way, limit, resolution, start, min(start + LONGEST, n))
-        for stretch, pair in near(model, chunk.rows, chunk.slack, limit, TOGETHER):
-            found += chunk.hits(stretch, pair)
+    for chunk, stretch, pair in _chunks(model, way, limit):
+        begun = stretch + chunk.start == 0
+        found += chunk.hits(stretch, pair, limit, begun, resolution)
     return _first_of_runs(found)
 
 
@@ -73,106 +104,268 @@ def clear(model: Model, way: Way, margin: float | Floats = 0.0) -> bool:
     return not hits(model, way, margin)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Open:
-    """Parts of stretches, from low to high, each for one pair, with its distances at both.
+def leasts(model: Model, way: Way, limit: Floats, group: Rows) -> list[Least]:
+    """How near each pair comes in each group of stretches, if that may be nearer than limit (p,).
 
-    moved: mm that the pair can come nearer on the whole stretch; slack: off it.
+    group: (n - 1,) numbers that do not descend.
+    """
+    found: dict[tuple[int, int], Least] = {}
+    if len(way.rows) < 2 or not len(model):
+        return []
+    for chunk, stretch, pair in _chunks(model, way, limit):
+        for one in chunk.leasts(stretch, pair, limit, group):
+            key = one.group, one.pair
+            other = found.get(key, one)  # of a group that lies in two chunks
+            distance, bound = (min(one.distance, other.distance), min(one.bound, other.bound))
+            found[key] = Least(*key, distance, bound)
+    return list(found.values())
+
+
+def firsts(
+    model: Model, way: Way, limit: Floats, group: Rows, wanted: Sequence[Least]
+) -> dict[tuple[int, int], Hit]:
+    """Where the pairs of some groups first are nearer than limit (p,), by group and pair."""
+    out: dict[tuple[int, int], Hit] = {}
+    count = len(model)
+    keys = np.array([one.group * count + one.pair for one in wanted], dtype=np.intp)
+    stretch = np.flatnonzero(np.isin(group, [one.group for one in wanted]))
+    for start in range(0, len(stretch), LONGEST):
+        some = stretch[start : start + LONGEST]
+        at, pair = (
+            x.reshape(-1) for x in np.meshgrid(some, np.unique(keys % count), indexing="ij")
+        )
+        of = np.isin(group[at] * count + pair, keys)
+        at, pair = at[of], pair[of]
+        for part in range(0, len(at), TOGETHER):
+            chunk = _Chunk(model, way, 0, len(way.rows) - 1)
+            s, p = at[part : part + TOGETHER], pair[part : part + TOGETHER]
+            begun = (s == 0) | (group[s] != group[np.maximum(s - 1, 0)])
+            for hit in chunk.hits(s, p, limit, begun, RESOLUTION):
+                key = int(group[min(int(hit.at), len(group) - 1)]), hit.pair
+                if key not in out or hit.at < out[key].at:
+                    out[key] = hit
+    return out
+
+
+def _chunks(model: Model, way: Way, limit: Floats) -> Iterator[tuple[_Chunk, Rows, Rows]]:
+    """Parts of a way, with the stretches (k,) of each and pairs (k,) that may be nearer there."""
+    for start in range(0, len(way.rows) - 1, LONGEST):
+        chunk = _Chunk(model, way, start, min(start + LONGEST, len(way.rows) - 1))
+        slack = chunk.slack
+        if slack is not None and way.curve is not None:
+            slack = slack + ROUGH * (slack > 0.0)
+        for stretch, pair in near(model, chunk.rows, slack, limit, TOGETHER):
+            yield chunk, stretch, pair
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Parts:
+    """u parts of stretches, each as long as the others, with their joints (u, j) at the low end, in
+    the middle and at the high end.
+
+    off: (u, j) how far joints are from the straight line. fixed: (u,) whether that does not shrink.
     """
 
     stretch: Rows
-    pair: Rows
     low: Floats
-    high: Floats
-    at_low: Floats
-    at_high: Floats
-    moved: Floats
-    slack: Floats
+    size: float
+    joints: tuple[Floats, Floats, Floats]
+    off: Floats
+    fixed: Truths
 
-    def some(self, which: Truths) -> _Open:
-        return _Open(*(getattr(self, name)[which] for name in _Open.__slots__))
-
-    def halves(self, middle: Floats, touching: Truths) -> _Open:
-        """Both halves of each; where the middle (distances) touches, only the one before it."""
-        half, rest = (self.low + self.high) / 2.0, ~touching
-        return _Open(
-            np.concatenate([self.stretch, self.stretch[rest]]),
-            np.concatenate([self.pair, self.pair[rest]]),
-            np.concatenate([self.low, half[rest]]),
-            np.concatenate([half, self.high[rest]]),
-            np.concatenate([self.at_low, middle[rest]]),
-            np.concatenate([middle, self.at_high[rest]]),
-            np.concatenate([self.moved, self.moved[rest]]),
-            np.concatenate([self.slack, self.slack[rest]]),
-        )
+    def moved(self) -> Floats:
+        """(u, j) how far joints move from the low end to the high one."""
+        return np.abs(self.joints[2] - self.joints[0])
 
 
 class _Chunk:
     """Stretches of a way from start to stop."""
 
-    def __init__(
-        self, model: Model, way: Way, limit: Floats, resolution: float, start: int, stop: int
-    ) -> None:
-        self.model, self.limit, self.resolution, self.start = model, limit, resolution, start
+    def __init__(self, model: Model, way: Way, start: int, stop: int) -> None:
+        self.model, self.start, self.curve = model, start, way.curve
         self.rows = way.rows[start : stop + 1]
         self.step = np.diff(self.rows, axis=0)
         self.slack = None if way.slack is None else np.abs(way.slack[start:stop])
 
-    def hits(self, stretch: Rows, pair: Rows) -> list[Hit]:
-        """Of pairs (k,), each on a stretch (k,)."""
-        open_ = self._whole(stretch, pair)
+    def hits(
+        self, stretch: Rows, pair: Rows, limit: Floats, begun: Truths, resolution: float
+    ) -> list[Hit]:
+        """Of pairs (k,), each on a stretch (k,). begun: (k,) where its start counts."""
         out: list[Hit] = []
-        touching = open_.at_low <= self.limit[open_.pair]
-        if self.start == 0:
-            begun = open_.some(touching & (open_.stretch == 0))
-            at_once = zip(begun.pair, begun.at_low, strict=True)
-            out += [Hit(0.0, int(p), float(d), self.rows[0]) for p, d in at_once]
-        open_ = open_.some(~touching)
-        while len(open_.stretch):
-            whole = open_.moved * (open_.high - open_.low)
-            least = (open_.at_low + open_.at_high - whole) / 2.0 - open_.slack
-            close, small = least <= self.limit[open_.pair], whole <= self.resolution
-            found = open_.some(close & small)
-            if len(found.stretch):
-                out += self._found(found)
-            open_ = open_.some(close & ~small)
-            if len(open_.stretch):
-                middle = self._distances(open_.stretch, (open_.low + open_.high) / 2.0, open_.pair)
-                open_ = open_.halves(middle, middle <= self.limit[open_.pair])
+        if not len(stretch):
+            return out
+        parts, which = self._whole(stretch)
+        at_low, at_high = self._at_ends(parts, which, pair)
+        touching = at_low <= limit[pair]
+        some = np.flatnonzero(touching & begun)
+        for k in some.tolist():
+            at = float(self.start + parts.stretch[which[k]])
+            row = parts.joints[0][which[k]]
+            out.append(Hit(at, int(pair[k]), float(at_low[k]), row))
+        kept = ~touching
+        which, pair, at_low, at_high = which[kept], pair[kept], at_low[kept], at_high[kept]
+        while len(which):
+            whole, off, fixed = self._reach(parts, which, pair)
+            least = (at_low + at_high - whole) / 2.0 - off
+            close = least <= limit[pair]
+            small = (whole <= resolution) & ((2.0 * off <= resolution) | fixed)
+            found, on = np.flatnonzero(close & small), np.flatnonzero(close & ~small)
+            out += self._found(parts, which[found], pair[found])
+            which, pair, at_low, at_high = which[on], pair[on], at_low[on], at_high[on]
+            if not len(which):
+                break
+            middle = self._in_middle(parts, which, pair)
+            before = middle <= limit[pair]  # then it begins before the middle
+            parts, low, high = self._halved(parts, which)
+            which = np.concatenate([low, high[~before]])
+            pair = np.concatenate([pair, pair[~before]])
+            at_low, at_high = (
+                np.concatenate([at_low, middle[~before]]),
+                np.concatenate([middle, at_high[~before]]),
+            )
         return out
 
-    def _whole(self, stretch: Rows, pair: Rows) -> _Open:
+    def leasts(self, stretch: Rows, pair: Rows, limit: Floats, group: Rows) -> Iterator[Least]:
+        """The least distances of pairs (k,) on stretches (k,) by groups."""
+        if not len(stretch):
+            return
+        count = len(self.model)
+        keys = group[stretch + self.start] * count + pair
+        jobs, job = np.unique(keys, return_inverse=True)
+        best, bound = np.full(len(jobs), np.inf), np.full(len(jobs), np.inf)
+        parts, which = self._whole(stretch)
+        at_low, at_high = self._at_ends(parts, which, pair)
+        done = 0
+        while len(which):
+            np.minimum.at(best, job, np.minimum(at_low, at_high))
+            whole, off, fixed = self._reach(parts, which, pair)
+            least = (at_low + at_high - whole) / 2.0 - off
+            open_ = (least < best[job] - FINEST) & (least <= limit[pair])
+            small = (whole <= FINEST) & ((2.0 * off <= FINEST) | fixed)
+            if done > MOST:  # contacts are found all the same, but not how deep they are
+                small |= (least > 0.0) | (best[job] <= 0.0)
+            ends, on = np.flatnonzero(open_ & small), np.flatnonzero(open_ & ~small)
+            np.minimum.at(bound, job[ends], least[ends])
+            which, pair, job = which[on], pair[on], job[on]
+            at_low, at_high = at_low[on], at_high[on]
+            if not len(which):
+                break
+            middle = self._in_middle(parts, which, pair)
+            done += len(which)
+            parts, low, high = self._halved(parts, which)
+            which = np.concatenate([low, high])
+            pair, job = np.concatenate([pair, pair]), np.concatenate([job, job])
+            at_low, at_high = np.concatenate([at_low, middle]), np.concatenate([middle, at_high])
+        for key, distance, lower in zip(jobs.tolist(), best, bound, strict=True):
+            number, one = divmod(int(key), count)
+            if min(distance, lower) <= limit[one]:
+                exact = max(distance - FINEST, -np.inf)
+                yield Least(number, one, float(distance), float(min(exact, lower)))
+
+    # ------------------------------------------------------------------------------- parts
+
+    def _whole(self, stretch: Rows) -> tuple[_Parts, Rows]:
+        """Stretches (k,) as parts, each once, and for each (k,) which."""
+        used, which = np.unique(stretch, return_inverse=True)
+        none = np.zeros(len(used))
+        return self._parts(used, none, 1.0, self._at(used, none), self._at(used, none + 1.0)), which
+
+    def _parts(self, stretch: Rows, low: Floats, size: float, first: _At, last: _At) -> _Parts:
+        straight = (first.rows + last.rows) / 2.0
+        fixed = ~(first.exact & last.exact)
+        if self.slack is None:
+            return self._made(stretch, low, size, first.rows, straight, last.rows, None, fixed)
+        middle = _At(straight, fixed)
+        if self.curve is not None:
+            middle = self._at(stretch, low + size / 2.0)
+        fixed = fixed | ~middle.exact
+        off = SAFETY * np.abs(middle.rows - straight)
+        off = np.where(fixed[:, None], np.maximum(off, self.slack[stretch]), off)
+        return self._made(stretch, low, size, first.rows, middle.rows, last.rows, off, fixed)
+
+    @staticmethod
+    def _made(
+        stretch: Rows,
+        low: Floats,
+        size: float,
+        first: Floats,
+        middle: Floats,
+        last: Floats,
+        off: Floats | None,
+        fixed: Truths,
+    ) -> _Parts:
+        nothing = np.zeros_like(first) if off is None else off
+        return _Parts(stretch, low, size, (first, middle, last), nothing, fixed)
+
+    def _at(self, stretch: Rows, part: Floats) -> _At:
+        if self.curve is not None:
+            return _At(*self.curve(stretch + self.start, part))
+        rows = self.rows[stretch] + part[:, None] * self.step[stretch]
+        return _At(rows, np.full(len(rows), self.slack is None))
+
+    def _halved(self, parts: _Parts, which: Rows) -> tuple[_Parts, Rows, Rows]:
+        """Both halves of some parts (k,), each once, and for each (k,) which they are."""
+        used, where = np.unique(which, return_inverse=True)
+        first, middle, last = (rows[used] for rows in parts.joints)
+        solved = ~parts.fixed[used]
+        size, stretch, low = parts.size / 2.0, parts.stretch[used], parts.low[used]
+        both = self._parts(
+            np.concatenate([stretch, stretch]),
+            np.concatenate([low, low + size]),
+            size,
+            _At(np.concatenate([first, middle]), np.concatenate([solved, solved])),
+            _At(np.concatenate([middle, last]), np.concatenate([solved, solved])),
+        )
+        return both, where, where + len(used)
+
+    # --------------------------------------------------------------------------- distances
+
+    def _reach(self, parts: _Parts, which: Rows, pair: Rows) -> tuple[Floats, Floats, Truths]:
+        """(k,) mm that pairs come nearer on parts at most, mm that they may besides, as the joints
+        are off the line, and whether that does not shrink.
+        """
         leverage = self.model.leverage.T[pair]
-        moved = np.einsum("kj,kj->k", np.abs(self.step)[stretch], leverage)
-        none = np.zeros(len(stretch))
-        slack = none
-        if self.slack is not None:
-            slack = np.einsum("kj,kj->k", self.slack[stretch], leverage)
-        ends = np.stack([stretch, stretch + 1], axis=1).reshape(-1)
-        known, where = np.unique(ends * len(self.model) + np.repeat(pair, 2), return_inverse=True)
-        row, pairs = np.divmod(known, len(self.model))
-        used, row = np.unique(row, return_inverse=True)
-        distance = self.model.exact(self.rows[used], row, pairs)[where].reshape(-1, 2)
-        return _Open(stretch, pair, none, none + 1.0, distance[:, 0], distance[:, 1], moved, slack)
+        whole = np.einsum("kj,kj->k", parts.moved()[which], leverage)
+        if self.slack is None:
+            return whole, np.zeros(len(which)), parts.fixed[which]
+        off = np.einsum("kj,kj->k", parts.off[which], leverage)
+        return whole, off, parts.fixed[which]
 
-    def _distances(self, stretch: Rows, part: Floats, pair: Rows) -> Floats:
-        keys, rows = self._rows_at(stretch, part)
-        return self.model.exact(rows, keys, pair)
+    def _at_ends(self, parts: _Parts, which: Rows, pair: Rows) -> tuple[Floats, Floats]:
+        """Distances (k,) of pairs at the low ends of parts, and at the high ones."""
+        rows = np.concatenate([parts.joints[0], parts.joints[2]])
+        count, pairs = len(parts.stretch), len(self.model)
+        # The high end of a stretch is often the low end of the next one.
+        follows = np.append(np.diff(parts.stretch) == 1, False)
+        follows[:-1] &= (parts.joints[2][:-1] == parts.joints[0][1:]).all(axis=1)
+        high = np.where(follows[which], which + 1, which + count)
+        keys = np.concatenate([which, high]) * pairs + np.tile(pair, 2)
+        known, where = np.unique(keys, return_inverse=True)
+        distance = self.model.exact(rows, *np.divmod(known, pairs))[where]
+        return distance[: len(which)], distance[len(which) :]
 
-    def _rows_at(self, stretch: Rows, part: Floats) -> tuple[Rows, Floats]:
-        """Rows of joints at parts of stretches, each once, and for each (k,) which."""
-        places, keys = np.unique(stretch + part, return_inverse=True)
-        whole = np.minimum(places.astype(np.intp), len(self.step) - 1)
-        return keys, self.rows[whole] + (places - whole)[:, None] * self.step[whole]
+    def _in_middle(self, parts: _Parts, which: Rows, pair: Rows) -> Floats:
+        used, row = np.unique(which, return_inverse=True)
+        return self.model.exact(parts.joints[1][used], row, pair)
 
-    def _found(self, found: _Open) -> list[Hit]:
-        middle = (found.low + found.high) / 2.0
-        keys, rows = self._rows_at(found.stretch, middle)
-        distance = self.model.exact(rows, keys, found.pair)
+    def _found(self, parts: _Parts, which: Rows, pair: Rows) -> list[Hit]:
+        if not len(which):
+            return []
+        distance = self._in_middle(parts, which, pair)
+        at = self.start + parts.stretch[which] + parts.low[which] + parts.size / 2.0
+        rows = parts.joints[1][which]
         return [
-            Hit(float(self.start + s + m), int(p), float(d), rows[k])
-            for s, m, p, d, k in zip(found.stretch, middle, found.pair, distance, keys, strict=True)
+            Hit(float(a), int(p), float(d), row)
+            for a, p, d, row in zip(at, pair, distance, rows, strict=True)
         ]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _At:
+    """Joints (k, j), and whether they are exact (k,)."""
+
+    rows: Floats
+    exact: Truths
 
 
 APART: Final = 1.0

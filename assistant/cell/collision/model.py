@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from assistant.cell.collision.carriers import Carriers, carried
-from assistant.cell.collision.geometry import around, geometry_of, library, request
-from assistant.cell.collision.insides import Inside
+from assistant.cell.collision.distances import Distances
+from assistant.cell.collision.geometry import around, library
 from assistant.cell.scene import Body, Part, Scene
-from assistant.cell.shapes import Mesh
 from assistant.program import rotations
 from assistant.program.arrays import Floats, Rows, norms
 from assistant.program.geometry import Pose, Vector
@@ -24,7 +23,7 @@ TOGETHER: Final = 200_000
 
 @dataclass(frozen=True, eq=False)
 class Item:
-    """A part of a body: what carries it, its pose there, its geometry, and the box around it.
+    """A part of a body: what carries it, its pose there, and the box around it.
 
     middle: (3,) of the box in the frame of the carrier. radius: mm of the sphere about it.
     """
@@ -33,7 +32,6 @@ class Item:
     part: Part
     carrier: int
     pose: Pose
-    geometry: Any
     middle: Floats
     half: Floats
     radius: float
@@ -58,7 +56,8 @@ class Model:
     """A scene as pairs of items that could touch.
 
     Left out: what moves together, what may touch by the scene, and two bodies of the world.
-    Raises Refused without coal, or for a body whose parent is not there.
+    Raises Refused for a body whose parent is not there, and without coal for shapes whose distance
+    has no closed form.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -74,8 +73,9 @@ class Model:
         self.one: Rows = np.array([i for i, _ in pairs], dtype=np.intp)
         self.other: Rows = np.array([k for _, k in pairs], dtype=np.intp)
         self.margins: Floats = np.array([self._margin(i, k) for i, k in pairs])
-        self._transform = library().Transform3s
-        self._request, self._result = request(), library().DistanceResult()
+        self.distances = Distances([item.part.shape for item in self.items])
+        if not self.distances.closed(self.one, self.other).all():
+            library()
 
     def __len__(self) -> int:
         """How many pairs there are."""
@@ -93,7 +93,6 @@ class Model:
                     part,
                     carrier,
                     placed,
-                    geometry_of(part.shape),
                     np.array(middle.position),
                     box.half,
                     box.radius,
@@ -172,10 +171,6 @@ class Model:
         return middle, frame @ self._turns[item]
 
     @cached_property
-    def _geometries(self) -> list[Any]:
-        return [item.geometry for item in self.items]
-
-    @cached_property
     def _carriers(self) -> Rows:
         return np.array([item.carrier for item in self.items], dtype=np.intp)
 
@@ -210,42 +205,24 @@ class Model:
 
     def exact_at(self, origins: Floats, turns: Floats, row: Rows, pair: Rows) -> Floats:
         """As `exact`, with the carriers as `Carriers.at` gives them."""
-        out = np.empty(len(row))
-        distance = library().distance
-        result, wanted, geometries = self._result, self._request, self._geometries
-        items = np.stack([self.one[pair], self.other[pair]], axis=1)
-        keys = row[:, None] * len(self.items) + items
-        known, where = np.unique(keys, return_inverse=True)
-        transforms = self._placed(origins, turns, *np.divmod(known, len(self.items)))
-        places = where.reshape(-1, 2).tolist()
-        for k, ((i, o), (at_i, at_o)) in enumerate(zip(items.tolist(), places, strict=True)):
-            result.clear()  # or an older, smaller distance of a mesh stays
-            one, other = transforms[at_i], transforms[at_o]
-            found = distance(geometries[i], one, geometries[o], other, wanted, result)
-            if found > 0.0 and self._inside is not None:
-                found = self._inside.signed(found, i, o, one, other)
-            out[k] = found
-        return out - self._off[pair]
+        one, other = self.one[pair], self.other[pair]
+        ends = [self._placed(origins, turns, row, item) for item in (one, other)]
+        return np.asarray(self.distances.signed(one, other, *ends) - self._off[pair])
 
-    def _placed(self, origins: Floats, turns: Floats, row: Rows, item: Rows) -> list[Any]:
-        """Transforms of items (k,) for rows (k,) of where the carriers are."""
+    def _placed(
+        self, origins: Floats, turns: Floats, row: Rows, item: Rows
+    ) -> tuple[Floats, Floats]:
+        """Places (k, 3) and turns (k, 3, 3) of items (k,) for rows (k,) of where carriers are."""
         carrier = self._carriers[item]
-        frame, make = turns[row, carrier], self._transform
-        p = origins[row, carrier] + np.einsum("kpq,kq->kp", frame, self._positions[item])
-        t = frame @ self._turns[item]
-        return [make(turn, position) for turn, position in zip(t, p, strict=True)]
+        frame = turns[row, carrier]
+        place = origins[row, carrier] + np.einsum("kpq,kq->kp", frame, self._positions[item])
+        return place, frame @ self._turns[item]
 
     @cached_property
     def _off(self) -> Floats:
         """(p,) mm that shapes of a pair may be nearer than they seem, as they were simplified."""
         off = np.array([getattr(item.part.shape, "off", 0.0) for item in self.items])
         return np.asarray(off[self.one] + off[self.other])
-
-    @cached_property
-    def _inside(self) -> Inside | None:
-        """None without closed meshes: their triangles are a surface, with nothing inside."""
-        solid = any(isinstance(i.part.shape, Mesh) and i.part.shape.solid for i in self.items)
-        return Inside([item.part.shape for item in self.items]) if solid else None
 
     def nearest(self, rows: Floats) -> tuple[Floats, Rows]:
         """Rows (n, j) → the least distance (n,) of any pair, inf without pairs, and which (n,)."""
@@ -276,22 +253,16 @@ class Model:
         """How near a pair is for joints (j,)."""
         origins, turns = self.carriers.at(joints[None])
         one, other = self.items[self.one[pair]], self.items[self.other[pair]]
-        places = np.array([self.one[pair], self.other[pair]])
-        at = self._placed(origins, turns, np.zeros(2, dtype=np.intp), places)
-        self._result.clear()
-        found = library().distance(
-            one.geometry, at[0], other.geometry, at[1], self._request, self._result
-        )
-        points = self._result.getNearestPoint1(), self._result.getNearestPoint2()
-        if self._inside is not None and found > 0.0:
-            i, o = int(self.one[pair]), int(self.other[pair])
-            found = self._inside.signed(found, i, o, at[0], at[1])
+        row = np.zeros(1, dtype=np.intp)
+        numbers = int(self.one[pair]), int(self.other[pair])
+        ends = [self._placed(origins, turns, row, np.array([number])) for number in numbers]
+        found = self.distances.nearest(*numbers, *ends)
         return Contact(
             one.body.name,
             other.body.name,
-            float(found - self._off[pair]),
-            (_vector(points[0]), _vector(points[1])),
-            _vector(self._result.normal),
+            float(found.distance[0] - self._off[pair]),
+            (_vector(found.one[0]), _vector(found.other[0])),
+            _vector(found.normal[0]),
         )
 
 
@@ -300,6 +271,6 @@ def _beyond(points: Floats, half: Floats) -> Floats:
     return norms(np.maximum(np.abs(points[:, 0]) - half, 0.0))
 
 
-def _vector(values: Any) -> Vector:
+def _vector(values: Floats) -> Vector:
     x, y, z = (float(v) + 0.0 for v in values)
     return x, y, z

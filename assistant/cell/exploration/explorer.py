@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.cell.clearances import robot_of, rows_of
+from assistant.cell.clearances import robot_of, way_of
 from assistant.cell.collision.continuous import Hit, Way, hits
 from assistant.cell.collision.model import Model
 from assistant.cell.exploration.filling import STEP, Filler
@@ -109,7 +109,7 @@ class Explorer:
         rows, offs, touch = [self.home[None][:0]], [self.home[None][:0]], None
         for passed in simulation.passed:
             stretches = stretches_of(passed.plan)
-            way = Way(*rows_of(self.scene, placed, stretches))
+            way = way_of(self.scene, placed, stretches)
             end = float(len(way.rows) - 1)
             if until is not None:
                 times = passed.start + stretches.times

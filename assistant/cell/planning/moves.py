@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.cell.collision.continuous import Hit, Way, hits
+from assistant.cell.collision.continuous import Hit, hits
 from assistant.cell.planning.space import Space
 from assistant.program.arrays import Floats, Truths, norms
 from assistant.program.diagnostics import Severity
@@ -155,10 +155,7 @@ def looked_at(space: Space, route: Route) -> Seen:
         ends = [piece.number for piece in passed.pieces]
         driven &= not len(passed.plan.course.knots.guessed)
         driven &= bool(np.abs(way.joints[-1] - route.rows[ends[-1]]).max() < SAME)
-        joints = space.all_joints(way.joints)
-        slack = np.zeros((len(way.slack), joints.shape[1]))
-        slack[:, space.columns] = way.slack
-        for hit in hits(space.model, Way(joints, slack), space.margins):
+        for hit in hits(space.model, space.way(way), space.margins):
             found.append(hit)
             at = min(int(hit.at), len(way.row) - 1)
             numbers.add(passed.piece_of(int(way.row[at]))[0].number - 1)

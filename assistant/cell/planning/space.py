@@ -20,6 +20,7 @@ from assistant.cell.scene import Placed, Scene
 from assistant.program import rotations
 from assistant.program.arrays import Floats, Rows, Truths
 from assistant.program.geometry import IDENTITY, Pose, Vector
+from assistant.robots.timing.passed import Stretches
 
 FINEST: Final = 0.1
 """mm that anything moves in the shortest part of a move that is looked at."""
@@ -136,6 +137,17 @@ class Space:
     def free(self, rows: Floats) -> Truths:
         """(n,) whether the places of joints (n, a) are inside the limits, tilt and margins."""
         return np.asarray(self.robot.inside(rows) & self.clear(rows, rows))
+
+    def way(self, stretches: Stretches) -> Way:
+        """The way of a plan of the robot, as `hits` takes it."""
+        slack = np.zeros((len(stretches.slack), len(self._still)))
+        slack[:, self.columns] = stretches.slack
+
+        def curve(stretch: Rows, part: Floats) -> tuple[Floats, Truths]:
+            joints, exact = stretches.between(stretch, part)
+            return self.all_joints(joints), exact
+
+        return Way(self.all_joints(stretches.joints), slack, curve)
 
     def clear(self, starts: Floats, ends: Floats, room: float = 0.0) -> Truths:
         """(n,) whether the straight moves from joints (n, a) to (n, a) keep margins and tilt.

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Container, Iterator
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from assistant.cell.collision.continuous import RESOLUTION
-from assistant.cell.collision.geometry import geometry_of, library, request
-from assistant.cell.collision.insides import Inside
+from assistant.cell.collision.distances import Distances
 from assistant.cell.collision.model import Item, Model
 from assistant.cell.exploration.depths import thinner
 from assistant.cell.shapes import Mesh
@@ -49,32 +48,24 @@ def _apart(one: Item, other: Item, at: list[tuple[Floats, Floats]]) -> float:
     Of a mesh only that there is contact is known: it is `IN` if something that is thinner by
     `RESOLUTION` has it too, or lies inside. Two meshes that touch are in each other.
     """
-    poses = [
-        library().Transform3s(
-            turn @ rotations.to_matrix(np.array(item.pose.quaternion)),
-            origin + turn @ np.array(item.pose.position),
+    ends = [
+        (
+            (origin + turn @ np.array(item.pose.position))[None],
+            (turn @ rotations.to_matrix(np.array(item.pose.quaternion)))[None],
         )
         for item, (turn, origin) in zip((one, other), at, strict=True)
     ]
     shapes = [one.part.shape, other.part.shape]
-    found = _distance(one.geometry, other.geometry, poses)
+    first, second = np.array([0]), np.array([1])
+    found = float(Distances(shapes).signed(first, second, *ends)[0])
     meshes = [isinstance(shape, Mesh) for shape in shapes]
     if not any(meshes):
         return found
-    if found <= 0.0:
-        if all(meshes):
-            return IN
+    if found <= 0.0 and not all(meshes):
         plain = meshes.index(False)
         shapes[plain] = thinner(shapes[plain], RESOLUTION)
-        found = _distance(geometry_of(shapes[0]), geometry_of(shapes[1]), poses)
-        if found <= 0.0:
-            return IN
-    return IN if Inside(shapes).signed(found, 0, 1, *poses) < 0.0 else 0.0
-
-
-def _distance(one: Any, other: Any, poses: list[Any]) -> float:
-    result = library().DistanceResult()
-    return float(library().distance(one, poses[0], other, poses[1], request(), result))
+        found = float(Distances(shapes).signed(first, second, *ends)[0])
+    return IN if found <= 0.0 else 0.0
 
 
 def deeper(now: Depths, before: Depths) -> tuple[str, str] | None:

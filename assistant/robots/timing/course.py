@@ -32,6 +32,18 @@ CUT: Final = 0.05
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Zones:
+    """c corners that are cut, in order: the moves before and after each (c,), its place along the
+    course and how far it reaches to both sides, mm (c,).
+    """
+
+    before: Rows
+    after: Rows
+    place: Floats
+    size: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Course:
     """s steps of knots that are no standing still, and s + 1 knots between them.
 
@@ -42,7 +54,8 @@ class Course:
     one corner. loose: (s,) whether it is of a joint move, or lies in the corner of one. axes:
     (a, s) and tool: (3, s) what moves in a step for each mm of it. straight: (s,) whether it is of
     joint moves alone, so that its joints are nowhere else than on the lines between the knots and
-    the parabolas of the corners.
+    the parabolas of the corners. moves, robot: what the course was made of. scale: (n,) how long
+    each of the moves is. zones: its corners.
     """
 
     knots: Knots
@@ -55,6 +68,10 @@ class Course:
     axes: Floats
     tool: Floats
     straight: Truths
+    moves: Moves
+    robot: Robot
+    scale: Floats
+    zones: Zones
 
     @property
     def row(self) -> Rows:
@@ -80,8 +97,11 @@ def course_of(moves: Moves, knots: Knots, robot: Robot) -> Course:
     both[:-1] &= free[row[1:]]
     room = np.full(len(knots.joints), np.nan)  # of each knot of a corner or a stop
     corner = np.full(len(room), -1)
+    at, zone = _zones(moves, row, scale, kind)
+    cut = zone > 0.0
+    zones = Zones(row[at[cut]], row[at[cut] + 1], np.cumsum(d)[at[cut]], zone[cut])
+    scale = sums(row, d, len(moves))
     if len(step) > 1:
-        at, zone = _zones(moves, row, scale, kind)
         small = np.minimum(zone, np.minimum(d[at], d[at + 1]) / 2.0)
         for knot in (step[at] + 1, step[at + 1]):
             room[knot], corner[knot] = small, np.where(small > 0.0, at, -1)
@@ -102,7 +122,9 @@ def course_of(moves: Moves, knots: Knots, robot: Robot) -> Course:
     loose[inside] |= beside[first[inside]]
     straight = free[knots.row[step]]
     straight[inside] = both[first[inside]]
-    return Course(knots, step, d, room, corner[ends] >= 0, inside, loose, axes, tool, straight)
+    cuts = corner[ends] >= 0
+    whole = moves, robot, scale, zones
+    return Course(knots, step, d, room, cuts, inside, loose, axes, tool, straight, *whole)
 
 
 def _only(knots: Knots, going: Truths) -> Knots:

@@ -50,7 +50,7 @@ class Knots:
 
 def knots_of(moves: Moves, start: Floats, robot: Robot) -> Knots:
     """The way from joints (a,) through n moves."""
-    ends = _Ends(moves, start, robot)
+    ends = Ends(moves, start, robot)
     steps = ends.steps()
     lead = ends.remounted.astype(np.intp)
     last = np.cumsum(steps + lead)  # knot of each move's end; knot 0 is the start
@@ -96,7 +96,7 @@ def knots_of(moves: Moves, start: Floats, robot: Robot) -> Knots:
     )
 
 
-class _Ends:
+class Ends:
     """Where n moves start, with their own tool and frame, and how long their ways are.
 
     j0 (n, a), p0 (n, 3), q0 (n, 4). lengths (n,) mm, turns (n,) deg; of joint moves straight.
@@ -153,7 +153,7 @@ def _batches(rows: Rows, steps: Rows) -> list[Rows]:
 
 
 def _fill(
-    knots: Knots, moves: Moves, ends: _Ends, rows: Rows, steps: Rows, last: Rows, robot: Robot
+    knots: Knots, moves: Moves, ends: Ends, rows: Rows, steps: Rows, last: Rows, robot: Robot
 ) -> Rows:
     """Sets the inner knots of some moves of several steps; gives those whose joints are guessed."""
     inner = steps[rows] - 1
@@ -223,7 +223,7 @@ def _unwind(
     rows: Rows,
     inner: Rows,
     moves: Moves,
-    ends: _Ends,
+    ends: Ends,
     robot: Robot,
 ) -> Rows:
     """Makes the joints of inner knots continuous from the start of each move to its end.

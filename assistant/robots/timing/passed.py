@@ -10,7 +10,8 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats, Rows
+from assistant.program.arrays import Floats, Rows, Truths
+from assistant.robots.timing.exact import Exact
 from assistant.robots.timing.pieces import Piece
 from assistant.robots.timing.plan import Places, Plan
 
@@ -52,12 +53,35 @@ class Stretches:
 
     joints: (n, a). slack: (n - 1, a) how far a joint may be from the line of its stretch. times:
     (n,) seconds from the start of the plan. row: (n - 1,) the move that a stretch belongs to.
+    places: (n,) mm along the course. exact: the joints in between; None without a way.
     """
 
     joints: Floats
     slack: Floats
     times: Floats
     row: Rows
+    places: Floats
+    exact: Exact | None = None
+
+    def part(self, first: int, last: int) -> Stretches:
+        """The stretches from one number up to another one."""
+        return Stretches(
+            self.joints[first : last + 1],
+            self.slack[first:last],
+            self.times[first : last + 1],
+            self.row[first:last],
+            self.places[first : last + 1],
+            self.exact,
+        )
+
+    def between(self, stretch: Rows, part: Floats) -> tuple[Floats, Truths]:
+        """Joints (k, a) at parts (k,) of stretches (k,), and (k,) whether they are exact."""
+        first, last = self.joints[stretch], self.joints[stretch + 1]
+        near = first + part[:, None] * (last - first)
+        if self.exact is None:
+            return near, np.zeros(len(near), dtype=bool)
+        place = self.places[stretch]
+        return self.exact.joints(place + part * (self.places[stretch + 1] - place), near)
 
 
 def stretches_of(plan: Plan) -> Stretches:
@@ -66,7 +90,8 @@ def stretches_of(plan: Plan) -> Stretches:
     count, knots = len(course.distance), course.knots.joints
     if not count:
         nothing = np.zeros((0, knots.shape[1]))
-        return Stretches(knots[:1], nothing, np.zeros(1), np.zeros(0, dtype=np.intp))
+        none = np.zeros(0, dtype=np.intp)
+        return Stretches(knots[:1], nothing, np.zeros(1), none, np.zeros(1))
     step, gone = _cuts(course.distance, course.room)
     d = course.distance[step]
     joints, _ = Places(course, step, gone).of(knots)
@@ -80,7 +105,7 @@ def stretches_of(plan: Plan) -> Stretches:
     slack = bend + np.where(course.straight[step, None], 0.0, between)
     begins = np.concatenate([[0.0], np.cumsum(course.distance)[:-1]])
     places = np.append(begins[step] + gone, course.distance.sum())
-    return Stretches(joints, slack, plan.passing(places), course.row[step])
+    return Stretches(joints, slack, plan.passing(places), course.row[step], places, Exact(course))
 
 
 def _cuts(distance: Floats, room: Floats) -> tuple[Rows, Floats]:

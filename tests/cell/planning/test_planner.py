@@ -12,10 +12,10 @@ import pytest
 
 from assistant import robots
 from assistant.cell import arms
-from assistant.cell.collision.continuous import Way, hits
+from assistant.cell.collision.continuous import hits
 from assistant.cell.collision.model import Model
 from assistant.cell.planning.planner import Planned, plan
-from assistant.cell.planning.space import Cone
+from assistant.cell.planning.space import Cone, Space
 from assistant.cell.scene import Scene
 from assistant.program import rotations
 from assistant.program.arrays import Floats
@@ -40,7 +40,8 @@ from benchmarks.planning import COUNTS
 def proven(scene: Scene, way: Planned, others: Mapping[str, Floats]) -> None:
     """Clear as the controller goes it: what `timing` makes of the program, by `hits`."""
     model = Model(scene)
-    still = {placed.name: others.get(placed.name, placed.robot.home) for placed in scene.robots}
+    arm = next(placed for placed in scene.robots if placed.name == "arm")
+    space = Space(scene, arm, others=others)
     assert way.robot.inside(way.rows).all()
     simulation = simulate(robots.solve_program(way.program(), way.robot), start=way.rows[0])
     assert simulation.passed
@@ -49,16 +50,7 @@ def proven(scene: Scene, way: Planned, others: Mapping[str, Floats]) -> None:
         stretches = stretches_of(passed.plan)
         assert np.abs(stretches.joints[0] - last).max() < 1e-6
         last = stretches.joints[-1]
-        rows = [
-            stretches.joints if placed.name == "arm" else np.tile(still[placed.name], (n, 1))
-            for n in [len(stretches.joints)]
-            for placed in scene.robots
-        ]
-        slack = [
-            stretches.slack if placed.name == "arm" else 0.0 * row[1:]
-            for placed, row in zip(scene.robots, rows, strict=True)
-        ]
-        found = Way(np.concatenate(rows, axis=1), np.concatenate(slack, axis=1))
+        found = space.way(stretches)
         assert not hits(model, found, model.margins)
     # Near a singularity joints come back from a stated pose to fewer digits than the pose has.
     assert np.abs(last - way.rows[-1]).max() < 1e-3

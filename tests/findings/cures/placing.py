@@ -24,6 +24,8 @@ def _process(text: str) -> dict[str, str]:
 POSED: Final = "position = [0, 0, 0]\neuler_zyx = [0, 0, 180]\n"
 TURNED: Final = "position = [0, 0, 0]\nquaternion = [1, 0, 0, 0]\n"
 ROWS: Final = "x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z\n400,0,300,0,1,0,0\n420,0,300,0,1,0,0\n"
+METRES: Final = ROWS.replace("400,0,300", "0.4,0,0.3").replace("420,0,300", "0.42,0,0.3")
+IN_METRES: Final = METRES.replace("x_mm,y_mm,z_mm", "x_m,y_m,z_m")
 TABLE: Final = {"a.csv": ROWS, **_process("position = [0, 9, 0]\n")}
 
 SMALL, LARGE = "-r irb1200-7-0.7", "-r irb4600-20-2.50"
@@ -67,6 +69,7 @@ CASES: Final = (
         change=_process("position = [450, -40, 300]\n"),
     ),
     Case("CO340", f"check a.dxf {SMALL}", AT_BASE, (f"check a.dxf {SMALL} --place 450,-40,300",)),
+    Case("TB208", "check a.csv", {"a.csv": METRES}, change={"a.csv": IN_METRES}),
     Case("CL050", "info a.csv", {"a.csv": ROWS}, ("show a.csv",)),
     Case("CT360", "check a.dxf", DRAWN | _process(WIDE), change=_process(WIDE + "misfit = 2\n")),
     Case("CT362", "check a.dxf", DRAWN | _process(OVER), change=_process(FITTING)),
