@@ -63,7 +63,7 @@ TASKS: Final[dict[str, Task]] = {
     "check RAPID": Task(_program("rapid", "mod"), assistant.check, 0.4),
     "check MELFA-BASIC V": Task(_program("melfa-basic-5", "mb5"), assistant.check, 0.35),
     "RAPID to MELFA-BASIC VI": Task(_program("rapid", "mod"), _translated("melfa-basic-6"), 0.15),
-    "MELFA-BASIC V to RAPID": Task(_program("melfa-basic-5", "mb5"), _translated("rapid"), 0.15),
+    "MELFA-BASIC V to RAPID": Task(_program("melfa-basic-5", "mb5"), _translated("rapid"), 0.09),
 }
 
 

@@ -210,11 +210,14 @@ def unused_subroutines(code: Code, depth: Sequence[int]) -> set[str]:
     graph = graph_of(code, range(len(code)), blocks_of(code))
     live = graph.reached([0, *graph.handlers], through_calls=True) if code else set()
     found = set[str]()
+    above = set[str]()  # what lines above jump to
     for at, item in enumerate(code):
+        if at:
+            above.update(jumps(code, (at - 1,)))
         label = "" if item.label is None else item.label.upper()
         if not label or depth[at] or at in live or label.startswith(_CALLED_FROM_ELSEWHERE):
             continue
-        if goes_on_above(code, at) or label in set(jumps(code, range(at))):
+        if goes_on_above(code, at) or label in above:
             continue
         if any(_returns(statement_of(code[to])) for to in graph.reached([at])):
             found.add(label)
