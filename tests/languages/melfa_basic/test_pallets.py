@@ -101,7 +101,6 @@ def test_postures_of_the_start(direction: int) -> None:
         ("Def Plt 1,PS,PA,PB,,MQ,3,2", ""),
         ("Def Plt 1,PS,PA,PB,,4,3,2", "PB.X=3\n"),
         ("Def Plt 1,PS,PA,PB,,4,3,2", "Def Plt 1,PS,PA,PB,,5,3,2\n"),
-        ("Def Plt 1,PS,PA,PB,,4,3,2", "Mvs (Plt 1,4) WthIf M_In(5)=1,Hlt\n"),
         ("Def Plt 1,PS,PA,P_B,,4,3,2", ""),
     ],
 )
@@ -109,6 +108,13 @@ def test_others_stay_with_their_definition(definition: str, more: str) -> None:
     program = read(definition, more + "Mov (Plt 1,3)\n")
     assert opaque(program)[0] == definition
     assert "pallet_1" not in program.variables
+
+
+def test_a_text_keeps_the_definition_that_it_needs() -> None:
+    definition = "Def Plt 1,PS,PA,PB,,4,3,2"
+    program = read(definition, "Mvs (Plt 1,4) WthIf M_In(5)=1,Hlt\nMov (Plt 1,3)\n")
+    assert opaque(program)[0] == definition
+    assert "Mov (Plt 1,3)" in opaque(program)
 
 
 @pytest.mark.parametrize("level", [4, 5, 6])

@@ -124,7 +124,7 @@ class Unit:
             called = self._forms(whole.called.flow, whole.regions, single)
             self.ways = replace(whole, called=called)
             kept, reading = self._settled(divide)
-        if reading.symbols.pallets and still_mentioned(tuple(reading.procedures)):
+        if self.grids and reading.symbols.pallets and still_mentioned(tuple(reading.procedures)):
             self.grids = False
             reading = self._read(kept)
         program, symbols, settings = self.program, reading.symbols, self.ways.settings
@@ -230,8 +230,8 @@ class Unit:
     def _read(self, kept: frozenset[int]) -> _Reading:
         code, ways, names = self.code, self.ways, self.main.header.names
         symbols = self._meanings()
-        if self.grids:
-            symbols.pallets = pallets(code, symbols)
+        if not self.own:
+            symbols.pallets, symbols.grids = pallets(code, symbols), self.grids
         expressions = Expressions(symbols)
         local = declared.own_variables(self.header, self.first_values, expressions)
         declared.elements(self.file, symbols)

@@ -164,10 +164,11 @@ class Statements:
         except Unliftable as found:
             set_here = self.effect(node) is not None
             hand = isinstance(node, s.Command) and node.keyword == FORCED
-            tells = set_here or hand or isinstance(node, s.Assign | s.Motion)
+            defines = set_here or isinstance(node, s.DefOther)
+            tells = defines or hand or isinstance(node, s.Assign | s.Motion)
             told = self.expressions.told(read) if tells else None
             reason = found.reason or refused
-            if set_here and told is not None:
+            if defines and told is not None:
                 reason = kept_reasons.DEPENDED_ON
             stood = self.runs.previous if told and isinstance(node, s.Motion) else None
             kept = self.opaque(node, reason, told or [])

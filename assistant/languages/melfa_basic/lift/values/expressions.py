@@ -159,7 +159,8 @@ class Expressions(Types):
                 return e.TargetValue(target_of(node, self.m.robot))
             case s.Pallet(number=number, point=point):
                 known = self.m.value(number)
-                if isinstance(known, float) and round(known) in self.m.pallets:
+                told = self.m.grids or self.m.telling
+                if told and isinstance(known, float) and round(known) in self.m.pallets:
                     return e.Index(declared(round(known), self.m), (self.rounded(point),))
         raise Unliftable
 

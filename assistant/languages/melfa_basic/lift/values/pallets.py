@@ -120,7 +120,7 @@ def define(node: s.DefOther, symbols: Symbols) -> list[p.Statement]:
     number = symbols.constants.value(node.arguments[0]) if node.kind == "Plt" else None
     if not isinstance(number, float):
         raise Unliftable
-    if round(number) not in symbols.pallets:
+    if round(number) not in symbols.pallets or not (symbols.grids or symbols.telling):
         raise Unliftable(KEPT)
     declared(round(number), symbols)
     return []

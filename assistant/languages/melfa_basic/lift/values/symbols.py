@@ -93,6 +93,8 @@ class Symbols:
         self.addressed = Addressed(self.signals, self.free)
         self.pallets: dict[int, tuple[str, tuple[Target, ...]]] = {}
         """Arrays of the pallets whose points are known, by number."""
+        self.grids = True
+        """Whether pallets are such arrays, not for other languages alone."""
         self.timers: dict[int, str] = {}
         """Names of the timers that are read as such, by number."""
         self.spelling: dict[str, str] = {}
