@@ -161,7 +161,8 @@ class Beside:
                 return ring
             own = Ring(self.pieces, ring.closed, ring.closed and self.outside)
             free = self.room.beside(self.key, own, shaping.offset)
-            starts = with_room(ring, starts, shaping, free)
+            away = self.room.away(shaping.offset)
+            starts = with_room(ring, starts, shaping, free, away)
         if not starts:
             places = {"corner": "its corners", "longest": "the middle of its longest side"}
             places["point"] = "its mark"
@@ -188,10 +189,12 @@ class Beside:
             self._say(rules.SPLIT, offset=offset, count=len(rings))
             return
         off = self.tolerance * SAMPLED
-        ways = shapely.LineString(_drawn(rings[0].pieces, off, closed=rings[0].closed))
+        way = _drawn(rings[0].pieces, off, closed=rings[0].closed)
+        ways = shapely.STRtree(shapely.linestrings(np.stack([way[:-1], way[1:]], axis=1)))
         line = shapely.LineString(_drawn(self.pieces, off, closed=self.contour.closed))
         points = shapely.points(shapely.get_coordinates(line.segmentize(max(offset, off))))
-        left = float(np.max(shapely.distance(points, ways)))
+        _, apart = ways.query_nearest(points, all_matches=False, return_distance=True)
+        left = float(np.max(apart))
         if left > NARROW * offset + self.tolerance:
             self._say(rules.LEFT, left=left - offset, offset=offset)
 

@@ -27,6 +27,9 @@ EXACT: Final = 1e-4
 FARTHEST: Final = 1e7
 """mm from the origin; a coordinate beyond 10 km is no work piece but a broken file."""
 
+SPUR: Final = 0.4
+"""Tolerances that a curve is long at most to be left out where it sticks out of a contour."""
+
 QUADRANTS: Final = (0.0, 0.25, 0.5, 0.75)
 
 NOT_A_PLACE = error(
@@ -148,13 +151,16 @@ def _chain_layer(curves: list[Curve], tolerance: float) -> tuple[list[Contour], 
     placed &= np.isfinite(lengths)
     findings += [NOT_A_PLACE(layer=layer, place=_place(curves[i])) for i in np.flatnonzero(~placed)]
     long = lengths > EXACT
-    if (empty := np.flatnonzero(placed & ~long)).size:
-        findings.append(_counted(NO_LENGTH, layer, [curves[i] for i in empty]))
     kept = np.flatnonzero(placed & long)
     again = kept[_drawn_again([curves[i] for i in kept], points[kept], lengths[kept], tolerance)]
     if again.size:
         findings.append(_counted(DUPLICATE, layer, [curves[i] for i in again]))
     kept = np.setdiff1d(kept, again)
+    spurs = kept[_spurs([curves[i] for i in kept], points[kept], lengths[kept], tolerance)]
+    empty = np.concatenate([np.flatnonzero(placed & ~long), spurs])
+    if empty.size:
+        findings.append(_counted(NO_LENGTH, layer, [curves[i] for i in empty]))
+    kept = np.setdiff1d(kept, spurs)
     if not kept.size:
         return [], findings
     graph = _Graph.of([curves[i] for i in kept], points[kept], lengths[kept], tolerance)
@@ -220,6 +226,27 @@ def _five_of_circles(circles: list[Arc]) -> Points:
     return np.asarray(np.array([c.centre for c in circles])[:, None] + around)
 
 
+def _spurs(curves: list[Curve], points: Points, lengths: Points, tolerance: float) -> Indices:
+    """Indices of curves that are next to nothing and stick out of where others meet."""
+    short = np.flatnonzero(lengths < SPUR * tolerance)
+    if not short.size:
+        return short
+    nodes = _nodes(curves, points, tolerance)
+    degrees = np.sort(_degrees(nodes)[nodes[short]], axis=1)
+    return np.asarray(short[(degrees[:, 0] == 1) & (degrees[:, 1] > 2)])
+
+
+def _nodes(curves: list[Curve], points: Points, tolerance: float) -> Rows:
+    """What each curve starts and ends at, (n, 2): ends that meet exactly are one node."""
+    ends = points[:, [0, -1]].reshape(-1, 3)
+    one, two, _ = pairs_within(ends, min(EXACT, tolerance))
+    nodes = clusters(len(ends), one, two).reshape(-1, 2)
+    for i, curve in enumerate(curves):
+        if curve.closed:
+            nodes[i, 1] = nodes[i, 0]
+    return nodes
+
+
 @dataclass(frozen=True, slots=True)
 class _Graph:
     """curves: the edges. nodes: (n, 2), what each starts and ends at. degrees: by node."""
@@ -232,11 +259,7 @@ class _Graph:
     @staticmethod
     def of(curves: list[Curve], points: Points, lengths: Points, tolerance: float) -> _Graph:
         ends = points[:, [0, -1]].reshape(-1, 3)
-        one, two, _ = pairs_within(ends, min(EXACT, tolerance))
-        nodes = clusters(len(ends), one, two).reshape(-1, 2)
-        for i, curve in enumerate(curves):
-            if curve.closed:
-                nodes[i, 1] = nodes[i, 0]
+        nodes = _nodes(curves, points, tolerance)
         nodes, gaps = _join_loose_ends(nodes, ends, lengths, tolerance)
         return _Graph(curves, nodes, _degrees(nodes), gaps)
 

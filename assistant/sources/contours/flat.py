@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import groupby
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from assistant.program.geometry import Vector
-from assistant.sources.contours.curves import Arc, Line, Points, cross, vector
+from assistant.sources.contours.curves import Arc, Line, vector
 
 Piece = Line | Arc
 Plane = NDArray[np.float64]
@@ -51,10 +52,15 @@ def _lifted(piece: Piece, by: float) -> Piece:
 
 def polyline(pieces: Sequence[Piece], off: float, *, closed: bool) -> Plane:
     """Corners (n, 2) along the pieces, chords at most `off` mm off; the end left out if closed."""
-    parts = [piece.at(np.arange(n) / n) for piece in pieces for n in (chords(piece, off),)]
+    parts: list[ArrayLike] = []
+    for straight, group in groupby(pieces, key=lambda piece: isinstance(piece, Line)):
+        if straight:
+            parts.append([piece.start for piece in group])
+        else:
+            parts += (arc.at(np.arange(n) / n) for arc in group for n in (chords(arc, off),))
     if not closed:
-        parts.append(np.array([pieces[-1].end]))
-    return np.asarray(np.concatenate(parts)[:, :2])
+        parts.append([pieces[-1].end])
+    return np.concatenate(parts)[:, :2]
 
 
 def chords(piece: Piece, off: float) -> int:
@@ -71,14 +77,17 @@ def area(outline: Plane) -> float:
     return 0.5 * float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum())
 
 
-def tangent(piece: Piece, part: float) -> Points:
-    """The unit direction (2,) of a piece at a part of it, 0 to 1."""
+def tangent(piece: Piece, part: float) -> tuple[float, float]:
+    """The unit direction of a piece at a part of it, 0 to 1."""
     if isinstance(piece, Line):
-        along = np.subtract(piece.end, piece.start)
+        x, y = piece.end[0] - piece.start[0], piece.end[1] - piece.start[1]
     else:
-        arm = piece.at([part])[0] - np.asarray(piece.centre)
-        along = cross(np.asarray(piece.normal), arm)
-    return np.asarray(along[:2] / np.linalg.norm(along[:2]))
+        at = {0.0: piece.start, 1.0: piece.end}.get(part) or vector(piece.at([part])[0])
+        ax, ay, az = (a - c for a, c in zip(at, piece.centre, strict=True))
+        nx, ny, nz = piece.normal
+        x, y = ny * az - nz * ay, nz * ax - nx * az
+    size = math.hypot(x, y)
+    return (x / size, y / size) if size > 0.0 else (0.0, 0.0)
 
 
 def cut(piece: Piece, part: float) -> tuple[Piece, Piece]:

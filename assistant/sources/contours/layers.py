@@ -241,9 +241,7 @@ def _procedure(
     ]
     for one, way in followed:
         contour = way.contour
-        rows = moves(contour, process.tolerance, widest=widest)
-        if one.fitted:
-            rows = replace(rows, deviation=one.deviation)
+        rows = moves(contour, process.tolerance, widest=widest, spent=one.deviation)
         handle = next((c.handle for c in contour.curves if c.handle), "")
         place = f"entity {handle}" if handle else None
         if not rows.within:

@@ -8,6 +8,7 @@ from typing import Final
 
 import numpy as np
 
+from assistant.program.geometry import Vector
 from assistant.sources.contours.curves import Arc, Line, Points, vector
 from assistant.sources.contours.flat import Piece, ahead, started, tangent
 from assistant.sources.contours.offsets import Ring
@@ -60,18 +61,27 @@ def with_room(
     starts: Sequence[tuple[int, float]],
     shaping: Shaping,
     room: Callable[[Sequence[Piece]], bool],
+    away: Callable[[Vector], bool],
 ) -> tuple[tuple[int, float], ...]:
-    """Those starts at which the leads have room. room: of one piece that leads in or out."""
+    """Those starts at which the leads have room, of them those whose leads end away if there are.
+
+    room: of one piece that leads in or out. away: of the outer end of one, farther from all
+    contours than the way itself.
+    """
     if not shaping.leads:
         return tuple(starts)
-    found = []
+    found, better = [], []
     for at, part in starts:
         made = whole(replace(ring, pieces=started(ring.pieces, at, part)), shaping)
         ways = [made[:1]] if shaping.lead_in else []
         ways += [made[-1:]] if shaping.lead_out else []
         if all(room(way) for way in ways):
             found.append((at, part))
-    return tuple(found)
+            ends = [made[0].start] if shaping.lead_in else []
+            ends += [made[-1].end] if shaping.lead_out else []
+            if all(away(end) for end in ends):
+                better.append((at, part))
+    return tuple(better or found)
 
 
 def starts_of(ring: Ring, shaping: Shaping, mark: Points | None) -> tuple[tuple[int, float], ...]:

@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 
 from assistant.program.geometry import Vector
 from assistant.program.path import Kind
-from assistant.sources.contours.chaining import Contour
+from assistant.sources.contours.chaining import EXACT, Contour
 from assistant.sources.contours.curves import Arc, FreeCurve, Line, Points, circle_through, cross
 from assistant.sources.contours.fitting import fit
+from assistant.sources.contours.thinning import between, merged, middle, thinned
 
 LEAST_CHORD: Final = 0.1
 """mm that start, via and end of a circular move have to be apart (RAPID MoveC)."""
@@ -36,8 +37,9 @@ class Moves:
 
     start: (3,). kinds: (n,) uint8. positions: (n, 3). leaving: (n, 3), unit direction in
     which the move of that row begins (for a VIA and its END: each half's). arriving: (n, 3),
-    the direction in which it ends. deviation: mm that free curves are off at most. fitted:
-    how many of them there are. within: all of them are known to be in tolerance.
+    the direction in which it ends. deviation: mm that free curves are off at most, and lines
+    whose points were left out. fitted: how many free curves there are. within: all of them are
+    known to be in tolerance. dropped: how many points were left out.
     """
 
     start: Points
@@ -48,76 +50,93 @@ class Moves:
     deviation: float = 0.0
     fitted: int = 0
     within: bool = True
+    dropped: int = 0
 
     def __len__(self) -> int:
         return len(self.positions)
 
 
-def moves(contour: Contour, tolerance: float, *, widest: float = WIDEST) -> Moves:
+def moves(
+    contour: Contour, tolerance: float, *, widest: float = WIDEST, spent: float = 0.0
+) -> Moves:
     """The contour's moves, which begin and end in its own ends and leave no gap.
 
-    tolerance: mm that free curves and flat arcs may be off. widest: degrees of an arc.
+    tolerance: mm that free curves and flat arcs may be off. widest: degrees of an arc. spent: mm
+    that the contour is off already, which `deviation` holds too.
     """
-    given = as_pieces(contour, tolerance)
+    given = as_pieces(contour, tolerance, spent)
     made: list[Line | Arc] = []
     for piece in given.pieces:
         made += possible(piece, tolerance * FLATTENED, widest)
+    made = merged(made, tolerance, closed=contour.closed)
     start = made[0].start if made else contour.start
-    found = (given.deviation, given.fitted, given.within)
+    found = (given.deviation + spent, given.fitted, given.within, given.dropped)
     return Moves(np.array(start), *columns(made), *found)
 
 
 @dataclass(frozen=True, slots=True)
 class Pieces:
-    """Lines and arcs end to end. deviation, fitted, within: as of `Moves`."""
+    """Lines and arcs end to end. deviation, fitted, within, dropped: as of `Moves`."""
 
     pieces: tuple[Line | Arc, ...]
     deviation: float
     fitted: int
     within: bool
+    dropped: int = 0
 
 
-def as_pieces(contour: Contour, tolerance: float) -> Pieces:
-    """A contour as lines and arcs without gaps; none if it cannot be followed in tolerance mm."""
+def as_pieces(contour: Contour, tolerance: float, spent: float = 0.0) -> Pieces:
+    """A contour as lines and arcs without gaps; none if it cannot be followed in tolerance mm.
+
+    Points of lines that the tolerance does not need are left out. spent: as of `moves`.
+    """
     pieces: list[Line | Arc] = []
+    drawn: list[bool] = []
     deviation, fitted, within = 0.0, 0, True
     for curve in contour.curves:
         if isinstance(curve, FreeCurve):
             result = fit(curve, tolerance * FITTED)
             pieces += result.pieces
+            drawn += [False] * len(result.pieces)
             deviation, fitted = max(deviation, result.deviation), fitted + 1
             within = within and result.within
         else:
             pieces.append(curve)
-    return Pieces(tuple(tight(pieces, contour.closed)), deviation, fitted, within)
+            drawn.append(True)
+    joined = _met(pieces, contour.closed)
+    sides = [ours for ours, made in zip(drawn, joined, strict=True) for _ in made]
+    tight_ones = [piece for made in joined for piece in made]
+    tidy = thinned(tight_ones, sides, tolerance, spent, closed=contour.closed)
+    return Pieces(tidy.pieces, max(deviation, tidy.deviation), fitted, within, tidy.dropped)
 
 
 def tight(pieces: Sequence[Line | Arc], closed: bool) -> list[Line | Arc]:
-    """Every piece begins where the one before it ends, and the last one at the start.
+    """Every piece begins where the one before it ends, and the last one ends at the start.
 
-    Pieces that are left without length are dropped.
+    A gap is closed in its middle. Pieces that are left without length are dropped.
     """
-    made: list[Line | Arc] = []
-    for i, piece in enumerate(pieces):
-        start = made[-1].end if made else piece.start
-        last = closed and i == len(pieces) - 1
-        end = made[0].start if last and made else piece.end
-        if piece.closed:
-            made.append(piece)
-        elif start != end:
-            made.append(_between(piece, start, end))
+    return [piece for made in _met(pieces, closed) for piece in made]
+
+
+def _met(pieces: Sequence[Line | Arc], closed: bool) -> list[list[Line | Arc]]:
+    """What each of the pieces becomes, as of `tight`."""
+    if not pieces:
+        return []
+    joints = [_joint(one, two) for one, two in pairwise(pieces)]
+    begin = _joint(pieces[-1], pieces[0]) if closed else pieces[0].start
+    ends = [*joints, begin if closed else pieces[-1].end]
+    made: list[list[Line | Arc]] = []
+    for piece, end in zip(pieces, ends, strict=True):
+        made.append(between(piece, begin, end))
+        begin = end
     return made
 
 
-def _between(piece: Line | Arc, start: Vector, end: Vector) -> Line | Arc:
-    """The piece with its ends moved a little."""
-    if piece.start == start and piece.end == end:
-        return piece
-    if isinstance(piece, Arc):
-        moved = Arc.through(start, piece.via, end, piece.layer, piece.handle)
-        if moved is not None:
-            return moved
-    return Line(start, end, piece.layer, piece.handle)
+def _joint(one: Line | Arc, two: Line | Arc) -> Vector:
+    """Where one piece ends and the next begins."""
+    if one.end == two.start or math.dist(one.end, two.start) <= EXACT:
+        return two.start
+    return middle(one.end, two.start)
 
 
 def possible(piece: Line | Arc, flat: float, widest: float) -> list[Line | Arc]:

@@ -32,10 +32,16 @@ from assistant.sources.contours.flat import (
     reversed_,
     tangent,
 )
-from assistant.sources.contours.origins import SAME, Source
+from assistant.sources.contours.origins import SAME, Curve, Place, Source
+from assistant.sources.contours.thinning import shortest
 
 LEAST_TURN: Final = math.radians(15.0)
 """Of a corner."""
+ROUGH: Final = 0.15
+"""Part of the tolerance that the polygons of bands may be off: they only tell what meets what."""
+QUARTERS: Final = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
+MITRED: Final = 0.1
+"""Part of the tolerance that the way around a corner may be off the arc about it as a point."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,21 +106,22 @@ def beside(
     pieces: Sequence[Piece], offset: float, tolerance: float, *, outside: bool
 ) -> list[Ring]:
     """The ways `offset` mm outside or inside a closed contour, the longest first; none if it is
-    too narrow for any. tolerance: mm that the polygons on the way may be off, twenty times over.
+    too narrow for any. tolerance: mm, of which parts are what the way may be off.
     """
     import shapely
 
-    off = min(tolerance, offset) * SAMPLED
-    band = shapely.unary_union([_band(piece, offset, off) for piece in pieces])
+    limit = min(tolerance, offset)
+    off = limit * ROUGH
+    band = _bands(pieces, offset, off)
     whole = shapely.Polygon(polyline(pieces, off, closed=True))
     left = shapely.union(whole, band) if outside else shapely.difference(whole, band)
-    source = Source.of(pieces, closed=True)
+    source = Source.of(pieces, off, closed=True)
     found = []
     for part in getattr(left, "geoms", [left]):
         borders = [part.exterior, *part.interiors] if part.geom_type == "Polygon" else []
         for k, border in enumerate(borders):
             encloses = outside and k == 0
-            ring = _ring(np.asarray(border.coords)[:-1, :2], source, offset, off)
+            ring = _ring(shapely.get_coordinates(border)[:-1], source, offset, limit)
             if ring:
                 turned = [(i, 0.5) for i, (_, corner) in enumerate(ring) if corner]
                 made = tuple(piece for piece, _ in ring)
@@ -129,13 +136,14 @@ def beside_open(
     """The ways `offset` mm to the left or right of an open contour, as they follow it."""
     import shapely
 
-    off = min(tolerance, offset) * SAMPLED
-    band = shapely.unary_union([_band(piece, offset, off) for piece in pieces])
-    source = Source.of(pieces, closed=False)
+    limit = min(tolerance, offset)
+    off = limit * ROUGH
+    band = _bands(pieces, offset, off)
+    source = Source.of(pieces, off, closed=False)
     found: list[tuple[int, Ring]] = []
     for part in getattr(band, "geoms", [band]):
         for border in [part.exterior, *part.interiors]:
-            points = np.asarray(border.coords)[:-1, :2]
+            points = shapely.get_coordinates(border)[:-1]
             labels, sides = source.nearest(_middles(points))
             wanted = (sides > 0.0) == left
             wanted &= (labels != source.count) & (labels != 2 * source.count)  # caps at its ends
@@ -144,7 +152,7 @@ def beside_open(
                 chosen = labels[rows]
                 if source.runs_back(ends, chosen):
                     ends, chosen = ends[::-1], chosen[::-1]
-                way = _joined(ends, chosen, source, offset, off, closed=False)
+                way = _joined(ends, chosen, source, offset, limit, closed=False)
                 made = tuple(piece for piece, _ in way)
                 if made and _length(made) > offset * 1e-3:
                     sharp = tuple((i, 0.5) for i, (_, corner) in enumerate(way) if corner)
@@ -159,28 +167,37 @@ def _length(pieces: Sequence[Piece]) -> float:
 
 def _turn(one: Piece, other: Piece) -> float:
     """Radians to the left from the end of a piece to the start of the next."""
-    (ax, ay), (bx, by) = tangent(one, 1.0).tolist(), tangent(other, 0.0).tolist()
+    (ax, ay), (bx, by) = tangent(one, 1.0), tangent(other, 0.0)
     return math.atan2(ax * by - ay * bx, ax * bx + ay * by)
 
 
-def _band(piece: Piece, offset: float, off: float) -> Any:
-    """Everything within the offset of a piece; its rounds at most `off` mm off."""
+def _bands(pieces: Sequence[Piece], offset: float, off: float) -> Any:
+    """Everything within the offset of pieces; their rounds at most `off` mm off."""
     import shapely
 
     step = math.acos(max(1.0 - off / offset, 0.5))
     rounds = max(math.ceil(math.pi / 4.0 / step), 2)
-    if isinstance(piece, Line):
-        return shapely.LineString([piece.start[:2], piece.end[:2]]).buffer(offset, rounds)
-    count = max(chords(piece, off), math.ceil(math.radians(piece.sweep) / (2.0 * step)), 8)
-    centre = np.asarray(piece.centre[:2])
-    arms = (piece.at(np.linspace(0.0, 1.0, count + 1))[:, :2] - centre) / piece.radius
-    outer, inner = piece.radius + offset, max(piece.radius - offset, 0.0)
-    if piece.closed:
+    lines = [[p.start[:2], p.end[:2]] for p in pieces if isinstance(p, Line)]
+    bands = [_sector(p, offset, off, rounds, step) for p in pieces if isinstance(p, Arc)]
+    if lines:
+        bands += shapely.buffer(shapely.linestrings(lines), offset, quad_segs=rounds).tolist()
+    return shapely.unary_union(bands)
+
+
+def _sector(arc: Arc, offset: float, off: float, rounds: int, step: float) -> Any:
+    """Everything within the offset of an arc."""
+    import shapely
+
+    count = max(chords(arc, off), math.ceil(math.radians(arc.sweep) / (2.0 * step)), 8)
+    centre = np.asarray(arc.centre[:2])
+    arms = (arc.at(np.linspace(0.0, 1.0, count + 1))[:, :2] - centre) / arc.radius
+    outer, inner = arc.radius + offset, max(arc.radius - offset, 0.0)
+    if arc.closed:
         holes = [centre + inner * arms] if inner > off else []
         return shapely.Polygon(centre + outer * arms, holes)
     within = centre + inner * arms[::-1] if inner > 0.0 else centre[None]
     sector = shapely.Polygon(np.concatenate([centre + outer * arms, within]))
-    ends = [shapely.Point(p[:2]).buffer(offset, rounds) for p in (piece.start, piece.end)]
+    ends = [shapely.Point(p[:2]).buffer(offset, rounds) for p in (arc.start, arc.end)]
     return shapely.unary_union([sector.buffer(0.0), *ends])
 
 
@@ -202,7 +219,7 @@ def _stretches(wanted: NDArray[np.bool_]) -> Iterator[NDArray[np.intp]]:
                 yield np.array(list(group), dtype=np.intp)
 
 
-def _ring(points: Plane, source: Source, offset: float, off: float) -> list[tuple[Piece, bool]]:
+def _ring(points: Plane, source: Source, offset: float, limit: float) -> list[tuple[Piece, bool]]:
     """A border of a union as lines and arcs, each with whether it goes around a corner."""
     keep = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1) > SAME
     points = points[keep]
@@ -214,7 +231,50 @@ def _ring(points: Plane, source: Source, offset: float, off: float) -> list[tupl
         first = -int(changes[0])
         points, labels = np.roll(points, first, axis=0), np.roll(labels, first)
     ends = np.concatenate([points, points[:1]])
-    return _joined(ends, labels, source, offset, off, closed=True)
+    return _joined(ends, labels, source, offset, limit, closed=True)
+
+
+@dataclass(slots=True)
+class _Run:
+    """Sides of a polygon with one label that follow each other, and the curve that they stand for.
+
+    begin, end: its corners. length: mm. turn: radians about the centre of a circle. mitre: where
+    the neighbours meet if this one, around a corner, is no more than a point.
+    """
+
+    label: int
+    curve: Curve
+    begin: Place
+    end: Place
+    length: float
+    turn: float = 0.0
+    mitre: Place | None = None
+
+    def with_next(self, other: _Run) -> _Run:
+        """One run of two with the same label, over what lay between them."""
+        turn = self.turn + other.turn
+        return replace(self, end=other.end, length=self.length + other.length, turn=turn)
+
+    def piece(self, start: Place, end: Place) -> Piece | None:
+        """What runs from one point to another; None where that is backwards."""
+        curve = self.curve
+        dx, dy = end[0] - start[0], end[1] - start[1]
+        if curve.along is not None:
+            back = dx * (self.end[0] - self.begin[0]) + dy * (self.end[1] - self.begin[1]) <= 0.0
+            return None if back else Line((*start, 0.0), (*end, 0.0))
+        x, y = curve.point
+        first, last = (math.atan2(p[1] - y, p[0] - x) for p in (start, end))
+        sweep = self.turn + _wrapped(last - first - self.turn)
+        if sweep * self.turn <= 0.0 or math.hypot(dx, dy) <= SAME < curve.radius * math.tau - SAME:
+            return None
+        half = first + 0.5 * sweep
+        via = (x + curve.radius * math.cos(half), y + curve.radius * math.sin(half), 0.0)
+        ends = (*start, 0.0), (*end, 0.0)
+        off = max(abs(math.hypot(p[0] - x, p[1] - y) - curve.radius) for p in (start, end))
+        if off > SAME and (arc := Arc.through(ends[0], via, ends[1])) is not None:
+            return arc
+        normal = (0.0, 0.0, math.copysign(1.0, sweep))
+        return Arc(ends[0], via, ends[1], (x, y, 0.0), curve.radius, normal)
 
 
 def _joined(
@@ -222,52 +282,119 @@ def _joined(
     labels: NDArray[np.intp],
     source: Source,
     offset: float,
-    off: float,
+    limit: float,
     *,
     closed: bool,
 ) -> list[tuple[Piece, bool]]:
     """Lines and arcs for the sides of a polygon, of which those that follow each other with one
-    label are one piece. ends: (m + 1, 2). labels: (m,).
+    label are one piece, each with whether it goes around a corner. ends: (m + 1, 2). labels:
+    (m,). limit: mm that a joint may be away from the polygon's.
     """
-    bounds = [0, *(np.flatnonzero(labels[1:] != labels[:-1]) + 1).tolist(), len(labels)]
-    runs = list(pairwise(bounds))
-    middles = [_half_way(ends[a : b + 1]) for a, b in runs]
-    curves = [
-        source.curve(int(labels[a]), offset, m) for (a, _), m in zip(runs, middles, strict=True)
-    ]
+    runs = _runs(ends, labels, source, offset)
     if len(runs) == 1 and closed:
-        curve = curves[0]
-        turn = math.copysign(360.0, area(ends[:-1]))
-        centre, start = (*curve.point, 0.0), (*curve.nearest(ends[0]), 0.0)
-        return [(Arc.about(centre, (0.0, 0.0, 1.0), start, turn), False)]
-    meets: list[Plane] = []
-    for k, (a, _) in enumerate(runs):
-        if k == 0 and not closed:
-            meets.append(curves[0].nearest(ends[0]))
-            continue
-        meet = curves[k - 1].meets(curves[k], ends[a])
-        near = meet is not None and float(np.linalg.norm(meet - ends[a])) <= 20.0 * off
-        meets.append(meet if meet is not None and near else curves[k].nearest(ends[a]))
-    meets.append(meets[0] if closed else curves[-1].nearest(ends[-1]))
+        curve, turn = runs[0].curve, math.copysign(360.0, area(ends[:-1]))
+        around = (*curve.point, 0.0), (0.0, 0.0, 1.0), (*curve.nearest(runs[0].begin), 0.0)
+        return [(Arc.about(*around, turn), False)]
+    runs, dropped = _long_ones(runs, source, offset, limit, closed=closed)
+    pairs = list(zip(runs, [*runs[1:], runs[0]], dropped, strict=True))
+    joints = [_joint(one, two, between, limit) for one, two, between in pairs]
+    if not closed:
+        joints[-1] = runs[-1].curve.nearest(runs[-1].end)
+    begins = [joints[-1] if closed else runs[0].curve.nearest(runs[0].begin), *joints[:-1]]
+    for k, run in enumerate(runs):
+        if run.piece(begins[k], joints[k]) is None:  # its neighbours cut it off
+            half = _half_way(begins[k], joints[k])
+            begins[k] = joints[k] = half
+            if closed or k:
+                joints[k - 1] = half
+            if closed or k + 1 < len(runs):
+                begins[(k + 1) % len(runs)] = half
     made: list[tuple[Piece, bool]] = []
-    for k, curve in enumerate(curves):
-        start, end = _point(meets[k]), _point(meets[k + 1])
-        if math.dist(start, end) <= SAME:
-            continue
-        arc = None
-        if curve.along is None:
-            arc = Arc.through(start, _point(curve.nearest(middles[k])), end)
-        corner = int(labels[runs[k][0]]) >= source.count
-        made.append((arc or Line(start, end), corner))
+    for run, start, end in zip(runs, begins, joints, strict=True):
+        if math.dist(start, end) > SAME:
+            piece = run.piece(start, end) or Line((*start, 0.0), (*end, 0.0))
+            made.append((piece, run.label >= source.count))
     return made
 
 
-def _half_way(points: Plane) -> Plane:
-    """The point half the length along a polyline."""
-    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    sums = np.concatenate([[0.0], np.cumsum(steps)])
-    return np.array([np.interp(0.5 * sums[-1], sums, points[:, i]) for i in (0, 1)])
+def _runs(ends: Plane, labels: NDArray[np.intp], source: Source, offset: float) -> list[_Run]:
+    """Sides with one label that follow each other."""
+    sums = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(ends, axis=0), axis=1))])
+    bounds = np.concatenate([[0], np.flatnonzero(labels[1:] != labels[:-1]) + 1, [len(labels)]])
+    first, last = sums[bounds[:-1]], sums[bounds[1:]]
+    marks = first[:, None] + (last - first)[:, None] * QUARTERS
+    points = np.stack([np.interp(marks, sums, ends[:, i]) for i in (0, 1)], axis=-1).tolist()
+    lengths = (last - first).tolist()
+    runs: list[_Run] = []
+    for label, length, places in zip(labels[bounds[:-1]].tolist(), lengths, points, strict=True):
+        begin, *_, end = ((x, y) for x, y in places)
+        curve = source.curve(label, offset, (places[2][0], places[2][1]))
+        turn = 0.0
+        if curve.along is None:
+            x, y = curve.point
+            angles = [math.atan2(py - y, px - x) for px, py in places]
+            turn = math.fsum(_wrapped(b - a) for a, b in pairwise(angles))
+        runs.append(_Run(label, curve, begin, end, length, turn))
+    return runs
 
 
-def _point(p: Plane) -> Vector:
-    return (float(p[0]), float(p[1]), 0.0)
+def _long_ones(
+    runs: list[_Run], source: Source, offset: float, limit: float, *, closed: bool
+) -> tuple[list[_Run], list[list[_Run]]]:
+    """Runs that are long enough to be a move, and after each what is left out before the next.
+
+    A small turn becomes a point. Of what is left out in a row no more goes than is short.
+    """
+    last, least, left = len(runs) - 1, shortest(limit), 0.0
+    kept: list[bool] = []
+    for k, run in enumerate(runs):
+        stays = not closed and k in (0, last)
+        if not stays and run.label >= source.count:
+            joint = run.label - source.count
+            beside = {runs[k - 1].label, runs[(k + 1) % len(runs)].label}
+            if beside == {(joint - 1) % source.count, joint}:
+                place, off = source.mitre(run.label, offset, run.begin)
+                if off <= MITRED * limit:
+                    run.mitre = place
+        small = run.mitre is not None or (not stays and left + run.length < least)
+        left = left + run.length if small and run.mitre is None else 0.0
+        kept.append(not small)
+    if sum(kept) < 2:
+        return runs, [[] for _ in runs]
+    first = kept.index(True)
+    found: list[_Run] = []
+    dropped: list[list[_Run]] = []
+    for k in range(first, first + len(runs)):
+        run = runs[k % len(runs)]
+        if not kept[k % len(runs)]:
+            dropped[-1].append(run)
+        elif found and found[-1].label == run.label:
+            found[-1], dropped[-1] = found[-1].with_next(run), []
+        else:
+            found.append(run)
+            dropped.append([])
+    if closed and len(found) > 2 and found[0].label == found[-1].label:
+        found[0], dropped = found[-1].with_next(found[0]), dropped[:-1]
+        found.pop()
+    return found, dropped
+
+
+def _joint(one: _Run, two: _Run, between: Sequence[_Run], limit: float) -> Place:
+    """Where a run goes over into the next one. between: what is left out there."""
+    if len(between) == 1 and between[0].mitre is not None:
+        return between[0].mitre
+    near = _half_way(one.end, two.begin)
+    meet = one.curve.meets(two.curve, near)
+    reach = limit + math.fsum(run.length for run in between)
+    if meet is not None and math.dist(meet, near) <= reach:
+        return meet
+    return _half_way(one.curve.nearest(near), two.curve.nearest(near))
+
+
+def _half_way(a: Place, b: Place) -> Place:
+    return (a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0
+
+
+def _wrapped(angle: float) -> float:
+    """The same angle between -pi and pi."""
+    return (angle + math.pi) % math.tau - math.pi

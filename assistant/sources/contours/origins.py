@@ -11,27 +11,31 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.sources.contours.curves import Arc
-from assistant.sources.contours.flat import Piece, Plane, tangent
+from assistant.sources.contours.flat import Piece, Plane, chords
 
-MOST_COMPARED: Final = 1 << 20
-"""Sides times pieces that are looked at at once; bounds memory."""
 SAME: Final = 1e-6
 """mm between two points that are one."""
 
 Numbers = NDArray[np.float64]
+Place = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)
 class Source:
     """The pieces in columns. Labels: piece i is i, the joint before it count + i; of an open
     contour count is its start and 2 count its end.
+
+    tree: of the pieces, arcs as chords. leaving, arriving: (n, 2), directions at their ends.
     """
 
     pieces: tuple[Piece, ...]
     closed: bool
+    tree: Any
     arcs: NDArray[np.bool_]
     start: Numbers
     end: Numbers
+    leaving: Numbers
+    arriving: Numbers
     centre: Numbers
     radius: Numbers
     first: Numbers
@@ -39,23 +43,43 @@ class Source:
     about: Numbers
 
     @staticmethod
-    def of(pieces: Sequence[Piece], *, closed: bool) -> Source:
+    def of(pieces: Sequence[Piece], off: float, *, closed: bool) -> Source:
+        """off: mm that the tree's chords of an arc are off at most."""
+        import shapely
+
         given = tuple(pieces)
-        arcs = [piece if isinstance(piece, Arc) else None for piece in given]
+        rows = [(i, piece) for i, piece in enumerate(given) if isinstance(piece, Arc)]
+        arcs = np.zeros(len(given), dtype=np.bool_)
+        arcs[[i for i, _ in rows]] = True
         start = np.array([piece.start[:2] for piece in given])
-        centre = np.array([arc.centre[:2] if arc else (0.0, 0.0) for arc in arcs])
+        end = np.array([piece.end[:2] for piece in given])
+        centre, (radius, sweep, about) = np.zeros_like(start), np.zeros((3, len(given)))
+        for i, arc in rows:
+            centre[i], radius[i] = arc.centre[:2], arc.radius
+            sweep[i], about[i] = math.radians(arc.sweep), math.copysign(1.0, arc.normal[2])
+        lines = shapely.linestrings(np.stack([start, end], axis=1))
+        for i, arc in rows:
+            along = np.linspace(0.0, 1.0, chords(arc, off) + 1)
+            lines[i] = shapely.LineString(arc.at(along)[:, :2])
         arm = start - centre
+        directions = [
+            _unit(np.where(arcs[:, None], about[:, None] * _left(at - centre), end - start))
+            for at in (start, end)
+        ]
         return Source(
             given,
             closed,
-            np.array([arc is not None for arc in arcs]),
+            shapely.STRtree(lines),
+            arcs,
             start,
-            np.array([piece.end[:2] for piece in given]),
+            end,
+            directions[0],
+            directions[1],
             centre,
-            np.array([arc.radius if arc else 0.0 for arc in arcs]),
+            radius,
             np.arctan2(arm[:, 1], arm[:, 0]),
-            np.array([math.radians(arc.sweep) if arc else 0.0 for arc in arcs]),
-            np.array([math.copysign(1.0, arc.normal[2]) if arc else 0.0 for arc in arcs]),
+            sweep,
+            about,
         )
 
     @property
@@ -63,48 +87,59 @@ class Source:
         return len(self.pieces)
 
     def nearest(self, points: Plane) -> tuple[NDArray[np.intp], Numbers]:
-        """For each point (m, 2) the label of what is nearest, and on which side: over 0 left."""
-        together = max(1, MOST_COMPARED // self.count)
-        parts = [self._nearest(points[i : i + together]) for i in range(0, len(points), together)]
-        labels, sides = zip(*parts, strict=True)
-        return np.concatenate(labels), np.concatenate(sides)
+        """For each point (m, 2) the label of what is nearest, and on which side: over 0 left.
 
-    def _nearest(self, points: Plane) -> tuple[NDArray[np.intp], Numbers]:
-        p = points[:, None]
-        way = self.end - self.start
-        size = np.maximum((way**2).sum(axis=1), 1e-300)
-        share = ((p - self.start) * way).sum(axis=2) / size
-        foot = self.start + np.clip(share, 0.0, 1.0)[..., None] * way
+        The tree gives a piece; that one and its neighbours are compared exactly.
+        """
+        import shapely
+
+        near = self.tree.query_nearest(shapely.points(points), all_matches=False)[1]
+        columns = near[:, None] + np.array([-1, 0, 1])
+        if self.closed:
+            columns %= self.count
+        else:
+            columns = np.clip(columns, 0, self.count - 1)
+        p, start, end = points[:, None], self.start[columns], self.end[columns]
+        way = end - start
+        size = np.maximum((way**2).sum(axis=2), 1e-300)
+        share = ((p - start) * way).sum(axis=2) / size
+        foot = start + np.clip(share, 0.0, 1.0)[..., None] * way
         beside_line = np.linalg.norm(p - foot, axis=2)
-        arm = p - self.centre
+        arm = p - self.centre[columns]
         far = np.linalg.norm(arm, axis=2)
-        turned = (np.arctan2(arm[..., 1], arm[..., 0]) - self.first) * self.about % math.tau
-        within = turned <= self.sweep
-        to_start = np.linalg.norm(p - self.start, axis=2)
-        to_end = np.linalg.norm(p - self.end, axis=2)
-        beside_arc = np.where(within, np.abs(far - self.radius), np.minimum(to_start, to_end))
-        distance = np.where(self.arcs, beside_arc, beside_line)
-        row, chosen = np.arange(len(points)), distance.argmin(axis=1)
-        arc = self.arcs[chosen]
-        inside = np.where(
-            arc, within[row, chosen], (share[row, chosen] > 0.0) & (share[row, chosen] < 1.0)
+        turned = np.arctan2(arm[..., 1], arm[..., 0]) - self.first[columns]
+        within = turned * self.about[columns] % math.tau <= self.sweep[columns]
+        to_start = np.linalg.norm(p - start, axis=2)
+        to_end = np.linalg.norm(p - end, axis=2)
+        beside_arc = np.where(
+            within, np.abs(far - self.radius[columns]), np.minimum(to_start, to_end)
         )
-        late = np.where(arc, to_end[row, chosen] < to_start[row, chosen], share[row, chosen] >= 1.0)
+        distance = np.where(self.arcs[columns], beside_arc, beside_line)
+        best = (np.arange(len(points)), distance.argmin(axis=1))
+        chosen = columns[best]
+        arc, share = self.arcs[chosen], share[best]
+        inside = np.where(arc, within[best], (share > 0.0) & (share < 1.0))
+        late = np.where(arc, to_end[best] < to_start[best], share >= 1.0)
         joint = chosen + late
         if self.closed:
             joint = joint % self.count
         labels = np.where(inside, chosen, self.count + joint)
-        line_side = cross_of(way[chosen], points - self.start[chosen])
-        arc_side = (self.radius[chosen] - far[row, chosen]) * self.about[chosen]
-        sides = np.where(arc, arc_side, line_side)
-        for i in np.flatnonzero(~inside).tolist():
-            sides[i] = self._side_of_joint(int(joint[i]), points[i])
+        line_side = cross_of(way[best], points - self.start[chosen])
+        arc_side = (self.radius[chosen] - far[best]) * self.about[chosen]
+        joint_side = cross_of(self._along_joint(joint), points - self._corner(joint))
+        sides = np.where(inside, np.where(arc, arc_side, line_side), joint_side)
         return labels.astype(np.intp), sides
 
-    def _side_of_joint(self, joint: int, point: Plane) -> float:
-        at_end = joint >= self.count
-        corner = self.end[-1] if at_end else self.start[joint]
-        return float(cross_of(self._along_joint(joint), point - corner))
+    def _corner(self, joint: NDArray[np.intp]) -> Numbers:
+        last = (joint >= self.count)[..., None]
+        return np.where(last, self.end[-1], self.start[np.minimum(joint, self.count - 1)])
+
+    def _along_joint(self, joint: NDArray[np.intp]) -> Numbers:
+        """The direction of a contour at joints, the mean of both sides."""
+        before = ((joint > 0) | self.closed)[..., None]
+        after = (joint < self.count)[..., None]
+        arriving, leaving = self.arriving[joint - 1], self.leaving[joint % self.count]
+        return np.asarray(np.where(before, arriving, 0.0) + np.where(after, leaving, 0.0))
 
     def runs_back(self, ends: Plane, labels: NDArray[np.intp]) -> bool:
         """Whether the longest side between ends (m + 1, 2) runs against what it is beside."""
@@ -113,82 +148,110 @@ class Source:
         k = int(sizes.argmax())
         label, middle = int(labels[k]), 0.5 * (ends[k] + ends[k + 1])
         if label >= self.count:
-            along = self._along_joint(label - self.count)
+            along = self._along_joint(np.array(label - self.count))
         elif self.arcs[label]:
-            x, y = (middle - self.centre[label]) * self.about[label]
-            along = np.array([-y, x])
+            along = self.about[label] * _left(middle - self.centre[label])
         else:
             along = self.end[label] - self.start[label]
         return float(ways[k] @ along) < 0.0
 
-    def _along_joint(self, joint: int) -> Plane:
-        """The direction of a contour at a joint, the mean of both sides."""
-        along = np.zeros(2)
-        if joint or self.closed:
-            along = along + tangent(self.pieces[joint - 1], 1.0)
-        if joint < self.count:
-            along = along + tangent(self.pieces[joint], 0.0)
-        return along
-
-    def curve(self, label: int, offset: float, near: Plane) -> Curve:
+    def curve(self, label: int, offset: float, near: Place) -> Curve:
         """What runs at the offset beside a piece or around a joint, past a point."""
         if label >= self.count:
-            joint = label - self.count
-            corner = self.end[-1] if joint >= self.count else self.start[joint]
-            return Curve(corner, None, offset)
+            return Curve(self.corner(label), None, offset)
+        x, y = near
         if self.arcs[label]:
-            centre, radius = self.centre[label], float(self.radius[label])
-            far = float(np.linalg.norm(near - centre))
+            centre, radius = self._place(self.centre, label), float(self.radius[label])
+            far = math.hypot(x - centre[0], y - centre[1])
             sizes = (radius + offset, abs(radius - offset))
             return Curve(centre, None, min(sizes, key=lambda size: abs(size - far)))
-        way = self.end[label] - self.start[label]
-        along = way / np.linalg.norm(way)
-        across = np.array([-along[1], along[0]])
-        side = math.copysign(1.0, float((near - self.start[label]) @ across))
-        return Curve(self.start[label] + side * offset * across, along, 0.0)
+        (sx, sy), (ux, uy) = self._place(self.start, label), self._place(self.leaving, label)
+        side = offset if ux * (y - sy) - uy * (x - sx) >= 0.0 else -offset
+        return Curve((sx - side * uy, sy + side * ux), (ux, uy), 0.0)
+
+    def corner(self, label: int) -> Place:
+        """Where the joint of a label is."""
+        joint = label - self.count
+        return self._place(self.end, -1) if joint >= self.count else self._place(self.start, joint)
+
+    def mitre(self, label: int, offset: float, near: Place) -> tuple[Place, float]:
+        """Where the ways beside both sides of a joint meet, and mm from there to its round."""
+        joint = label - self.count
+        (ax, ay), (bx, by) = self._place(self.arriving, joint - 1), self._place(self.leaving, joint)
+        x, y = ay + by, -ax - bx  # to the right of both
+        half = math.hypot(x, y) / 2.0  # the cosine of half of the turn
+        corner = self._place(self.start, joint)
+        if half < 0.5:
+            return corner, math.inf
+        size = offset / (2.0 * half * half)
+        if x * (near[0] - corner[0]) + y * (near[1] - corner[1]) < 0.0:
+            size = -size
+        return (corner[0] + size * x, corner[1] + size * y), offset * (1.0 / half - 1.0)
+
+    @staticmethod
+    def _place(column: Numbers, row: int) -> Place:
+        return float(column[row, 0]), float(column[row, 1])
 
 
 @dataclass(frozen=True, slots=True)
 class Curve:
     """A line through a point along a unit direction, or a circle about it if that is None."""
 
-    point: Plane
-    along: Plane | None
+    point: Place
+    along: Place | None
     radius: float
 
-    def nearest(self, p: Plane) -> Plane:
+    def nearest(self, p: Place) -> Place:
+        x, y = p[0] - self.point[0], p[1] - self.point[1]
         if self.along is not None:
-            return np.asarray(self.point + ((p - self.point) @ self.along) * self.along)
-        arm = p - self.point
-        size = float(np.linalg.norm(arm))
-        return np.asarray(self.point + arm * (self.radius / size)) if size > 0.0 else p
+            ux, uy = self.along
+            part = x * ux + y * uy
+            return self.point[0] + part * ux, self.point[1] + part * uy
+        size = math.hypot(x, y)
+        if size == 0.0:
+            return p
+        part = self.radius / size
+        return self.point[0] + part * x, self.point[1] + part * y
 
-    def meets(self, other: Curve, near: Plane) -> Plane | None:
+    def meets(self, other: Curve, near: Place) -> Place | None:
         """Where they cross or touch, the place that is nearest to a point."""
         if self.along is None and other.along is not None:
             return other.meets(self, near)
+        bx, by = other.point[0] - self.point[0], other.point[1] - self.point[1]
         if self.along is not None and other.along is not None:
-            sine = float(cross_of(self.along, other.along))
+            (ux, uy), (vx, vy) = self.along, other.along
+            sine = ux * vy - uy * vx
             if abs(sine) < 1e-9:
                 return None
-            part = float(cross_of(other.point - self.point, other.along)) / sine
-            return np.asarray(self.point + part * self.along)
+            part = (bx * vy - by * vx) / sine
+            return self.point[0] + part * ux, self.point[1] + part * uy
         if self.along is not None:
-            foot, along = self.nearest(other.point), self.along
-            rest = other.radius**2 - float(((foot - other.point) ** 2).sum())
+            ux, uy = self.along
+            foot = self.nearest(other.point)
+            rest = other.radius**2 - math.dist(foot, other.point) ** 2
         else:
-            between = other.point - self.point
-            apart = float(np.linalg.norm(between))
+            apart = math.hypot(bx, by)
             if apart < SAME:
                 return None
             part = (apart**2 + self.radius**2 - other.radius**2) / (2.0 * apart)
-            foot = self.point + part * between / apart
-            along = np.array([-between[1], between[0]]) / apart
+            bx, by = bx / apart, by / apart
+            foot = (self.point[0] + part * bx, self.point[1] + part * by)
+            ux, uy = -by, bx
             rest = self.radius**2 - part**2
         half = math.sqrt(max(rest, 0.0))
-        both = (foot + half * along, foot - half * along)
-        return min(both, key=lambda p: float(((p - near) ** 2).sum()))
+        one = (foot[0] + half * ux, foot[1] + half * uy)
+        two = (foot[0] - half * ux, foot[1] - half * uy)
+        return min((one, two), key=lambda p: (p[0] - near[0]) ** 2 + (p[1] - near[1]) ** 2)
 
 
 def cross_of(a: Plane, b: Plane) -> Any:
     return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+
+
+def _left(v: Plane) -> Plane:
+    """Vectors turned to the left by a quarter."""
+    return np.stack([-v[..., 1], v[..., 0]], axis=-1)
+
+
+def _unit(v: Plane) -> Plane:
+    return np.asarray(v / np.maximum(np.linalg.norm(v, axis=-1, keepdims=True), 1e-300))

@@ -8,6 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from assistant.program.geometry import Vector
 from assistant.sources.contours.curves import Points
 from assistant.sources.contours.flat import SAMPLED, Piece, polyline
 from assistant.sources.contours.offsets import Ring, polygon
@@ -76,6 +77,15 @@ class Room:
             return set(rows.tolist()) <= {number} and kept(line)
 
         return free
+
+    def away(self, offset: float) -> Callable[[Vector], bool]:
+        """Whether a point is clearly farther from all contours than a way at the offset."""
+        import shapely
+
+        far = offset + 2.0 * self.tolerance
+        return lambda point: (
+            not len(self.tree.query(shapely.Point(point[:2]), predicate="dwithin", distance=far))
+        )
 
     def _kept(self, own: Ring) -> Callable[[Any], bool]:
         """Whether a line that begins or ends on a contour stays on the side of the tool."""

@@ -17,7 +17,7 @@ from assistant.sources.contours.chaining import Contour
 from assistant.sources.contours.curves import Points
 from assistant.sources.contours.flat import Piece, lowered, started
 from assistant.sources.contours.leads import whole
-from assistant.sources.contours.moves import as_pieces
+from assistant.sources.contours.moves import Pieces, as_pieces
 from assistant.sources.contours.nesting import NONE, holders
 from assistant.sources.contours.offsets import Ring
 from assistant.sources.contours.room import Room
@@ -50,7 +50,8 @@ class Shaped:
     """A drawn contour as one thing to be put in order.
 
     main: what stands for it. rounds: for each allowance its ways, seen along the tool; the first
-    of the last is `main`. deviation, fitted: as of `Moves`, of curves that are arcs and lines now.
+    of the last is `main`. deviation, fitted, dropped: as of `Moves`, of curves that are arcs and
+    lines now.
     """
 
     main: Contour
@@ -58,6 +59,7 @@ class Shaped:
     rounds: tuple[tuple[Ring, ...], ...] = ()
     deviation: float = 0.0
     fitted: int = 0
+    dropped: int = 0
 
     def ways(self, contour: Contour, shaping: Shaping) -> Iterator[Way]:
         """What is followed, in order. contour: `main`, as it was put in order."""
@@ -96,7 +98,7 @@ class Shaper:
     which, over all layers on which sides matter, and how near they are to each other.
 
     rooms: by the direction of the tool. depths: how many contours are around one. held: rows of
-    the layers whose contours lie inside those of a layer.
+    the layers whose contours lie inside those of a layer. known: contours as lines and arcs.
     """
 
     layers: Sequence[tuple[Layer, Sequence[Contour]]]
@@ -105,6 +107,7 @@ class Shaper:
     rooms: dict[tuple[float, ...], Room] = field(default_factory=dict)
     depths: dict[Key, int] = field(default_factory=dict)
     held: dict[int, set[int]] = field(default_factory=dict)
+    known: dict[Key, Pieces] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         alike: dict[tuple[float, ...], list[tuple[Key, Contour]]] = {}
@@ -122,10 +125,16 @@ class Shaper:
                 if around[row] != NONE:
                     (outer, _), _ = members[around[row]]
                     self.held.setdefault(outer, set()).add(key[0])
-                pieces = as_pieces(contour, self.tolerance).pieces
+                pieces = self._pieces(key, contour).pieces
                 if pieces:
                     lines.append((key, view.of(pieces), contour.closed))
             self.rooms[direction] = Room.of(lines, self.tolerance)
+
+    def _pieces(self, key: Key, contour: Contour) -> Pieces:
+        """A contour as lines and arcs, worked out once."""
+        if key not in self.known:
+            self.known[key] = as_pieces(contour, self.tolerance)
+        return self.known[key]
 
     def order(self) -> list[int]:
         """The rows of the layers: those whose contours lie inside others' come before them."""
@@ -159,7 +168,7 @@ class Shaper:
         made: list[Shaped | None] = []
         sides: list[bool] = []
         for k, contour in enumerate(contours):
-            given = as_pieces(contour, self.tolerance)
+            given = self._pieces((row, k), contour)
             if not (given.pieces and given.within):
                 made.append(Shaped(replace(contour, number=k)))
                 continue
@@ -183,7 +192,8 @@ class Shaper:
                 not main.closed and one.fixed,
                 k,
             )
-            made.append(Shaped(stands, view, rounds, given.deviation, given.fitted))
+            found = (given.deviation, given.fitted, given.dropped)
+            made.append(Shaped(stands, view, rounds, *found))
         if shaping.sided and shaping.side == "nesting" and sides:
             outside = sum(sides)
             self.findings.append(
@@ -202,7 +212,7 @@ class Shaper:
         closed = [k for k, contour in enumerate(contours) if contour.closed]
         if layer.shaping.start != "point" or not closed:
             return {}
-        given = ((k, as_pieces(contours[k], self.tolerance).pieces) for k in closed)
+        given = ((k, self._pieces((row, k), contours[k]).pieces) for k in closed)
         flat = [((row, k), view.of(pieces), True) for k, pieces in given if pieces]
         found: dict[int, tuple[float, Points]] = {}
         for mark, (_, k), far in Room.of(flat, self.tolerance).nearest(marks):

@@ -1,0 +1,242 @@
+"""Contours of real exports: short sides joined, points that change nothing left out.
+
+CAD systems write curves as hundreds of sides, round coordinates and repeat points. Each side is a
+move, and a corner between sides that are shorter than its rounding is a stop. So points go that
+the polyline without them misses by less than a part of the tolerance, and what is shorter than
+twice that becomes one point.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import groupby, pairwise
+from typing import Final
+
+import numpy as np
+
+from assistant.program.arrays import Floats, Truths
+from assistant.program.geometry import Vector
+from assistant.sources.contours.curves import Arc, Line, Points, vector
+
+THINNED: Final = 0.2
+"""Part of the tolerance that leaving out points may use."""
+TWICE: Final = 0.3
+"""The same of a way beside a contour, with what the contour itself has used."""
+SHORT: Final = 20.0
+"""Tolerances that a side is long at most for its ends to be left out: longer ones were drawn."""
+LARGE: Final = 180.0
+"""Degrees of an arc over which moving an end by a little moves its centre by much."""
+LEAST: Final = 2e-4
+"""mm of a move: twice the last decimal that is printed."""
+
+Piece = Line | Arc
+
+
+@dataclass(frozen=True, slots=True)
+class Thinned:
+    """pieces: end to end. dropped: points that are left out. deviation: mm that they are off."""
+
+    pieces: tuple[Piece, ...]
+    dropped: int = 0
+    deviation: float = 0.0
+
+
+def shortest(tolerance: float) -> float:
+    """Length in mm up to which a piece is one point."""
+    return max(2.0 * THINNED * tolerance, LEAST)
+
+
+def thinned(
+    pieces: Sequence[Piece],
+    drawn: Sequence[bool],
+    tolerance: float,
+    spent: float = 0.0,
+    *,
+    closed: bool,
+) -> Thinned:
+    """Pieces with fewer sides, each point of the given ones within a part of the tolerance.
+
+    pieces: end to end. drawn: which of them are sides of a drawing. spent: mm that they are off
+    already. Ends of an open contour, and joints with other pieces, stay where they are.
+    """
+    allowed = min(THINNED * tolerance, TWICE * tolerance - spent)
+    if not pieces:
+        return Thinned(())
+    made: list[Piece] = []
+    most, dropped = 0.0, 0
+    sides = [isinstance(p, Line) and ours for p, ours in zip(pieces, drawn, strict=True)]
+    runs = _runs(sides)
+    around = closed and len(runs) == 1
+    for first, last in runs:
+        if not sides[first] or last - first < 2 or allowed <= 0.0:
+            made += pieces[first:last]
+            continue
+        points = np.array([pieces[first].start, *(piece.end for piece in pieces[first:last])])
+        kept, off = _kept(points, allowed, tolerance, around=around)
+        if kept.all():
+            made += pieces[first:last]
+            continue
+        most, dropped = max(most, off), dropped + int((~kept).sum())
+        rows = np.flatnonzero(kept).tolist()
+        for a, b in pairwise(rows):
+            given = pieces[first + a]
+            end = pieces[first + b - 1].end
+            made.append(given if b == a + 1 else replace(given, end=end))
+    joined = merged(made, tolerance, closed=closed)
+    return Thinned(tuple(joined), dropped + len(made) - len(joined), most)
+
+
+def _runs(sides: Sequence[bool]) -> list[tuple[int, int]]:
+    """First and one after the last of pieces of one kind that follow each other."""
+    bounds = [i for i in range(1, len(sides)) if sides[i] != sides[i - 1]]
+    return list(pairwise([0, *bounds, len(sides)]))
+
+
+def _kept(
+    points: Points, allowed: float, tolerance: float, *, around: bool
+) -> tuple[Truths, float]:
+    """Which points (n, 3) of a polyline stay, and how far off the others are at most.
+
+    Douglas and Peucker, all intervals of a round at once. It starts from the points that have to
+    stay: those between long sides, and those off the line between their neighbours. around: the
+    last point is the first.
+    """
+    n = len(points)
+    sides = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    kept = np.zeros(n, dtype=np.bool_)
+    kept[[0, -1]] = True
+    short = sides < SHORT * tolerance
+    kept[1:-1] = ~(short[:-1] | short[1:])
+    kept[1:-1] |= _off(points[1:-1], points[:-2], points[2:]) > allowed
+    if around and n > 3:
+        far = np.linalg.norm(points - points[0], axis=1)
+        kept[int(far.argmax())] = True
+    most = 0.0
+    while True:
+        ends = np.flatnonzero(kept)
+        inner = np.flatnonzero(~kept)
+        if not inner.size:
+            break
+        place = np.searchsorted(ends, inner) - 1
+        off = _off(points[inner], points[ends[place]], points[ends[place + 1]])
+        firsts = np.flatnonzero(np.diff(place, prepend=-1))
+        worst = np.maximum.reduceat(off, firsts)
+        counts = np.diff(np.append(firsts, len(inner)))
+        split = np.repeat(worst > allowed, counts)
+        if not split.any():
+            most = float(worst.max())
+            break
+        farthest = np.flatnonzero(split & (off == np.repeat(worst, counts)))
+        _, one_each = np.unique(place[farthest], return_index=True)
+        kept[inner[farthest[one_each]]] = True
+    return kept, most
+
+
+def _off(points: Points, start: Points, end: Points) -> Floats:
+    """Distances (n,) of points from segments, each from its own."""
+    way = end - start
+    size = np.maximum((way**2).sum(axis=1), 1e-300)
+    share = np.clip(((points - start) * way).sum(axis=1) / size, 0.0, 1.0)
+    return np.asarray(np.linalg.norm(points - start - share[:, None] * way, axis=1))
+
+
+def merged(pieces: Sequence[Piece], tolerance: float, *, closed: bool) -> list[Piece]:
+    """Pieces without those that are too short to be a move: their neighbours meet instead.
+
+    A stretch of short pieces becomes one point, its middle, or lines that are long enough. The
+    ends of an open contour stay; a closed one starts at the same piece.
+    """
+    lengths = [piece.length for piece in pieces]
+    least = shortest(tolerance)
+    if max(lengths, default=0.0) < least:
+        least = LEAST  # the whole contour is as small
+    small = [length < least for length in lengths]
+    if not any(small):
+        return list(pieces)
+    first = small.index(False) if closed and not all(small) else 0
+    carriers: list[Piece] = []
+    ends: list[Vector] = []
+    turned = [*pieces[first:], *pieces[:first]]
+    wanted = 0  # the carrier that the contour starts with
+    at = 0
+    for is_small, group in groupby([*small[first:], *small[:first]]):
+        count = len(list(group))
+        stretch, at = turned[at : at + count], at + count
+        if len(pieces) - first in range(at - count, at):
+            wanted = len(carriers) + (0 if is_small else len(pieces) - first - (at - count))
+        if not is_small:
+            carriers += stretch
+            ends += (piece.end for piece in stretch)
+        elif math.fsum(piece.length for piece in stretch) < least:
+            begin, end = stretch[0].start, stretch[-1].end
+            if carriers:
+                open_end = at == len(turned) and not closed
+                ends[-1] = end if open_end else middle(begin, end)
+        else:
+            chords = _chords(stretch, least)
+            carriers += chords
+            ends += (piece.end for piece in chords)
+    if not carriers:
+        start, end = pieces[0].start, pieces[-1].end
+        alone = Line(start, end, pieces[0].layer, pieces[0].handle)
+        return [alone] if not closed and alone.length >= LEAST else []
+    begin = ends[-1] if closed else pieces[0].start
+    made: list[list[Piece]] = []
+    for carrier, end in zip(carriers, ends, strict=True):
+        made.append(between(carrier, begin, end))
+        begin = end
+    wanted %= len(made)
+    return [piece for moved in (*made[wanted:], *made[:wanted]) for piece in moved]
+
+
+def _chords(stretch: Sequence[Piece], least: float) -> list[Piece]:
+    """Lines of at least a length through short pieces, to the end of the last."""
+    points = [stretch[0].start]
+    for piece in stretch:
+        if math.dist(points[-1], piece.end) >= least:
+            points.append(piece.end)
+    if len(points) == 1:
+        return []
+    points[-1] = stretch[-1].end
+    like = stretch[0]
+    return [Line(a, b, like.layer, like.handle) for a, b in pairwise(points)]
+
+
+def between(piece: Piece, start: Vector, end: Vector) -> list[Piece]:
+    """The piece with its ends moved a little; none if it is left without length.
+
+    The middle of an arc moves by the mean of its ends, so that it keeps its form.
+    """
+    if piece.closed or (piece.start == start and piece.end == end):
+        return [piece]
+    if isinstance(piece, Arc):
+        if start == end:
+            return _circle(piece, start)
+        if piece.sweep > LARGE:
+            one, half, two = (vector(p) for p in piece.at([0.25, 0.5, 0.75]))
+            return [
+                *between(replace(piece, via=one, end=half), start, half),
+                *between(replace(piece, start=half, via=two), half, end),
+            ]
+        shift = 0.5 * (np.subtract(start, piece.start) + np.subtract(end, piece.end))
+        via = vector(np.asarray(piece.via) + shift)
+        moved = Arc.through(start, via, end, piece.layer, piece.handle)
+        if moved is not None:
+            return [moved]
+    return [] if start == end else [Line(start, end, piece.layer, piece.handle)]
+
+
+def _circle(arc: Arc, start: Vector) -> list[Piece]:
+    """The circle of an arc whose ends are one point; nothing if it was short."""
+    if arc.sweep <= LARGE:
+        return []
+    arm, normal = np.subtract(start, arc.centre), np.asarray(arc.normal)
+    arm = arm - (arm @ normal) * normal
+    begin = np.asarray(arc.centre) + arm * (arc.radius / float(np.linalg.norm(arm)))
+    return [Arc.about(arc.centre, arc.normal, begin, 360.0, arc.layer, arc.handle)]
+
+
+def middle(a: Vector, b: Vector) -> Vector:
+    return ((a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0, (a[2] + b[2]) / 2.0)
