@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -57,6 +57,17 @@ GAP = info(
     "{count} gaps of up to {largest:.4f} mm on layer {layer!r} are closed",
     "draw with object snap, or give a smaller `tolerance` to keep the ends apart",
 )
+
+
+WIDE_GAP = warning(
+    "CT107",
+    "{count} gaps on layer {layer!r} of {smallest:.4f} to {largest:.4f} mm are wider than the"
+    " tolerance of {tolerance:g} mm: the contours are open there",
+    "close them in the drawing, or give a larger `tolerance` in the process file",
+)
+
+WIDE: Final = 10.0
+"""Tolerances of a gap at most that is hardly meant."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,6 +148,27 @@ def chain(
         contours += made
         findings += (f.within(path) for f in found)
     return tuple(contours), tuple(findings)
+
+
+def wide_gaps(contours: Sequence[Contour], tolerance: float) -> list[Diagnostic]:
+    """A finding if ends of contours of one layer are a little farther apart than the tolerance."""
+    open_ = [contour for contour in contours if not contour.closed]
+    if not open_:
+        return []
+    ends = np.array([[contour.start, contour.end] for contour in open_]).reshape(-1, 3)
+    lengths = [contour.length for contour in open_]
+    used: set[int] = set()
+    found: list[float] = []
+    pairs = zip(*(column.tolist() for column in pairs_within(ends, WIDE * tolerance)), strict=True)
+    for a, b, gap in pairs:
+        long = min(lengths[a // 2], lengths[b // 2]) > 4.0 * gap
+        if long and gap > tolerance and not used & {a, b}:
+            used |= {a, b}
+            found.append(gap)
+    if not found:
+        return []
+    sizes: dict[str, Any] = {"smallest": min(found), "largest": max(found)}
+    return [WIDE_GAP(layer=open_[0].layer, count=len(found), tolerance=tolerance, **sizes)]
 
 
 SAMPLES: Final = (0.0, 0.25, 0.5, 0.75, 1.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -16,13 +17,14 @@ from assistant.program.statements import (
     Comment,
     Statement,
 )
-from assistant.sources.contours.chaining import Contour, chain
+from assistant.sources.contours.chaining import Contour, chain, wide_gaps
 from assistant.sources.contours.curves import Arc, Curve, Line
 from assistant.sources.contours.following import Placed, follow, highest, measured
 from assistant.sources.contours.moves import WIDEST, moves
 from assistant.sources.contours.nesting import NONE, holders
 from assistant.sources.contours.numbering import Written, stated
 from assistant.sources.contours.ordering import ordered
+from assistant.sources.contours.overlaps import trimmed
 from assistant.sources.contours.shaping import Shaped, Shaper
 from assistant.sources.process import Layer, Process
 from assistant.sources.process.table import nearest
@@ -32,7 +34,7 @@ from assistant.sources.standing import Standing
 UNUSED = warning(
     "CT201",
     "not used on layer {layer!r}, which the process file does not have: {what}",
-    'add [layers."{layer}"] to the process file, or leave_out = ["{layer}"] at its top',
+    "add [layers.{key}] to the process file, or leave_out = [{key}] at its top",
 )
 NO_CONTOURS = info(
     "CT202", "the process file's layer {layer!r} has no contours in the drawing", "{cure}"
@@ -77,6 +79,12 @@ NO_CORNER = warning(
     " to {radius:g} mm",
     "give a smaller `corner_angle`, or a `corner_radius` as large as the rounded corners",
 )
+THINNED = info(
+    "CT108",
+    "{count} points on layer {layer!r} are left out, as the way without them is at most"
+    " {deviation:.4f} mm off",
+    "give a smaller `tolerance` to keep them",
+)
 WIDEST_TURN: Final = 120.0
 """Degrees of an arc over which the tool turns with the contour: a controller turns it the
 shorter way from start to end, which has to stay the way of the arc."""
@@ -120,12 +128,15 @@ def contour_program(
         layer = known.get(key, None if unwanted else usual)
         if layer is None:
             if not unwanted:
-                findings.append(UNUSED(what=_count(group), layer=shown(group[0].layer)))
+                given = group[0].layer
+                key_shown = json.dumps(shown(given), ensure_ascii=False)
+                findings.append(UNUSED(what=_count(group), layer=shown(given), key=key_shown))
             continue
         name = _name(group[0].layer, names)
         names.add(name)
-        contours, chained = chain(group, process.tolerance)
-        findings += chained
+        single, overlapping = trimmed(group, process.tolerance)
+        contours, chained = chain(single, process.tolerance)
+        findings += (*overlapping, *chained, *wide_gaps(contours, process.tolerance))
         if contours:
             direction = process.placed(layer.direction)
             followed.append((name, replace(layer, direction=direction), contours))
@@ -230,6 +241,7 @@ def _procedure(
     body: list[Statement] = [Comment(_plain(f"{layer.process}: layer {name}"))]
     widest = WIDEST_TURN if layer.tangential else WIDEST
     deviation, fitted, count = 0.0, sum(one.fitted for one in kept), 0
+    thinned, dropped = 0.0, sum(one.dropped for one in kept)
     wound = 0.0 if before is not None and _by_lines(before, layer) else None
     top = highest(drawn, placed) if layer.above.height is not None else 0.0
     corners = 0
@@ -251,6 +263,8 @@ def _procedure(
         else:
             count += 1
             deviation, fitted = max(deviation, rows.deviation), fitted + rows.fitted
+            if one.dropped or rows.dropped:
+                thinned, dropped = max(thinned, rows.deviation), dropped + rows.dropped
             taken.add(f"{stem}_{count}")
             lower = way.lower(layer)
             stays = process.home is None and way is followed[-1][1]
@@ -266,6 +280,8 @@ def _procedure(
             wound = made.wound
     if fitted:
         findings.append(FITTED(layer=shown(name), count=fitted, deviation=deviation))
+    if dropped:
+        findings.append(THINNED(layer=shown(name), count=dropped, deviation=thinned))
     if count and (slow := layer.pace.corner) is not None:
         about: dict[str, Any] = {
             "layer": shown(name),

@@ -14,12 +14,12 @@ from assistant.program.diagnostics import Diagnostic
 from assistant.sources.contours import shaping_rules as rules
 from assistant.sources.contours.beside import Beside
 from assistant.sources.contours.chaining import Contour
-from assistant.sources.contours.curves import Points
+from assistant.sources.contours.curves import Arc, Line, Points
 from assistant.sources.contours.flat import Piece, lowered, started
 from assistant.sources.contours.leads import whole
 from assistant.sources.contours.moves import Pieces, as_pieces
 from assistant.sources.contours.nesting import NONE, holders
-from assistant.sources.contours.offsets import Ring
+from assistant.sources.contours.offsets import Ring, crosses_itself
 from assistant.sources.contours.room import Room
 from assistant.sources.contours.seen import View
 from assistant.sources.process import Layer
@@ -160,6 +160,8 @@ class Shaper:
         """
         layer, contours = self.layers[row]
         shaping = layer.shaping
+        if not shaping.sided:
+            self._tell_crossings(row)
         if shaping == Shaping(depth=shaping.depth, passes=shaping.passes) and not shaping.depth:
             return [Shaped(replace(c, number=k)) for k, c in enumerate(contours)]
         view = View.along(layer.direction)
@@ -205,6 +207,21 @@ class Shaper:
                 )
             )
         return made
+
+    def _tell_crossings(self, row: int) -> None:
+        """A finding for each closed contour of a layer that crosses itself; with sides it is one
+        that nothing follows.
+        """
+        for k, contour in enumerate(self.layers[row][1]):
+            only = contour.curves[0]
+            if not contour.closed or (len(contour.curves) < 4 and isinstance(only, Line | Arc)):
+                continue
+            given = self._pieces((row, k), contour)
+            view = View.along(self.layers[row][0].direction)
+            if given.pieces and crosses_itself(view.of(given.pieces), self.tolerance):
+                handle = next((c.handle for c in contour.curves if c.handle), "")
+                place = f"entity {handle}" if handle else None
+                self.findings.append(rules.CROSSING(place=place, layer=shown(contour.layer)))
 
     def _marked(self, row: int, marks: Points, view: View) -> Mapping[int, Points]:
         """The mark of each closed contour of a layer, where starts are marked."""

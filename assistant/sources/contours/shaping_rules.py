@@ -6,6 +6,11 @@ from typing import Final
 
 from assistant.program.diagnostics import error, info, warning
 
+CROSSING: Final = warning(
+    "CT109",
+    "a closed contour on layer {layer!r} crosses or touches itself and is followed as drawn",
+    "redraw it if it is an outline",
+)
 OPEN: Final = error(
     "CT210",
     "an open contour on layer {layer!r} has no inside or outside for the tool to be on",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import logging
 import re
 import struct
@@ -11,7 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
-from assistant.program.diagnostics import Diagnostic, Unreadable
+from assistant.program.diagnostics import Diagnostic, Refused, Unreadable
 from assistant.program.system.budgets import DRAWING, within
 from assistant.program.text import read_bytes
 from assistant.sources.drawing.findings import (
@@ -23,6 +24,7 @@ from assistant.sources.drawing.findings import (
     TRUNCATED,
     shown,
 )
+from assistant.sources.drawing.group_codes import MARK, malformed, unescaped
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
@@ -81,14 +83,16 @@ MOST_NOTES: Final = 20
 
 
 def open_drawing(path: FilePath) -> tuple[Drawing, tuple[Diagnostic, ...]]:
-    """The document, and what had to be repaired to read it; raises Unreadable."""
+    """The document, and what had to be repaired to read it; raises Unreadable or Refused."""
     data = read_bytes(path)
     binary = data.startswith(BINARY_SENTINEL)
     notes: list[str] = []
     with within(DRAWING, str(path), len(data)), _heard(notes):
         _check_kind(path, data, binary)
         _check_end(path, data, binary)
-        document, repairs = _load(path, binary)
+        if not binary and (wrong := malformed(data, str(path))):
+            raise Refused(*wrong)
+        document, repairs = _load(path, data, binary)
     if (BINARY_VARIABLE if binary else VARIABLE).search(data) is None:
         _forget_header(document)
     return document, (*repairs, *_told(notes, str(path)))
@@ -144,12 +148,16 @@ def _check_end(path: FilePath, data: bytes, binary: bool) -> None:
         raise Unreadable(TRUNCATED(path=str(path), name=shown(path.name)))
 
 
-def _load(path: FilePath, binary: bool) -> tuple[Drawing, tuple[Diagnostic, ...]]:
+def _load(path: FilePath, data: bytes, binary: bool) -> tuple[Drawing, tuple[Diagnostic, ...]]:
     from ezdxf import recover
-    from ezdxf.filemanagement import readfile
+    from ezdxf.filemanagement import dxf_file_info, read, readfile
 
     try:
-        return _named(readfile(path)), ()
+        if binary or MARK not in data:
+            return _named(readfile(path)), ()
+        text = data.decode(dxf_file_info(str(path)).encoding, errors="surrogateescape")
+        lines = (unescaped(line) + "\n" for line in text.replace("\r\n", "\n").split("\n"))
+        return _named(read(io.StringIO("".join(lines)))), ()
     except library_errors() as error:
         strict = error
     if binary:  # ezdxf repairs text only

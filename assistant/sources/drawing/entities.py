@@ -184,7 +184,8 @@ def _straights(places: Sequence[Floats], closed: bool) -> list[Primitive]:
 def _spline(entity: SplineEntity) -> list[Primitive]:
     points = _points(entity.control_points)
     if len(points):
-        return [_nurbs(entity.dxf.degree, entity.knots, points, entity.weights)]
+        whole = _nurbs(entity.dxf.degree, entity.knots, points, entity.weights)
+        return [*whole.continuous()]
     fit = _points(entity.fit_points)
     if len(fit) and entity.closed and not (fit[0] == fit[-1]).all():
         fit = np.vstack([fit, fit[:1]])

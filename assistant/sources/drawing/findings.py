@@ -30,6 +30,7 @@ UNKNOWN_MEANING = error(
 UNKNOWN_DEFAULT = error(
     "DX009", "the default {what} `{name}` is not declared", "declare it in the process file"
 )
+MALFORMED = error("DX010", "`{given}` at group code {code} is no number{more}", "{cure}")
 
 # Units and coordinate systems.
 NO_UNITS = warning(

@@ -8,6 +8,7 @@ no cases of their own; only at the end it shows whether a conic is a circle.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -118,6 +119,29 @@ class Spline:
         ends = self._evaluate(np.array([0.0, 1.0]))
         closed = bool(np.linalg.norm(ends[1] - ends[0]) <= SHORTEST)
         return FreeCurve(self._evaluate, closed, layer, handle, breaks)
+
+    def continuous(self) -> Iterator[Spline]:
+        """The parts between knots at which the curve may jump: those that are there more often
+        than its degree. Each part has its own ends.
+        """
+        p, n = self.degree, len(self.points)
+        first = 0
+        values, places, counts = np.unique(self.knots, return_index=True, return_counts=True)
+        low, high = self._domain
+        for value, place, count in zip(values, places.tolist(), counts.tolist(), strict=True):
+            if low < value < high and count > p:
+                yield self._part(first, place)
+                first = place + count - p - 1
+        yield self if first == 0 else self._part(first, n)
+
+    def _part(self, first: int, last: int) -> Spline:
+        """Of the control points from one on, up to another."""
+        return replace(
+            self,
+            knots=self.knots[first : last + self.degree + 1],
+            points=self.points[first:last],
+            weights=self.weights[first:last],
+        )
 
     @property
     def _domain(self) -> tuple[float, float]:

@@ -23,6 +23,16 @@ def apart(space: Any) -> None:
     space.add_line((50.01, 0), (50, 40), dxfattribs={"layer": "CUT"})
 
 
+def far_apart(space: Any) -> None:
+    space.add_line((0, 0), (50, 0), dxfattribs={"layer": "CUT"})
+    space.add_line((50.08, 0), (50, 40), dxfattribs={"layer": "CUT"})
+
+
+def of_short_sides(space: Any) -> None:
+    points = [(0.5 * i, 0.003 * (i % 2)) for i in range(60)]
+    space.add_lwpolyline(points, dxfattribs={"layer": "CUT"})
+
+
 def tiny(space: Any) -> None:
     line(space)
     space.add_ellipse((80, 0), (0.004, 0), 0.9, dxfattribs={"layer": "CUT"})
@@ -66,6 +76,18 @@ CASES: Final = (
         "CT105",
         "check a.dxf",
         {"a.dxf": dxf(apart)},
+        change={"a.process.toml": "tolerance = 0.005\n"},
+    ),
+    Case(
+        "CT107",
+        "check a.dxf",
+        {"a.dxf": dxf(far_apart)},
+        change={"a.process.toml": "tolerance = 0.1\n"},
+    ),
+    Case(
+        "CT108",
+        "check a.dxf",
+        {"a.dxf": dxf(of_short_sides)},
         change={"a.process.toml": "tolerance = 0.005\n"},
     ),
     Case(
