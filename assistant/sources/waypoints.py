@@ -29,7 +29,7 @@ from assistant.program.diagnostics import (
     error,
     has_errors,
 )
-from assistant.program.path import Path
+from assistant.program.path import Kind, Path
 from assistant.program.program import Program, identifier
 from assistant.program.text import decode, read_bytes
 from assistant.sources.lengths import UNITS
@@ -280,14 +280,27 @@ def _several(
         raise Refused(UNKNOWN_UNIT(path=path, place="`unit`", unit=shown(str(unit))))
     if not parts:
         raise Refused(NO_POSES(path=path))
-    names, paths, findings = rows.Names(), [], list(notes)
+    names, paths, findings = rows.Names(), list[Path](), list(notes)
     first = next(iter(parts))
     for key, array in parts.items():
         path_name = names.of(key, {"path": path, "place": shown(key)}, shown(key)) if key else name
         one, found = _path_of(path_name, array, process, unit, path, key, first=key == first)
-        paths.append(one)
         findings += found
+        if paths and len(one) > 1 and _begins_where(paths[-1], one):
+            findings.append(rows.REPEATED(path=path, place=f"{key}[0]", count=1, first="row 0"))
+            one = one.rows(1, len(one), one.name)
+        paths.append(one)
     return _reading(name, paths, process, path, [*findings, *names.findings])
+
+
+def _begins_where(before: Path, path: Path) -> bool:
+    """Whether a path begins where the one before it ends."""
+    both = (
+        np.stack([p[i] for p, i in ((a, -1), (b, 0))])
+        for a, b in ((before.positions, path.positions), (before.quaternions, path.quaternions))
+    )
+    positions, quaternions = both
+    return not rows.different(positions, quaternions, np.full(2, Kind.LINEAR, np.uint8))[1]
 
 
 def _path_of(
@@ -329,7 +342,12 @@ def _path_of(
     if measured is None:
         findings += like_metres(positions, where)
     kinds = np.full(len(array), rows.default_kind(process), dtype=np.uint8)
-    motions = rows.default_motions(len(array), process)
+    kept = rows.different(positions, quaternions, kinds)
+    if not kept.all():
+        row, count = int(np.argmin(kept)), int(np.count_nonzero(~kept))
+        findings.append(rows.REPEATED(**locate(row), count=count, first=f"row {row}"))
+        positions, quaternions, kinds = positions[kept], quaternions[kept], kinds[kept]
+    motions = rows.default_motions(len(kinds), process)
     columns = motions.rounded(positions, kinds, process.tolerance)
     kinds = rows.begun(kinds, stated=not first)
     return Path.of(name, positions, quaternions, kinds=kinds, **columns), findings

@@ -13,6 +13,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from assistant.program.arrays import Truths
 from assistant.program.diagnostics import Diagnostic, Refused, Severity, error, has_errors, info
 from assistant.program.expressions import JointValue, Name, Number
 from assistant.program.geometry import BASE, JointTarget, Pose, Target
@@ -68,7 +69,8 @@ def read_table(data: bytes, path: str, stem: str, process: Process) -> Reading:
         program, more = _named(name, table, process)
         notes += more
     else:
-        program = _waypoints(name, table, process)
+        program, more = _waypoints(name, table, process)
+        notes += more
     if has_errors(notes):
         raise Refused(*notes)
     return Reading(program, tuple(notes))
@@ -82,28 +84,44 @@ def _check_header(header: tuple[str, ...], where: Mapping[str, Any]) -> None:
         )
 
 
-def _waypoints(name: str, table: Table, process: Process) -> Any:
+def _waypoints(name: str, table: Table, process: Process) -> tuple[Any, list[Diagnostic]]:
     """The program of rows without names: one path, or moves to joints."""
     comments = tuple(_one_line(c) for c in table.cells.comments)
+    motions, external, stated = table.motions, table.external, table.configurations
+    others = (motions.speed, motions.blend, motions.tool, motions.frame, external, stated)
     if table.of_joints.any():
         if not table.of_joints.all():
             row = int(np.argmax(table.of_joints))
             raise Refused(MIXED(**table.cells.place(row)))
+        joints = np.nan_to_num(table.joints)
+        kept = rows.different(joints, table.quaternions, table.kinds, *others)
         body = [
-            MoveJoints(JointValue(_joint_target(table, row)), table.motions.of(row))
-            for row in range(len(table.cells))
+            MoveJoints(JointValue(_joint_target(table, row)), motions.of(row))
+            for row in np.flatnonzero(kept).tolist()
         ]
-        return rows.program_of(name, body, process, comments=comments)
+        program = rows.program_of(name, body, process, comments=comments)
+        return program, _repeated(table, kept)
+    kept = rows.different(table.positions, table.quaternions, table.kinds, *others)
+    positions, kinds = table.positions[kept], table.kinds[kept]
     path = Path.of(
         name,
-        table.positions,
-        table.quaternions,
-        kinds=table.kinds,
-        configurations=table.configurations,
-        external=table.external,
-        **table.motions.rounded(table.positions, table.kinds, process.tolerance),
+        positions,
+        table.quaternions[kept],
+        kinds=kinds,
+        configurations=None if stated is None else stated[kept],
+        external=None if external is None else external[kept],
+        **motions.those(kept).rounded(positions, kinds, process.tolerance),
     )
-    return rows.paths_program(name, [path], process, comments)
+    return rows.paths_program(name, [path], process, comments), _repeated(table, kept)
+
+
+def _repeated(table: Table, kept: Truths) -> list[Diagnostic]:
+    """A note of the rows that are left out."""
+    if kept.all():
+        return []
+    row, count = int(np.argmin(kept)), int(np.count_nonzero(~kept))
+    place = table.cells.place(row)
+    return [rows.REPEATED(**place, count=count, first=f"line {place['line']}")]
 
 
 def _named(name: str, table: Table, process: Process) -> tuple[Any, list[Diagnostic]]:

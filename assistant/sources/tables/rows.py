@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program.arrays import Floats, Rows, Truths
-from assistant.program.diagnostics import Diagnostic, Refused, Severity, error
+from assistant.program.diagnostics import Diagnostic, Refused, Severity, error, info
 from assistant.program.expressions import Name
 from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
 from assistant.program.motion import FINE, Blend, Speed
@@ -61,6 +61,11 @@ TRAVELS = error(
     "a table has rows one after the other, and no ways that are planned: `travel` is no kind here",
     'write kind = "joint" or "linear" under [motion]',
 )
+REPEATED = info(
+    "TB314",
+    "{count} rows are where the row before them is and are left out; the first is {first}",
+    "delete them, or give the rows names to move to each",
+)
 NO_NAME = error("TB310", "the target has no name", "name it, or name none of the rows")
 
 MOST_DIFFERENT: Final = 1000
@@ -68,6 +73,11 @@ MOST_DIFFERENT: Final = 1000
 KINDS: Final = {
     "joint": Kind.JOINT, "linear": Kind.LINEAR, "via": Kind.VIA, "end": Kind.END
 }  # fmt: skip
+
+SAME: Final = 1e-3
+"""mm, and degrees, between two rows that are one: a move between them would only be a stop."""
+SAME_TURN: Final = 1.0 - (np.radians(SAME) / 2.0) ** 2 / 2.0
+"""The product of their quaternions."""
 
 Place = Callable[[int], Mapping[str, Any]]
 
@@ -97,6 +107,11 @@ class Motions:
             self.frames[self.frame[row]],
         )
 
+    def those(self, kept: Truths) -> Motions:
+        """The motions of some rows."""
+        columns = {n: getattr(self, n)[kept] for n in ("speed", "blend", "tool", "frame")}
+        return replace(self, **columns)
+
     def rounded(
         self, positions: Floats, kinds: NDArray[np.uint8], tolerance: float
     ) -> dict[str, Any]:
@@ -115,6 +130,44 @@ class Motions:
         index = np.where(stated, self.blend, rows + len(blends)).astype(np.int32)
         blends += [Blend(size) if size > 0 else FINE for size in table.tolist()]
         return columns | {"blend": index, "blends": tuple(blends)}
+
+
+def different(
+    positions: Floats,
+    quaternions: Floats,
+    kinds: NDArray[np.uint8],
+    *others: NDArray[Any] | None,
+) -> Truths:
+    """Which rows (n,) go anywhere: lines to where the arm is already are left out.
+
+    others: columns (n, ...) that have to agree too. The rows of an arc are never left out.
+    """
+    n = len(positions)
+    kept = np.ones(n, dtype=np.bool_)
+    if n < 2:
+        return kept
+    straight = (kinds == Kind.LINEAR) | (kinds == Kind.JOINT)
+    straight[1:] &= kinds[:-1] != Kind.VIA
+
+    def same(one: Rows, two: Rows) -> Truths:
+        found = np.linalg.norm(positions[one] - positions[two], axis=1) <= SAME
+        turn = np.abs((quaternions[one] * quaternions[two]).sum(axis=1))
+        found &= turn >= SAME_TURN * np.linalg.norm(quaternions[two], axis=1)
+        for column in others:
+            if column is not None:
+                a, b = column[one], column[two]
+                equal = (a == b) | ((a != a) & (b != b))  # NaN: there is no such axis
+                found &= equal.reshape(len(one), -1).all(axis=1)
+        return np.asarray(found)
+
+    rows = np.arange(n)
+    near = np.append(False, same(rows[:-1], rows[1:])) & straight
+    here = 0
+    for row in np.flatnonzero(near).tolist():
+        if kept[row - 1]:
+            here = row - 1
+        kept[row] = not same(np.array([here]), np.array([row]))[0]
+    return kept
 
 
 def default_motions(n: int, process: Process) -> Motions:
