@@ -88,7 +88,7 @@ def from_poses(
     What should be looked at becomes a Python warning; raises Refused for what is wrong.
     """
     stated = _process(process, speed, None, blend, tool, frame, robot)
-    reading = read_poses(poses, stated, name, unit=unit)
+    reading = read_poses(poses, replace(stated, merges=True), name, unit=unit)
     for finding in (*stated.findings, *reading.findings):
         if finding.severity is Severity.WARNING:
             warnings.warn(str(finding), stacklevel=2)

@@ -90,7 +90,7 @@ def load(
     data = None if source.suffix.lower() in sources.READERS else read_bytes(source)
     spoken = _spoken(source, data, language)
     if spoken is None:
-        reading = sources.read(source, process, unit, around, placement)
+        reading = sources.read(source, process, unit, around, placement, merging=True)
         percent = reading.joint_percent
         read = reading.program, None, reading.findings
         return Loaded(*read, joint_percent=percent, seen=reading.seen)

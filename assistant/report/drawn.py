@@ -6,8 +6,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
-import numpy as np
-
 from assistant.program.arrays import Floats
 from assistant.program.geometry import BASE, Frame
 from assistant.sources import process_of
@@ -17,8 +15,6 @@ if TYPE_CHECKING:
     from assistant.sources.placements import Placing
 
 SUFFIX: Final = ".dxf"
-PIECES: Final = 64
-"""Straight pieces of a curve."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,7 +44,7 @@ def drawn_lines(
     path = FilePath(source)
     if path.suffix.lower() != SUFFIX:
         return []
-    from assistant.sources.contours.curves import Line as Straight
+    from assistant.sources.contours.curves import chorded
     from assistant.sources.drawing import read_contents
 
     chosen = process_of(path, process)
@@ -62,7 +58,6 @@ def drawn_lines(
         return []
     found = []
     for curve in read_contents(path, chosen).curves:
-        steps = 1 if isinstance(curve, Straight) else PIECES
-        points = np.asarray(curve.at(np.linspace(0.0, 1.0, steps + 1)))
+        points = chorded(curve, chosen.tolerance)
         found.append(Line(curve.layer, frame.pose.moved(points), curve.handle or ""))
     return found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
@@ -238,10 +239,19 @@ def _with_arcs(piece: _Piece, before: Floats | None) -> _Piece:
     )
 
 
+def _chords(radius: float, angle: float) -> int:
+    """How many chords an arc is drawn with: none is farther off than is seen."""
+    if not 0.0 < radius < math.inf:
+        return Drawn.ARC
+    step = 2.0 * math.acos(max(1.0 - Drawn.OFF / radius, 0.5))
+    return min(max(math.ceil(abs(angle) / step), Drawn.ARC), Drawn.MOST)
+
+
 def arc_points(start: Floats, via: Floats, end: Floats) -> Floats:
     """Points (m, 3) on the arc after `start` up to `end`; the points themselves if straight."""
     circle = circles(start[None], via[None], end[None])
     if circle.ends[0] == 0.0:
         return np.stack([via, end])
-    angles = np.linspace(0.0, circle.ends, Drawn.ARC + 1)[1:]
+    count = _chords(float(circle.radii[0]), float(circle.ends[0]))
+    angles = np.linspace(0.0, circle.ends, count + 1)[1:]
     return np.asarray(circle.points(angles.T)[0])

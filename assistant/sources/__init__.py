@@ -50,13 +50,16 @@ def read(
     unit: str | None = None,
     around: ByRobot | None = None,
     placement: Placing | None = None,
+    *,
+    merging: bool = False,
 ) -> Reading:
     """The pseudo-program of a drawing, table or list of targets.
 
     process: a process file; without one, the file beside the source that is named like it.
     unit: the short name of the unit that a drawing is in, instead of what the process file says.
     around: what stands around the work, by the robot that the process file names, if it names one.
-    placement: of a drawing, instead of what the process file says.
+    placement: of a drawing, instead of what the process file says. merging: rows of tables and
+    waypoints that repeat the one before them are left out, with a note.
     Raises Unreadable or Refused.
     """
     source = FilePath(path)
@@ -74,6 +77,8 @@ def read(
         told = () if chosen.placement is None else (INSTEAD(path=str(path)),)
         findings += (*(f.within(str(path)) for f in placement.findings), *told)
         chosen = replace(chosen, placement=placement.pose)
+    if merging:
+        chosen = replace(chosen, merges=True)
     if chosen.placement is not None:
         check_drawn(source)
     if around is not None:

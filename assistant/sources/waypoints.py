@@ -286,7 +286,7 @@ def _several(
         path_name = names.of(key, {"path": path, "place": shown(key)}, shown(key)) if key else name
         one, found = _path_of(path_name, array, process, unit, path, key, first=key == first)
         findings += found
-        if paths and len(one) > 1 and _begins_where(paths[-1], one):
+        if process.merges and paths and len(one) > 1 and _begins_where(paths[-1], one):
             findings.append(rows.REPEATED(path=path, place=f"{key}[0]", count=1, first="row 0"))
             one = one.rows(1, len(one), one.name)
         paths.append(one)
@@ -342,7 +342,9 @@ def _path_of(
     if measured is None:
         findings += like_metres(positions, where)
     kinds = np.full(len(array), rows.default_kind(process), dtype=np.uint8)
-    kept = rows.different(positions, quaternions, kinds)
+    kept = np.ones(len(array), dtype=np.bool_)
+    if process.merges:
+        kept = rows.different(positions, quaternions, kinds)
     if not kept.all():
         row, count = int(np.argmin(kept)), int(np.count_nonzero(~kept))
         findings.append(rows.REPEATED(**locate(row), count=count, first=f"row {row}"))

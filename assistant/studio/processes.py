@@ -29,8 +29,8 @@ USED: Final = "used"
 """Of a layer: whether it is worked; everything else is a key of its table."""
 MOST_POINTS: Final = 20_000
 """Of the picture of a drawing."""
-STEPS: Final = 24
-"""Along a curve that is no line."""
+CHORDS: Final = 0.0002
+"""Parts of a drawing's size that chords of a curve are off in its picture, less than is seen."""
 FIELDS: Final = (
     ("tools", "tool", "tip"),
     ("frames", "work", "position"),
@@ -209,12 +209,16 @@ def _lines(drawing: FilePath, process: Process) -> list[dict[str, Any]]:
     """Curves from above, in mm of the drawing, as far as there is room."""
     import numpy as np
 
-    from assistant.sources.contours.curves import Line as Straight
+    from assistant.sources.contours.curves import chorded, sample
 
     found, room = [], MOST_POINTS
-    for curve in read_contents(drawing, replace(process, placement=None)).curves:
-        steps = 1 if isinstance(curve, Straight) else STEPS
-        points = np.asarray(curve.at(np.linspace(0.0, 1.0, steps + 1)))[:, :2]
+    curves = read_contents(drawing, replace(process, placement=None)).curves
+    if not curves:
+        return []
+    size = float(np.ptp(sample(curves, (0.0, 0.3, 0.6, 1.0))[..., :2], axis=(0, 1)).max())
+    off = max(size * CHORDS, process.tolerance)
+    for curve in curves:
+        points = chorded(curve, off)[:, :2]
         room -= len(points)
         if room < 0:
             break

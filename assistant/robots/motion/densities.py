@@ -90,4 +90,8 @@ class Drawn:
     """`report.track`: pictures, in which nobody sees less than a few degrees of an arc."""
 
     ARC: Final = 24
-    """Chords an arc is drawn with."""
+    """Chords an arc is drawn with at least."""
+    OFF: Final = 0.05
+    """mm that they are off at most."""
+    MOST: Final = 1000
+    """Chords of an arc that is larger than any work."""

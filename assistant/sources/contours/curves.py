@@ -26,6 +26,13 @@ LENGTH_SAMPLES: Final = 64
 """Chords a piece of a free curve is measured by; ample for sorting out empty ones."""
 
 
+MOST_CHORDS: Final = 20_000
+FEWEST_CHORDS: Final = 16
+MOST_HALVINGS: Final = 20
+BETWEEN: Final = np.array([0.23, 0.52, 0.79])
+"""Where in a chord a free curve is looked at: unevenly, as many of them repeat."""
+
+
 @dataclass(frozen=True, slots=True)
 class Line:
     """A straight segment."""
@@ -212,6 +219,35 @@ def sample(curves: Sequence[Curve], parameters: ArrayLike) -> Points:
         if isinstance(curve, FreeCurve):
             points[i] = curve.at(t)
     return points
+
+
+def chorded(curve: Curve, off: float, most: int = MOST_CHORDS) -> Points:
+    """Points (m, 3) along a curve whose chords are at most `off` mm off, not many more than
+    `most` of them. A free curve is divided until its inner points are that near to their chords.
+    """
+    if isinstance(curve, Line):
+        return np.array([curve.start, curve.end])
+    if isinstance(curve, Arc):
+        step = 2.0 * math.acos(max(1.0 - off / curve.radius, 0.5)) if curve.radius > 0 else 1.0
+        count = min(max(math.ceil(math.radians(curve.sweep) / step), 4), most)
+        return curve.at(np.linspace(0.0, 1.0, count + 1))
+    breaks = np.asarray(curve.breaks)
+    each = max(2, math.ceil(FEWEST_CHORDS / (len(breaks) - 1)))
+    parts = breaks[:-1, None] + np.diff(breaks)[:, None] * np.arange(each) / each
+    marks = np.append(parts.ravel(), breaks[-1])
+    for _ in range(MOST_HALVINGS):
+        inner = marks[:-1, None] + np.diff(marks)[:, None] * BETWEEN
+        points, ends = curve.at(inner).reshape(len(inner), -1, 3), curve.at(marks)
+        way = np.diff(ends, axis=0)
+        size = np.maximum((way**2).sum(axis=1), 1e-300)
+        arm = points - ends[:-1, None]
+        share = np.clip(np.einsum("kmc,kc->km", arm, way) / size[:, None], 0.0, 1.0)
+        away = np.linalg.norm(arm - share[..., None] * way[:, None], axis=2).max(axis=1)
+        wide = away > off
+        if not wide.any() or len(marks) > most:
+            break
+        marks = np.sort(np.append(marks, 0.5 * (marks[:-1] + marks[1:])[wide]))
+    return curve.at(marks)
 
 
 def cross(a: Points, b: Points) -> Points:

@@ -15,7 +15,7 @@ from assistant.program.diagnostics import Diagnostic
 from assistant.program.geometry import Vector
 from assistant.program.system.budgets import CONTOURS, INSERTING, within
 from assistant.sources.contours.chaining import chain
-from assistant.sources.contours.curves import Curve, Line
+from assistant.sources.contours.curves import Curve, chorded
 from assistant.sources.drawing.attributes import Tags, texts_of
 from assistant.sources.drawing.contents import curves_of, root_of, ucs_of
 from assistant.sources.drawing.document import library_errors, open_drawing
@@ -29,9 +29,8 @@ if TYPE_CHECKING:
     from ezdxf.document import Drawing
     from ezdxf.entities.insert import Insert
 
-PIECES: Final = 256
-"""Steps along a curve where its extents are looked for: of an arc they miss 0.01 % of its radius
-at most."""
+CHORDS: Final = 0.001
+"""mm that chords of a curve may be off where its extents are looked for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,8 +185,7 @@ def _box(layer: _Layer) -> Floats:
     """Points (n, 3) that reach as far as all of a layer."""
     points = [np.array(layer.places).reshape(-1, 3)]
     for curve in layer.curves:
-        steps = 1 if isinstance(curve, Line) else PIECES
-        along = np.asarray(curve.at(np.linspace(0.0, 1.0, steps + 1)))
+        along = chorded(curve, CHORDS)
         points.append(np.stack([along.min(axis=0), along.max(axis=0)]))
     return np.vstack(points)
 

@@ -111,6 +111,7 @@ class Process:
     ends, None for wherever the arm is.
     seen: of frames that are seen, how far sights are trusted, and whom a program asks.
     around: what stands around the work, which no process file says; None if nobody knows.
+    merges: rows that repeat the place of the row before are left out; no process file says so.
     findings: warnings about the process file itself.
     """
 
@@ -125,6 +126,7 @@ class Process:
     robot: str | None = None
     leave_out: tuple[str, ...] = ()
     placement: Pose | None = None
+    merges: bool = False
     joint_speed: float | None = None
     joint_percent: float | None = None
     lines: Mapping[int, Line] = field(default_factory=dict)

@@ -8,12 +8,13 @@ header: comma, semicolon or tab. Decimal commas are refused.
 from __future__ import annotations
 
 import pathlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
-from assistant.program.arrays import Truths
+from assistant.program.arrays import Floats, Truths
 from assistant.program.diagnostics import Diagnostic, Refused, Severity, error, has_errors, info
 from assistant.program.expressions import JointValue, Name, Number
 from assistant.program.geometry import BASE, JointTarget, Pose, Target
@@ -94,14 +95,14 @@ def _waypoints(name: str, table: Table, process: Process) -> tuple[Any, list[Dia
             row = int(np.argmax(table.of_joints))
             raise Refused(MIXED(**table.cells.place(row)))
         joints = np.nan_to_num(table.joints)
-        kept = rows.different(joints, table.quaternions, table.kinds, *others)
+        kept = _kept(table, joints, others, process)
         body = [
             MoveJoints(JointValue(_joint_target(table, row)), motions.of(row))
             for row in np.flatnonzero(kept).tolist()
         ]
         program = rows.program_of(name, body, process, comments=comments)
         return program, _repeated(table, kept)
-    kept = rows.different(table.positions, table.quaternions, table.kinds, *others)
+    kept = _kept(table, table.positions, others, process)
     positions, kinds = table.positions[kept], table.kinds[kept]
     path = Path.of(
         name,
@@ -113,6 +114,15 @@ def _waypoints(name: str, table: Table, process: Process) -> tuple[Any, list[Dia
         **motions.those(kept).rounded(positions, kinds, process.tolerance),
     )
     return rows.paths_program(name, [path], process, comments), _repeated(table, kept)
+
+
+def _kept(
+    table: Table, positions: Floats, others: Sequence[NDArray[Any] | None], process: Process
+) -> Truths:
+    """The rows that are not left out."""
+    if not process.merges:
+        return np.ones(len(positions), dtype=np.bool_)
+    return rows.different(positions, table.quaternions, table.kinds, *others)
 
 
 def _repeated(table: Table, kept: Truths) -> list[Diagnostic]:
