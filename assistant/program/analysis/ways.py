@@ -129,7 +129,7 @@ class Ways:
     def _entered(self, entry: str) -> dict[str, State]:
         """What may be active where each procedure is called; nobody knows at the start."""
         roots = {n for n in self.procedures if n not in self.calls or self.any_called}
-        entered: dict[str, State] = {entry: _BEGUN}
+        entered: dict[str, State] = {entry: self._begun(entry)}
         alone = _ANY if self.any_called else _STARTED
         entered |= dict.fromkeys(roots - {entry}, alone)
         said = texts_in(tuple(q.body for q in self.procedures.values())) if roots else set()
@@ -148,6 +148,16 @@ class Ways:
                 if entered[callee] != known:
                     pending[callee] = None
         return {n: entered.get(n) for n in self.procedures}
+
+    def _begun(self, entry: str) -> State:
+        """What may hold as a cycle begins: the tool and frame that the one before left as well."""
+        left = _resolved(self.after.get(entry), _BEGUN)
+        if left is None:
+            return _BEGUN
+        return tuple(
+            begun | left[part] if part in (TOOL, FRAME) else begun
+            for part, begun in enumerate(_BEGUN)
+        )
 
     # -------------------------------------------------------------------------- statements
 

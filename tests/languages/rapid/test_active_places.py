@@ -59,6 +59,16 @@ def test_they_are_those_of_the_move_before(name: str) -> None:
     assert any(f.code == "RA362" for f in done.findings) == (name == "before the first move")
 
 
+def test_a_cycle_begins_with_what_the_one_before_left() -> None:
+    done = crossed("""PROC main()
+      here:=CRobT();
+      MoveL Offs(here,0,0,20),v100,fine,tSuck\\WObj:=wBox;
+    ENDPROC""")
+    moves_the_same(done)
+    (written,) = done.files.values()
+    assert b"active" in written.lower()
+
+
 def test_nobody_knows_them_behind_what_stays_as_its_text() -> None:
     done = crossed(
         "PROC main()\nMoveL p10,v100,fine,tGrip;\nSearchL diX,here,p10,v10,tGrip;\nup 5;\nENDPROC"
