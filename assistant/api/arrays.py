@@ -12,7 +12,7 @@ import numpy as np
 
 from assistant.compiler.arms import robot_of
 from assistant.program import rotations
-from assistant.program.arrays import Floats
+from assistant.program.arrays import Floats, number_of, reals
 from assistant.program.diagnostics import Refused, Severity, error, has_errors
 from assistant.program.expressions import JointValue
 from assistant.program.geometry import FLANGE, Frame, JointTarget, Pose, Tool
@@ -48,6 +48,9 @@ NO_ARM = error(
 )
 TOO_MUCH = error(
     "TB435", "{value:g} percent is no part of the joints' speed", "write a number from 1 to 100"
+)
+BLEND_WORD = error(
+    "TB437", "the blend {given} is not known", 'write mm as a number, or blend="fine" to stop'
 )
 NO_PLACE = error(
     "TB436",
@@ -145,7 +148,7 @@ def from_joints(
     for finding in stated.findings:
         if finding.severity is Severity.WARNING:
             warnings.warn(str(finding), stacklevel=2)
-    return rows.program_of(identifier(name), body, replace(stated, robot=arm.name))
+    return rows.program_of(identifier(str(name)), body, replace(stated, robot=arm.name))
 
 
 def _process(
@@ -177,6 +180,8 @@ def _process(
 
 
 def _speed(stated: Process, tcp: float | None, percent: float | None) -> Speed:
+    tcp = None if tcp is None else number_of(tcp, "speed")
+    percent = None if percent is None else number_of(percent, "percent")
     if tcp is not None and not tcp > 0.0:
         raise Refused(rows.TOO_SLOW(place="speed", what="the speed", value=tcp, more=""))
     if percent is not None and not 0.0 < percent <= 100.0:
@@ -188,11 +193,14 @@ def _speed(stated: Process, tcp: float | None, percent: float | None) -> Speed:
 
 
 def _blend(blend: float | Literal["fine"]) -> Blend:
-    if blend == "fine":
-        return FINE
-    if not float(blend) >= 0.0:
-        raise Refused(rows.NEGATIVE(place="blend", what="the blend", value=blend, more=""))
-    return Blend(float(blend)) if blend else FINE
+    if isinstance(blend, str):
+        if blend == "fine":
+            return FINE
+        raise Refused(BLEND_WORD(place="blend", given=shown(blend)))
+    radius = number_of(blend, "blend")
+    if not radius >= 0.0:
+        raise Refused(rows.NEGATIVE(place="blend", what="the blend", value=radius, more=""))
+    return Blend(radius) if radius else FINE
 
 
 def _declared(given: Any, name: str, kind: type[Tool] | type[Frame], table: dict[str, Any]) -> str:
@@ -220,7 +228,7 @@ def _array_of(joints: Any, arm: Robot) -> Floats:
     given = getattr(joints, "q", joints)
     wrong = NO_JOINTS(place="joints", given=type(joints).__name__, axes=len(arm.axes))
     try:
-        array = np.asarray(given, dtype=np.float64)
+        array = reals(given)
     except (TypeError, ValueError):
         raise Refused(wrong) from None
     if array.ndim == 0:

@@ -16,6 +16,7 @@ from assistant.findings.project_severities import settle
 from assistant.lazy import pictured
 from assistant.program.diagnostics import Diagnostic
 from assistant.program.program import Program
+from assistant.program.text import path_of
 from assistant.robots import Robot
 
 Source = str | FilePath | Program | Loaded | Compiled
@@ -64,7 +65,7 @@ def check(
     cell that they run in. language: of robot programs, where neither suffix nor text tell.
     Raises Refused for options that are wrong; what is wrong with a source is a finding.
     """
-    several = isinstance(source, Sequence) and not isinstance(source, str)
+    several = isinstance(source, Sequence) and not isinstance(source, str | bytes)
     given: list[Source] = list(source) if several else [source]  # type: ignore[arg-type, list-item]
     stands = in_cell(cell, robot)
     checked = Checked(list(stands.findings))
@@ -72,6 +73,8 @@ def check(
     for one in given:
         if isinstance(one, str | FilePath):
             continue
+        if not isinstance(one, Program | Loaded | Compiled):
+            path_of(one)
         loaded = one if isinstance(one, Loaded) else None
         program = one if isinstance(one, Program) else one.program
         checked.findings += loaded.findings if loaded else ()

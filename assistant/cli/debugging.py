@@ -12,6 +12,7 @@ from assistant.program.diagnostics import Refused, error
 
 if TYPE_CHECKING:
     from assistant.virtual.debugging.messages import Object
+    from assistant.virtual.debugging.points import Lines
     from assistant.virtual.kernel import Kernel
 
 WRONG_LAUNCH: Final = error(
@@ -52,10 +53,11 @@ def run_debug() -> int:
     return 0
 
 
-def _launch(wanted: Object) -> Kernel:
-    """The programs of a launch request, ready to run; raises Refused."""
+def _launch(wanted: Object) -> tuple[Kernel, Lines]:
+    """The programs of a launch request, ready to run, and their lines; raises Refused."""
     from assistant.compiler.arms import robot_of
     from assistant.compiler.running import programs
+    from assistant.virtual.debugging.points import statement_lines
     from assistant.virtual.running import MOST_STEPS, Settings, prepared
 
     for name, value in wanted.items():
@@ -81,7 +83,8 @@ def _launch(wanted: Object) -> Kernel:
         entry=texts.get("entry"),
     )
     most = steps if isinstance(steps, int) and steps > 0 else MOST_STEPS
-    return prepared(found, Settings(robot=robot, entry=texts.get("entry"), most_steps=most))
+    settings = Settings(robot=robot, entry=texts.get("entry"), most_steps=most)
+    return prepared(found, settings), statement_lines(found)
 
 
 def _wrong(reason: str) -> Refused:

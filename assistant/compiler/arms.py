@@ -56,7 +56,9 @@ def robot_of(robot: str | Robot | None) -> Robot | None:
         from assistant import robots
 
         return robots.load(robot)
-    return known_robot(robot) if isinstance(robot, str) else robot
+    if robot is None or isinstance(robot, str):
+        return known_robot(robot)
+    return robot if hasattr(robot, "axes") else known_robot(str(robot))
 
 
 def known_robot(name: str | None) -> Robot | None:

@@ -12,7 +12,7 @@ from assistant.compiler.folders import programs_in
 from assistant.compiler.loading import Loaded
 from assistant.compiler.tasks import Task, load_task, tasks_of
 from assistant.program.diagnostics import Diagnostic, Refused, error
-from assistant.program.text import is_folder
+from assistant.program.text import is_folder, path_of
 from assistant.sources.placements import check_drawn
 
 if TYPE_CHECKING:
@@ -43,6 +43,7 @@ def load(
     A folder may be a controller's backup or a project; of several programs with one that begins
     by itself that is the one, the others being what nothing uses. Raises Unreadable or Refused.
     """
+    path_of(path)
     if not is_folder(path) or FilePath(path).suffix.lower() in sources.READERS:
         return loading.load(
             path,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 from assistant.compiler.arms import Arms, known_robot, robot_of
 from assistant.program.diagnostics import Diagnostic, Refused, warning
 from assistant.program.system.budgets import SETTINGS_FILE
-from assistant.program.text import SourceText, decode, read_bytes
+from assistant.program.text import SourceText, decode, path_of, read_bytes
 from assistant.sources.process.seen import Seen
 from assistant.sources.sights import NOTHING_SEEN, Seeing
 
@@ -76,7 +76,7 @@ def in_cell(
     Unreadable for a file that cannot be read, Refused for what is wrong in it, for a robot that
     nobody knows, or, naming the extra, without the library for collisions.
     """
-    scene, findings = (None, ()) if cell is None else _scene(FilePath(cell), values)
+    scene, findings = (None, ()) if cell is None else _scene(path_of(cell), values)
     if scene is not None and isinstance(robot, str):
         for placed in scene.robots:
             if placed.name == robot:

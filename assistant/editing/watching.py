@@ -86,6 +86,26 @@ class Shown:
     findings: tuple[Diagnostic, ...]
 
 
+@dataclass(frozen=True, slots=True)
+class Unseen:
+    """A text that is to be looked at as a whole. last: the last sound text, with its findings.
+
+    known: the text that was looked at as a whole before.
+    """
+
+    text: str
+    last: tuple[str, tuple[Diagnostic, ...]] | None
+    known: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """What was looked at for it: the text without its damage; None if that was known already."""
+
+    text: str | None
+    findings: tuple[Diagnostic, ...] = ()
+
+
 class Watch:
     """One text that is typed."""
 
@@ -116,12 +136,28 @@ class Watch:
         """Whether the whole was looked at, be it in another state."""
         return self._base is not None
 
-    def to_settle(self, text: str) -> State | None:
-        """The state that is to be looked at as a whole for a text, None if that was done."""
-        state = self.state(text)
-        base = state if self._last is None else self._mended(state, self._last)
-        known = self._base is not None and self._base.state.text == base.text
-        return None if known else base
+    def state_of(self, text: str) -> State:
+        """A state of a text, the present one where that has it."""
+        current = self.current
+        return current if current is not None and current.text == text else self._state(text)
+
+    def unseen(self, text: str) -> Unseen | None:
+        """What is to be looked at as a whole for a text, None if that was done."""
+        base, last = self._base, self._last
+        known = None if base is None else base.state.text
+        if known == text:
+            return None
+        return Unseen(text, None if last is None else (last.state.text, last.findings), known)
+
+    def look(self, unseen: Unseen) -> Seen:
+        """Looks at the whole, for a watch of this text elsewhere."""
+        state = self._state(unseen.text)
+        if unseen.last is not None:
+            text, findings = unseen.last
+            state = self._mended(state, Shown(self._state(text), findings))
+        if state.text == unseen.known:
+            return Seen(None)
+        return Seen(state.text, tuple(self._whole(state.text)))
 
     def settle(self, state: State, findings: Sequence[Diagnostic], at: Shown | None) -> None:
         """Takes what was found in a whole. at: the last sound state when that was begun."""
@@ -136,9 +172,10 @@ class Watch:
 
     def settled(self, text: str) -> tuple[Diagnostic, ...]:
         """What is found in the whole."""
-        state = self.to_settle(text)
-        if state is not None:
-            self.settle(state, self._whole(state.text), self._last)
+        unseen = self.unseen(text)
+        seen = Seen(None) if unseen is None else self.look(unseen)
+        if seen.text is not None:
+            self.settle(self.state_of(seen.text), seen.findings, self._last)
         return self._now(self.state(text))
 
     def is_settled(self, text: str) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -18,7 +18,7 @@ from assistant.editing.excerpts import Excerpt, excerpt, newline_of
 from assistant.editing.places import Lines
 from assistant.editing.speaking import Spoken, name_of, spoken
 from assistant.editing.structure import Structure, structure
-from assistant.editing.watching import Watch
+from assistant.editing.watching import Seen, Unseen, Watch
 from assistant.findings.project_severities import settle
 from assistant.program.diagnostics import Diagnostic, Refused, Unreadable
 from assistant.program.editing import Facts
@@ -104,6 +104,8 @@ class Workspace:
         self.lock: Final = threading.RLock()
         self._watches: dict[str, Watch] = {}
         self._warm: set[str] = set()
+        self.apart: Callable[[Document, Unseen], Seen | None] | None = None
+        """Looks at whole programs elsewhere; None for what it cannot."""
         self._groups: dict[FilePath, tuple[Stamps, Mapping[str, tuple[str, ...]]]] = {}
         self._files: dict[str, tuple[tuple[int, int], Document]] = {}
 
@@ -222,14 +224,30 @@ class Workspace:
         watch = self._watches.get(document.path)
         return watch is not None and watch.is_known
 
+    def seen(self, document: Document, unseen: Unseen) -> Seen:
+        """Looks at the whole of an open document."""
+        speaks = document.spoken
+        assert speaks is not None
+        try:
+            return self._watch(document, speaks).look(unseen)
+        except (OSError, MemoryError):
+            raise
+        except Exception as error:  # noqa: BLE001 - told as a finding
+            found = error.findings if isinstance(error, Refused) else (failure(error),)
+            return Seen(unseen.text, found)
+
     def _settle(self, document: Document, speaks: Spoken) -> None:
         """Looks at the whole; keys are answered meanwhile."""
         with self.lock:
             watch = self._watch(document, speaks)
-            state, last = watch.to_settle(document.text), watch.last
-        if state is None:
+            unseen, last = watch.unseen(document.text), watch.last
+        if unseen is None:
             return
-        found = self._guarded(lambda: self._whole(document, state.text))
+        done = self.apart(document, unseen) if self.apart is not None else None
+        done = self.seen(document, unseen) if done is None else done
+        if done.text is None:
+            return
+        state, found = watch.state_of(done.text), done.findings
         state.prepare()
         if speaks.name not in self._warm:
             self._warm.add(speaks.name)

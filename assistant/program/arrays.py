@@ -5,8 +5,12 @@ numpy goes along a row of few numbers several times slower than down as many col
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from assistant.program.diagnostics import Refused, error
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -15,19 +19,81 @@ Rows = NDArray[np.intp]
 """Places in other columns."""
 Truths = NDArray[np.bool_]
 
+SHAPE: Final = error(
+    "TB441",
+    "{what}: the shape is {shape}, not (n, {width})",
+    "give a row of {width} numbers for each; transpose columns",
+)
+NO_REALS: Final = error("TB442", "{what}: {reason}", "give real numbers")
+UNEVEN: Final = error(
+    "TB443",
+    "{count} {what} but {others} {other}",
+    "give as many of the one as of the other",
+)
+
 
 def reals(values: ArrayLike) -> Floats:
     """An array of numbers as someone gave them, of his own; raises ValueError if they are none.
 
-    Complex numbers are none: numpy would leave out a part of each.
+    Complex numbers are none: numpy would leave out a part of each. Truth values are none either.
     """
     try:
         given = np.asarray(values)
-        if np.iscomplexobj(given):
-            raise ValueError("it holds complex numbers")
+        _check_real(given)
         return np.array(given, dtype=np.float64, order="C")
     except (TypeError, OverflowError) as error:
         raise ValueError(str(error)) from None
+
+
+def rows_of(values: ArrayLike, width: int, what: str) -> Floats:
+    """Rows (n, width) of an array (…, width), of a single row too; raises Refused for others.
+
+    what: names the rows in the finding. Nothing is copied that need not be.
+    """
+    try:
+        given = np.asarray(values)
+        _check_real(given)
+        array = np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError) as reason:
+        raise Refused(NO_REALS(what=what, reason=str(reason))) from None
+    if array.shape[-1:] == (width,):
+        return array if array.ndim == 2 else array.reshape(-1, width)
+    if array.shape == (0,):
+        return array.reshape(0, width)
+    shape = "(" + ", ".join(map(str, array.shape)) + ")"
+    raise Refused(SHAPE(what=what, shape=shape, width=width))
+
+
+def whole_rows(values: ArrayLike, width: int, what: str) -> Ints:
+    """As `rows_of`, of whole numbers."""
+    given = np.asarray(values)
+    found = rows_of(given, width, what)
+    if given.dtype.kind not in "iu" and not (found == np.rint(found)).all():
+        raise Refused(NO_REALS(what=what, reason="they are no whole numbers"))
+    return np.asarray(found, dtype=np.int64)
+
+
+def number_of(value: object, what: str) -> float:
+    """A real number, NaN too; raises Refused for texts, truth values and what else is none."""
+    if isinstance(value, float | int | np.floating | np.integer) and not isinstance(value, bool):
+        found = float(value)
+        if not np.isinf(found):
+            return found
+    raise Refused(NO_REALS(what=what, reason=f"`{value!r:.40}` is no finite number"))
+
+
+def as_many(one: Floats, other: Floats, what: str, others: str) -> None:
+    """Raises Refused for columns of different lengths."""
+    if len(one) != len(other):
+        finding = UNEVEN(what=what, other=others, count=len(one), others=len(other))
+        raise Refused(finding)
+
+
+def _check_real(given: NDArray[np.generic]) -> None:
+    if given.dtype.kind == "c":
+        raise ValueError("it holds complex numbers")
+    if given.dtype.kind == "b":
+        raise ValueError("it holds truth values")
 
 
 def evenly(count: int, most: int) -> Rows:

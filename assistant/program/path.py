@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from assistant.lazy import pictured
 from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows
+from assistant.program.arrays import Floats, Rows, as_many, rows_of
 from assistant.program.expressions import Name
 from assistant.program.geometry import BASE, FLANGE, Configuration, Pose, Target
 from assistant.program.motion import FINE, Blend, Speed
@@ -87,11 +87,10 @@ class Path:
 
         Raises ValueError if shapes do not fit or an index has no row in its table.
         """
-        position = np.ascontiguousarray(positions, dtype=np.float64).reshape(-1, 3)
+        position = np.ascontiguousarray(rows_of(positions, 3, "positions"))
         n = len(position)
-        quaternion = np.ascontiguousarray(quaternions, dtype=np.float64).reshape(-1, 4)
-        if len(quaternion) != n:
-            raise ValueError(f"{n} positions but {len(quaternion)} quaternions")
+        quaternion = np.ascontiguousarray(rows_of(quaternions, 4, "quaternions"))
+        as_many(position, quaternion, "positions", "quaternions")
         unstated = np.array([UNSTATED, 0, 0, 0, 0, 0], dtype=np.int8)
         column = {
             "speed": (speed, speeds),

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from assistant.program import rotations
-from assistant.program.arrays import Floats
+from assistant.program.arrays import Floats, as_many, reals, rows_of
 from assistant.program.geometry import Pose
 
 if TYPE_CHECKING:
@@ -51,9 +51,10 @@ def se3_of(positions: ArrayLike, quaternions: ArrayLike, *, unit: Unit) -> SE3:
     """
     from spatialmath import SE3
 
-    p = np.asarray(positions, dtype=np.float64).reshape(-1, 3)
+    p, q = rows_of(positions, 3, "positions"), rows_of(quaternions, 4, "quaternions")
+    as_many(p, q, "positions", "quaternions")
     made = np.tile(np.eye(4), (len(p), 1, 1))
-    made[:, :3, :3] = rotations.to_matrix(rotations.canonical(np.reshape(quaternions, (-1, 4))))
+    made[:, :3, :3] = rotations.to_matrix(rotations.canonical(q))
     made[:, :3, 3] = p / METRE[unit]
     return SE3(list(made), check=False)
 
@@ -63,5 +64,5 @@ def _matrices(poses: Any) -> Floats:
     if isinstance(items, Iterable) and not isinstance(items, np.ndarray):
         found = [getattr(one, "A", one) for one in items]
         items = [each for one in found for each in (one if isinstance(one, list) else [one])]
-    array = np.asarray(items, dtype=np.float64)
+    array = reals(items)
     return array[None] if array.ndim == 2 else array

@@ -25,6 +25,11 @@ from assistant.program.diagnostics import (
 from assistant.program.system.bounded import NoFile, TooLarge, read_file, read_stream
 from assistant.program.system.budgets import FILE
 
+NO_PATH = error(
+    "IN011",
+    "`{given}` is no source",
+    "give the name of a file, or a program that was read",
+)
 NOT_FOUND = error("IN001", "there is no file `{name}`", "check the name and folder")
 IS_FOLDER = error("IN002", "`{name}` is a folder", "name a file inside it")
 NOT_PERMITTED = error("IN003", "`{name}` may not be read", "ask for permission or copy the file")
@@ -162,12 +167,19 @@ def comments(text: str, mark: str) -> Iterator[Span]:
     return (Span(*match.span()) for match in found if match[1] is not None)
 
 
+def path_of(given: object) -> FilePath:
+    """The path that a caller gave; raises Refused for what is none, such as None."""
+    if isinstance(given, str | os.PathLike):
+        return FilePath(given)
+    raise Refused(NO_PATH(given=f"{given!r:.60}"), exit_status=2)
+
+
 def read_bytes(path: str | FilePath, *, allow_empty: bool = False, most: int = FILE) -> bytes:
     """The bytes of a file, see `bounded.read_file`.
 
     Raises Unreadable, with a finding, for whatever keeps it from being read.
     """
-    name = str(path)
+    name = str(path_of(path))
     try:
         data = read_file(path, most)
     except NoFile as error:

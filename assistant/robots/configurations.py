@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from assistant.program.arrays import Ints
+from assistant.program.arrays import Ints, whole_rows
 from assistant.program.path import UNSTATED
 
 BACK, DOWN, FLIP = 0, 1, 2
@@ -24,7 +24,7 @@ TURNING_AXES: Final = (1, 4, 6)
 
 def to_confdata(configurations: ArrayLike) -> Ints:
     """(n, 6) neutral columns → (n, 4) cf1, cf4, cf6, cfx; an unstated row gives zeros."""
-    c = np.asarray(configurations, dtype=np.int64).reshape(-1, 6)
+    c = whole_rows(configurations, 6, "configurations")
     stated = c[:, BACK] != UNSTATED
     cfx = 4 * c[:, BACK] + 2 * (c[:, DOWN] ^ c[:, BACK]) + c[:, FLIP]
     return np.where(stated[:, None], np.column_stack([c[:, QUADRANTS], cfx]), 0)
@@ -32,7 +32,7 @@ def to_confdata(configurations: ArrayLike) -> Ints:
 
 def from_confdata(confdata: ArrayLike) -> NDArray[np.int8]:
     """(n, 4) cf1, cf4, cf6, cfx → (n, 6) neutral columns; only the low three bits of cfx count."""
-    cf = np.asarray(confdata, dtype=np.int64).reshape(-1, 4)
+    cf = whole_rows(confdata, 4, "configurations")
     cfx = cf[:, 3]
     back = (cfx >> 2) & 1
     down = ((cfx >> 1) & 1) ^ back
@@ -41,7 +41,7 @@ def from_confdata(confdata: ArrayLike) -> NDArray[np.int8]:
 
 def to_flags(configurations: ArrayLike) -> Ints:
     """(n, 6) neutral columns → (n, 2) FLG1, FLG2; an unstated row gives (7, 0)."""
-    c = np.asarray(configurations, dtype=np.int64).reshape(-1, 6)
+    c = whole_rows(configurations, 6, "configurations")
     stated = c[:, BACK] != UNSTATED
     one = 7 - 4 * c[:, BACK] - 2 * c[:, DOWN] - c[:, FLIP]
     turns = (c[:, QUADRANTS] + 2) // 4
@@ -52,7 +52,7 @@ def to_flags(configurations: ArrayLike) -> Ints:
 
 def from_flags(flags: ArrayLike) -> NDArray[np.int8]:
     """(n, 2) FLG1, FLG2 → (n, 6) neutral columns, quadrant 4 · turn for each turning axis."""
-    f = np.asarray(flags, dtype=np.int64).reshape(-1, 2)
+    f = whole_rows(flags, 2, "flags")
     one, two = f[:, 0], f[:, 1]
     shifts = np.array([4 * (axis - 1) for axis in TURNING_AXES])
     nibbles = (two[:, None] >> shifts) & 0xF

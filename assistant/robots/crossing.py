@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from assistant.program.arrays import Floats
+from assistant.program.arrays import Floats, rows_of
 from assistant.robots.arms.placed import Placed
 from assistant.robots.robot import IN_LINE, Robot
 
@@ -22,7 +22,7 @@ def crossed(joints: ArrayLike, source: Robot, arm: Robot) -> Floats:
     least away; of arms whose angles cannot be compared, on the same sides of shoulder, elbow and
     wrist, then near home. A row is NaN where the other arm does not reach within its limits.
     """
-    given = np.asarray(joints, dtype=np.float64).reshape(-1, len(source.axes))
+    given = rows_of(joints, len(source.axes), "joints")
     positions, quaternions = source.fk(given)
     alike = type(source.arm) is type(arm.arm) and arm.arm.named
     alike = alike and not isinstance(arm.arm, Placed)

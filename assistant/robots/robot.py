@@ -11,7 +11,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from assistant.lazy import pictured
-from assistant.program.arrays import Floats, Ints, Rows, Truths, all_of, norms
+from assistant.program.arrays import (
+    Floats,
+    Ints,
+    Rows,
+    Truths,
+    all_of,
+    as_many,
+    norms,
+    rows_of,
+    whole_rows,
+)
 from assistant.program.diagnostics import Diagnostic
 from assistant.program.path import UNSTATED
 from assistant.program.program import Program
@@ -207,6 +217,8 @@ class Robot:
     def inside(self, joints: ArrayLike) -> Truths:
         """(..., a) deg → (...,) whether every joint is inside its limits; NaN is not."""
         j = np.asarray(joints, dtype=np.float64)
+        if j.shape[-1:] != (len(self.axes),):
+            self._joints(j)  # which refuses it
         low, high = self.limits.T
         return np.asarray(
             ((j >= low - LIMIT_TOLERANCE) & (j <= high + LIMIT_TOLERANCE)).all(axis=-1)
@@ -236,7 +248,7 @@ class Robot:
         gives the branch nearest to home.
         """
         p, q = _poses(positions, quaternions)
-        c = np.asarray(configurations, dtype=np.int64).reshape(-1, 6)
+        c = whole_rows(configurations, 6, "configurations")
         joints = np.empty((len(p), len(self.axes)))
         for start in range(0, len(p), CHUNK):
             rows = slice(start, start + CHUNK)
@@ -375,7 +387,7 @@ class Robot:
         return bool(self.sliding.any())
 
     def _joints(self, joints: ArrayLike) -> Floats:
-        return np.asarray(joints, dtype=np.float64).reshape(-1, len(self.axes))
+        return rows_of(joints, len(self.axes), "joints")
 
     def _joints_of(self, p: Floats, q: Floats, c: Ints) -> Floats:
         found, _ = self.solve(p, q)
@@ -422,7 +434,7 @@ IN_LINE: Final = 0.05
 
 
 def _poses(positions: ArrayLike, quaternions: ArrayLike) -> tuple[Floats, Floats]:
-    p = np.asarray(positions, dtype=np.float64).reshape(-1, 3)
-    q = np.asarray(quaternions, dtype=np.float64).reshape(-1, 4)
+    p, q = rows_of(positions, 3, "positions"), rows_of(quaternions, 4, "quaternions")
+    as_many(p, q, "positions", "quaternions")
     with np.errstate(invalid="ignore", divide="ignore"):
         return p, q / norms(q)[:, None]

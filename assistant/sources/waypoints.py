@@ -19,7 +19,7 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
-from assistant.program.arrays import Floats
+from assistant.program.arrays import Floats, reals
 from assistant.program.diagnostics import (
     Diagnostic,
     Refused,
@@ -108,7 +108,7 @@ def read_poses(
     if unit not in _UNITS:
         raise Refused(UNKNOWN_UNIT(place="unit", unit=shown(str(unit))))
     given = _array_of(poses)
-    path, findings = _path_of(identifier(name), given, process, unit, None, "poses")
+    path, findings = _path_of(identifier(str(name)), given, process, unit, None, "poses")
     return _reading(name, [path], process, None, findings)
 
 
@@ -125,7 +125,7 @@ def _array_of(poses: Any) -> Floats:
     else:
         raise Refused(NO_SE3(given=type(poses).__name__))
     try:
-        array = np.asarray(items, dtype=np.float64)
+        array = reals(items)
     except (TypeError, ValueError):
         raise Refused(NO_SE3(given=type(poses).__name__)) from None
     return array[None] if array.shape == (4, 4) else array

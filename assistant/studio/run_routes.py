@@ -121,7 +121,7 @@ def points(studio: Studio, asked: Asked) -> dict[str, Any]:
     path, lines = asked.text("path"), _lines(asked.values.get("lines"))
     run = studio.live.get(RUN)
     if run is not None:
-        _running(studio).holding.set_points(path, lines)
+        lines = _running(studio).set_points(path, lines)
     return {"lines": lines}
 
 

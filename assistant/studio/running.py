@@ -10,7 +10,7 @@ import math
 import queue
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final, Literal, TypeVar
@@ -25,6 +25,7 @@ from assistant.studio.answering import findings
 from assistant.studio.watching import Inputs, shown_data, shown_signals
 from assistant.studio.windows import Tell
 from assistant.virtual.debugging.holding import Holding, Step, Stride
+from assistant.virtual.debugging.points import moved, statement_lines
 from assistant.virtual.events import Logged, Place, Run, Stopped
 from assistant.virtual.kernel import Ending, Kernel, Task
 from assistant.virtual.kernel.script import Given, Script, follow
@@ -73,8 +74,9 @@ class Running:
     def __init__(self, wanted: Wanted, points: Mapping[str, list[int]], tell: Tell) -> None:
         self.wanted, self._told = wanted, tell
         self.holding = Holding(pause="entry" if wanted.at_once else None)
+        self._lines = statement_lines(wanted.programs)
         for path, lines in points.items():
-            self.holding.set_points(path, lines)
+            self.set_points(path, lines)
         self.sources = wanted.programs.sources()
         self.given: list[Given] = []
         self.log: list[dict[str, Any]] = []
@@ -94,6 +96,12 @@ class Running:
         self._thread = threading.Thread(target=self._work, name="run", daemon=True)
 
     # ----------------------------------------------------------------- for other threads
+
+    def set_points(self, path: str, lines: Sequence[int]) -> list[int]:
+        """The break points of a file, each at the next statement; where they are."""
+        found = moved(self._lines, path, lines)
+        self.holding.set_points(path, found)
+        return found
 
     def start(self) -> None:
         """Lets it run, and waits a little for where it stands; raises Refused for what cannot."""

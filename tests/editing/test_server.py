@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import json
 import socket
 import subprocess
 import sys
@@ -240,6 +241,46 @@ def test_one_editor_may_connect_to_a_port_of_this_computer_and_no_browser():
         server.kill()
         server.wait()
         server.stdout.close()
+
+
+@pytest.mark.parametrize(
+    "params",
+    [
+        {"textDocument": {"uri": 5}},
+        {"position": {"line": "x"}},
+        [],
+        7,
+        None,
+        {"textDocument": None},
+    ],
+    ids=str,
+)
+def test_a_request_with_broken_parameters_is_answered_by_an_error(params):
+    def message(**content):
+        data = json.dumps({"jsonrpc": "2.0", **content}).encode()
+        return b"Content-Length: %d\r\n\r\n%b" % (len(data), data)
+
+    process = subprocess.Popen(COMMAND, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    try:
+        process.stdin.write(
+            message(id=1, method="initialize", params={"capabilities": {}})
+            + message(id=2, method="textDocument/completion", params=params)
+            + message(id=3, method="shutdown", params=None)
+        )
+        process.stdin.flush()
+        answers = {}
+        while len(answers) < 3:
+            length = int(process.stdout.readline().partition(b":")[2])
+            while process.stdout.readline().strip():
+                pass
+            answer = json.loads(process.stdout.read(length))
+            if "id" in answer and "method" not in answer:
+                answers[answer["id"]] = answer
+    finally:
+        process.kill()
+        process.communicate()
+    assert "result" in answers[1] and "error" not in answers[3]
+    assert answers[2]["error"]["code"] in (-32602, -32603)
 
 
 async def _said_over(port):

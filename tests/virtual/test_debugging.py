@@ -8,7 +8,7 @@ from pathlib import Path as FilePath
 
 import pytest
 
-from tests.virtual.editor import editor
+from tests.virtual.editor import Editor, editor
 
 MODULE = """MODULE Cell
   PERS num total := 0;
@@ -66,6 +66,117 @@ def test_rapid_is_held_at_break_points_and_shows_calls_and_data(module: FilePath
         e.ask("continue", threadId=1)
         e.event("stopped")
         assert e.data("Task")["total"] == "1"
+
+
+def points(e: Editor, path: FilePath, *asked: dict[str, object]) -> list[tuple[bool, int]]:
+    """Sets break points; which were verified, and where."""
+    e.ask("initialize", adapterID="robot-assistant")
+    e.ask("launch", program=str(path))
+    e.event("initialized")
+    answer = e.ask("setBreakpoints", source={"path": str(path)}, breakpoints=list(asked))
+    e.ask("configurationDone")
+    return [(one["verified"], one["line"]) for one in answer["breakpoints"]]
+
+
+def test_break_points_move_to_the_next_statement_or_are_not_verified(
+    module: FilePath, program: FilePath, tmp_path: FilePath
+) -> None:
+    other = tmp_path / "Other.mod"
+    other.write_text(MODULE)
+    with editor() as e:
+        asked = [{"line": line} for line in (1, 5, 9, 15, 17, 99)]
+        found = points(e, module, *asked)
+        assert found == [(True, 6), (True, 6), (True, 10), (True, 15), (False, 17), (False, 99)]
+        told = e.ask("setBreakpoints", source={"path": str(other)}, breakpoints=[{"line": 6}])
+        assert told["breakpoints"][0]["verified"] is False
+        assert "does not contain" in told["breakpoints"][0]["message"]
+        e.event("stopped")
+        assert e.stack()[0] == ("main", 6)
+    with editor() as e:
+        assert points(e, program, {"line": 3}, {"line": 7}) == [(True, 3), (True, 8)]
+        e.event("stopped")
+        assert e.stack()[0] == ("GoSub", 8)
+        e.ask("continue", threadId=1)
+        e.event("stopped")
+        assert e.stack()[0] == ("Main", 3)
+
+
+def test_a_pseudo_program_is_held_where_a_statement_begins(tmp_path: FilePath) -> None:
+    path = tmp_path / "two.pseudo"
+    path.write_text("program Two\n\nprocedure main\n\n  wait 1 s\n  wait 2 s\nend\n")
+    with editor() as e:
+        assert points(e, path, {"line": 1}, {"line": 7}) == [(True, 5), (False, 7)]
+        e.event("stopped")
+        assert e.stack()[0][1] == 5
+
+
+def stops(e: Editor, look: str) -> list[str]:
+    """What an expression is at each stop, until the program has ended."""
+    found = []
+    while True:
+        while not any(one["event"] in ("stopped", "terminated") for one in e.events):
+            e.events.append(e._next())
+        if any(one["event"] == "terminated" for one in e.events):
+            return found
+        e.event("stopped")
+        e.ask("stackTrace", threadId=1)
+        found.append(e.ask("evaluate", expression=look)["result"])
+        e.ask("continue", threadId=1)
+
+
+@pytest.mark.parametrize(
+    ("point", "stopped"),
+    [
+        ({"condition": "by > 1 AND total < 3"}, ["2"]),
+        ({"condition": "NOT (by = 2)"}, ["1", "3"]),
+        ({"condition": "total*2 = by AND by > 0 OR by MOD 3 = 0"}, ["2", "3"]),
+        ({"hitCondition": "2"}, ["2"]),
+        ({"hitCondition": ">= 2"}, ["2", "3"]),
+        ({"hitCondition": "%2", "condition": "by <> 1"}, ["3"]),
+        ({"condition": "nowhere = 1"}, ["1", "2", "3"]),
+    ],
+    ids=str,
+)
+def test_break_points_with_conditions_and_counts_hold_when_they_are_met(
+    module: FilePath, point: dict[str, object], stopped: list[str]
+) -> None:
+    module.write_text(MODULE.replace("WaitDI ready, 1;", ""))
+    with editor() as e:
+        assert points(e, module, {"line": 15, **point}) == [(True, 15)]
+        assert stops(e, "by") == stopped
+
+
+def test_log_points_say_what_expressions_are_and_hold_nothing(module: FilePath) -> None:
+    module.write_text(MODULE.replace("WaitDI ready, 1;", ""))
+    log = {"line": 15, "logMessage": "by={by}, half {by/2}, {here.trans.x}, {gone}"}
+    with editor() as e:
+        assert points(e, module, log) == [(True, 15)]
+        e.event("terminated")
+        said = [m["body"] for m in e.events if m["event"] == "output"]
+        logged = [one["output"] for one in said if one["category"] == "console"]
+        assert logged[1] == "by=2, half 1, 500, <`gone` is no data that is known here>\n"
+        assert len(logged) == 3
+
+
+def test_melfa_conditions_see_variables_components_and_ports(program: FilePath) -> None:
+    wrong = {"line": 5, "condition": "M1 >"}, {"line": 5, "hitCondition": "often"}
+    with editor() as e:
+        good = {"line": 5, "condition": "M1=5 and P1.Z>=400 and M_Out(3)=1"}
+        assert points(e, program, good, *wrong) == [(True, 5), (False, 5), (False, 5)]
+        e.event("stopped")
+        assert e.stack()[0] == ("Main", 5)
+        assert e.ask("evaluate", expression="M1*2+1")["result"] == "11"
+
+
+def test_a_request_after_the_end_is_answered(module: FilePath) -> None:
+    with editor() as e:
+        e.begin(module, (15,))
+        e.event("stopped")
+        e.ask("terminate")
+        e.event("terminated")
+        e.ask("threads")
+        e.ask("disconnect")
+        assert e.process.wait(30) == 0
 
 
 def test_steps_go_into_over_and_out_of_calls(module: FilePath) -> None:

@@ -36,7 +36,7 @@ from assistant.cell.planning.shortening import shortened
 from assistant.cell.planning.space import TILT, Cone, Space
 from assistant.cell.rules import NO_ROBOT
 from assistant.cell.scene import Placed, Scene
-from assistant.program.arrays import Floats, Truths
+from assistant.program.arrays import Floats, Truths, reals
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import FLANGE, IDENTITY, Pose
 from assistant.program.motion import MAXIMUM_SPEED, Speed
@@ -242,7 +242,13 @@ def _robot(robots: Sequence[Placed], name: str | None) -> Placed:
 
 
 def _joints(robot: Robot, values: ArrayLike, what: str, where: str) -> Floats:
-    row = np.asarray(values, dtype=np.float64).reshape(-1)
+    row = reals(values)
+    row = row[0] if row.ndim == 2 and len(row) == 1 else row
+    if row.ndim != 1:
+        raise Refused(
+            NO_JOINTS(what=what, given=row.size, robot=robot.title, wanted=len(robot.axes)),
+            exit_status=2,
+        )
     given = int(np.isfinite(row).sum())
     if len(row) != len(robot.axes) or given != len(row):
         raise Refused(

@@ -10,18 +10,23 @@ from urllib.parse import unquote, urlsplit
 
 from lsprotocol import types as lsp
 from pygls import uris
-from pygls.exceptions import JsonRpcInvalidParams
+from pygls.exceptions import JsonRpcException, JsonRpcInvalidParams
 from pygls.lsp.server import LanguageServer
 from pygls.protocol import LanguageServerProtocol, lsp_method
 
 from assistant.editing import service
 from assistant.editing.server import words
+from assistant.editing.server.checker import Checker, Request
 from assistant.editing.service import Change, Changes, Document, Workspace
+from assistant.editing.watching import Seen, Unseen
 from assistant.program.diagnostics import Refused
 from assistant.program.without_gc import keep_what_is_there
 
 REST: Final = 0.4
 """Seconds without a key after which the whole program is looked at."""
+SOON: Final = 0.03
+"""Seconds without a key after which what changed is looked at: a request that comes with the key is
+answered first."""
 LANGUAGES: Final = "assistant"
 TRANSLATION: Final = "robot-assistant.translation"
 """Command of the server: an address and a language; gives files and lines."""
@@ -37,6 +42,23 @@ class _Protocol(LanguageServerProtocol):
             general.position_encodings = [lsp.PositionEncodingKind.Utf16]
         return (yield from super().lsp_initialize(params))
 
+    @lsp_method(lsp.SHUTDOWN)
+    def lsp_shutdown(self, params: None) -> Any:
+        """Ends the process that looks at whole programs, so that nobody waits for it."""
+        server: Any = self._server
+        server.checker.close()
+        return (yield from super().lsp_shutdown(params))
+
+    def structure_message(self, data: dict[str, Any]) -> Any:
+        """Answer a request whose parameters are broken by an error: its editor waits for it."""
+        try:
+            return super().structure_message(data)
+        except JsonRpcException:
+            if isinstance(data.get("method"), str) and isinstance(data.get("id"), int | str):
+                error = JsonRpcInvalidParams(f"the parameters of `{data['method']}` are broken")
+                self._send_response(data["id"], None, error.to_response_error())
+            raise
+
 
 class Server(LanguageServer):
     """One conversation with an editor."""
@@ -44,12 +66,20 @@ class Server(LanguageServer):
     def __init__(self, version: str) -> None:
         super().__init__("robot-assistant", version, protocol_cls=_Protocol)
         self.documents = Workspace()
+        self.checker = Checker()
+        self.documents.apart = self._apart
         self._addresses: dict[str, str] = {}
         self._pending: dict[str, asyncio.Task[None]] = {}
         self._resting: dict[str, asyncio.Task[None]] = {}
         self._tokens: dict[str, tuple[str, list[int]]] = {}
         self._kept: set[str] = set()
         self._count = 0
+
+    def _apart(self, document: Document, unseen: Unseen) -> Seen | None:
+        _, *others = self.documents.task(document)
+        texts = [(one.path, one.text, one.language) for one in others]
+        root = self.documents.root
+        return self.checker(Request(root, document.path, document.language, texts, unseen))
 
     # ---------------------------------------------------------------------------- documents
 
@@ -112,7 +142,7 @@ class Server(LanguageServer):
             tasks[uri] = asyncio.get_running_loop().create_task(made)
 
     async def _soon(self, uri: str) -> None:
-        await asyncio.sleep(0)
+        await asyncio.sleep(SOON)
         document = self.documents.documents.get(self.path(uri))
         if document is not None and self.documents.is_known(document):
             self._tell(uri, document, service.findings(document))

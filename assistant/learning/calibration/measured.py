@@ -22,7 +22,7 @@ import numpy as np
 
 from assistant.learning.calibration import rules
 from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows, Truths, all_of
+from assistant.program.arrays import Floats, Rows, Truths, all_of, reals, rows_of
 from assistant.program.diagnostics import Diagnostic, Refused, Unreadable
 from assistant.program.lines import lines_of
 from assistant.program.text import decode, read_bytes
@@ -112,9 +112,8 @@ def measured(
 
     Rows that are not finite are left out. Raises ValueError for columns of different lengths.
     """
-    j, p = np.atleast_2d(np.asarray(joints, dtype=np.float64)), np.asarray(points, dtype=np.float64)
-    q = None if quaternions is None else np.asarray(quaternions, dtype=np.float64).reshape(-1, 4)
-    p = p.reshape(-1, 3)
+    j, p = np.atleast_2d(reals(joints)), rows_of(points, 3, "points")
+    q = None if quaternions is None else rows_of(quaternions, 4, "quaternions")
     if len({len(j), len(p), len(j) if q is None else len(q)}) != 1:
         raise ValueError("joints, points and quaternions are wanted for each pose")
     whole: Truths = all_of(np.isfinite(j)) & all_of(np.isfinite(p))

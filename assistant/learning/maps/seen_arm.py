@@ -12,7 +12,7 @@ import numpy as np
 from assistant.learning.maps.extended_map import Task
 from assistant.learning.maps.rules import NO_AXIS, NO_LENGTH
 from assistant.program import rotations
-from assistant.program.arrays import Floats
+from assistant.program.arrays import Floats, rows_of
 from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.robots import Robot
@@ -108,7 +108,7 @@ def seen_arm(
             finding = NO_AXIS(robot=robot.title, axis=name, known=", ".join(robot.axes))
             raise Refused(finding, exit_status=2)
     still = robot.home if rest is None else np.asarray(rest, dtype=np.float64)
-    tool = np.asarray(points, dtype=np.float64).reshape(-1, 3)
+    tool = rows_of(points, 3, "points")
     return SeenArm(robot, tuple(cameras), tool, known, still)
 
 

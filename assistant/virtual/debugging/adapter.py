@@ -6,18 +6,21 @@ import queue
 import threading
 from collections.abc import Callable, Mapping
 from contextlib import suppress
+from functools import partial
 from io import RawIOBase
 from typing import BinaryIO, Final
 
 from assistant.program.diagnostics import Refused
 from assistant.virtual.debugging import messages
+from assistant.virtual.debugging.expressions import Evaluate, Read, is_true, shown
 from assistant.virtual.debugging.holding import Holding, Reason, Step, Stride
 from assistant.virtual.debugging.messages import NoMessage, Object, inner, number, several, text
+from assistant.virtual.debugging.points import Lines, Points
 from assistant.virtual.debugging.view import View
-from assistant.virtual.events import Run, said
+from assistant.virtual.events import Place, Run, said
 from assistant.virtual.kernel import Ending, Kernel, Task
 
-Launch = Callable[[Object], Kernel]
+Launch = Callable[[Object], tuple[Kernel, Lines]]
 """Makes the run that a launch request asks for; raises Refused for what cannot be run."""
 
 CAPABILITIES: Final[Object] = {
@@ -25,6 +28,9 @@ CAPABILITIES: Final[Object] = {
     "supportsTerminateRequest": True,
     "supportsEvaluateForHovers": True,
     "supportsSetVariable": True,
+    "supportsConditionalBreakpoints": True,
+    "supportsHitConditionalBreakpoints": True,
+    "supportsLogPoints": True,
 }
 
 
@@ -37,8 +43,12 @@ class Adapter:
         self.kernel: Kernel | None = None
         self.view: View | None = None
         self.holding = Holding()
+        self.points = Points()
         self.held: Task | None = None
         self.over = False
+        """The editor has left."""
+        self.ended = False
+        """The run is over, or is to end."""
         self._sent = 0
         self._logged = 0
         self.broken = ""
@@ -89,7 +99,7 @@ class Adapter:
         self._send("response", success=True, body=body or {}, **about)
         if command == "launch":
             self._event("initialized")
-        elif command == "configurationDone":
+        elif command == "configurationDone" and not self._ends:
             self._run()
 
     # ------------------------------------------------------------------------------ running
@@ -100,7 +110,7 @@ class Adapter:
     def _launch(self, arguments: Object) -> None:
         if self.kernel is not None:
             raise LookupError("a program is running already")
-        self.kernel = self.start(arguments)
+        self.kernel, self.points.lines = self.start(arguments)
         self.view = View(self.kernel)
         self.kernel.watch = self._watch
         if arguments.get("stopOnEntry") is True:
@@ -114,7 +124,8 @@ class Adapter:
         assert self.kernel is not None
         run = self.kernel.run()
         self._tell_log()
-        if not self.over:
+        if not self.over and not self.ended:
+            self.ended = True
             self._finished(run)
 
     def _finished(self, run: Run) -> None:
@@ -125,14 +136,46 @@ class Adapter:
 
     def _watch(self, task: Task) -> None:
         """Before each statement: takes in requests, and holds the run where it is to be held."""
-        while not self.requests.empty() and not self.over:
+        while not self.requests.empty() and not self._ends:
             self._take(self.requests.get())
-        reason = self.holding.reason(task)
-        if reason is not None and not self.over:
+        reason: Reason | None = None
+        if not self._ends:
+            met = self._meets(task)
+            reason = self.holding.reason(task) or ("breakpoint" if met else None)
+        if reason is not None:
             self._hold(task, reason)
-        if self.over:
+        if self._ends:
             task.kernel.end(Ending("stopped", "the debugger has ended the run"))
             task.kernel.hub.switch()
+
+    def _meets(self, task: Task) -> bool:
+        """True if a break point holds the task before its next statement."""
+        place = task.where() if self.points.set else None
+        if place is None:
+            return False
+        assert self.view is not None
+        read, held = partial(self.view.read, task), False
+        for point in self.points.at(*place):
+            try:
+                if point.condition is not None and not is_true(point.condition(read)):
+                    continue
+            except LookupError as error:
+                self._say(place, f"the condition of the break point: {error.args[0]}")
+            point.count += 1
+            if point.hits is not None and not point.hits(point.count):
+                continue
+            if point.log is None:
+                held = True
+                continue
+            self._tell_log()
+            self._say(place, "".join(map(partial(_logged, read), point.log)))
+        return held
+
+    def _say(self, place: Place, what: str) -> None:
+        """A line in the console of the editor."""
+        path, line = place
+        where: Object = {"source": {"path": path}, "line": line}
+        self._event("output", category="console", output=f"{what}\n", **where)
 
     def _take(self, request: Object | None) -> None:
         if request is None:
@@ -147,7 +190,7 @@ class Adapter:
         self.view.begin()
         thread = self.view.thread(task)
         self._event("stopped", reason=reason, threadId=thread, allThreadsStopped=True)
-        while self.held is not None and not self.over:
+        while self.held is not None and not self._ends:
             self._take(self.requests.get())
 
     def _resume(self, step: Step | None = None) -> None:
@@ -168,10 +211,10 @@ class Adapter:
         self._logged = len(self.kernel.log)
 
     def _set_points(self, arguments: Object) -> Object:
+        if self.kernel is None:
+            raise LookupError("nothing was launched")
         path = text(inner(arguments, "source"), "path")
-        lines = [number(point, "line") for point in several(arguments, "breakpoints")]
-        self.holding.set_points(path, lines)
-        return {"breakpoints": [{"verified": True, "line": line} for line in lines]}
+        return {"breakpoints": self.points.place(path, several(arguments, "breakpoints"))}
 
     def _nothing(self, _: Object) -> None:
         """An error ends the run: there is nothing to choose."""
@@ -203,14 +246,30 @@ class Adapter:
         self.over = True
 
     def _terminate(self, _: Object) -> None:
-        self.over = True
-        self._event("terminated")
+        """The run ends; the editor is answered until it leaves."""
+        if not self.ended:
+            self.ended = True
+            self._event("terminated")
+
+    @property
+    def _ends(self) -> bool:
+        return self.over or self.ended
 
     def _look(self, does: Callable[[View, Object], Object], arguments: Object) -> Object:
         """What is asked of a program that is held."""
         if self.view is None:
             raise LookupError("nothing was launched")
         return does(self.view, arguments)
+
+
+def _logged(read: Read, part: str | Evaluate) -> str:
+    """A part of a log point; an expression that cannot be worked out says why."""
+    if isinstance(part, str):
+        return part
+    try:
+        return shown(part(read))
+    except LookupError as error:
+        return f"<{error.args[0]}>"
 
 
 def _of_view(does: Callable[[View, Object], Object]) -> Callable[[Adapter, Object], Object]:

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from functools import partial
+from typing import Final
 
+from assistant.virtual.debugging.expressions import read_expression, shown
 from assistant.virtual.debugging.messages import Object, number, text
-from assistant.virtual.kernel import Kernel, Signals, Task
+from assistant.virtual.kernel import Board, Kernel, Signals, Task
 from assistant.virtual.kernel.looking import Level, Shown
+
+_PORT: Final = re.compile(r"m_(in|out)\((\d+)\)")
+"""A bit of the inputs or outputs in MELFA-BASIC."""
 
 
 class View:
@@ -94,17 +100,38 @@ class View:
         return {"value": f"{value:g}"}
 
     def evaluate(self, arguments: Object) -> Object:
-        """A name, with components and elements behind it."""
+        """A name, with components and elements after it, or an expression of such names."""
         wanted = text(arguments, "expression").strip()
         frame = number(arguments, "frameId")
         levels = [self._level(frame)] if frame else self._levels[:1]
         for level in levels:
-            for shown in level.groups.values():
-                found = _found(shown(), wanted.lower())
+            for group in level.groups.values():
+                found = _found(group(), wanted.lower())
                 if found is not None:
                     variable = self._variable(found)
                     return {"result": variable.pop("value"), **variable}
-        raise LookupError(f"`{wanted}` is no data that is known here")
+        value = read_expression(wanted)(partial(_read, self.kernel.board, levels))
+        return {"result": shown(value), "variablesReference": 0}
+
+    def read(self, task: Task, name: str) -> str:
+        """The value of data that a task knows, as it is shown; raises LookupError."""
+        return _read(self.kernel.board, task.levels()[:1], name)
+
+
+def _read(board: Board, levels: Sequence[Level], name: str) -> str:
+    wanted = name.lower()
+    for level in levels:
+        for group in level.groups.values():
+            found = _found(group(), wanted)
+            if found is not None:
+                return found.value
+    if (port := _PORT.fullmatch(wanted)) is not None:
+        return f"{(board.inputs if port[1] == 'in' else board.outputs).read(port[2]):g}"
+    for signals in (board.inputs, board.outputs):
+        for one in _signals(signals):
+            if one.name.lower() == wanted:
+                return one.value
+    raise LookupError(f"`{name}` is no data that is known here")
 
 
 def _signals(signals: Signals) -> Sequence[Shown]:

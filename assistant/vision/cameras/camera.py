@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from assistant.program import rotations
-from assistant.program.arrays import Floats, Truths
+from assistant.program.arrays import Floats, Truths, rows_of
 from assistant.program.geometry import IDENTITY, Pose, Vector
 
 WORLD: Final = "world"
@@ -156,7 +156,7 @@ class Camera:
 
     def seen_by(self, points: Floats) -> Floats:
         """Points (n, 3) of the parent's frame, in the frame of the camera."""
-        return self.pose.inverse().moved(np.asarray(points, dtype=np.float64).reshape(-1, 3))
+        return self.pose.inverse().moved(rows_of(points, 3, "points"))
 
     def project(self, points: Floats) -> Floats:
         """Points (n, 3) of the parent's frame → pixels (n, 2), perhaps outside of the picture.
@@ -186,7 +186,7 @@ class Camera:
 
     def directions(self, pixels: Floats) -> Floats:
         """Pixels (n, 2) → unit vectors (n, 3) in the parent's frame from `pose.position` on."""
-        tangents = self.lens.tangents(np.asarray(pixels, dtype=np.float64).reshape(-1, 2))
+        tangents = self.lens.tangents(rows_of(pixels, 2, "pixels"))
         local = np.column_stack([tangents, np.ones(len(tangents))])
         local /= np.linalg.norm(local, axis=1, keepdims=True)
         return np.asarray(rotations.rotate(np.array(self.pose.quaternion), local))
@@ -194,9 +194,10 @@ class Camera:
     def within(self, pixels: Floats, margin: float = 0.0) -> Truths:
         """(n,) which pixels (n, 2) are in the picture, so many pixels from its edge."""
         width, height = self.lens.size
-        u, v = np.asarray(pixels).reshape(-1, 2).T
+        u, v = rows_of(pixels, 2, "pixels").T
         low = margin - 0.5
-        return (u >= low) & (v >= low) & (u <= width - 1 - low) & (v <= height - 1 - low)
+        inside = (u >= low) & (v >= low) & (u <= width - 1 - low) & (v <= height - 1 - low)
+        return np.asarray(inside)
 
 
 def looking_at(eye: ArrayLike, target: ArrayLike, up: Vector = (0.0, 0.0, 1.0)) -> Pose:

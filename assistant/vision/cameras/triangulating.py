@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats, Truths
+from assistant.program.arrays import Floats, Truths, rows_of
 from assistant.vision.cameras.camera import NEAR, Camera
 
 ROUNDS: Final = 15
@@ -46,7 +46,7 @@ def triangulate(cameras: Sequence[Camera], pixels: Sequence[Floats], noise: floa
     noise; here by Gauss and Newton for any number of cameras). Raises ValueError for cameras and
     pixels that do not belong together.
     """
-    seen = [np.asarray(one, dtype=np.float64).reshape(-1, 2) for one in pixels]
+    seen = [rows_of(one, 2, "pixels") for one in pixels]
     if len(seen) != len(cameras) or len({len(one) for one in seen}) != 1:
         raise ValueError("pixels (n, 2) are wanted for each of the cameras")
     inside = [np.all(np.abs(one) < FAR, axis=1, keepdims=True) for one in seen]

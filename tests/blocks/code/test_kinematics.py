@@ -135,6 +135,26 @@ def columns(one: ModuleType) -> tuple[Callable, Callable]:
     return forward, inverse
 
 
+@pytest.mark.parametrize("name", ["irb1200-7-0.7", "rv-2aj"])
+def test_a_pose_that_is_none_is_reached_by_no_branch(name: str, tmp_path: Path) -> None:
+    robot = robots.get(name)
+    for file, data in kinematics(robot, "python").items():
+        (tmp_path / file).write_bytes(data)
+    (source,) = [f for f in tmp_path.glob("*.py") if not f.stem.endswith("_check")]
+    one = module(source)
+    up, nan, inf = (1.0, 0.0, 0.0, 0.0), float("nan"), float("inf")
+    for position, quaternion in (
+        ((300.0, 0.0, 400.0), (0.0, 0.0, 0.0, 0.0)),
+        ((300.0, 0.0, 400.0), (nan, 0.0, 0.0, 1.0)),
+        ((300.0, 0.0, 400.0), (inf, 0.0, 0.0, 1.0)),
+        ((nan, 0.0, 400.0), up),
+        ((300.0, -inf, 400.0), up),
+    ):
+        found = one.ik(position, quaternion)
+        assert len(found) == robot.branches
+        assert all(np.isnan(joints).all() and not valid for joints, valid in found)
+
+
 def test_the_python_of_every_arm_agrees_with_ours(
     tmp_path: Path, tell: Callable[[str], None]
 ) -> None:
