@@ -104,6 +104,7 @@ def test_a_file_is_opened_changed_and_saved_by_keys(
         assert page.evaluate(FOCUS) == "greeting.pseudo"
         page.keyboard.press("Enter")
         page.wait_for_selector("#editor .word-keyword")
+        assert page.evaluate("document.querySelector('main #editor .cm-scroller').tabIndex") == 0
         page.locator("#editor .cm-content").focus()
         page.keyboard.press("Control+End")
         page.keyboard.type("# by keys")

@@ -64,6 +64,32 @@ def opened(
         yield page, out.read_text(encoding="utf-8")
 
 
+UNREACHED = """() => [...document.querySelectorAll("body *")]
+  .filter((one) => ["auto", "scroll"].includes(getComputedStyle(one).overflowY))
+  .filter((one) => one.offsetParent && one.tabIndex < 0 && !one.querySelector("button:enabled"))
+  .filter((one) => one.id && one.tagName !== "ASIDE").map((one) => one.id)"""
+"""What scrolls and takes no focus, nor has anything that does."""
+
+
+def test_the_slider_is_usable_and_lists_take_focus_at_200_percent(
+    opened: tuple[Any, str],
+) -> None:
+    page, _ = opened
+    page.set_viewport_size({"width": 640, "height": 400})  # 1280 x 800, twice as large
+    width = "document.getElementById('time').getBoundingClientRect().width"
+    until(page, f"{width} > 0 && innerWidth === 640")
+    assert page.evaluate(width) >= 150.0
+    page.evaluate("document.getElementById('finding-list').focus()")
+    assert page.evaluate("document.activeElement.id") == "finding-list"
+    assert page.evaluate(UNREACHED) == []
+    heads = "[...document.querySelectorAll('th')].filter((one) => !one.textContent.trim()).length"
+    assert page.evaluate(heads) == 0
+    page.evaluate("document.getElementById('time').focus()")
+    before = page.evaluate("Number(document.getElementById('time').value)")
+    page.keyboard.press("End")
+    assert page.evaluate("Number(document.getElementById('time').value)") > before
+
+
 def until(page: Any, what: str) -> None:
     """Waits for what scripts of the page tell; playwright's own way is not allowed on it."""
     for _ in range(200):

@@ -127,6 +127,7 @@ function show(text) {
     find("editor").replaceChildren();
     here = text;
     view = new EditorView({ state: text.state, parent: find("editor") });
+    view.scrollDOM.tabIndex = 0; // what scrolls can be scrolled by keys
     line = 0;
     text.service.shown();
     translate(text);

@@ -61,6 +61,7 @@ function show(done) {
   const name = made("p", [done.name, ...done.others ?? []].join(", "), "written");
   panel().replaceChildren(name);
   view = new EditorView({ state: lookedAt(done.text, back), parent: panel() });
+  view.scrollDOM.tabIndex = 0;
   view.dispatch({ effects: coloured(view.state.doc, done.words) });
   view.scrollDOM.scrollTop = top;
   const { view: source } = current();

@@ -51,7 +51,7 @@ export function row(...cells) {
 }
 export function table(keys, rows, name = "") {
   const one = made("table", undefined, name), head = made("tr");
-  head.append(...keys.map((key) => key ? said("th", key) : made("th")));
+  head.append(...keys.map((key) => key ? said("th", key) : made("td")));
   one.append(head, ...rows);
   return one;
 }

@@ -6,7 +6,7 @@ const filled = (tag, cells) => {
   table.append(row);
 };
 if (data.times) {
-  filled("th", ["", "s", "moves", "mm", "mm/s"]);
+  filled("th", ["procedure", "s", "moves", "mm", "mm/s"]);
   for (const one of data.times.procedures) {
     const mean = one.moving > 0 ? String(Math.round(one.length / one.moving)) : "";
     filled("td", [one.name, one.seconds, String(one.moves), one.length.toFixed(1), mean]);
