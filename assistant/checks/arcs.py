@@ -10,15 +10,15 @@ import numpy as np
 
 from assistant.program.arcs import ArcMeasures
 from assistant.program.arrays import Floats, Rows
-from assistant.program.diagnostics import Diagnostic, Rule, error, info
+from assistant.program.diagnostics import Diagnostic, Rule, Span, error, info
 from assistant.program.expressions import Expression, Name, TargetValue
-from assistant.program.path import Kind, Path
+from assistant.program.path import Kind
 from assistant.program.program import Program, bodies
 from assistant.program.statements import Follow, Move, MoveCircular, Statement
 from assistant.program.subjects import Declared, PathRow
 
-_Place = Callable[[int], Declared | PathRow]
-"""Row of an arc → where it is."""
+_Place = Callable[[int], tuple[Declared | PathRow, Span | None]]
+"""Row of an arc → where it is, and the line of its move if it has one."""
 
 LEAST_APART: Final = 0.1
 """mm between start, via and end below which an IRC5 refuses an arc (RAPID manual, MoveC)."""
@@ -64,14 +64,14 @@ def _body(program: Program, body: tuple[Statement, ...], about: Declared) -> Ite
     for statement in body:
         match statement:
             case Follow(path=path):
-                yield from _path(path, here)
+                yield from _path(statement, here)
                 here = path.positions[-1] if len(path) else here
             case Move(target=target):
                 here = _position(program, target)
             case MoveCircular(via=via, target=target):
                 points = [here, _position(program, via), _position(program, target)]
                 row = np.array([p if p is not None else np.full(3, np.nan) for p in points])
-                yield from _found(row[None], lambda _: about)
+                yield from _found(row[None], _always(about, statement.span))
                 here = points[2]
             case _:
                 here = None if bodies(statement) else here
@@ -79,7 +79,12 @@ def _body(program: Program, body: tuple[Statement, ...], about: Declared) -> Ite
             yield from _body(program, inner, about)
 
 
-def _path(path: Path, before: Floats | None) -> Iterator[Diagnostic]:
+def _always(about: Declared, span: Span | None) -> _Place:
+    return lambda _: (about, span)
+
+
+def _path(follow: Follow, before: Floats | None) -> Iterator[Diagnostic]:
+    path = follow.path
     vias = np.flatnonzero(path.kinds == Kind.VIA)
     vias = vias[vias + 1 < len(path)]
     if not len(vias):
@@ -88,7 +93,13 @@ def _path(path: Path, before: Floats | None) -> Iterator[Diagnostic]:
     if vias[0] == 0:
         starts[0] = before if before is not None else np.nan
     points = np.stack([starts, path.positions[vias], path.positions[vias + 1]], axis=1)
-    yield from _found(points, lambda row: PathRow(path.name, int(vias[row]) + 1, in_full=True))
+
+    def place(row: int) -> tuple[PathRow, Span | None]:
+        via = int(vias[row])
+        span = None if path.places is None else follow.row_span(via)
+        return PathRow(path.name, via + 1, in_full=True), span
+
+    yield from _found(points, place)
 
 
 def _found(points: Floats, place: _Place) -> Iterator[Diagnostic]:
@@ -98,7 +109,8 @@ def _found(points: Floats, place: _Place) -> Iterator[Diagnostic]:
     straight = ~close & (arcs.area < LEAST_HEIGHT * arcs.sides[:, 2])
     for rule, rows in ((TOO_CLOSE, close), (STRAIGHT, straight)):
         for row in np.flatnonzero(rows):
-            yield rule(about=place(int(row)))
+            about, span = place(int(row))
+            yield rule(about=about, span=span)
     sound = ~close & ~straight & np.isfinite(arcs.sides).all(axis=1)
     for rule, angle, rows in (
         (NEARLY_STRAIGHT, arcs.apart, sound & (arcs.apart < LEAST_ANGLE)),
@@ -108,11 +120,18 @@ def _found(points: Floats, place: _Place) -> Iterator[Diagnostic]:
 
 
 def _of_angle(rule: Rule, angle: Floats, rows: Rows, place: _Place) -> Iterator[Diagnostic]:
-    """One finding for all rows of a path, with the angle of the worst."""
+    """One finding for all rows of a path, with the angle of the worst; one for each that has a
+    line of its own.
+    """
     if not len(rows):
         return
     worst = int(rows[(angle if rule is NEARLY_ROUND else -angle)[rows].argmax()])
-    about = place(worst)
+    about, span = place(worst)
+    if span is not None:
+        for row in rows.tolist():
+            about, span = place(row)
+            yield rule(about=about, span=span, angle=angle[row])
+        return
     if isinstance(about, PathRow):
         about = replace(about, more=len(rows) - 1)
     yield rule(about=about, angle=angle[worst])

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.program.diagnostics import Diagnostic, Rule, Severity, Span, error, info, warning
+from assistant.program.statements import Follow
 from assistant.program.subjects import Declared
 from assistant.robots import SolvedProgram
 
@@ -231,7 +232,13 @@ def _leaves_known_space(scene: Scene, one: str, other: str) -> str | None:
 
 def _span(solution: SolvedProgram, one: Closeness) -> Span | None:
     legs = solution.legs.get(one.procedure, ())
-    return legs[one.number - 1].statement.span if 0 < one.number <= len(legs) else None
+    if not 0 < one.number <= len(legs):
+        return None
+    statement = legs[one.number - 1].statement
+    lines = statement.lines if isinstance(statement, Follow) else None
+    if lines is not None and 0 <= one.row < len(lines):
+        return Span(*lines[one.row].tolist())
+    return statement.span
 
 
 def figure(value: float) -> str:

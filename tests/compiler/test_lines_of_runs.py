@@ -41,9 +41,13 @@ def line_of(form: str, size: int, row: int) -> int:
     return 3 + row + size * (form != WRITTEN)
 
 
-@pytest.mark.parametrize("form", FORMS)
-@pytest.mark.parametrize("size", SIZES)
-@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize(
+    ("form", "size", "place"),
+    [
+        *((form, size, "middle") for form in FORMS for size in SIZES),
+        *((NUMBERED, 50, place) for place in ("first", "last")),
+    ],
+)
 def test_a_target_out_of_reach_is_reported_at_its_move(form: str, size: int, place: str) -> None:
     bad = PLACES[place](size)
     text = SourceText(module(form, size, bad, far=True), "m.mod", newline="\n")

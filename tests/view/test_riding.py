@@ -140,7 +140,7 @@ def test_each_move_of_a_run_has_its_line(tmp_path: Path, capsys: Capture) -> Non
     times = numbers(played["times"])
     assert (np.diff(times) > 0.0).all()
     assert math.isclose(times[0], 0.0)
-    assert [one["text"] for one in data["moves"]] == [one.strip() for one in run_of]
+    assert [one["text"] for one in data["moves"]] == [one.strip(" ;") for one in run_of]
     assert [one["line"] for one in data["moves"]] == list(range(4, 44))
 
 

@@ -15,6 +15,7 @@ from typing import Any, Final, NamedTuple
 import pytest
 
 from assistant import languages
+from assistant.findings.rulebook import pages
 from assistant.program.text import SourceText
 
 ALONE: Final = 3
@@ -42,10 +43,10 @@ class Way(NamedTuple):
 
 
 QUICK: Final = [
-    *(Way(size, "middle") for size in (7, 9)),
-    *(Way(size, place) for size in (8, 50) for place in PLACES),
+    *(Way(size, "middle") for size in (7, 8, 9)),
+    *(Way(50, place) for place in PLACES),
     Way(20, "middle", mixed=True),
-    Way(9, "middle", comments=True),
+    Way(9, "last", comments=True),
 ]
 EVERY: Final = [
     Way(size, place, mixed, comments)
@@ -236,7 +237,7 @@ def _check(name: str) -> Check:
 RAPID: Final = {name: (kind, code) for name, kind, code in rapid()}
 SOME: Final = [
     *(name for at, name in enumerate(RAPID) if at < 3 * len(MOVES) and at % 3 == at // 3 % 3),
-    *(name for name in RAPID if name.startswith("declared")),
+    *(name for name in RAPID if name.startswith("declared:")),
 ]
 """Each kind of move among lines of one kind."""
 
@@ -335,3 +336,54 @@ def test_a_line_of_melfa_basic_is_judged_alone(name: str) -> None:
 def test_a_line_of_melfa_basic_is_judged_alone_in_every_way(name: str) -> None:
     kind, code = MELFA[name]
     assert code in judge(kind, _check("melfa-basic-4"), EVERY)
+
+
+# The examples of the pages
+
+CLEAN: Final = "CONST robtarget zzz{}:=" + _target(1) + ";"
+SPOTS: Final = {
+    "move": (re.compile(r"\s*Move[JLC] [^!\"]*;"), "MoveL zzz0,v100,z10,tool0;", 1),
+    "declaration": (re.compile(r"\s*(?:LOCAL )?CONST robtarget [^!\"]*;"), CLEAN, 2),
+}
+"""Lines of examples that may be in a run: their form, what is put around them, and how it begins to
+be counted."""
+
+
+def examples() -> Iterator[tuple[str, str, int]]:
+    """Each line of an example of RAPID that may be in a run: its code, the kind, its number."""
+    for code, page in pages().items():
+        lines = page.example.split("\n") if code.startswith("RA") else ()
+        for number, line in enumerate(lines):
+            for kind, (form, _, _) in SPOTS.items():
+                if form.fullmatch(line):
+                    yield code, kind, number
+
+
+def _around(example: str, kind: str, number: int, count: int) -> tuple[str, int]:
+    """An example with so many lines before and behind one of them, and where that is now."""
+    _, plain, first = SPOTS[kind]
+    lines = example.split("\n")
+    before = [plain.format(first + k) for k in range(count)]
+    after = [plain.format(first + count + k) for k in range(count)]
+    lines[number : number + 1] = [*before, lines[number], *after]
+    top = next(k for k, line in enumerate(lines) if line.startswith("MODULE")) + 1
+    lines.insert(top, CLEAN.format(0).replace("CONST", "PERS"))
+    end = next(k for k in reversed(range(len(lines))) if lines[k].startswith("ENDMODULE"))
+    lines.insert(end, 'PROC zzz()\nTPWrite "zzz";\nENDPROC')
+    return "\n".join(lines), number + count + (top <= number + count)
+
+
+def _seen(code: str, kind: str, number: int, count: int) -> list[tuple[str, int, int, int, str]]:
+    """The findings of an example with so many lines around one of it; see `Kind.findings`."""
+    text, bad = _around(pages()[code].example, kind, number, count)
+    lines, found = text.count("\n"), list[tuple[str, int, int, int, str]]()
+    for one in _check("rapid")(text):
+        line = (one.line or 0) - 1
+        near = line - (0 if line < bad - count else bad if line <= bad + count else lines)
+        found.append((one.code, near, *of(one)))
+    return sorted(found)
+
+
+@pytest.mark.parametrize(("code", "kind", "number"), list(examples()))
+def test_an_example_is_judged_alone(code: str, kind: str, number: int) -> None:
+    assert _seen(code, kind, number, 10) == _seen(code, kind, number, 1)
