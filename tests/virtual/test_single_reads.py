@@ -32,6 +32,8 @@ SELECTS = {
     "the least and the most": ("M1=Max(M_Inb(8),M_Inb(24))", "M2=Min(M_Inb(8),100)",
                                "M3=Abs(M_Inb(24)-90)", "Mvs P1,-M1/10", "Mvs P2,-M2/10",
                                "Mvs P1,-M3/10"),
+    "whole numbers below": ("M1=Int(M_Inb(8)/3)", "Mvs P1,-Int(M_Inb(24)/7)", "Mvs P2,-M1",
+                            "If Int(M_Inb(8)/2)>40 Then M_Out(2)=1", "Mvs P1"),
     "a remainder": ("M1=M_Inb(8) Mod 7", "M2=M_Inb(24)\\5", "Mvs P1,-M1", "Mvs P2,-M2"),
 }  # fmt: skip
 

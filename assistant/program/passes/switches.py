@@ -11,6 +11,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.kinds import is_value, kinds
 from assistant.program.analysis.uses import changed_by_others, declared
+from assistant.program.contents import everywhere
 from assistant.program.passes.legalising import Legalising
 from assistant.program.passes.rewording import Rewording
 from assistant.program.program import (
@@ -20,7 +21,14 @@ from assistant.program.program import (
     Variable,
     identifier,
 )
-from assistant.program.rewriting import Body, is_steady, map_bodies, records
+from assistant.program.rewriting import (
+    Body,
+    is_steady,
+    map_bodies,
+    map_expressions,
+    map_head,
+    records,
+)
 
 
 def with_single_reads(job: Legalising) -> Program:
@@ -140,3 +148,58 @@ def _as_if(node: p.Switch) -> p.If:
 
     branches = (p.Branch(chosen(case), case.body) for case in node.cases)
     return p.If(tuple(branches), node.otherwise)
+
+
+def with_floors_read_once(job: Legalising) -> Program:
+    """The program in which `floor` of what others change has it in a variable.
+
+    For a language that works `floor` out by naming its value several times. Statements that work
+    their values out once get an assignment in front; in others it stays.
+    """
+    program = job.program
+    if not any(one.function == "floor" for one in everywhere(program, e.Apply)):
+        return program
+    changing, taken = changed_by_others(program), TakenNames(declared(program))
+
+    def within(procedure: Procedure) -> Procedure:
+        own: dict[str, Variable] = {}
+
+        def body(statements: Body) -> Body:
+            return tuple(part for node in statements for part in said(node))
+
+        def said(node: p.Statement) -> Iterator[p.Statement]:
+            read: list[p.Statement] = []
+
+            def once(x: e.Expression) -> e.Expression:
+                match x:
+                    case e.Apply("floor", (inner,)) if not is_steady(inner, changing):
+                        name = identifier(READ, taken)
+                        taken.add(name)
+                        own[name] = Variable("number")
+                        read.append(p.Assign(e.Name(name), inner, span=node.span))
+                        return e.Apply("floor", (e.Name(name),))
+                return x
+
+            if isinstance(node, _ONCE):
+                node = map_head(node, once)
+            elif isinstance(node, p.If):
+                first, *others = node.branches
+                first = replace(first, condition=map_expressions(first.condition, once))
+                node = replace(node, branches=(first, *others))
+            yield from read
+            made: p.Statement = map_bodies(node, body)
+            yield made
+
+        made = body(procedure.body)
+        return replace(procedure, body=made, variables=procedure.variables | own)
+
+    return replace(program, procedures=tuple(map(within, program.procedures)))
+
+
+READ: Final = "value_read"
+"""Name of a variable that holds what was read once."""
+_ONCE: Final = (
+    p.Assign | p.Call | p.SetSignal | p.Wait | p.Move | p.MoveCircular | p.MoveJoints | p.Switch
+    | p.For | p.Return | p.Message | p.Send
+)  # fmt: skip
+"""Statements that work their values out once, before anything else."""

@@ -46,6 +46,7 @@ from assistant.program.passes.results import with_results_taken
 from assistant.program.passes.settled_loops import with_directions
 from assistant.program.passes.spacing import with_comments_behind
 from assistant.program.passes.splitting import split
+from assistant.program.passes.switches import with_floors_read_once
 from assistant.program.program import Declaration, Procedure, Program
 from assistant.program.rewriting import map_bodies
 
@@ -126,6 +127,7 @@ PASSES: Final[tuple[Pass, ...]] = (
     with_named_places,
     with_whole_angles,
     pure(with_results_taken),
+    with_floors_read_once,
     pure(with_one_kind_of_numbers),
     with_set_mounts,
     sayable,

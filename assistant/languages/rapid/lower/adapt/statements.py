@@ -17,6 +17,7 @@ from assistant.languages.records import aggregate
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.kinds import is_position, is_truth
+from assistant.program.analysis.uses import changed_by_others
 from assistant.program.diagnostics import Refused, has_errors
 from assistant.program.geometry import Target
 from assistant.program.motion import FINE
@@ -31,7 +32,7 @@ from assistant.program.passes.points import move_at
 from assistant.program.passes.rewording import Rewording
 from assistant.program.passes.switches import plain_switch
 from assistant.program.program import Procedure, Variable, identifier
-from assistant.program.rewriting import is_repeatable, map_expressions
+from assistant.program.rewriting import is_steady, map_expressions
 from assistant.program.subjects import Declared
 
 
@@ -43,6 +44,7 @@ class StatementAdapter(Rewording):
         self.program, self.motions, self.written = job.program, motions, written
         self.signals = {n.lower(): g for n, g in job.program.signals.items()}
         self.targets: dict[str, Target] = {}
+        self.changing = changed_by_others(job.program)
         starts = (x for x in job.program.statements() if isinstance(x, p.StartTimer))
         self.restarted = {x.timer.lower() for x in starts}
 
@@ -69,8 +71,11 @@ class StatementAdapter(Rewording):
         match x:
             case e.Elapsed(timer) if timer.lower() not in self.restarted:
                 self.job.cannot(f"the time of `{timer}`, which nothing restarts", "restart it")
-            case e.Apply("floor", (inner,)) if is_repeatable(inner):
+            case e.Apply("floor", (inner,)) if is_steady(inner, self.changing):
                 x = floor(inner)
+            case e.Apply("floor"):
+                cure = "assign the value to a variable first"
+                self.job.cannot("the whole number below a value that is read once", cure)
             case e.Apply("inverse", (inner,)) if is_position(inner, self.known):
                 self.job.cannot(
                     "the inverse of a target", "work it out beforehand, or take a pose for it"
