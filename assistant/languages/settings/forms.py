@@ -134,7 +134,8 @@ class CalledForms:
 
     def at(self, at: int, form: Form) -> State:
         """What holds where a line begins."""
-        return resolved(self.flow.before[at], form.state)
+        before = self.flow.before.get(at)  # none where no way leads
+        return form.state if before is None else resolved(before, form.state)
 
     def _follow(self, form: Form) -> None:
         """Notes what a form calls, and where it goes."""
