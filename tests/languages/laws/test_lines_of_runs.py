@@ -142,7 +142,7 @@ def _module(moves: str, data: str = "") -> str:
 
 
 def _named(number: int, way: Way) -> str:
-    word = "MoveJ" if way.mixed and number % 3 == 1 else "MoveL"
+    word = "MoveJ" if way.mixed and (number - way.at) % 3 == 1 else "MoveL"
     return f"{word} a{number % 2 * 2 + 1},v100,z10,t1;"
 
 
@@ -155,13 +155,13 @@ def _target(number: int, rotation: str = "[0,0,1,0]", confdata: str = "[0,0,0,0]
 
 
 def _written(number: int, way: Way) -> str:
-    if way.mixed and number % 3 == 1:
+    if way.mixed and (number - way.at) % 3 == 1:
         return _named(number, way)
     return f"MoveL {_target(number)},v100,z10,t1;"
 
 
 def _declared(number: int, way: Way) -> str:
-    scope = "LOCAL " if way.mixed and number % 3 == 1 else ""
+    scope = "LOCAL " if way.mixed and (number - way.at) % 3 == 1 else ""
     return f"{scope}CONST robtarget ppp{number}:={_target(number)};"
 
 
@@ -288,7 +288,7 @@ OF_POSITIONS: Final = {
 
 
 def _step(number: int, way: Way) -> str:
-    word = "MOV" if way.mixed and number % 3 == 1 else "MVS"
+    word = "MOV" if way.mixed and (number - way.at) % 3 == 1 else "MVS"
     return f"{number * 10 + 1000} {word} P{(number - way.at) % 2 + 1}"
 
 
