@@ -153,6 +153,22 @@ def test_the_tool_of_the_program_touches_the_arm() -> None:
     assert findings(to_joints(robot, row, tool=standing), robot) == []
 
 
+def test_the_line_of_a_run_of_moves_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of twelve like moves the seventh leads the wrist into the base."""
+    at = [(400 + 5 * k, 30 * k, 300) for k in range(12)]
+    at[6] = (100, 60, 60)
+    rest = "[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]"
+    moves = [f"    MoveJ [[{x},{y},{z}],{rest},v200,fine,tool0;" for x, y, z in at]
+    text = ["MODULE m", "  PROC main()", *moves, "  ENDPROC", "ENDMODULE", ""]
+    (tmp_path / "m.mod").write_text("\n".join(text), encoding="utf-8")
+    said = said_of(capsys, "check", str(tmp_path / "m.mod"), "-r", "irb1200-7-0.7")
+    found = [line for line in said.splitlines() if line.startswith("CK421 error")]
+    assert found
+    assert {line.split("m.mod:")[1].split(":")[0] for line in found} <= {"9", "10"}
+
+
 def test_capsules_that_hardly_overlap_are_a_warning() -> None:
     """Nobody has measured them, and they are thicker than the castings."""
     robot = robots.get("irb1200-7-0.7")
