@@ -60,13 +60,19 @@ def with_single_rows(
         for file in files
     )
     task = Task(files, common)
-    return tuple(
-        _changed(
-            file,
-            [_Moves(Look(file, module, task), unknown=unknown).module() for module in file.modules],
-        )
-        for file in files
-    )
+    targets, local = NameSet(), dict[int, NameSet]()
+    for module, node in task.runs:
+        own = local.setdefault(id(module), NameSet()) if node.scope == "LOCAL" else targets
+        own.columns.append(node.run.names)
+    none = NameSet()
+    made = []
+    for file in files:
+        modules = []
+        for module in file.modules:
+            seen = targets, local.get(id(module), none)
+            modules.append(_Moves(Look(file, module, task), seen, unknown=unknown).module())
+        made.append(_changed(file, modules))
+    return tuple(made)
 
 
 def _runs(files: Sequence[s.File]) -> Iterator[s.RunNode]:
@@ -128,12 +134,13 @@ def _shared_names(task: Task) -> dict[int, Truths]:
     for scopes in (own, (np.array(own) * local).tolist()) if columns else ():
         for at, row in chain.from_iterable(repeated_rows(columns, scopes)):
             single[id(task.runs[at][1])][row] = True
-    others = NameSet()
+    others, inner = NameSet(), dict[int, NameSet]()
     others.words.update(task.shared.names)
     for module, node in task.runs:
-        inner = NameSet()
-        inner.words.update(task.levels(module)[0].names)
-        for names in (_taken(), others, inner):
+        if id(module) not in inner:
+            inner[id(module)] = NameSet()
+            inner[id(module)].words.update(task.levels(module)[0].names)
+        for names in (_taken(), others, inner[id(module)]):
             single[id(node)] |= names.among(node.run.names)
     return single
 
@@ -175,15 +182,14 @@ def _declared(file: s.File, body: tuple[s.StatementNode, ...]) -> tuple[s.Statem
 
 
 class _Moves:
-    """Moves of a module that are plain. unknown: see `with_single_rows`."""
+    """Moves of a module that are plain.
 
-    def __init__(self, look: Look, *, unknown: bool) -> None:
-        self.look, self.unknown = look, unknown
-        self.targets = NameSet()
-        """Names of targets in runs that the module sees."""
-        for module, node in look.task.runs:
-            if module is look.module or node.scope != "LOCAL":
-                self.targets.columns.append(node.run.names)
+    targets: names of targets in runs, those of the task and the local ones of the module.
+    unknown: see `with_single_rows`.
+    """
+
+    def __init__(self, look: Look, targets: tuple[NameSet, NameSet], *, unknown: bool) -> None:
+        self.look, self.targets, self.unknown = look, targets, unknown
 
     def module(self) -> s.Module:
         items = tuple(
@@ -229,7 +235,8 @@ class _Moves:
     def _targets(self, column: Names, names: _Names, single: Truths) -> None:
         """Adds the rows whose targets are not plain."""
         named = np.array([bool(stem) for stem in column.stems])[column.stem] | (column.number >= 0)
-        known = self.targets.among(column) & ~names.inner.among(column)
+        shared, own = self.targets
+        known = (shared.among(column) | own.among(column)) & ~names.inner.among(column)
         found: dict[str, Fit] = {}
         for row in np.flatnonzero(named & ~known).tolist():
             low = column.name(row).lower()
