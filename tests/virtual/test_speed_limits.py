@@ -43,9 +43,20 @@ BODIES = {
     "worked out": f"VelSet 100,n+15; {MOVES} n:=200; VelSet 100,n; {MOVES}",
     "by what is called": f"Free; Slow; Free; {MOVES}",
     "in a loop": f"FOR i FROM 1 TO 3 DO VelSet 100,40*i; {MOVES} ENDFOR",
+    "moves with more options": "VelSet 100,60; MoveL p10,v400,fine\\Inpos:=inpos20,tG; "
+    "MoveL p20,v400\\V:=350,fine,tG; MoveLDO p10,v300,fine,tG,do1,1;",
     "a long run": "VelSet 100,75; " + MOVES * 5,
     "a long run, worked out": "VelSet 100,n; " + MOVES * 5 + "n:=n+100;",
 }  # fmt: skip
+
+
+def test_the_next_cycle_begins_with_the_limit_of_the_one_before() -> None:
+    text = MODULE.format(body=BODIES["after some moves"], unused=w.UNUSED)
+    text = text[: text.index("PROC Slow")] + "ENDMODULE\n"
+    made = translate(load_text(SourceText(text), language="rapid"), to="melfa-basic-5")
+    (written,) = made.files.values()
+    assert made.ok
+    assert b"Min(1000," in written
 
 
 @pytest.mark.parametrize("name", BODIES)

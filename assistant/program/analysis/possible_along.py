@@ -51,13 +51,16 @@ def numbers_at(
 def numbers_of_all(
     possible: Possible, value: e.Expression, procedure: Procedure
 ) -> Callable[[p.Statement], Numbers]:
-    """What an expression may come to at each statement of a procedure, by the statement."""
+    """What an expression may come to at each statement of a procedure, by the statement.
+
+    A cycle may begin with whatever the one before left.
+    """
     anywhere = possible.of(value, procedure)
     found: dict[int, Numbers] = {}
     if possible.is_entry_alone(procedure) and (
         names := sorted(possible.followed(value, procedure))
     ):
-        following = _Following(possible, procedure, names)
+        following = _Following(possible, procedure, names, again=True)
         for node, state in following.found.items():
             for part in following.graph.runs[node]:
                 found[id(part)] = following.of(value, state)
@@ -66,13 +69,21 @@ def numbers_of_all(
 
 
 class _Following:
-    """The values of some variables along one procedure. names: in lower case."""
+    """The values of some variables along one procedure. names: in lower case. again: whether it
+    may begin with any values that they ever have.
+    """
 
-    def __init__(self, possible: Possible, procedure: Procedure, names: list[str]) -> None:
+    def __init__(
+        self, possible: Possible, procedure: Procedure, names: list[str], again: bool = False
+    ) -> None:
         self.possible, self.procedure, self.names = possible, procedure, names
         self.graph = Graph(_with_assumptions(procedure.body))
         flow: Dataflow[int, State] = Dataflow(self.graph.after, self.behind, _joined)
-        flow.spread([(self.graph.start, tuple(possible.begun(name) for name in names))])
+        begun = (
+            possible.of(e.Name(name), procedure) if again else possible.begun(name)
+            for name in names
+        )
+        flow.spread([(self.graph.start, tuple(begun))])
         self.found = flow.found
 
     def at(self, value: e.Expression, statement: p.Statement) -> Numbers:

@@ -120,7 +120,7 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
         program = _with_other_words(program, findings)
         handled = with_errors(program, lift_of(program), findings)
         program = program if handled is program else _with_other_words(handled, findings)
-        program = with_limited_speeds(with_own_waits(program), limit)
+        program = with_own_waits(program)
         program = with_channels(with_operator(program, findings), findings)
         program = exchanged(program, lambda node: (_without_near(node, findings),))
         if arm is not None:
@@ -133,6 +133,7 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
             losses |= dict.fromkeys(("eoffsset", "eoffson", "eoffsoff"), NO_AXES)
         program = with_moves_broken_off(program)
         program = exchanged(program, lambda node: _told(node, nothing, losses, findings))
+        program = with_limited_speeds(program, limit)  # once all that moves is a move
         program, early = with_active(program)
         findings += [rules.BEFORE_MOVES(span=span) for span in dict.fromkeys(early)]
     program = _without_unused(with_needed_declarations(program, findings))
