@@ -176,8 +176,9 @@ def test_what_melfa_reads_is_where_crobt_reads(tmp_path: Path, case: str) -> Non
     assert "CRobT()" not in made
 
 
-def test_a_tool_that_differs_with_the_way_is_no_place(tmp_path: Path) -> None:
-    text = "1 Tool PT\n2 If M1=1 Then\n3 Tool P_NTool\n4 EndIf\n5 P9=P_Curr\n6 End\n" + DATA
-    found = translated(tmp_path, text, "rapid")
-    assert not found.ok
-    assert any("P_Curr" in f.message and "differ" in f.message for f in found.findings)
+@pytest.mark.parametrize("number", [0, 1])
+def test_a_place_is_read_by_the_tool_of_the_way_that_was_taken(tmp_path: Path, number: int) -> None:
+    text = f"M1={number}\nMvs P1\nTool PT\nIf M1=1 Then\nTool P_NTool\nEndIf\nP9=P_Curr\nMvs P9"
+    lines = [f"{at} {line}" for at, line in enumerate([*text.splitlines(), "End"], 1)]
+    made = moves_alike(tmp_path, "\n".join(lines) + "\n" + DATA, "rapid", 2)
+    assert "CRobT(\\Tool:=current_tool" in made

@@ -241,7 +241,8 @@ class _Chunk:
             whole, off, fixed = self._reach(parts, which, pair)
             least = (at_low + at_high - whole) / 2.0 - off
             open_ = (least < best[job] - FINEST) & (least <= limit[pair])
-            small = (whole <= FINEST) & ((2.0 * off <= FINEST) | fixed)
+            small = (whole <= FINEST) & (2.0 * off <= FINEST)
+            small |= fixed & (whole <= np.maximum(FINEST, off))  # halves would be no surer
             if done > MOST:  # contacts are found all the same, but not how deep they are
                 small |= (least > 0.0) | (best[job] <= 0.0)
             ends, on = np.flatnonzero(open_ & small), np.flatnonzero(open_ & ~small)

@@ -105,7 +105,9 @@ def stretches_of(plan: Plan) -> Stretches:
     slack = bend + np.where(course.straight[step, None], 0.0, between)
     begins = np.concatenate([[0.0], np.cumsum(course.distance)[:-1]])
     places = np.append(begins[step] + gone, course.distance.sum())
-    return Stretches(joints, slack, plan.passing(places), course.row[step], places, Exact(course))
+    # Without a closed form joints are too slow to solve wherever a search asks for them.
+    exact = Exact(course) if course.robot.arm.named else None
+    return Stretches(joints, slack, plan.passing(places), course.row[step], places, exact)
 
 
 def _cuts(distance: Floats, room: Floats) -> tuple[Rows, Floats]:

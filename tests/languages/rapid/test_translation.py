@@ -155,8 +155,11 @@ def test_names_that_rapid_has_already_come_back() -> None:
     )
 
 
-def test_a_pulse_to_zero_is_refused() -> None:
-    assert codes(main(p.SetSignal("out", e.Number(0), e.Number(1)))) == ["RA305"]
+def test_a_pulse_to_zero_ends_by_a_delayed_output() -> None:
+    """`PulseDO` only goes to 1."""
+    program = main(p.SetSignal("out", e.Number(0), e.Number(1)))
+    proved(program)
+    assert re.search(r"SetDO out,0;\s+SetDO\\SDelay:=1,out,1;", text(program))
 
 
 @pytest.mark.parametrize(
