@@ -16,6 +16,7 @@ from assistant.program.analysis.uses import texts_in
 from assistant.program.contents import everywhere
 from assistant.program.diagnostics import Diagnostic, Severity, Span, warning
 from assistant.program.kept import effect_of
+from assistant.program.lines import lines_of
 from assistant.program.program import Declaration, Procedure, Program, walk
 from assistant.program.rewriting import records
 from assistant.program.subjects import Declared
@@ -123,7 +124,7 @@ def _kept_routines(program: Program) -> Iterator[Declaration]:
 
 def _is_routine(one: Declaration) -> bool:
     """True if a kept declaration has statements: more lines than data have."""
-    return len(one.text.strip().splitlines()) > 1
+    return len(lines_of(one.text.strip())) > 1
 
 
 def _named(one: Procedure | Declaration) -> frozenset[str]:

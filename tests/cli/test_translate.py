@@ -354,7 +354,8 @@ def test_programs_do_not_go_to_standard_output(
 
 def test_rows_of_several_modules_name_their_file(tmp_path: Path, capsys: Capture) -> None:
     for name, odd in (("one", "IPathPos"), ("two", "OddOne")):
-        text = f"MODULE {name}\n  PROC p{name}()\n    {odd};\n  ENDPROC\nENDMODULE\n"
+        call = "    ptwo;\n" if name == "one" else ""
+        text = f"MODULE {name}\n  PROC p{name}()\n    {odd};\n{call}  ENDPROC\nENDMODULE\n"
         (tmp_path / f"{name}.mod").write_text(text)
     (tmp_path / "all.pgf").write_text(
         '<?xml version="1.0"?><Program><Module>one.mod</Module><Module>two.mod</Module></Program>'

@@ -52,7 +52,8 @@ def run(capsys, *arguments):
 
 
 def compiled(capsys, here, *more, language=RAPID):
-    return run(capsys, "compile", here / "part.dxf", *language, "-o", here / "out", *more)
+    given = (here / "part.dxf", *language, "--place", "0,0,0", "-o", here / "out", *more)
+    return run(capsys, "compile", *given)
 
 
 def module(here):

@@ -31,7 +31,9 @@ def program(folder, beads, language):
     file = folder / "part.dxf"
     drawing.saveas(file)
     process = folder / "part.process.toml"
-    process.write_text(f"[layers.SEAM]\nspeed = 50\napproach = {ABOVE}\nretract = {ABOVE}\n")
+    placed = "[placement]\nposition = [0, 0, 0]\n"
+    seam = f"[layers.SEAM]\nspeed = 50\napproach = {ABOVE}\nretract = {ABOVE}\n"
+    process.write_text(placed + seam)
     done = compiled(file, language=language, robot="rv-4frl" if language != "rapid" else None)
     assert done.ok, done.findings
     ((_, data),) = done.files.items()

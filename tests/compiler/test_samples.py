@@ -108,7 +108,7 @@ def test_a_pallet_in_melfa_basic_in_rapid(tmp_path: Path) -> None:
     [
         ("MULTITASK", {'20 XRUN 2,"DATALINK"'}),
         ("DATALINK", {'OPEN "COM2:" AS #2'}),
-        ("CONTROLLINK", {"30 GETM 1"}),
+        ("CONTROLLINK", {"80 INPUT #1,JNTPOS"}),
     ],
 )
 def test_what_only_a_melfa_controller_does_is_not_said(name: str, said: set[str]) -> None:

@@ -109,6 +109,7 @@ HARMLESS = {
     "languages/melfa_basic/tables/vocabulary/__init__.py": "a table of the package",
     "languages/rapid/tables/signatures.py": "a table of the package",
     "program/pseudo/editing.py": "a table of the package",
+    "sources/drawing/group_codes.py": "bytes, which end at CR and LF only",
 }
 """Modules that may ask Python for lines, and why."""
 

@@ -194,8 +194,8 @@ def test_a_program_is_seen_from_above_and_from_the_side(
         seen = picture(page)
         red, green, blue = np.moveaxis(seen, 2, 0)
         arm = (red > 1.3 * green) & (green > 1.3 * blue)
-        half = seen.shape[0] // 2
-        above, side = arm[:half], arm[half:]
+        along = 0 if seen.shape[0] > seen.shape[1] else 1  # one above the other, or side by side
+        above, side = np.split(arm, [seen.shape[along] // 2], axis=along)
         assert above.sum() > 500 < side.sum()
         tall = [np.ptp(np.flatnonzero(one.any(axis=1))) for one in (above, side)]
         assert tall[1] > 1.5 * tall[0]  # it stands upright

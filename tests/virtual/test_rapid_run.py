@@ -241,7 +241,7 @@ def test_exit_and_stop() -> None:
         ("MoveL Offs(p10,Sqrt(-1),0,0),v100,fine,tool0;", "error", "defined"),
         ("WHILE TRUE DO\nENDWHILE", "steps", ""),
         ("Frobnicate 1;", "unknown", "`Frobnicate`"),
-        ("SetDO\\SDelay:=1,doA,1;", "unknown", "sdelay"),
+        ("SetDO\\SDelay:=1,doA,1;", "end", ""),
         ("again;", "unknown", "routines inside of one another"),
         ("handled;", "end", ""),
     ],

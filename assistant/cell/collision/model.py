@@ -19,6 +19,8 @@ from assistant.program.geometry import Pose, Vector
 
 TOGETHER: Final = 200_000
 """Rows times pairs whose bounds are worked out together."""
+FARTHEST: Final = 1e9
+"""mm that no distance in a cell is larger than."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,7 +209,9 @@ class Model:
         """As `exact`, with the carriers as `Carriers.at` gives them."""
         one, other = self.one[pair], self.other[pair]
         ends = [self._placed(origins, turns, row, item) for item in (one, other)]
-        return np.asarray(self.distances.signed(one, other, *ends) - self._off[pair])
+        found = self.distances.signed(one, other, *ends)
+        # A library answers with the largest number, either way, where it finds no two points.
+        return np.asarray(np.clip(found, -FARTHEST, FARTHEST) - self._off[pair])
 
     def _placed(
         self, origins: Floats, turns: Floats, row: Rows, item: Rows

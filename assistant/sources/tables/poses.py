@@ -146,7 +146,8 @@ def of_matrices(matrices: Floats, locate: Locate) -> tuple[Floats, Floats, list[
 
 def like_metres(positions: Floats, place: Mapping[str, Any]) -> list[Diagnostic]:
     """A warning if positions look like metres."""
-    if len(positions) > 1 and 0 < np.abs(positions).max() <= LIKE_METRES:
+    apart = len(positions) > 1 and np.ptp(positions, axis=0).max() > 0.0
+    if apart and 0 < np.abs(positions).max() <= LIKE_METRES:
         return [METRES(**place, count=len(positions), most=LIKE_METRES)]
     return []
 

@@ -264,6 +264,10 @@ def _about(m: Machine, node: s.Motion) -> None:
     _arc_by(m, circle.middle(a, b), end)
 
 
+PASSING: Final = 1.0
+"""mm of the corner half-way round a whole circle, which goes on without a stop."""
+
+
 def _whole_circle(m: Machine, node: s.Motion) -> None:
     """Mvc: start and two places on the way, back to the start; the posture stays."""
     start, first, second = _three(m, node)
@@ -274,7 +278,7 @@ def _whole_circle(m: Machine, node: s.Motion) -> None:
         raise Failed(2803, "the places of a circle")
     kept = poses.pose_of(start, m.world.arm.robot)
     half = poses.position_of(Pose(_vector(c), kept.quaternion), start)
-    _arc_by(m, circle.middle(a, c), half, passing=float(np.linalg.norm(a - circle.centre)))
+    _arc_by(m, circle.middle(a, c), half, passing=PASSING)
     _arc_by(m, circle.middle(c, a), start)
 
 
