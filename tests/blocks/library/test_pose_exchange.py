@@ -51,7 +51,8 @@ def test_poses_are_gone_to_one_after_the_other(tmp_path: Path) -> None:
     assert np.isnan(found["arm.stands"][0]).all()
     assert found["arm.stands"][-1] == pytest.approx(FAR, abs=1e-2)
     busy, done = found["arm.busy"], found["arm.done"]
-    assert done[-1] == 2.0 and busy[np.searchsorted(done, 1) - 1] == 1.0
+    assert done[-1] == 2.0 and (np.diff(done) >= 0.0).all()
+    assert not busy[np.searchsorted(done, 2) :].any()  # a move may end between two steps
     assert found["arm.motion"][-1] > 0.0
 
 
