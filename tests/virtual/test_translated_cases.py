@@ -21,6 +21,23 @@ PERS wobjdata wobjTable:={rapid_words.FRAMES["wobjTable"]};
 CONST robtarget p10:=[[354,0,300],[0,0,1,0],[0,0,0,0],{rapid_words.UNUSED}];
 """
 CASES = {
+    "functions that hide those of the controller": """VAR num n:=2;
+PROC main()
+  MoveL Offs(p10,Max(n,3),Abs(n),Length(n)),v100,fine,tGripper;
+  SetGO goSlot,Max(0,Min(n,1));
+ENDPROC
+FUNC num Max(num a,num b)
+  RETURN a*10+b;
+ENDFUNC
+FUNC num Min(num a,num b)
+  RETURN a+b;
+ENDFUNC
+FUNC num Abs(num a)
+  RETURN a-40;
+ENDFUNC
+FUNC num length(num a)
+  RETURN a+7;
+ENDFUNC""",
     "a routine reads what its caller has another of": """VAR num nRow;
 PROC main()
   VAR num nRow:=4;

@@ -8,11 +8,11 @@ from typing import Any, Final, Literal, cast
 from lark import Token
 
 from assistant.program.diagnostics import Span
-from assistant.program.expressions import Expression
+from assistant.program.expressions import FUNCTIONS, Expression
 from assistant.program.program import Declaration, Procedure, Variable
 from assistant.program.pseudo.declarations import read_parameters
 from assistant.program.pseudo.expressions import read_arguments, read_expression
-from assistant.program.pseudo.findings import AFTER_ELSE, NO_DIVISION, Wrong
+from assistant.program.pseudo.findings import AFTER_ELSE, NAME_OF_FUNCTION, NO_DIVISION, Wrong
 from assistant.program.pseudo.rows import RowReader
 from assistant.program.pseudo.tables import TableReader
 from assistant.program.pseudo.values import read_blend, read_speed
@@ -85,6 +85,8 @@ class ProcedureBlock(Block):
         self.parameters = [parameter.name for parameter in self._parameters]
         self.variables: dict[str, Variable] = {}
         self._result = None if result is None else str(result)
+        if self._result is not None and (function := self.name.lower()) in FUNCTIONS:
+            raise Wrong(NAME_OF_FUNCTION, name, name=self.name, function=function)
         self._unit = None if unit is None else read_name(unit)
         self._local = local is not None
 

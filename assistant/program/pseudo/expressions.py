@@ -9,6 +9,7 @@ from lark import Token, Tree
 
 from assistant.program.diagnostics import Refused
 from assistant.program.expressions import (
+    FUNCTIONS,
     Aggregate,
     Apply,
     Binary,
@@ -216,6 +217,7 @@ def _read_binary(tree: Node) -> Expression:
 
 def _read_apply(tree: Node) -> Expression:
     function, given = read_name(_child(tree)), read_arguments(_child(tree, 1))
+    function = function.lower() if function.lower() in FUNCTIONS else function
     match function, given:
         case "elapsed", (Name(timer),):
             return Elapsed(timer)

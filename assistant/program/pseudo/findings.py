@@ -53,6 +53,11 @@ NO_CASE = error("PS215", "a statement before the first `case`", "write a `case` 
 NO_TEXT = error(
     "PS216", "`{word}` is no line of an opaque text", 'begin it with `|`, or quote it with `"`'
 )
+NAME_OF_FUNCTION = error(
+    "PS217",
+    "the procedure `{name}` has the name of the function `{function}`, which calls would mean",
+    "choose another name",
+)
 
 NUMBER_SIZE = error("PS301", "`{number}` is too large", "write a smaller number")
 COUNT = error(

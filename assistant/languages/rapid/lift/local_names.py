@@ -1,22 +1,31 @@
-"""Data that only one module has, apart from what others call so: a program has a name once."""
+"""Names that a program gives twice: data of several modules, and functions that exist already."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import chain
+from typing import Any
 
 import numpy as np
 
+from assistant.languages.rapid.tables.standard import FUNCTIONS
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.renaming import renamed
 from assistant.languages.rapid.tree.walk import nodes
 from assistant.languages.runs.names import Index, Names
+from assistant.program import expressions as e
 from assistant.program.program import TakenNames, identifier
+from assistant.program.rewriting import rewrite
 
 
 def with_own_names(modules: Sequence[s.Module]) -> Sequence[s.Module]:
-    """The modules, with other names for local data where another module has such a name."""
+    """Return the modules with a different name for everything that is named twice.
+
+    Local data get another name where another module declares the same name, and functions where
+    RAPID or the pseudo-program has a function of that name: a declaration hides it.
+    """
+    modules = _with_own_functions(modules)
     if len(modules) < 2 or not _any_twice(modules):
         return modules
     declared = [dict(_declared(module)) for module in modules]
@@ -32,6 +41,45 @@ def with_own_names(modules: Sequence[s.Module]) -> Sequence[s.Module]:
                 taken.add(names[key])
         changed = (renamed(item, names) for item in module.items)
         made.append(replace(module, items=tuple(changed)) if names else module)
+    return made
+
+
+def _with_own_functions(modules: Sequence[s.Module]) -> Sequence[s.Module]:
+    """Rename functions that hide predefined ones, in the modules that call them."""
+    own = [
+        {
+            key: item
+            for item in module.items
+            if isinstance(item, s.Routine) and item.kind == "FUNC"
+            if (key := item.name.lower()) in FUNCTIONS or key in e.FUNCTIONS
+        }
+        for module in modules
+    ]
+    if not any(own):
+        return modules
+    taken = TakenNames(_said(modules))
+    everywhere: dict[str, str] = {}
+    alone: list[dict[str, str]] = []
+    for routines in own:
+        alone.append({})
+        for key, routine in routines.items():
+            names = alone[-1] if routine.local else everywhere
+            names[key] = identifier(routine.name, taken)
+            taken.add(names[key])
+    return [
+        _with_functions(module, everywhere | names)
+        for module, names in zip(modules, alone, strict=True)
+    ]
+
+
+def _with_functions(module: s.Module, names: dict[str, str]) -> s.Module:
+    def visit(node: Any) -> Any:
+        match node:
+            case s.FunctionCall(name=name) | s.Routine(kind="FUNC", name=name):
+                return replace(node, name=names.get(name.lower(), name))
+        return node
+
+    made: s.Module = rewrite(module, visit, ())
     return made
 
 
