@@ -104,6 +104,6 @@ def simulate(
     if has_errors(ready.findings):
         raise Refused(*ready.findings)
     done = timed(ready.solution, period=period, acceleration=acceleration)
-    near = fold(clearances(ready.solution, ready.scene, done))
-    told = (*ready.findings, *(ready.places.finding(one).within(name) for one in near))
+    near = clearances(ready.solution, ready.scene, done)
+    told = (*ready.findings, *fold(ready.places.finding(one).within(name) for one in near))
     return Simulated(loaded.program.name, done, told)

@@ -58,7 +58,7 @@ def closeness(
     simulation: Simulation, scene: Scene, name: str | None = None, margin: float | None = None
 ) -> Iterator[Closeness]:
     """Where a program comes nearer than the margins to anything, in order of its ways: of each
-    statement and two parts once.
+    statement, or line of a path, and two parts once.
 
     name: of the robot of the scene that runs it; the others stand at home. margin: mm, for all
     pairs, instead of those of the scene; 0 for contacts only.
@@ -106,8 +106,7 @@ def _of_stretches(
     """Of the robot and the limits (p,) that are asked for."""
     placed, limit = asked
     way = way_of(model.scene, placed, stretches)
-    ends = np.cumsum([len(piece.moves) for piece in passed.pieces])
-    statement = np.searchsorted(ends, stretches.row + passed.skipped, side="right")
+    statement = _statements(passed, stretches)
     found = leasts(model, way, limit, statement)
     contacts = [one for one in found if _touches(one)]
     others = [one for one in found if not _touches(one)]
@@ -118,6 +117,15 @@ def _of_stretches(
     for hit, one in sorted(known, key=lambda two: two[0].at):
         starts = hit.at <= firsts_of[one.group]
         yield _closeness(simulation, model, passed, stretches, (hit, one, starts))
+
+
+def _statements(passed: Passed, stretches: Stretches) -> Rows:
+    """(n - 1,) numbers that are the same for the stretches of a statement, or of a line of one."""
+    sizes = np.array([len(piece.moves) for piece in passed.pieces], dtype=np.intp)
+    ends, move = np.cumsum(sizes), stretches.row + passed.skipped
+    piece = np.searchsorted(ends, move, side="right")
+    lines = np.array([one.lines for one in passed.pieces], dtype=bool)
+    return np.asarray(np.where(lines[piece], move, (ends - sizes)[piece]))
 
 
 def _touches(one: Least) -> bool:

@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
-from assistant.program.diagnostics import Diagnostic, Rule, Severity, Span, error, info, warning
+from assistant.program.diagnostics import (
+    Diagnostic,
+    Rule,
+    Severity,
+    Span,
+    Stretch,
+    error,
+    info,
+    warning,
+)
 from assistant.program.statements import Follow
 from assistant.program.subjects import Declared
 from assistant.robots import SolvedProgram
+from assistant.robots.solved_program import Leg
 
 if TYPE_CHECKING:
     from assistant.cell.clearances import Closeness
@@ -82,6 +92,8 @@ UNSEEN: Final = (
 SHALLOW: Final = 0.05
 """Of the radii of two links, by which their capsules overlap where the links may not: nobody has
 measured them, and they are thicker than the castings."""
+NEIGHBOURS: Final = 2
+"""Moves that are at most so far apart are neighbours; the points of an arc are two apart."""
 BARE: Final = 50.0
 """mm from a tip to the next body from which on the tool is taken to have none."""
 
@@ -144,15 +156,53 @@ def _told_of(
 ) -> Iterator[tuple[Diagnostic, Closeness]]:
     """Of two bodies and a statement the worst, contacts first. alone: of an arm in no cell."""
     near = list(found)
-    touched = _worst(one for one in near if one.touches)
+    told: list[tuple[Diagnostic, Closeness]] = []
+    touched = _worst(solution, (one for one in near if one.touches))
     for one in touched.values():
         finding = _told(solution, scene, one, TOUCHES)
         if alone and _hardly(scene, one):
             finding = replace(finding, severity=Severity.WARNING)
-        yield finding, one
-    for key, one in _worst(one for one in near if not one.touches).items():
+        told.append((finding, one))
+    for key, one in _worst(solution, (one for one in near if not one.touches)).items():
         if key not in touched:
-            yield _told(solution, scene, one, NOT_PROVEN if one.bound <= 0.0 else NEAR), one
+            rule = NOT_PROVEN if one.bound <= 0.0 else NEAR
+            told.append((_told(solution, scene, one, rule), one))
+    return _in_stretches(solution, told)
+
+
+def _in_stretches(
+    solution: SolvedProgram, told: Sequence[tuple[Diagnostic, Closeness]]
+) -> Iterator[tuple[Diagnostic, Closeness]]:
+    """The same findings, those of two bodies at neighbouring moves as one stretch."""
+    at = {name: _positions(legs) for name, legs in solution.legs.items()}
+    places = []
+    for finding, one in told:
+        first, lines = at[one.procedure][one.number - 1]
+        pair = finding.code, one.procedure, one.contact.one, one.contact.other
+        places.append((pair, first + (one.row if lines else 0)))
+    stretches: dict[int, str] = {}
+    before: tuple[object, int] = None, 0
+    for number in sorted(range(len(told)), key=places.__getitem__):
+        pair, position = places[number]
+        if pair != before[0] or position - before[1] > NEIGHBOURS:
+            key = " ".join((*pair, str(number)))
+        stretches[number], before = key, (pair, position)
+    for number, (finding, one) in enumerate(told):
+        least = one.bound if finding.code == NOT_PROVEN.code else one.least
+        yield replace(finding, stretch=Stretch(stretches[number], -round(least, 1))), one
+
+
+def _positions(legs: Iterable[Leg]) -> list[tuple[int, bool]]:
+    """Of each motion statement its first move, counted in the procedure, and whether each of its
+    moves has a line.
+    """
+    found, count = [], 0
+    for leg in legs:
+        path = leg.statement.path if isinstance(leg.statement, Follow) else None
+        lines = path is not None and path.places is not None
+        found.append((count, lines))
+        count += len(path) if path is not None and lines else 1
+    return found
 
 
 def _hardly(scene: Scene, one: Closeness) -> bool:
@@ -163,11 +213,15 @@ def _hardly(scene: Scene, one: Closeness) -> bool:
     return -one.least <= SHALLOW * sum(radii)
 
 
-def _worst(found: Iterable[Closeness]) -> dict[tuple[str, int, str, str], Closeness]:
-    """The nearest of each two bodies and motion statement."""
-    worst: dict[tuple[str, int, str, str], Closeness] = {}
+_Key = tuple[str, int, Span | None, str, str]
+
+
+def _worst(solution: SolvedProgram, found: Iterable[Closeness]) -> dict[_Key, Closeness]:
+    """The nearest of each two bodies and motion statement, or line of one."""
+    worst: dict[_Key, Closeness] = {}
     for one in found:
-        key = (one.procedure, one.number, one.contact.one, one.contact.other)
+        span = _span(solution, one)
+        key = (one.procedure, one.number, span, one.contact.one, one.contact.other)
         known = worst.get(key)
         if known is None or one.least < known.least:
             worst[key] = one
@@ -235,10 +289,7 @@ def _span(solution: SolvedProgram, one: Closeness) -> Span | None:
     if not 0 < one.number <= len(legs):
         return None
     statement = legs[one.number - 1].statement
-    lines = statement.lines if isinstance(statement, Follow) else None
-    if lines is not None and 0 <= one.row < len(lines):
-        return Span(*lines[one.row].tolist())
-    return statement.span
+    return statement.row_span(one.row) if isinstance(statement, Follow) else statement.span
 
 
 def figure(value: float) -> str:

@@ -7,12 +7,14 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any, Final
 
+import numpy as np
+
 from assistant.program.diagnostics import Diagnostic, error
 from assistant.program.expressions import Name
 from assistant.program.motion import Blend, Speed
-from assistant.program.path import Path
 from assistant.program.program import Program
-from assistant.program.rewriting import rewrite
+from assistant.program.rewriting import head, records
+from assistant.program.statements import Follow
 from assistant.program.subjects import Declared
 
 SLOWEST: Final = 0.01
@@ -33,35 +35,53 @@ BLEND = error(
 
 
 def magnitudes(program: Program) -> Iterator[Diagnostic]:
-    """Every speed and blend that the program states, named ones and those of paths as well."""
-    stated: dict[tuple[Speed | Blend, Declared | None], None] = {}
+    """Every speed and blend that the program states, named ones and those of paths as well.
+
+    Those of a path without lines are reported once each.
+    """
     moved: set[str] = set()
-
-    def note(part: Any) -> Any:
-        if isinstance(part, Speed | Blend):
-            stated[part, None] = None
-        elif isinstance(part, Path):
-            values = (*part.speeds, *part.blends)
-            stated.update(((v, None), None) for v in values if isinstance(v, Speed | Blend))
-            moved.update(v.name.lower() for v in values if isinstance(v, Name))
-        elif isinstance(part, Name):
-            moved.add(part.name.lower())
-        return part
-
-    rewrite(replace(program, speeds={}, blends={}), note)
+    for statement in program.statements():
+        if isinstance(statement, Follow):
+            yield from _of_path(statement)
+            tables = (*statement.path.speeds, *statement.path.blends)
+            moved.update(v.name.lower() for v in tables if isinstance(v, Name))
+            continue
+        stated: dict[Speed | Blend, None] = {}
+        for part in records(head(statement)):
+            if isinstance(part, Speed | Blend):
+                stated[part] = None
+            elif isinstance(part, Name):
+                moved.add(part.name.lower())
+        for value in stated:
+            yield from _wrong(value, span=statement.span)
     for name, speed in program.speeds.items():
         if name.lower() in moved or not _is_of_other_axes(speed):
-            stated[speed, Declared(name, "speeds")] = None
+            yield from _wrong(speed, about=Declared(name, "speeds"))
     for name, blend in program.blends.items():
-        stated[blend, Declared(name, "blends")] = None
-    for value, about in stated:
-        if isinstance(value, Speed):
-            if math.isfinite(value.tcp) and not SLOWEST <= value.tcp <= FASTEST:
-                yield SPEED(value=value.tcp, about=about)
-        else:
-            radii = [r for r in (value.radius, value.exit) if r is not None and math.isfinite(r)]
-            wrong = [r for r in radii if not SMALLEST <= r <= LARGEST]
-            yield from (BLEND(value=r, about=about) for r in wrong)
+        yield from _wrong(blend, about=Declared(name, "blends"))
+
+
+def _of_path(statement: Follow) -> Iterator[Diagnostic]:
+    """What is wrong with the speeds and blends of a path, at each of its rows that has a line."""
+    path = statement.path
+    for table, column in ((path.speeds, path.speed), (path.blends, path.blend)):
+        for number, value in enumerate(table):
+            found = () if isinstance(value, Name) else tuple(_wrong(value, span=statement.span))
+            if not found or path.places is None:
+                yield from found
+                continue
+            rows = np.flatnonzero(column == number).tolist()
+            for span in dict.fromkeys(map(statement.row_span, rows)):
+                yield from (replace(one, span=span) for one in found)
+
+
+def _wrong(value: Speed | Blend, **place: Any) -> Iterator[Diagnostic]:
+    if isinstance(value, Speed):
+        if math.isfinite(value.tcp) and not SLOWEST <= value.tcp <= FASTEST:
+            yield SPEED(value=value.tcp, **place)
+        return
+    radii = [r for r in (value.radius, value.exit) if r is not None and math.isfinite(r)]
+    yield from (BLEND(value=r, **place) for r in radii if not SMALLEST <= r <= LARGEST)
 
 
 def _is_of_other_axes(speed: Speed) -> bool:

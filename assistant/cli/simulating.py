@@ -76,8 +76,9 @@ def run_simulate(
         if has_errors(findings):
             return refused(source, solution.robot, findings, format, pages=pages)
         done = simulate(solution, period=options.period, acceleration=options.acceleration)
-        near = fold(clearances(solution, ready.scene, done))
-        findings += [ready.places.finding(finding).within(source) for finding in near]
+        found = clearances(solution, ready.scene, done)
+        near = fold(ready.places.finding(finding).within(source) for finding in found)
+        findings += near
         files = {path: _written(path.name, done, source) for path in wanted}
         written = [*_put(source, files), *pages]
     if format is Format.JSON:

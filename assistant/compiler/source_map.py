@@ -5,6 +5,8 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -20,9 +22,11 @@ from assistant.program.program import Program, bodies, walk
 from assistant.program.rewriting import Body, records
 from assistant.program.subjects import (
     Declared,
+    Inner,
     Neighbours,
     NumberedMove,
     PathRow,
+    Repeated,
     Several,
     SomeTargets,
 )
@@ -113,8 +117,19 @@ class Places:
         )
 
     def finding(self, finding: Diagnostic) -> Diagnostic:
-        """The finding with the file, the line and its text, if it has a span and no line."""
-        found = self._local(finding.span) if finding.span and finding.line is None else None
+        """The finding with the file, the line and its text, if it has a span and no line.
+
+        One about data that a text declares gets the line of the declaration, and no span: it is
+        about the whole program.
+        """
+        if finding.line is not None:
+            return finding
+        if finding.span is None:
+            span = self._declared(finding.about) if finding.path is None else None
+            if span is None:
+                return finding
+            return replace(self.finding(replace(finding, span=span)), span=None)
+        found = self._local(finding.span)
         if found is None:
             return finding
         source, local = found
@@ -130,6 +145,23 @@ class Places:
             end_line=end_line,
             end_column=end_column,
         )
+
+    def _declared(self, about: object) -> Span | None:
+        """Where a text declares the data that a finding is about; None where no text does."""
+        known = about.declared if isinstance(about, Inner) else about
+        if not isinstance(known, Declared) or known.table in (None, "procedures", "paths"):
+            return None
+        spans = self._data.get((known.owner.lower(), known.name.lower()), [])
+        return spans[0] if len(spans) == 1 else None
+
+    @cached_property
+    def _data(self) -> dict[tuple[str, str], list[Span]]:
+        """Owner and name of the data of the texts → where they are declared."""
+        found: dict[tuple[str, str], list[Span]] = {}
+        for part in self.parts():
+            if part.name:
+                found.setdefault((part.owner.lower(), part.name.lower()), []).append(part.span)
+        return found
 
     def span(self, finding: Diagnostic) -> Span | None:
         """The span of a finding that names the file of a text of its own."""
@@ -158,12 +190,19 @@ def at_moves(
     the whole program: what is found of one move may be cured at another.
     """
     for finding in findings:
-        span = None if finding.span or finding.line else _span_of(finding.about, program)
-        yield (
-            finding
-            if span is None
-            else replace(places.finding(replace(finding, span=span)), span=None)
-        )
+        if finding.span or finding.line:
+            yield finding
+            continue
+        parts: tuple[Any, ...] = (finding.about,)
+        spans = [_span_of(finding.about, program)]
+        if isinstance(finding.about, Repeated):
+            parts = finding.about.parts
+            spans = [_span_of(part, program) for part in parts]
+            if not any(spans):
+                parts, spans = (finding.about,), [None]
+        for part, span in zip(parts, spans, strict=True):
+            one = replace(finding, about=part, span=span)
+            yield one if span is None else replace(places.finding(one), span=None)
 
 
 def _span_of(about: object, program: Program) -> Span | None:

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Final, Self
 
 from assistant.lazy import pictured
-from assistant.program.subjects import Subject
+from assistant.program.subjects import Repeated, Subject
 
 MOST_TOLD: Final = 5
 """Findings that the text of an exception tells; the rest is counted."""
@@ -50,6 +50,17 @@ def over(first: Span | None, last: Span | None) -> Span | None:
 
 
 @dataclass(frozen=True, slots=True)
+class Stretch:
+    """Neighbouring statements that have the same fault, of which users read one finding.
+
+    key: which ones. badness: of the statement at hand; the worst one is shown.
+    """
+
+    key: str
+    badness: float
+
+
+@dataclass(frozen=True, slots=True)
 class Diagnostic:
     """One finding.
 
@@ -61,6 +72,7 @@ class Diagnostic:
     about: what it is about, where that is no statement: a part of a program, or, in words, the
     entity, cell or field of other input.
     excerpt: the source line that `column` points into. missing: a name that is not declared.
+    stretch: of neighbouring statements that have the same fault.
     """
 
     code: str
@@ -76,6 +88,7 @@ class Diagnostic:
     end_line: int | None = None
     end_column: int | None = None
     missing: str | None = None
+    stretch: Stretch | None = None
 
     @property
     def place(self) -> str | None:
@@ -259,19 +272,35 @@ MOST_PLACES: Final = 3
 
 
 def fold(findings: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
-    """Joins findings that differ only in their place into one with a count."""
-    groups: dict[tuple[str, str, str | None], list[Diagnostic]] = {}
+    """Join findings that differ only in their place, and those of a stretch, into one with a count.
+
+    Findings at statements stay apart until their lines are known.
+    """
+    groups: dict[tuple[str, str, str | None, Span | None], list[Diagnostic]] = {}
     for finding in findings:
-        groups.setdefault((finding.code, finding.message, finding.path), []).append(finding)
+        said = finding.message if finding.stretch is None else finding.stretch.key
+        apart = finding.span if finding.line is None else None
+        groups.setdefault((finding.code, said, finding.path, apart), []).append(finding)
     return tuple(group[0] if len(group) == 1 else _folded(group) for group in groups.values())
 
 
 def _folded(group: list[Diagnostic]) -> Diagnostic:
-    first, rest = group[0], len(group) - MOST_PLACES
+    first = group[0]
+    if first.stretch is not None:
+        return _worst_of(group)
     named = [f.place or (f"line {f.line}" if f.line else "") for f in group[:MOST_PLACES]]
-    places = ", ".join(n for n in named if n)
-    more = f" and {rest} more" if rest > 0 else ""
-    return replace(first, about=f"{len(group)} times: {places}{more}" if places else first.about)
+    if not any(named):
+        return first
+    parts = tuple(finding.about for finding in group)
+    return replace(first, about=Repeated(parts, tuple(named)))
+
+
+def _worst_of(group: list[Diagnostic]) -> Diagnostic:
+    """The worst finding of a stretch, with the lines of all."""
+    shown = max(group, key=lambda one: 0.0 if one.stretch is None else one.stretch.badness)
+    lines = sorted(one.line for one in group if one.line is not None)
+    between = f", lines {lines[0]} to {lines[-1]}" if lines else ""
+    return replace(shown, about=f"{len(group)} moves{between}", stretch=None)
 
 
 def fold_files(findings: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:

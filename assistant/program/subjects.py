@@ -167,4 +167,17 @@ class Inner:
         return None
 
 
-Subject: TypeAlias = Declared | PathRow | NumberedMove | SomeTargets | Several | Inner
+@dataclass(frozen=True, slots=True)
+class Repeated:
+    """Parts of which the same is found. named: the first ones, in words."""
+
+    parts: tuple[Subject | str | None, ...]
+    named: tuple[str, ...]
+
+    def __str__(self) -> str:
+        rest = len(self.parts) - len(self.named)
+        more = f" and {rest} more" if rest else ""
+        return f"{len(self.parts)} times: {', '.join(filter(None, self.named))}{more}"
+
+
+Subject: TypeAlias = Declared | PathRow | NumberedMove | SomeTargets | Several | Inner | Repeated

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 
 from assistant.api.simulating import simulate
-from assistant.compiler.checking import check_text
+from assistant.compiler.checking import check_files, check_text
 from assistant.compiler.translating import Translation, translate
 from assistant.editing.service import Workspace, findings
 from assistant.program.diagnostics import Refused
 from assistant.program.text import SourceText
+from tests.cli.test_commands import run
 
 EAX = "[9E9,9E9,9E9,9E9,9E9,9E9]"
 SIZES = (3, 8, 50)
@@ -126,3 +128,82 @@ def test_an_editor_shows_an_undeclared_target_in_a_long_run(tmp_path: Path) -> N
         (f.diagnostic.code, f.range.start.line, f.range.start.column) for f in findings(document)
     ]
     assert ("RA403", line_of(BY_NAME, 14, 6) - 1, 6) in told
+
+
+def told(file: Path, *codes: str, robot: str | None = None) -> list[tuple[str, int | None]]:
+    found = check_files([file], robot=robot).findings
+    return [(f.code, f.line) for f in found if f.code in codes]
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("size", SIZES)
+def test_a_speed_that_cannot_be_meant_is_reported_at_its_move(
+    tmp_path: Path, form: str, size: int
+) -> None:
+    """Also one in a run, and those of two moves at both."""
+    at, file = size // 2, tmp_path / "m.mod"
+    lines = module(form, size, -1).split("\n")
+    bad = [line_of(form, size, row) for row in (at, size - 1)]
+    for line in bad:
+        lines[line - 1] = lines[line - 1].replace("v100", "[0.001,500,5000,1000]")
+    file.write_text("\n".join(lines))
+    assert told(file, "CK201") == [("CK201", line) for line in bad]
+
+
+def test_declared_data_are_reported_at_their_lines(tmp_path: Path) -> None:
+    joints = f"[[0,0,0,0,300,0],{EAX}]"
+    file = tmp_path / "m.mod"
+    file.write_text(
+        f"""MODULE m
+CONST jointtarget j1:={joints};
+CONST speeddata fast:=[100000,500,5000,1000];
+CONST zonedata wide:=[FALSE,90000,90000,90000,9000,90000,9000];
+PROC main()
+MoveAbsJ j1,v100,fine,tool0;
+MoveAbsJ {joints},v100,fine,tool0;
+MoveL {target(1)},fast,wide,tool0;
+MoveAbsJ {joints},v100,fine,tool0;
+ENDPROC
+ENDMODULE
+"""
+    )
+    found = told(file, "CK201", "CK202", "RB109", robot="irb120-3-0.58")
+    assert sorted(found) == [
+        ("CK201", 3), ("CK202", 4), ("RB109", 2), ("RB109", 7), ("RB109", 9),
+    ]  # fmt: skip
+
+
+def contacts(form: str, size: int, at: Sequence[int]) -> str:
+    """A run of moves, some of which lead the wrist into the base; far apart without a form."""
+    places = [(400, -300 + 600 * k / size, 300) for k in range(size)]
+    for k in at:
+        places[k] = (100, 60, 60 + k)
+    between = "TPErase;\n" if form == "apart" else ""
+    moves = "".join(
+        f"{between}MoveJ [[{x:g},{y:g},{z:g}],[0,0,1,0],[0,0,0,0],{EAX}],v200,fine,tool0;\n"
+        for x, y, z in places
+    )
+    return f"MODULE m\nPROC main()\n{moves}ENDPROC\nENDMODULE\n"
+
+
+@pytest.mark.parametrize("form", ["run", "apart"])
+def test_contacts_are_at_each_move_and_shown_by_stretches(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, form: str
+) -> None:
+    """Two stretches of moves: what reads each line has them all, a user two findings."""
+    file, step = tmp_path / "m.mod", 1 + (form == "apart")
+    file.write_text(contacts(form, 16, (4, 5, 6, 12)))
+    lines = [2 + step * (k + 1) for k in (4, 5, 6, 7, 12, 13)]
+    found = check_files([file], robot="irb1200-7-0.7").findings
+    into = [f for f in found if f.code == "CK421" and "`robot.base`" in f.message]
+    into = [f for f in into if "`robot.J4`" in f.message]
+    assert [f.line for f in into] == lines
+    for command in ("check", "simulate"):
+        status, *both = run(capsys, command, file, "-r", "irb1200-7-0.7")
+        assert status == 1
+        said = "".join(both)
+        shown = [x for x in said.splitlines() if x.startswith("CK421") and "`robot.J4`" in x]
+        shown = [x.split(": ")[0].split(" ", 3)[-1] for x in shown if "`robot.base`" in x]
+        assert shown == [
+            f"4 moves, lines {lines[0]} to {lines[3]}", f"2 moves, lines {lines[4]} to {lines[5]}",
+        ]  # fmt: skip

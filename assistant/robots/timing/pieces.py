@@ -40,6 +40,7 @@ class Piece:
 
     number: of the motion statement in its procedure, counted from 1. key: the same for pieces
     that are alike in everything. triggers: what it sets on its way. carried: by the arm meanwhile.
+    lines: whether each of its moves has a line of its own in the text.
     """
 
     procedure: str
@@ -48,6 +49,7 @@ class Piece:
     key: tuple[object, ...]
     triggers: tuple[Trigger, ...] = ()
     carried: Carried | None = None
+    lines: bool = False
 
 
 class Pieces:
@@ -110,7 +112,8 @@ class Pieces:
                 else _of_run(leg, self.tables, settings)
             )
         triggers = () if isinstance(statement, Follow) else statement.triggers
-        return Piece(procedure, number, self.made[key], key, triggers)
+        lines = isinstance(statement, Follow) and statement.path.places is not None
+        return Piece(procedure, number, self.made[key], key, triggers, lines=lines)
 
     def _to_joints(self, statement: Moving, joints: Floats, settings: Settings) -> Moves:
         """Moves to joints (m, a), whatever they are the joints of."""
