@@ -120,7 +120,7 @@ def capsule_between(start: Floats, end: Floats, radius: float) -> Part:
 
 
 ALONE: Final = "robot"
-"""How an arm is called that stands in no cell, in names of its links."""
+"""Name of an arm outside a cell, as the names of its links state it."""
 THIN: Final = 1.0
 """mm of the radius of what stands for a tool of which only the tip is known."""
 _STANDING: Final[WeakKeyDictionary[Robot, dict[tuple[str, Vector] | None, Scene]]] = (

@@ -57,8 +57,9 @@ class Closeness:
 def closeness(
     simulation: Simulation, scene: Scene, name: str | None = None, margin: float | None = None
 ) -> Iterator[Closeness]:
-    """Where a program comes nearer than the margins to anything, in order of its ways: of each
-    statement, or line of a path, and two parts once.
+    """Yield where a program comes closer than the margins to anything, in the order of its motions.
+
+    Two parts come once for each statement or line of a path.
 
     name: of the robot of the scene that runs it; the others stand at home. margin: mm, for all
     pairs, instead of those of the scene; 0 for contacts only.
@@ -76,7 +77,7 @@ def closeness(
 
 
 def own_contacts(simulation: Simulation, tools: Mapping[str, Tool]) -> Iterator[Closeness]:
-    """Where an arm without a cell touches itself, its base or the tool that moves, in order.
+    """Return the contacts of an arm without a cell with itself, its base or its tool, in order.
 
     tools: those of the program, by their names.
     """
@@ -103,7 +104,7 @@ def _of_stretches(
     stretches: Stretches,
     asked: tuple[Placed, Floats],
 ) -> Iterator[Closeness]:
-    """Of the robot and the limits (p,) that are asked for."""
+    """Select the pairs of the robot and their limits (p,)."""
     placed, limit = asked
     way = way_of(model.scene, placed, stretches)
     statement = _statements(passed, stretches)
@@ -187,7 +188,7 @@ def way_of(scene: Scene, placed: Placed, stretches: Stretches) -> Way:
 
 
 def curve_of(scene: Scene, placed: Placed, stretches: Stretches) -> Curve:
-    """Where the joints of all robots are between the ends of stretches, of which one moves."""
+    """Return the joints of all robots along stretches on which one of them moves."""
     rows, _ = rows_of(scene, placed, stretches.part(0, 0))
     columns = Carriers(scene.robots).columns
     own = next(c for c, one in zip(columns, scene.robots, strict=True) if one is placed)

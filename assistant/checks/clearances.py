@@ -154,7 +154,10 @@ def placed_clearances(
 def _told_of(
     solution: SolvedProgram, scene: Scene, found: Iterable[Closeness], *, alone: bool = False
 ) -> Iterator[tuple[Diagnostic, Closeness]]:
-    """Of two bodies and a statement the worst, contacts first. alone: of an arm in no cell."""
+    """Keep the worst row of each two bodies and statement, contacts first.
+
+    alone: of an arm in no cell.
+    """
     near = list(found)
     told: list[tuple[Diagnostic, Closeness]] = []
     touched = _worst(solution, (one for one in near if one.touches))
@@ -206,7 +209,7 @@ def _positions(legs: Iterable[Leg]) -> list[tuple[int, bool]]:
 
 
 def _hardly(scene: Scene, one: Closeness) -> bool:
-    """Whether links of an arm in no cell overlap by less than their capsules are too thick."""
+    """True if links of an arm in no cell overlap by less than their capsules are too thick."""
     links = {body.name: body for body in scene.robots[0].links}
     parts = [links[n].parts for n in (one.contact.one, one.contact.other) if n in links]
     radii = [max(getattr(part.shape, "radius", 0.0) for part in some) for some in parts]

@@ -241,7 +241,7 @@ def _body(body: Body, spans: Collection[Span], places: Places) -> Iterator[p.Sta
 
 
 def _path(follow: p.Follow, spans: Collection[Span], places: Places) -> Iterator[p.Statement]:
-    """A path with a stop for each line of it that cannot be said, and the others in pieces."""
+    """A path in pieces, with a stop for each line that has no equivalent."""
     lines, whole = follow.lines, follow.span
     out: list[int] = []
     if lines is not None and whole is not None:

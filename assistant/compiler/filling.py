@@ -167,7 +167,7 @@ def _lines(program: Program) -> list[int]:
 
 
 def _slows_joints(program: Program) -> bool:
-    """Whether joint moves are slower than the arm can, by a percentage and nothing else."""
+    """True if a percentage, and nothing else, slows joint moves down."""
     slowed = any(one.percent != e.Number(100) for one in everywhere(program, p.SetOverride))
     for one in records(program):
         if isinstance(one, ComputedSpeed) and one.joint is not None:

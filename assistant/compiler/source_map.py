@@ -299,7 +299,7 @@ class Trace:
 
 
 def _row_at(mine: p.Follow, its: p.Follow, span: Span) -> Span | None:
-    """Where the row of a path was whose line in the written text holds a span."""
+    """Return the source span of the path row whose line in the written text holds a span."""
     places = its.path.places
     if places is None or its.span is None:
         return mine.span

@@ -241,7 +241,7 @@ class _Part:
         return at if at >= 0 and span.end <= self.lines[at, 1] else None
 
     def reasons(self, line: int | None) -> list[Diagnostic]:
-        """What is found about one of its lines, or about the part that has none."""
+        """Findings about one of its lines, or about the part without a line."""
         more = () if line is None else self.at.get(line, ())
         return [*self.found, *(f for f in more if f not in self.found)]
 
@@ -307,7 +307,7 @@ class SourceRows(Sequence[Row]):
 
     @property
     def totals(self) -> dict[Level, int]:
-        """How many there are at each level."""
+        """Number of rows at each level."""
         counts = dict.fromkeys(LEVELS, 0)
         for one in self._parts:
             if isinstance(one, Row):

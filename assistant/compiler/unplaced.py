@@ -37,7 +37,7 @@ def unplaced(program: Program, arm: Robot, found: Iterable[Diagnostic]) -> tuple
     """What was found of a program for an arm; of work that was never placed, in one finding.
 
     A drawing is drawn about its own origin, and without a frame that is the robot's: it is refused.
-    What is told of reach, limits, singularities and speeds there tells the same.
+    Findings on reach, limits, singularities and speeds there have the same cause.
     """
     found = tuple(found)
     told = [one for one in found if one.code.startswith(FAMILIES)]
@@ -58,7 +58,7 @@ def _told(arm: Robot, told: Sequence[Diagnostic], cure: str) -> Diagnostic:
 
 
 def _in_the_base(program: Program) -> bool:
-    """Whether it moves or has targets, and all of its moves are in the robot's base."""
+    """True if it moves or has targets, and all of its moves are in the robot's base."""
     moving = [s for s in program.statements() if isinstance(s, Follow | Move | MoveCircular)]
     frames = {frame for statement in moving for frame in _frames(statement)}
     return bool(moving or program.targets) and not frames - {BASE}

@@ -271,7 +271,7 @@ def take_back(carrying: Carrying, *, connected: bool) -> None:
 
 
 def _take_back(carrying: Carrying, *, connected: bool) -> None:
-    """As `take_back`, and left open where somebody interrupts the wait for a lost line."""
+    """Take the deployment back; leave it open if the user interrupts the wait for a lost line."""
     try:
         take_back(carrying, connected=connected)
     except KeyboardInterrupt:

@@ -100,7 +100,7 @@ class Unseen:
 
 @dataclass(frozen=True, slots=True)
 class Seen:
-    """What was looked at for it: the text without its damage; None if that was known already."""
+    """Return the checked text without its damage; None if that was known already."""
 
     text: str | None
     findings: tuple[Diagnostic, ...] = ()
@@ -142,7 +142,7 @@ class Watch:
         return current if current is not None and current.text == text else self._state(text)
 
     def unseen(self, text: str) -> Unseen | None:
-        """What is to be looked at as a whole for a text, None if that was done."""
+        """Return the program to check for a text, None if that was done."""
         base, last = self._base, self._last
         known = None if base is None else base.state.text
         if known == text:

@@ -35,7 +35,7 @@ UNEVEN: Final = error(
 def reals(values: ArrayLike) -> Floats:
     """An array of numbers as someone gave them, of his own; raises ValueError if they are none.
 
-    Complex numbers are none: numpy would leave out a part of each. Truth values are none either.
+    Complex numbers are refused, as numpy would drop a part of each, and so are truth values.
     """
     try:
         given = np.asarray(values)
@@ -65,7 +65,7 @@ def rows_of(values: ArrayLike, width: int, what: str) -> Floats:
 
 
 def whole_rows(values: ArrayLike, width: int, what: str) -> Ints:
-    """As `rows_of`, of whole numbers."""
+    """Same as `rows_of`, for whole numbers."""
     given = np.asarray(values)
     found = rows_of(given, width, what)
     if given.dtype.kind not in "iu" and not (found == np.rint(found)).all():
@@ -74,7 +74,7 @@ def whole_rows(values: ArrayLike, width: int, what: str) -> Ints:
 
 
 def number_of(value: object, what: str) -> float:
-    """A real number, NaN too; raises Refused for texts, truth values and what else is none."""
+    """Return a real number, NaN included; raises Refused for texts, booleans and the like."""
     if isinstance(value, float | int | np.floating | np.integer) and not isinstance(value, bool):
         found = float(value)
         if not np.isinf(found):

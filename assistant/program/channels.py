@@ -16,7 +16,7 @@ from assistant.program.rewriting import rewrite
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """What a communication line of the source's controller is.
+    """Kind of a communication line of the source's controller.
 
     port: of TCP, its own or the other computer's; of a `serial` line the number of the port.
     address: its own on the network as `server`, the other computer's as `client`.

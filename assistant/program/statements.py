@@ -125,7 +125,7 @@ class Follow(Spanned):
     path: Path
 
     def row_span(self, row: int) -> Span | None:
-        """Where the move to a row is in the source text; all of the statement if that is all
+        """Span of the move to a row in the source text; the whole statement if that is all
         there is.
         """
         if self.span is None or self.path.places is None:

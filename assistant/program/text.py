@@ -168,7 +168,7 @@ def comments(text: str, mark: str) -> Iterator[Span]:
 
 
 def path_of(given: object) -> FilePath:
-    """The path that a caller gave; raises Refused for what is none, such as None."""
+    """Return the path that a caller gave; raises Refused for anything else, such as None."""
     if isinstance(given, str | os.PathLike):
         return FilePath(given)
     raise Refused(NO_PATH(given=f"{given!r:.60}"), exit_status=2)

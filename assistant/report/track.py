@@ -240,7 +240,7 @@ def _with_arcs(piece: _Piece, before: Floats | None) -> _Piece:
 
 
 def _chords(radius: float, angle: float) -> int:
-    """How many chords an arc is drawn with: none is farther off than is seen."""
+    """Number of chords of a drawn arc, so that none is visibly off."""
     if not 0.0 < radius < math.inf:
         return Drawn.ARC
     step = 2.0 * math.acos(max(1.0 - Drawn.OFF / radius, 0.5))

@@ -294,7 +294,7 @@ def _several(
 
 
 def _begins_where(before: Path, path: Path) -> bool:
-    """Whether a path begins where the one before it ends."""
+    """True if a path begins where the one before it ends."""
     both = (
         np.stack([p[i] for p, i in ((a, -1), (b, 0))])
         for a, b in ((before.positions, path.positions), (before.quaternions, path.quaternions))

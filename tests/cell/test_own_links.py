@@ -84,7 +84,7 @@ def colliding(count: int, seed: int) -> list[tuple[Robot, np.ndarray]]:
 
 
 def said_of(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
-    """What a command that exits with 1 prints."""
+    """Output of a command that exits with 1."""
     with pytest.raises(SystemExit) as ended:
         main(list(arguments))
     assert ended.value.code == 1

@@ -68,7 +68,7 @@ UNREACHED = """() => [...document.querySelectorAll("body *")]
   .filter((one) => ["auto", "scroll"].includes(getComputedStyle(one).overflowY))
   .filter((one) => one.offsetParent && one.tabIndex < 0 && !one.querySelector("button:enabled"))
   .filter((one) => one.id && one.tagName !== "ASIDE").map((one) => one.id)"""
-"""What scrolls and takes no focus, nor has anything that does."""
+"""Elements that scroll and cannot take the focus, nor contain one that can."""
 
 
 def test_the_slider_is_usable_and_lists_take_focus_at_200_percent(

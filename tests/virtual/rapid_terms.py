@@ -13,7 +13,7 @@ DEEPEST = 3
 CHANGING = re.compile(
     rf"\b({'|'.join([*w.INPUTS, *w.GROUP_INPUTS, *w.FUNCTIONS, 'DInput', 'TestDI'])})\b"
 )
-"""What reads an input, or may do so."""
+"""Terms that read an input, or may do so."""
 
 
 class Terms:

@@ -1,4 +1,4 @@
-"""How many random programs are translated and do the same, counted by what stops the others.
+"""Count random programs that translate and do the same, and the reasons that stop the others.
 
     python -m tests.virtual.tallying melfa-basic-5 rapid 300
     python -m tests.virtual.tallying rapid melfa-basic-6 300

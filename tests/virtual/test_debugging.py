@@ -111,7 +111,7 @@ def test_a_pseudo_program_is_held_where_a_statement_begins(tmp_path: FilePath) -
 
 
 def stops(e: Editor, look: str) -> list[str]:
-    """What an expression is at each stop, until the program has ended."""
+    """Values of an expression at each stop, until the program has ended."""
     found = []
     while True:
         while not any(one["event"] in ("stopped", "terminated") for one in e.events):

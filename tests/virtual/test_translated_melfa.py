@@ -65,7 +65,7 @@ def run_rapid(arms: Arms | None, text: Text, inputs: Inputs, most_steps: int) ->
 
 
 def bits(inputs: Inputs) -> Callable[[int], int]:
-    """What the bit of a number is, each time that it is read."""
+    """Value of an input bit at each read."""
     if isinstance(inputs, Changing):
         return inputs.bits()
     return lambda number: int(inputs.get(str(number), 0))

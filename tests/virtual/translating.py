@@ -52,7 +52,7 @@ class Changing(dict[str, float]):
         self.seed = seed
 
     def bits(self) -> Callable[[int], int]:
-        """What the bit of a number is at its next read, from the first one on."""
+        """Value of an input bit at its next read, from the first one on."""
         reads: Counter[int] = Counter()
 
         def read(number: int) -> int:

@@ -67,7 +67,7 @@ class Hit:
 
 @dataclass(frozen=True, slots=True)
 class Least:
-    """How near a pair comes to each other in a group of stretches.
+    """Closest approach of a pair in a group of stretches.
 
     distance: mm, the least that was found. bound: mm that it is not less than.
     """
@@ -105,7 +105,7 @@ def clear(model: Model, way: Way, margin: float | Floats = 0.0) -> bool:
 
 
 def leasts(model: Model, way: Way, limit: Floats, group: Rows) -> list[Least]:
-    """How near each pair comes in each group of stretches, if that may be nearer than limit (p,).
+    """Return the closest approach of each pair in each group, where it may be below limit (p,).
 
     group: (n - 1,) numbers that do not descend.
     """
@@ -124,7 +124,7 @@ def leasts(model: Model, way: Way, limit: Floats, group: Rows) -> list[Least]:
 def firsts(
     model: Model, way: Way, limit: Floats, group: Rows, wanted: Sequence[Least]
 ) -> dict[tuple[int, int], Hit]:
-    """Where the pairs of some groups first are nearer than limit (p,), by group and pair."""
+    """Return the first place where a pair is closer than limit (p,), by group and pair."""
     out: dict[tuple[int, int], Hit] = {}
     count = len(model)
     keys = np.array([one.group * count + one.pair for one in wanted], dtype=np.intp)
@@ -190,7 +190,7 @@ class _Chunk:
     def hits(
         self, stretch: Rows, pair: Rows, limit: Floats, begun: Truths, resolution: float
     ) -> list[Hit]:
-        """Of pairs (k,), each on a stretch (k,). begun: (k,) where its start counts."""
+        """Search pairs (k,), each on a stretch (k,). begun: (k,) true where its start counts."""
         out: list[Hit] = []
         if not len(stretch):
             return out

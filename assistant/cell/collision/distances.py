@@ -19,7 +19,7 @@ Placed = tuple[Floats, Floats]
 
 
 class Distances:
-    """Of shapes by their numbers. Pairs that are not `closed` need the library coal."""
+    """Distances of shapes by their numbers. Pairs that are not `closed` need the library coal."""
 
     def __init__(self, shapes: Sequence[Shape]) -> None:
         self.shapes = tuple(shapes)
@@ -50,7 +50,7 @@ class Distances:
         return out
 
     def nearest(self, one: int, other: int, at_one: Placed, at_other: Placed) -> Nearest:
-        """Of one pair, with its points and its normal in the world."""
+        """Distance of one pair, with its points and its normal in the world."""
         i, o = np.array([one]), np.array([other])
         for _, found in self._closed_forms(i, o, at_one, at_other):
             return found
@@ -154,6 +154,6 @@ def _of(at: Placed, some: Rows) -> Placed:
 
 
 def _placed(found: Nearest, place: Floats, turn: Floats) -> Nearest:
-    """What is in frames at places (k, 3), turned by (k, 3, 3), in the world."""
+    """Transform from frames with origins (k, 3) and rotations (k, 3, 3) to the world."""
     one, other = (np.einsum("kij,kj->ki", turn, p) + place for p in (found.one, found.other))
     return Nearest(found.distance, one, other, np.einsum("kij,kj->ki", turn, found.normal))

@@ -15,7 +15,7 @@ from assistant.program.system.writing import place_of, write_all
 
 WRITTEN: Final = FilePath(".robot-assistant") / "written"
 SOURCES: Final = "sources.json"
-"""Of which source each file of a folder was made."""
+"""Source of each file of a folder."""
 SUFFIX: Final = ".written"
 """After the name of what is remembered, which is no program for anybody who looks for such."""
 
@@ -50,7 +50,7 @@ def replaced(
 def with_sources(
     made: Mapping[str | FilePath, Iterable[str]], memory: FilePath
 ) -> dict[FilePath, bytes]:
-    """What remembers of which source some files were made, by the file that remembers it.
+    """Records of the sources of written files, by the file that holds them.
 
     made: names of files by their source; of what is no file nothing is remembered.
     """

@@ -22,7 +22,7 @@ from assistant.editing.workspace import Workspace
 
 COMMAND: Final = (sys.executable, "-m", "assistant.editing.server.checker")
 NICE: Final = 5
-"""How much the process steps back behind the one that answers."""
+"""Nice value of the process that checks, so that the one that answers comes first."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +45,7 @@ class Checker:
         self._process: subprocess.Popen[bytes] | None = None
 
     def __call__(self, request: Request) -> Seen | None:
-        """What was found; None if the process cannot be had: then it is looked at here."""
+        """Return the findings; None if no process can be started: then the caller checks."""
         data = pickle.dumps(request)
         with self._lock:
             for _ in range(0 if self._closed else 2):  # one that has died is started anew, once
@@ -97,7 +97,7 @@ def _read(stream: IO[bytes]) -> bytes:
 
 
 def looked(request: Request) -> Seen:
-    """What a whole program says, in a workspace that holds nothing else."""
+    """Check a whole program in a workspace that holds nothing else."""
     workspace = Workspace(request.root)
     for path, text, language in request.others:
         workspace.open(path, text, language=language)

@@ -49,7 +49,7 @@ class LineView(Memory):
         return Span(start, end) if inside and same else None
 
     def row(self, table: Placed, row: int, name: str = "", *, last: bool = False) -> Span | None:
-        """Where a row of a table stands; where a name first or last stands in it, if given."""
+        """Span of a row of a table, or of the first or last occurrence of a name in it."""
         if self.source is None or table.span is None:
             return None
         return row_of(self.source.text, table.span, row, name, last=last)

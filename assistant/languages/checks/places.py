@@ -71,8 +71,9 @@ def _is_whole(text: str, start: int, end: int) -> bool:
 
 
 def row_of(text: str, span: Span, row: int, name: str = "", *, last: bool = False) -> Span:
-    """Where a line of a table stands, without its line end; where a name first or last stands in
-    it, if given.
+    """Span of a line of a table, without its line end.
+
+    With a name: of its first or last occurrence in that line.
     """
     start = span.start
     for _ in range(row):

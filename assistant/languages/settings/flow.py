@@ -328,7 +328,7 @@ class Flow:
         return Held(UNKNOWN, Places.of(by))
 
     def _is_set(self, setting: int) -> bool:
-        """Whether anything may make a setting: a line, an interrupt, or what nobody knows."""
+        """True if anything may make a setting: a line, an interrupt, or an unknown effect."""
         return any(_may_set(made, setting) for made in self.lines.steps.values())
 
     # -------------------------------------------------------------------------- one line

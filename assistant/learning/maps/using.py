@@ -29,7 +29,7 @@ WORSE: Final = 2.0
 """Times what the movement before missed by above which an arm stops."""
 LEAST: Final = 1.0
 """Pixels, root mean square, below which nothing is reported: the noise of what cameras measure.
-What a map usually leaves excuses nothing: pixels that are left are an error of the tool."""
+The usual residual of a map is no excuse: pixels that remain are an error of the tool."""
 BEYOND: Final = 0.01
 """Part of the range of an axis by which an answer may leave it: rounding, and noise of pictures."""
 OVERSHOT: Final = 3.0

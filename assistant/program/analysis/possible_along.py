@@ -51,7 +51,7 @@ def numbers_at(
 def numbers_of_all(
     possible: Possible, value: e.Expression, procedure: Procedure
 ) -> Callable[[p.Statement], Numbers]:
-    """What an expression may come to at each statement of a procedure, by the statement.
+    """Possible values of an expression at each statement of a procedure, by the statement.
 
     A cycle may begin with whatever the one before left.
     """

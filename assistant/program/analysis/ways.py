@@ -150,7 +150,7 @@ class Ways:
         return {n: entered.get(n) for n in self.procedures}
 
     def _begun(self, entry: str) -> State:
-        """What may hold as a cycle begins: the tool and frame that the one before left as well."""
+        """State that may hold as a cycle begins, with the tool and frame of the one before."""
         left = _resolved(self.after.get(entry), _BEGUN)
         if left is None:
             return _BEGUN

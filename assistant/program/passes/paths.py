@@ -138,7 +138,7 @@ class _Gatherer:
 
 
 def _places(held: Sequence[p.Statement], paths: Sequence[Path], start: int) -> Rows | None:
-    """Where the rows of paths are in the text, counted from `start`; None if not of all."""
+    """Spans of the rows of paths in the text, counted from `start`; None if any has none."""
     parts = []
     for statement, path in zip(held, paths, strict=True):
         span, places = statement.span, path.places

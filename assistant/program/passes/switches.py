@@ -197,7 +197,7 @@ def with_floors_read_once(job: Legalising) -> Program:
 
 
 READ: Final = "value_read"
-"""Name of a variable that holds what was read once."""
+"""Name of a variable that holds a value read once."""
 _ONCE: Final = (
     p.Assign | p.Call | p.SetSignal | p.Wait | p.Move | p.MoveCircular | p.MoveJoints | p.Switch
     | p.For | p.Return | p.Message | p.Send

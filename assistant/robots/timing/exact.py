@@ -29,7 +29,7 @@ Joints = tuple[Floats, Truths]
 
 
 class Exact:
-    """Of one course."""
+    """Joints along one course."""
 
     def __init__(self, course: Course) -> None:
         self.course, self.moves, self.robot = course, course.moves, course.robot
@@ -112,7 +112,7 @@ class Exact:
         return self._solved(before, p, rotations.multiply(back, q0), near)
 
     def _joints_in_corner(self, corner: Rows, places: Floats, near: Floats) -> Joints:
-        """Of corners in which the joints are laid on top of each other."""
+        """Joints in corners, where the motions of the joints are superposed."""
         zones = self.course.zones
         middle = self.moves.joints[zones.before[corner]]
         out, solved = -middle, np.ones(len(places), dtype=bool)
@@ -139,7 +139,7 @@ class Exact:
         return np.clip(part, 0.0, 1.0)
 
     def _poses(self, row: Rows, places: Floats) -> tuple[Floats, Floats]:
-        """Of the tool on moves (m,) at places (m,)."""
+        """Poses of the tool on moves (m,) at fractions (m,)."""
         ends, moves = self.ends, self.moves
         starts = ends.p0[row], ends.q0[row]
         lasts = moves.positions[row], moves.quaternions[row]

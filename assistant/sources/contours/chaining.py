@@ -269,7 +269,7 @@ def _spurs(curves: list[Curve], points: Points, lengths: Points, tolerance: floa
 
 
 def _nodes(curves: list[Curve], points: Points, tolerance: float) -> Rows:
-    """What each curve starts and ends at, (n, 2): ends that meet exactly are one node."""
+    """Return the nodes (n, 2) where curves start and end: ends that meet exactly share one."""
     ends = points[:, [0, -1]].reshape(-1, 3)
     one, two, _ = pairs_within(ends, min(EXACT, tolerance))
     nodes = clusters(len(ends), one, two).reshape(-1, 2)

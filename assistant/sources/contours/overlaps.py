@@ -72,7 +72,7 @@ def trimmed(curves: Sequence[Curve], tolerance: float) -> tuple[list[Curve], lis
 
 
 def _copies(one: Curve, two: Curve, tolerance: float) -> bool:
-    """Whether two curves share both ends."""
+    """True if two curves share both ends."""
     ends = one.start, one.end
     there = max(math.dist(ends[0], two.start), math.dist(ends[1], two.end))
     return min(there, max(math.dist(ends[0], two.end), math.dist(ends[1], two.start))) <= tolerance
@@ -111,7 +111,7 @@ def _near(curves: Sequence[Curve], tolerance: float) -> list[tuple[int, int]]:
 
 
 def _measured(curve: Curve) -> bool:
-    """Whether it is a line or an arc of a believable size."""
+    """True if it is a line or an arc of a believable size."""
     if not isinstance(curve, Line | Arc):
         return False
     size = max(map(abs, (*curve.start, *curve.end)))
@@ -125,7 +125,7 @@ def _drawn(piece: Piece, tolerance: float) -> Points:
 
 
 def _lie_along(one: Points, two: Points, tolerance: float) -> NDArray[np.bool_]:
-    """Whether lines (n, 2, 3) share a stretch within the tolerance with others."""
+    """True for the lines (n, 2, 3) that share a stretch within the tolerance with others."""
     way = one[:, 1] - one[:, 0]
     length = np.linalg.norm(way, axis=1)
     along = way / length[:, None]
@@ -142,7 +142,7 @@ def _lie_along(one: Points, two: Points, tolerance: float) -> NDArray[np.bool_]:
 
 
 def _covered(piece: Piece, other: Piece, tolerance: float) -> list[Stretch]:
-    """What of a piece lies on another one of its kind."""
+    """Return the stretches of a piece that lie on another one of its kind."""
     if isinstance(piece, Line):
         way = np.subtract(piece.end, piece.start)
         size = float(way @ way)
@@ -192,7 +192,7 @@ def _turned_to(arc: Arc, point: Vector) -> float:
 
 
 def _without(piece: Piece, stretches: Sequence[Stretch], tolerance: float) -> list[Piece]:
-    """The parts of a piece between stretches; what is shorter than the tolerance is none."""
+    """Return the parts of a piece between stretches that are longer than the tolerance."""
     made: list[Piece] = []
     at, point = 0.0, piece.start
     for low, high, first, last in [*sorted(stretches), (1.0, 1.0, piece.end, piece.end)]:

@@ -79,7 +79,7 @@ class Room:
         return free
 
     def away(self, offset: float) -> Callable[[Vector], bool]:
-        """Whether a point is clearly farther from all contours than a way at the offset."""
+        """True if a point is clearly farther from all contours than the offset."""
         import shapely
 
         far = offset + 2.0 * self.tolerance

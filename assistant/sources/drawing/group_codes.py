@@ -27,11 +27,11 @@ MOST: Final = 10
 
 ESCAPED: Final = re.compile(r"(?:\\U\+[0-9A-Fa-f]{4})+")
 MARK: Final = b"\\U+"
-"""What a character begins with that the code page of a file does not have."""
+"""Prefix of a character that the code page of a file does not have."""
 
 
 def malformed(data: bytes, path: str) -> list[Diagnostic]:
-    """A finding for each value that has to be a number and is none, the first ones of them.
+    """Return findings for values that are no numbers but have to be, the first ones of them.
 
     It ends where lines are no longer codes and values in turn: that is damage of another kind.
     """

@@ -135,7 +135,7 @@ class Spline:
         yield self if first == 0 else self._part(first, n)
 
     def _part(self, first: int, last: int) -> Spline:
-        """Of the control points from one on, up to another."""
+        """The part of a spline from one control point up to another."""
         return replace(
             self,
             knots=self.knots[first : last + self.degree + 1],

@@ -38,7 +38,7 @@ class Wrong(LookupError):
 
 
 def read_expression(text: str) -> Evaluate:
-    """Read an expression; raises Wrong for what is none."""
+    """Read an expression; raises Wrong if the text is not one."""
     if len(text) > MOST:
         raise Wrong(f"an expression of {len(text)} characters")
     reader = _Reader(_tokens(text))
@@ -238,7 +238,7 @@ def _number(value: Value) -> float:
 
 
 def _value(text: str) -> Value:
-    """What a piece of data is by the way it is shown."""
+    """Type of a value by the way it is shown."""
     told = text.strip()
     if told.lower() in _WORDS:
         return _WORDS[told.lower()]

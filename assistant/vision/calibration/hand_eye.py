@@ -190,7 +190,7 @@ def _off(
     kept: Sequence[int],
     wrong: Sequence[int],
 ) -> list[tuple[int, float, float]]:
-    """Of the wrong rows: number, mm and degrees from where the others put the board."""
+    """The wrong rows: number, and mm and degrees from where the others put the board."""
     p, q = _places(flanges, boards, mounting, camera)
     there, mean = p[list(kept)].mean(axis=0), _mean_turn(q[list(kept)])
     return [
@@ -285,7 +285,7 @@ def _places(
 def _held_out(
     cv: Any, flanges: Sequence[Pose], boards: Sequence[Pose], mounting: Mounting, method: str
 ) -> tuple[tuple[float, float], tuple[float, float]]:
-    """How far each view is from where all others put the board, and one sigma of the camera's
+    """Distance of each view from where all others put the board, and one sigma of the camera's
     place by how much it changes without each view (jackknife), each in mm and degrees.
     """
     found, cameras = list[tuple[float, float]](), list[Pose]()

@@ -32,7 +32,7 @@ COVERED: Final = 0.25
 CENTRE: Final = 1.0
 """Percent of the width of the picture, one sigma of the centre."""
 PARAMETERS: Final = ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3")
-"""Of a lens, in the order of `LensFound.sigma`."""
+"""Parameters of a lens, in the order of `LensFound.sigma`."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

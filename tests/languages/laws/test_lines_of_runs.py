@@ -24,7 +24,7 @@ PLACES: Final = ("first", "middle", "last")
 
 
 class Way(NamedTuple):
-    """How a run is written. size: its lines. place: of the bad one. mixed: with lines of other
+    """Form of a run. size: its lines. place: of the bad one. mixed: with lines of other
     kinds between them. comments: behind each line.
     """
 

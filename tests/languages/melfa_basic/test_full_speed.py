@@ -1,4 +1,4 @@
-"""Moves at full speed that no `Spd` asks for are told when they are translated."""
+"""Translation reports moves at full speed that no `Spd` asks for."""
 
 from __future__ import annotations
 

@@ -294,7 +294,7 @@ class PoseExchange:
         return data is not None and data.startswith(b"%d\n" % number)
 
     def _compare(self, answer: Answer, pose: Pose, configuration: Configuration | None) -> None:
-        """Raises Refused if a robot that has gone to a pose does not stand there."""
+        """Raises Refused if a robot that has gone to a pose is not at it."""
         distance = float(np.linalg.norm(np.subtract(answer.pose.position, pose.position)))
         angle = float(rotations.angle_between(answer.pose.quaternion, pose.quaternion))
         quarters = 0

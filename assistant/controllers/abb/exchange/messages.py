@@ -1,4 +1,4 @@
-"""What both sides write into their files: a number, a word, data line by line, `END number`, a sum.
+"""Files of both sides: a number, a word, data line by line, `END number`, a checksum.
 
 A file without the end mark is not whole; one with another checksum was changed on its way. Numbers
 have at most six digits, as many as a RAPID program reads and writes exactly.

@@ -24,7 +24,7 @@ LEAST: Final = 3
 FOUR_AXES: Final = ("A", "B")
 """What the positions of a horizontal arm leave out (CR1D 4.3.12)."""
 FIVE_AXES: Final = ("C",)
-"""What those of an arm of five axes may leave out."""
+"""Components that positions of a five-axis arm may leave out."""
 
 
 def positions(look: Look) -> Found:
@@ -67,7 +67,7 @@ def _left_out(constant: s.Constant) -> tuple[str, ...]:
 
 
 def _is_undefined(value: object) -> TypeGuard[s.Constant]:
-    """Whether it is a position constant that the controller cannot take as a pose."""
+    """True if it is a position constant that the controller does not accept as a pose."""
     if not isinstance(value, s.Constant) or all(one is None for one in value.values):
         return False
     if value.flags is None and len(value.values) < LEAST:

@@ -79,7 +79,7 @@ R = TypeVar("R", "PositionRows", "MoveRows", "PositionRows | MoveRows")
 
 
 def row_spans(rows: PositionRows | MoveRows) -> list[Span]:
-    """Where the lines of a table are in the text; none of one that was built."""
+    """Spans of the lines of a table in the text; empty if the table was built."""
     if rows.span is None or rows.places is None:
         return []
     return [Span(start, end) for start, end in (rows.places + rows.span.start).tolist()]

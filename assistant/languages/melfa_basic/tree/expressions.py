@@ -105,7 +105,7 @@ class Opening:
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """Where a jump goes, or a label among the arguments: a label's name or a step number."""
+    """Destination of a jump, or a label among the arguments: a label's name or a step number."""
 
     place: str | int
     span: Span | None = field(default=None, compare=False, repr=False)

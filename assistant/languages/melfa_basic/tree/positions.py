@@ -82,7 +82,7 @@ class Positions:
 
     @cached_property
     def slides(self) -> bool:
-        """Whether a position states a place of an additional axis other than 0."""
+        """True if a position states an additional axis other than 0."""
         alone = (constant for _, constant in self.names.values())
         inside = (one for _, kept in self.elements.values() for one in kept.values())
         if any(any(one.values[6:]) for one in (*alone, *inside)):

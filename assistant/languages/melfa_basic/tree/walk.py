@@ -22,7 +22,7 @@ _WORDS: Final[dict[type, str]] = {
 
 
 SUFFIXES: Final = (".PRG", ".MB4", ".MB5", ".MB6")
-"""Of files that are one program each, in upper case; the first one where several are there."""
+"""Program names in upper case; the first file wins where several have the same name."""
 
 
 def word_of(statement: s.Statement | None) -> str:

@@ -107,7 +107,7 @@ def pairs(look: Look) -> Found:
 def _settings(node: s.Node) -> Iterator[tuple[int, str, str]]:
     """Names of the tool and the work object that a statement moves with, empty for wobj0.
 
-    Of a run of moves with the first row of each.
+    Tools and work objects of a run of moves, with the first row of each.
     """
     match node:
         case s.MoveRunNode(run):
@@ -124,7 +124,7 @@ def _settings(node: s.Node) -> Iterator[tuple[int, str, str]]:
 
 
 def _is_held(look: Look, routine: s.Routine, name: str, type: str) -> bool | None:
-    """Whether the robot holds a tool or work object, None if that is not known."""
+    """True if the robot holds a tool or work object, None if that is not known."""
     found = look.find(name, routine)
     if found is None:
         return {FLANGE: True, BASE: False}.get(name)

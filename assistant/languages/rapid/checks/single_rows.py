@@ -33,7 +33,7 @@ Fit = Literal["plain", "unknown", "odd"]
 something else."""
 
 TYPES: Final = ("speeddata", "zonedata", "tooldata", "wobjdata")
-"""What the words behind the target of a move are."""
+"""Kinds of the words after the target of a move."""
 STORAGES: Final = {
     "robtarget": ("CONST", "PERS"),
     "tooldata": ("PERS",),
@@ -247,7 +247,7 @@ class _Moves:
 
 
 class _Names:
-    """What names mean in a routine. loops: lower-case variables of its loops."""
+    """Meaning of names in a routine. loops: lower-case variables of its loops."""
 
     def __init__(self, look: Look, routine: s.Routine, loops: set[str]) -> None:
         self.look, self.routine, self.loops = look, routine, loops
@@ -255,7 +255,7 @@ class _Names:
         self.inner.words |= {*look.frame(routine).names, *loops}
 
     def fit(self, name: str, type: str) -> Fit:
-        """What a name is where data of a type are wanted."""
+        """Classify a name where data of a type are expected."""
         low = name.lower()
         found = None if low in self.loops else self.look.find(low, self.routine)
         if low in self.loops:

@@ -35,7 +35,7 @@ MOST: Final = 100
 """Targets of one module with the same mistake that are reported one by one."""
 
 Words = Callable[[int], dict[str, Any]]
-"""What the finding at a row says; `severity` may be among it."""
+"""Fields of the finding at a row; `severity` may be one of them."""
 
 
 class _Fault(NamedTuple):

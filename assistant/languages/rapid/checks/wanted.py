@@ -229,7 +229,7 @@ class _Module:
             )
 
     def _meets(self, node: s.ProcedureCall | s.FunctionCall, scope: Scope) -> None:
-        """How many tasks meet whose list has no values here, as data of the cell."""
+        """Number of tasks that meet, as cell data, where the task list has no values here."""
         match [one.value for one in node.arguments if isinstance(one, s.Positional)]:
             case [_, s.NameRef(name)]:
                 found = scope.find(name)

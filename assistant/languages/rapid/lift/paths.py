@@ -124,7 +124,7 @@ class PathLift:
 
 
 def _places(node: s.MoveRunNode, moves: Rows) -> Rows | None:
-    """Where some moves of a run are, counted from the first of them."""
+    """Spans of some moves of a run, counted from the first of them."""
     return None if node.rows is None else node.rows[moves] - node.rows[moves[0], 0]
 
 

@@ -74,7 +74,7 @@ def _node(stretch: Sequence[Any], run: TargetRun | MoveRun) -> s.TargetRunNode |
 
 
 def _rows(stretch: Sequence[Any], start: int) -> Rows | None:
-    """Where the rows of several nodes are, counted from `start`; None if one does not know it."""
+    """Spans of the rows of several nodes, counted from `start`; None if a node has none."""
     parts: list[Rows] = []
     for node in stretch:
         if node.span is None or (isinstance(node, s.RunNode) and node.rows is None):

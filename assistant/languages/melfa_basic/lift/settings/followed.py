@@ -31,7 +31,7 @@ from assistant.program.motion import FINE, Blend
 from assistant.program.program import Variable
 
 STOPS: Final = -1.0
-"""Of a corner: none, the move ends at its target."""
+"""No corner: the move ends at its target."""
 OPEN_CORNER: Final = 10.0
 """mm of a corner whose size the controller chooses (`Cnt 1`)."""
 _NAMES: Final = {
@@ -42,7 +42,7 @@ _NAMES: Final = {
     FRAME: "current_base",
 }
 _BEGUN: Final = {TCP: OPTIMUM, JOINT: 100.0, BLEND: STOPS}
-"""What a program begins with."""
+"""Settings at the start of a program."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +96,7 @@ def declare(
 def assignment(
     node: s.Statement, value: Any, names: Mapping[int, str], lift: Expressions
 ) -> p.Assign | None:
-    """What a statement that makes a setting gives its variable, None if that is not followed.
+    """Return the value that a setting statement gives its variable, None if that is not followed.
 
     value: what is known of it. Raises Unliftable where it has no other words.
     """

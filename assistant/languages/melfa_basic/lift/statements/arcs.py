@@ -1,4 +1,4 @@
-"""Arcs that are told by a point of the other side or by their centre, and whole circles.
+"""Arcs given by a point on the opposite side or by their centre, and full circles.
 
 `Mvr2 start,end,reference` runs on the circle of the three points, on the side that does not hold
 the reference; `Mvr3 start,end,centre` runs by less than half a turn.

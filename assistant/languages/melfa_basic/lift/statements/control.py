@@ -160,7 +160,7 @@ class Control(Statements):
         return (*read, made)
 
     def _is_steady(self, value: e.Expression) -> bool:
-        """Whether a value is the same at each reading, as nothing but this program changes it."""
+        """True if a value is the same at each read: only this program changes it."""
         changing = {name.lower() for name in self.symbols.signals}
         names = {part.name.lower() for part in records(value) if isinstance(part, e.Name)}
         return is_steady(value, changing) and not any(name[1:2] == "_" for name in names)

@@ -176,7 +176,7 @@ class Statements:
             return [kept]
 
     def as_told(self, values: Values) -> Values:
-        """The settings of a move for other languages while these are told it."""
+        """Settings of a move while it is lowered for other languages."""
         return followed(values, self.followed) if self.expressions.m.telling else values
 
     def opaque(

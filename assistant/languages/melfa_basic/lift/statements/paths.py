@@ -278,7 +278,7 @@ class Runs:
 
 
 def _places(chunks: Sequence[_Chunk]) -> Rows | None:
-    """Where the rows of chunks are, counted from the begin of the first."""
+    """Spans of the rows of chunks, counted from the start of the first."""
     first, parts = chunks[0].span, list[Rows]()
     for chunk in chunks:
         if chunk.span is None or first is None:

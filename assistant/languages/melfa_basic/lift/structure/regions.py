@@ -199,7 +199,7 @@ def _starts(
 
 
 _CALLED_FROM_ELSEWHERE: Final = "*L_"
-"""How labels of a base program begin that other programs may call (manual CR1D, 4.3.5)."""
+"""Prefix of labels of a base program that other programs may call (manual CR1D, 4.3.5)."""
 
 
 def unused_subroutines(code: Code, depth: Sequence[int]) -> set[str]:

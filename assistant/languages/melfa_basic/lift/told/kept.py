@@ -166,7 +166,7 @@ _OPEN_CORNER: Final = re.compile(r"Cnt\s+1", re.IGNORECASE)
 
 
 def _lost(node: p.Statement, made: Body) -> tuple[str, str] | None:
-    """What is lost with a text for which other words stand, and what to do."""
+    """Effects that the replacement of a text loses, with their cures."""
     text = getattr(node, "text", "").strip()
     if _FORCE.match(text):
         return (

@@ -1,4 +1,4 @@
-"""Positions with angles of their own, in statements of their own.
+"""Positions with separate angles, in separate statements.
 
 `Mvs P1+(0,0,5,0,0,30)` moves to a position whose angles are worked out one by one. Other languages
 turn a position by an assignment; so it is worked out in front of the statement that names it.

@@ -22,7 +22,7 @@ ZERO: Final = e.Number(0)
 
 
 class Lifting(Protocol):
-    """What lifts the expressions of a file."""
+    """Lift of the expressions of a file."""
 
     m: Symbols
 
@@ -72,7 +72,7 @@ Fixed = tuple[tuple[float, ...], tuple[int | None, int | None]]
 
 
 def _fixed(node: s.Expression, symbols: Symbols) -> Fixed | None:
-    """What a sum of positions comes to that no line changes."""
+    """Value of a sum of positions that no line changes."""
     match node:
         case s.Binary(("+" | "-") as sign, left, right):
             one, two = _fixed(left, symbols), _fixed(right, symbols)
@@ -93,7 +93,7 @@ def _fixed(node: s.Expression, symbols: Symbols) -> Fixed | None:
 
 
 def _is_kept(values: tuple[float, ...]) -> bool:
-    """Whether an orientation keeps the angles as they are: others are read back another way."""
+    """True if the angles of an orientation read back as they were written."""
     a, b, c = values[3:6]
     return abs(a) <= 180.0 and abs(b) < 90.0 and abs(c) <= 180.0
 
@@ -142,7 +142,7 @@ def _is_factor(node: s.Expression, lift: Lifting) -> bool:
 
 
 def _besides(value: e.Expression, start: e.Expression) -> e.Expression:
-    """How far a value is from another one."""
+    """Largest difference between two values."""
     match value:
         case e.Binary("+", one, rest) if one == start:
             return rest
@@ -158,7 +158,7 @@ def _member(place: e.Expression, at: int) -> e.Expression:
 
 
 def _slides(symbols: Symbols) -> bool:
-    """Whether positions of the file have additional axes, whose places would count as well."""
+    """True if positions of the file have additional axes, which would count as well."""
     return symbols.positions.slides or symbols.own
 
 

@@ -81,7 +81,7 @@ _NUMBERS: Final = {
 OPTIMUM: Final = 10000.0
 """mm/s that `M_NSpd` stands for: as fast as the arm can."""
 NOWHERE: Final = s.Constant((0.0,) * 6, (0, 0))
-"""What `P_Zero` is."""
+"""Value of `P_Zero`."""
 _HERE: Final = ("P_CURR", "P_FBC", "J_CURR", "J_FBC")
 """Status variables of where the robot stands, as commanded or as measured."""
 DEGREE: Final = math.pi / 180.0

@@ -94,7 +94,7 @@ class Symbols:
         self.pallets: dict[int, tuple[str, tuple[Target, ...]]] = {}
         """Arrays of the pallets whose points are known, by number."""
         self.grids = True
-        """Whether pallets are such arrays, not for other languages alone."""
+        """True if pallets are such arrays in every language."""
         self.timers: dict[int, str] = {}
         """Names of the timers that are read as such, by number."""
         self.spelling: dict[str, str] = {}
@@ -103,7 +103,7 @@ class Symbols:
         self.placing: tuple[Any, Any] = (FLANGE, BASE)
         """Tool and frame that hold at the line that is read."""
         self.placing_told: tuple[Any, Any] = (FLANGE, BASE)
-        """The same as other languages are told them."""
+        """The same, lowered for other languages."""
         self.variants: dict[str, str] = {}
         """Names of the forms of functions that are called from the line that is read."""
         self.in_texts: set[str] = set()

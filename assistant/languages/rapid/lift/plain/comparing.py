@@ -19,7 +19,7 @@ _JOINTS: Final = "jointtarget"
 COMPARED: Final = frozenset(("robtarget", "pose", _JOINTS))
 _ANGLES: Final = ("X", "Y", "Z")
 NEAR: Final = "pose_near"
-"""Of the library: whether a pose is at numbers, up to 0.005 mm and 0.05 degrees."""
+"""Library function: true if a pose equals numbers within 0.005 mm and 0.05 degrees."""
 
 
 class _Values(Protocol):

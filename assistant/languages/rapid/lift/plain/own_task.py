@@ -22,7 +22,7 @@ READING: Final = frozenset(("crobt", "cjointt", "ctool", "cwobj"))
 """Functions in lower case that read of the arm of a task, and state which."""
 _REFERENCE: Final = "taskref"
 _SUFFIX: Final = "id"
-"""Of the predefined variable that refers to a task, `T_ROB1Id` of `T_ROB1`."""
+"""Suffix of the predefined variable that refers to a task, `T_ROB1Id` of `T_ROB1`."""
 OWN_TASK: Final = STATES["gettaskname"].name
 """The data of the cell that holds the name of the program's own task."""
 
@@ -30,7 +30,7 @@ OWN_TASK: Final = STATES["gettaskname"].name
 def with_own_task(
     modules: Sequence[s.Module],
 ) -> tuple[Sequence[s.Module], list[list[Diagnostic]]]:
-    """The modules whose reads name no task, and what there is to be told of each module."""
+    """Return the modules whose reads name no task, and the findings of each module."""
     told: list[list[Diagnostic]] = [[] for _ in modules]
     own = {one.name.lower() for m in modules for one in m.items if isinstance(one, s.Routine)}
     calls = [

@@ -13,7 +13,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 
 GATEWAY: Final = "gateway"
-"""The option of what is said to a gateway, see `tables/bytes.txt`."""
+"""Option that frames a gateway message, see `tables/bytes.txt`."""
 
 
 def is_text(record: Any) -> bool:

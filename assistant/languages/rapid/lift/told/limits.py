@@ -92,7 +92,7 @@ def _stated(share: e.Expression, most: e.Expression) -> e.Expression:
 
 
 def _is_within(program: Program, limit: float) -> bool:
-    """Whether no move of a program states more than a limit in mm/s."""
+    """True if no move of a program states more than a limit in mm/s."""
     motions = everywhere(program, p.Motion)
     paths = [one.path for one in program.statements() if isinstance(one, p.Follow)]
     stated = [*(one.speed for one in motions), *(x for path in paths for x in path.speeds)]
@@ -121,7 +121,7 @@ def with_limited_speeds(program: Program, name: str) -> Program:
 
 
 def _read(program: Program, name: str) -> Iterator[e.Name]:
-    """The names that are said, but for those that the limit is assigned to."""
+    """Names in use, without those that the limit is assigned to."""
     targets = {
         id(node.target)
         for node in program.statements()

@@ -24,9 +24,9 @@ TASKS: Final = "tasks"
 
 
 def task_lists(program: Program) -> Mapping[str, e.Expression]:
-    """How many tasks each list has, by its lower-case name.
+    """Number of tasks of each list, by its lower-case name.
 
-    Of a list without values in the program, what the cell states; of one that is given another
+    For a list without values in the program, the cell's; for one that is given another
     number of tasks as the program runs nothing.
     """
     if program.origin is None or program.origin.language != verbatim.LANGUAGE:

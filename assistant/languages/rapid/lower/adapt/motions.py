@@ -35,7 +35,7 @@ from assistant.program.subjects import Declared
 PERCENT: Final = (
     "name both arms, or state `joint_speed` (mm/s) in the process file or the cell file (--cell)"
 )
-"""What makes mm/s of a percentage."""
+"""Speed in mm/s that corresponds to one percent."""
 
 
 class Motions:
