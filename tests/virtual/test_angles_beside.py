@@ -46,6 +46,14 @@ PROGRAMS = {
                   "Mvs P8"),
     "arrays": ("Dim PA(3)", "PA(1)=P1", "PA(2)=P2", "PA(1).C=PA(1).C+Rad(40)", "PA(3)=PA(1)",
                "M1=Deg(PA(3).C)", "If M1>200 Then M_Out(8)=1", "Mvs PA(3)"),
+    "places of a pallet": (
+        "Def Plt 1,P1,P2,P4,,2,2,1", "P9=(Plt 1,2)", "If P9.C>Rad(170) Then M_Out(3)=1", "Mvs P9",
+        "Mvs (Plt 1,3)",
+    ),
+    "elements by inputs": (
+        "Dim PA(2)", "PA(1)=P2", "PA(2)=P4", "PA(M_In(1)+1)=P1", "PA(M_In(2)+1).C=Rad(200)",
+        "P9=PA(M_In(1)+1)", "If P9.C>Rad(170) Then M_Out(3)=1", "Mvs P9", "Mvs PA(2)",
+    ),
     "subroutines": ("P9=P1", "For M2=1 To 4", "GoSub *TURN", "Next M2",
                     "If P9.C>=Rad(275) Then M_Out(9)=1", "End", "*TURN", "P9.C=P9.C+Rad(25)",
                     "Mvs P9", "Return"),
@@ -85,9 +93,11 @@ def test_a_position_that_is_only_turned_on_has_no_numbers_beside_it() -> None:
 
 
 def test_angles_that_nobody_knows_are_refused() -> None:
-    pallet = "Def Plt 1,P1,P2,P4,,2,2,1"
-    lines = (pallet, "P9=(Plt 1,2)", "If P9.C>Rad(170) Then M_Out(3)=1", "Mvs P9")
-    loaded = load_text(SourceText(text_of(lines)), language="melfa-basic-5")
+    text = (
+        "Function Main\nP9=P1\nfnT(P9)\nIf P9.C>Rad(170) Then M_Out(3)=1\nFEnd\n"
+        "Function V fnT(ByRef PX)\nPX.C=PX.C/2\nFEnd\n" + PLACES.lstrip()
+    )
+    loaded = load_text(SourceText(text), language="melfa-basic-6")
     made = translate(loaded, to="rapid")
     assert not made.ok
     assert "MB292" in {finding.code for finding in made.findings}

@@ -66,6 +66,119 @@ M1=+2.50
 M2=+1
 MA(1)=+3
 MA(2)=+4""",
+    "a subroutine in several pieces": """Spd 100
+For M1=1 To 3
+GoSub *A
+Next M1
+GoTo *LAST
+*A
+If M1=2 Then GoTo *TWO
+Mvs P1
+*BACK
+GoSub *B
+Return
+*TWO
+Mvs P2
+If M_In(1)=1 Then GoTo *B2
+GoTo *BACK
+*B
+M2=M2+1
+*B2
+Dly M2
+Return
+*LAST
+GoSub *B
+End
+M2=+1""",
+    "subroutines that share lines with the main program": """Spd 100
+M1=0
+*AGAIN
+M1=M1+1
+If M1>3 Then GoTo *LAST
+GoSub *A
+Mvs P1
+GoTo *AGAIN
+*A
+Mvs P2
+If M_In(1)=1 Then GoTo *B
+If M_In(2)=1 Then GoTo *AGAIN
+Return
+*LAST
+GoSub *B
+Dly 1
+End
+*B
+Mvs P3
+M1=M1+1
+Return""",
+    "the end of the cycle from deep inside": """Spd 100
+For M1=1 To 4
+GoSub *A
+M_Out(1)=1
+Next M1
+GoSub *B
+End
+*A
+If M1=3 Then GoSub *B
+Mvs P1
+Return
+*B
+M_Out(2)=1
+If M_In(1)=1 Then End
+Mvs P2
+Return""",
+    "lines that run on into a subroutine": """Spd 100
+GoSub *A
+Mvs P2
+If M_In(1)=0 Then End
+*A
+Mvs P1
+M_Out(1)=1
+Return
+End""",
+    "a loop for ever above subroutines": """Spd 100
+While 1=1
+M1=M1+1
+GoSub *A
+WEnd
+*A
+Mvs P1
+If M1>=2 Then End
+Return
+End
+M1=+0""",
+    "pallets that are worked out": """Spd 100
+M1=M_Inb(8)+2
+P7=P3*(0,0,5,0,0,7)
+Def Plt 2,P1,P2,P7,,M1,2,1
+For M2=1 To 4
+P9=(Plt 2,M2)
+Mvs P9
+Mvs (Plt 2,M2)
+Next M2
+Def Plt 2,P4,P2,P7,,2,3,2
+Mvs (Plt 2,5)
+Def Plt 3,P1,P2,P7,,5,0,3
+Def Plt 4,P1,P2,P7,P4,3,2,11
+For M2=1 To 5
+Mvs (Plt 3,M2)
+P9=(Plt 4,M2)
+P9.Z=P9.Z+2
+Mvs P9
+Next M2
+M3=M_In(1)*10+3
+Def Plt 5,P1,P2,P7,,4,2,M3
+Mvs (Plt 5,2)
+Mvs (Plt 5,4)
+End""",
+    "pallets with numbers that are out of range": """Spd 100
+M1=M_Inb(8)
+Def Plt 2,P1,P2,P3,,M1,2,1
+Mvs (Plt 2,1)
+M_Out(1)=1
+Mvs (Plt 2,3)
+M_Out(2)=1
+End""",
 }
 
 
@@ -73,7 +186,7 @@ MA(2)=+4""",
 @pytest.mark.parametrize("name", CASES)
 def test_it_does_the_same(name: str, level: int) -> None:
     lines = CASES[name].split("\n")
-    code = lines[: lines.index("End") + 1]
+    code = lines[: len(lines) - lines[::-1].index("End")]
     numbered = [f"{at * 10} {line}" for at, line in enumerate(code, 1)]
     text = "\n".join([*numbered, *lines[len(code) :], DATA.strip(), ""])
     tally = Tally()

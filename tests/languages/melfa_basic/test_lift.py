@@ -160,9 +160,17 @@ def test_select_of_ranges() -> None:
 
 
 def test_what_cannot_be_followed_stays() -> None:
-    """A subroutine that is also run into is none."""
+    """A subroutine does not begin inside a block."""
+    program = lifted("GoSub *S\nIf M1=1 Then\n*S\nDly 1\nReturn\nEndIf\n")
+    assert opaque(program)[0] == "GoSub *S"
+
+
+def test_a_subroutine_that_is_also_run_into_is_there_twice() -> None:
     program = lifted("GoSub *S\n*S\nDly 1\nReturn\n")
-    assert opaque(program) == ["GoSub *S", "Return"]
+    assert opaque(program) == ["Return"]  # that of the main program, which is an error
+    main, sub = program.procedures
+    assert main.body[0] == p.Call("S")
+    assert sub.body == (p.Wait(e.Number(1)),)
 
 
 # --------------------------------------------------------------------------- functions

@@ -96,7 +96,6 @@ def test_postures_of_the_start(direction: int) -> None:
         ("Def Plt 1,PS,PA,PB,,4,3,4", ""),  # no direction
         ("Def Plt 1,PS,PA,PT,,4,3,3", ""),  # turns
         ("Def Plt 1,PS,PA,PB,PT,4,3,2", ""),  # turns
-        ("Def Plt 1,PS,PA,PB,PF,4,3,2", ""),  # another branch of the arm
         ("Def Plt 1,PS,PA,PB,,40,30,2", ""),
         ("Def Plt 1,PS,PA,PB,,MQ,3,2", ""),
         ("Def Plt 1,PS,PA,PB,,4,3,2", "PB.X=3\n"),

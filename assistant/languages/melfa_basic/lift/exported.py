@@ -17,6 +17,7 @@ from assistant.languages.answers import (
 from assistant.languages.kept_reasons import DEPENDED_ON
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lift.told.angles import with_angles_beside
+from assistant.languages.melfa_basic.lift.told.endings import with_endings
 from assistant.languages.melfa_basic.lift.told.flags import with_flags
 from assistant.languages.melfa_basic.lift.told.kept import with_told
 from assistant.languages.melfa_basic.lift.told.stated_lines import with_stated_lines
@@ -95,7 +96,7 @@ def exported(program: Program) -> Adapted:
     findings = Findings()
     findings += _uncalled(program)
     findings += _unsigned(program)
-    program = with_stated_lines(program)
+    program = with_endings(with_stated_lines(program))
     program = _as_each_begins(with_told(_as_settings_begin(with_flags(program)), findings))
     program = with_angles_beside(program, findings)
     texts = [record.text for record in records(program) if _is_text(record)]

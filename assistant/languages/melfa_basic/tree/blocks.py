@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+import operator
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Final
 
 from assistant.languages import line_blocks
@@ -30,7 +31,7 @@ _STATEMENTS: Final[Mapping[type, Word]] = {
 def block_word(statement: s.Statement | None) -> Word:
     """What a statement is to blocks; `Next M1,M2` closes two loops."""
     match statement:
-        case s.Command("While", (s.Number(value=value), *_)) if value:
+        case s.Command("While", (condition, *_)) if _always_holds(condition):
             return Word("While", "loop", certain=True)
         case s.Command(keyword=keyword):
             return _COMMANDS.get(keyword, NO_WORD)
@@ -39,6 +40,22 @@ def block_word(statement: s.Statement | None) -> Word:
         case s.Next(variables=variables):
             return Word(closes=("For",) * max(1, len(variables)))
     return _STATEMENTS.get(type(statement), NO_WORD)
+
+
+_HOLDS: Final[Mapping[str, Callable[[float, float], bool]]] = {
+    "=": operator.eq, "<>": operator.ne, "<": operator.lt, ">": operator.gt,
+    "<=": operator.le, ">=": operator.ge,
+}  # fmt: skip
+
+
+def _always_holds(condition: s.Expression | None) -> bool:
+    """True for `1` and for comparisons of numbers that hold, such as `1=1`."""
+    match condition:
+        case s.Number(value=value):
+            return bool(value)
+        case s.Binary(sign, s.Number(value=one), s.Number(value=two)) if sign in _HOLDS:
+            return _HOLDS[sign](one, two)
+    return False
 
 
 def is_word(statement: s.Statement | None) -> bool:

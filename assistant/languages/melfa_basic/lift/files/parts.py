@@ -10,7 +10,7 @@ from assistant.languages.melfa_basic.lift.settings.held import ALL_SETTINGS, set
 from assistant.languages.melfa_basic.lift.settings.interrupts import calls_on_interrupt
 from assistant.languages.melfa_basic.lift.statements.waits import comment_text
 from assistant.languages.melfa_basic.lift.structure.answers import Answers, without_answers
-from assistant.languages.melfa_basic.lift.structure.order import in_order
+from assistant.languages.melfa_basic.lift.structure.order import in_order, separated
 from assistant.languages.melfa_basic.lift.structure.regions import called, place_name
 from assistant.languages.melfa_basic.text import header as headers
 from assistant.languages.melfa_basic.text.header import Header
@@ -36,7 +36,7 @@ class File:
         if self.own:
             self.code, self.answers = without_answers(code)
         else:
-            self.code = in_order(_with_lone_labels(labelled(code)[0]))
+            self.code = separated(in_order(_with_lone_labels(labelled(code)[0])))
         self.positions = Positions(tree)
 
     def touched(self) -> frozenset[int]:

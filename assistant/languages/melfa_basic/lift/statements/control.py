@@ -260,7 +260,7 @@ LIFTS: Final[Mapping[type, Lift]] = {
     s.Static: lambda reader, node: data.define(node.definition.variables, reader.expressions),
     s.Const: lambda reader, node: data.constant(node, reader.expressions),
     s.DefIo: lambda reader, node: data.known(node.variable.key in reader.symbols.io),
-    s.DefOther: lambda reader, node: pallets.define(node, reader.symbols),
+    s.DefOther: lambda reader, node: pallets.define(node, reader.expressions),
     s.DefAct: interrupts.define,
     s.DefFunction: lambda reader, node: data.known(node.name.upper() in reader.symbols.routines),
 }

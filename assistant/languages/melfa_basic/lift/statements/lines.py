@@ -20,7 +20,12 @@ from assistant.languages.melfa_basic.lift.structure.blocks import Code
 from assistant.languages.melfa_basic.lift.structure.regions import BACK, Region, place_name
 from assistant.languages.melfa_basic.lift.values import reasons
 from assistant.languages.melfa_basic.lift.values.expressions import Expressions
-from assistant.languages.melfa_basic.lift.values.symbols import Routine, Symbols, Unliftable
+from assistant.languages.melfa_basic.lift.values.symbols import (
+    ENDED,
+    Routine,
+    Symbols,
+    Unliftable,
+)
 from assistant.languages.melfa_basic.tables.statements import ROWS
 from assistant.languages.melfa_basic.text import effects
 from assistant.languages.melfa_basic.tree import syntax as s
@@ -53,6 +58,7 @@ class Block:
     label: str | None = None
 
 
+ENDS: Final = (s.Command("End"), s.Command("Return"))
 FORCED: Final = "HOpen"
 """Takes forces and a time beside its hand (COSIROP: HOPEN)."""
 Lift = Callable[[Any, Any], list[p.Statement]]
@@ -165,7 +171,7 @@ class Statements:
             set_here = self.effect(node) is not None
             hand = isinstance(node, s.Command) and node.keyword == FORCED
             defines = set_here or isinstance(node, s.DefOther)
-            tells = defines or hand or isinstance(node, s.Assign | s.Motion)
+            tells = defines or hand or isinstance(node, s.Assign | s.Motion) or node in ENDS
             told = self.expressions.told(read) if tells else None
             reason = found.reason or refused
             if defines and told is not None:
@@ -290,11 +296,15 @@ class Statements:
         if self.region.answers == "GoTo":  # the cycle ends behind what an interrupt calls
             return [p.Return()]
         if not self.region.is_first:
+            if self.expressions.m.telling and self.region.function is None:
+                return [p.Call(ENDED)]
             raise Unliftable(kept_reasons.ENDS_CYCLE if self.main else kept_reasons.NOT_FIRST)
         return [p.Return()]
 
     def returned(self, _: s.Command) -> list[p.Statement]:
         if self.region.label is None and self.at in self._run:
+            if self.expressions.m.telling and self.region.function is None:
+                return [p.Stop(end=True)]  # controller error 3840
             raise Unliftable(reasons.NO_SUBROUTINE)
         return [p.Return()]
 

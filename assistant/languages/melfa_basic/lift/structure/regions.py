@@ -138,11 +138,11 @@ def _functions(code: Code) -> list[Region] | None:
     notes, above = [], 0
     for start, end, _ in spans:
         between = code[above:start]
-        if above and not all(_is_note(item) for item in between):
+        if above and not all(is_note(item) for item in between):
             return None
         notes.append((above, start))
         above = end + 1
-    if not all(_is_note(item) or is_command(item, "End") for item in code[above:]):
+    if not all(is_note(item) or is_command(item, "End") for item in code[above:]):
         return None
     prefix = _prefix(code, spans[0][0])
     notes[0] = prefix, spans[0][0]
@@ -157,13 +157,13 @@ def _functions(code: Code) -> list[Region] | None:
     return [made[main], *made[:main], *made[main + 1 :]]
 
 
-def _is_note(item: object) -> bool:
+def is_note(item: object) -> bool:
     return isinstance(item, s.Line) and item.statement is None and item.label is None
 
 
 def _prefix(code: Code, first: int) -> int:
     """Where the comments begin that stand right above the first function."""
-    while first and _is_note(code[first - 1]):
+    while first and is_note(code[first - 1]):
         first -= 1
     return first
 
@@ -282,10 +282,26 @@ def place_name(target: s.Target) -> str:
 
 def next_word(code: Code, at: int) -> int:
     """The next line that is more than a comment, or the end."""
-    return next((k for k in range(at + 1, len(code)) if not _is_note(code[k])), len(code))
+    return next((k for k in range(at + 1, len(code)) if not is_note(code[k])), len(code))
 
 
 def goes_on_above(code: Code, at: int) -> bool:
     """Whether control may run into the place from the line above it, or from the beginning."""
-    above = next((k for k in range(at - 1, -1, -1) if not _is_note(code[k])), None)
-    return above is None or exits_of(statement_of(code[above])).on
+    above = next((k for k in range(at - 1, -1, -1) if not is_note(code[k])), None)
+    if above is None:
+        return True
+    return exits_of(statement_of(code[above])).on and not _loops_for_ever(code, above)
+
+
+def _loops_for_ever(code: Code, at: int) -> bool:
+    """True if a line is the end of a loop whose condition always holds and that nothing leaves."""
+    if statement_of(code[at]) != s.Command("WEnd"):
+        return False
+    blocks = blocks_of(code)
+    loop = blocks.words.get(at)
+    if loop is None or loop.first not in loop.certain or len(blocks.closing.get(at, ())) != 1:
+        return False
+    inside = range(loop.first, at)
+    return not any(
+        blocks.around.get(k) is loop and exits_of(statement_of(code[k])).breaks for k in inside
+    )

@@ -39,11 +39,12 @@ from assistant.program.program import (
 from assistant.program.rewriting import (
     Body,
     head,
-    is_repeatable,
+    is_steady,
     map_bodies,
     map_expressions,
     map_head,
     records,
+    rewrite,
 )
 
 SUFFIXES: Final = {"about_x": "A", "about_y": "B", "about_z": "C"}
@@ -70,14 +71,23 @@ def _is_angle(record: Any) -> bool:
     return isinstance(record, e.Member) and record.field.lower() in SUFFIXES
 
 
-@dataclass(slots=True)
+@dataclass
 class _Work:
-    """beside: by position the names of its three numbers."""
+    """beside: by position the names of its three numbers. taken: names that are not free.
+
+    indices: variables of indices that are worked out once.
+    """
 
     program: Program
     findings: Findings
     beside: dict[Key, tuple[str, str, str]] = field(default_factory=dict)
     owner: Procedure | None = None
+    taken: TakenNames = field(default_factory=TakenNames)
+    indices: list[str] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        signals = self.program.signals.items()
+        self.inputs = {name.lower() for name, one in signals if one.direction == "input"}
 
     # ------------------------------------------------------------------------- which ones
 
@@ -100,11 +110,11 @@ class _Work:
                 if source not in wanted:
                     wanted.add(source)
                     pending.append(source)
-        taken = TakenNames(declared(self.program))
+        self.taken = TakenNames(declared(self.program))
         for key in sorted(wanted):
             name = self.variable(key)[0]
-            three = [identifier(f"{name}_{letter}", taken) for letter in SUFFIXES.values()]
-            taken.update(three)
+            three = [identifier(f"{name}_{letter}", self.taken) for letter in SUFFIXES.values()]
+            self.taken.update(three)
             self.beside[key] = (three[0], three[1], three[2])
 
     def _strong(self, group: tuple[p.Statement, ...]) -> set[Key]:
@@ -179,7 +189,8 @@ class _Work:
             variables = {**procedure.variables, **self._declared(procedure.name.lower())}
             procedures.append(replace(procedure, body=body, variables=variables))
         self.owner = None
-        variables = {**self.program.variables, **self._declared("")}
+        counted = dict.fromkeys(self.indices, Variable("integer"))
+        variables = {**self.program.variables, **self._declared(""), **counted}
         return replace(self.program, procedures=tuple(procedures), variables=variables)
 
     def _declared(self, owner: str) -> dict[str, Variable]:
@@ -225,6 +236,9 @@ class _Work:
         return tuple(made)
 
     def each(self, node: p.Statement, after: p.Statement | None) -> Iterator[p.Statement]:
+        if isinstance(node, p.Assign):
+            indices, node = self.indexed_once(node)
+            yield from indices
         node = map_head(node, self.read) if not _is_set(node) else node
         match node:
             case p.Assign(e.Member(place, part), value) if _is_set(node):
@@ -234,8 +248,6 @@ class _Work:
                     yield replace(node, value=value)
                     return
                 own = dict(zip(SUFFIXES, self.numbers(place, key), strict=True))
-                with self.findings.at(node.span):
-                    self.steady(place)
                 yield p.Assign(own[part.lower()], value, span=node.span)
                 if _place(after) != place:
                     turned = e.Apply("oriented", (place, *own.values()))
@@ -256,7 +268,6 @@ class _Work:
         self, node: p.Assign, place: e.Expression, value: e.Expression
     ) -> Iterator[p.Statement]:
         """Sets the numbers beside a position to what it is given."""
-        self.steady(place)
         key = self.key(place) or ("", "")
         given = self.angles(value, place)
         if given is None:
@@ -283,7 +294,6 @@ class _Work:
             case e.Name() | e.Index():
                 key = self.key(value)
                 if key in self.beside:
-                    self.steady(value)
                     return self.numbers(value, key)
                 for name, target in self.program.targets.items():
                     if isinstance(value, e.Name) and name.lower() == value.name.lower():
@@ -317,13 +327,30 @@ class _Work:
             return e.Index(one, at), e.Index(two, at), e.Index(three, at)
         return one, two, three
 
-    def steady(self, place: e.Expression) -> None:
-        """Refuses an element that is worked out anew each time that it is named."""
-        if isinstance(place, e.Index) and not all(map(is_repeatable, place.indices)):
-            self.refuse(
-                self.variable(self.key(place) or ("", ""))[0],
-                "its index is another one each time that it is worked out",
-            )
+    def indexed_once(self, node: p.Assign) -> tuple[list[p.Statement], p.Assign]:
+        """The statement with indices in variables that may differ each time they are worked out."""
+        made: list[p.Statement] = []
+
+        def once(x: Any) -> Any:
+            if not isinstance(x, e.Index) or self.key(x) not in self.beside:
+                return x
+            if all(is_steady(index, self.inputs) for index in x.indices):
+                return x
+            names = []
+            for index in x.indices:
+                name = e.Name(self.index_name(len(made)))
+                made.append(p.Assign(name, index, span=node.span))
+                names.append(name)
+            return replace(x, indices=tuple(names))
+
+        return made, rewrite(node, once)
+
+    def index_name(self, number: int) -> str:
+        """The variable for one of the indices of a statement."""
+        while len(self.indices) <= number:
+            self.indices.append(identifier("index", self.taken))
+            self.taken.add(self.indices[-1])
+        return self.indices[number]
 
     def _handed(self, name: str, arguments: tuple[Any, ...]) -> Iterator[Key]:
         for procedure in self.program.procedures:

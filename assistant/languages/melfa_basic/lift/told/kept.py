@@ -11,6 +11,7 @@ from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lift.told.signals import AnyNumber, Numbered
 from assistant.languages.melfa_basic.lift.told.supplied import Supplied
 from assistant.languages.melfa_basic.lift.told.turned import with_turned_places
+from assistant.languages.melfa_basic.lift.values.pallets import DIVIDING
 from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS, TOLD
 from assistant.languages.melfa_basic.tables.library import library
 from assistant.program import expressions as e
@@ -41,6 +42,10 @@ STATES: Final[Mapping[str, tuple[str, e.Expression, str, str]]] = {
 """States of the controller: as they are written, what they are elsewhere, what is lost, a cure."""
 OVERRIDE: Final = "M_OVRD"
 """The percentage of speed that `Ovrd` has set."""
+_DIVIDED: Final = (
+    "the angles of its places are divided between its corners, as the manual CR1D states alone"
+)
+_UNDIVIDED: Final = "teach all corners with one posture, or give direction 11, 12 or 13"
 _MARK: Final = TOLD.format("")
 
 
@@ -89,6 +94,7 @@ class _Telling:
         self.numbered, self.findings = numbered, findings
         self.supplied = Supplied(numbered.free)
         self.held = self.override = ""
+        self.divided = False
 
     def procedure(self, procedure: Procedure) -> Procedure:
         def told(x: e.Expression) -> e.Expression:
@@ -152,6 +158,9 @@ class _Telling:
     ) -> e.Expression:
         if key in SIGNALS:
             return self.numbered.read(key, given[0], procedure)
+        if key in DIVIDING and not self.divided:
+            self.divided = True
+            self.findings.append(rules.LEFT_OUT(what="Plt", loss=_DIVIDED, cure=_UNDIVIDED))
         if key in library():
             return e.Apply(self.supplied.name(key), given)
         if key == OVERRIDE:
@@ -168,6 +177,11 @@ _OPEN_CORNER: Final = re.compile(r"Cnt\s+1", re.IGNORECASE)
 def _lost(node: p.Statement, made: Body) -> tuple[str, str] | None:
     """Effects that the replacement of a text loses, with their cures."""
     text = getattr(node, "text", "").strip()
+    if text.upper() == "RETURN":
+        return (
+            "the program ends there for good, and no error (3840) is on the controller",
+            "end the lines above the subroutine with End",
+        )
     if _FORCE.match(text):
         return (
             "the hand is opened, with no force and no time of its own",

@@ -26,7 +26,7 @@ from assistant.languages.melfa_basic.lift.values.operators import (
     is_comparison,
     operator_name,
 )
-from assistant.languages.melfa_basic.lift.values.pallets import declared
+from assistant.languages.melfa_basic.lift.values.pallets import declared, placed
 from assistant.languages.melfa_basic.lift.values.reasons import BUILT, NUMBERED, SLIDING
 from assistant.languages.melfa_basic.lift.values.supplied import supplied
 from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS, STATES, TOLD, Unliftable
@@ -162,6 +162,8 @@ class Expressions(Types):
                 told = self.m.grids or self.m.telling
                 if told and isinstance(known, float) and round(known) in self.m.pallets:
                     return e.Index(declared(round(known), self.m), (self.rounded(point),))
+                if isinstance(known, float):
+                    return placed(round(known), point, self)
         raise Unliftable
 
     def number(self, node: s.Expression) -> e.Expression:

@@ -1,20 +1,27 @@
-"""Pallets whose corners never change: grids of targets that are known beforehand.
+"""Pallets: grids of targets that are known beforehand, or that the program works out.
 
     Def Plt 1,PS,PA,PB,PD,4,3,2
     Mov (Plt 1,MK)
 
-becomes an array of 12 targets and a move to one of its elements.
+becomes an array of 12 targets and a move to one of its elements if the corners never change. For
+other languages the corners and counts of any other pallet become variables, and each place an
+offset from its start that functions of `tables/library.txt` work out.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
 import numpy as np
 
-from assistant.languages.melfa_basic.lift.values.symbols import Symbols, Unliftable
+from assistant.languages.melfa_basic.lift.values.symbols import (
+    TOLD,
+    Symbols,
+    Unliftable,
+    WorkedOut,
+)
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import target_of
 from assistant.program import expressions as e
@@ -52,6 +59,8 @@ def pallets(code: Sequence[s.Entry], symbols: Symbols) -> dict[int, tuple[str, t
         points = grid(definitions[0], symbols) if len(definitions) == 1 else None
         if points is not None:
             made[key] = symbols.free(array_name(key)), points
+        elif all(len(one.arguments) == 8 for one in definitions) and not symbols.positions.slides:
+            symbols.worked_out[key] = _worked_out(key, definitions, symbols)
     return made
 
 
@@ -82,7 +91,11 @@ def grid(node: s.DefOther, symbols: Symbols) -> tuple[Target, ...] | None:
     direction, rows = given % FIXED, 1 if arc else rows
     if given // FIXED > 1 or direction not in (ZIGZAG, SAME_WAY, ARC) or columns < 1 or rows < 1:
         return None
-    if columns * rows > MOST_POINTS or not _alike(known):
+    if columns * rows > MOST_POINTS or known[0].flags is None:
+        return None
+    if any(any(corner.values[6:]) for corner in known):
+        return None
+    if given // FIXED == 0 and not _alike(known):
         return None
     places = np.array([[float(v or 0) for v in corner.values[:3]] for corner in known])
     points = points_of_grid(places, columns, rows, direction == ZIGZAG)
@@ -90,7 +103,7 @@ def grid(node: s.DefOther, symbols: Symbols) -> tuple[Target, ...] | None:
         points = along_arc(places, columns)
     made = []
     for point in points:
-        values = (*(float(v) for v in point), *known[0].values[3:])
+        values = (*(float(v) for v in point), *known[0].values[3:6])
         made.append(target_of(s.Constant(values, known[0].flags), symbols.robot))
     return tuple(made)
 
@@ -108,18 +121,145 @@ def unchanged(node: s.Expression | None, symbols: Symbols) -> s.Constant | None:
 
 
 def _alike(corners: Sequence[s.Constant]) -> bool:
-    """Whether they differ in X, Y and Z alone."""
-    first = corners[0]
-    return first.flags is not None and all(
-        (c.values[3:], c.flags) == (first.values[3:], first.flags) for c in corners
+    """True if all have the angles of the first one."""
+    return all(corner.values[3:6] == corners[0].values[3:6] for corner in corners)
+
+
+# --------------------------------------------------------------------------- worked out
+
+SHIFT: Final = "pallet_shift"
+STEP: Final = "pallet_step"
+TURN: Final = "pallet_turn"
+FAILS: Final = "pallet_fails"
+ON_ARC: Final = "pallet_arc"
+SHARE: Final = "pallet_arc_share"
+"""Functions of the library."""
+DIVIDING: Final = (TURN, SHARE)
+"""Those that divide the angles of the corners."""
+CORNERS: Final = ("start", "first", "second", "opposite")
+COUNTS: Final = ("columns", "rows", "direction")
+_LENGTHS: Final = ("x", "y", "z")
+_ANGLES: Final = ("about_x", "about_y", "about_z")
+
+
+class Lifting(Protocol):
+    """What lifts the expressions of a file."""
+
+    m: Symbols
+
+    def plain(self, node: s.Expression) -> e.Expression:
+        """Any value."""
+
+    def rounded(self, node: s.Expression) -> e.Expression:
+        """One that is whole."""
+
+
+def _worked_out(
+    number: int, definitions: Sequence[s.DefOther], symbols: Symbols
+) -> WorkedOut | None:
+    """What all definitions of a pallet have in common; None if arcs and grids are among them."""
+    values = [symbols.constants.value(one.arguments[7]) for one in definitions]
+    known = {round(value) if isinstance(value, float) else None for value in values}
+    arcs = {value is not None and value % FIXED == ARC for value in known}
+    fourth = {one.arguments[4] is not None for one in definitions}
+    if len(arcs) != 1 or (len(fourth) != 1 and arcs != {True}):
+        return None
+    direction = next(iter(known)) if len(known) == 1 else None
+    turned = any(
+        (value is None or value < FIXED) and not _unturned(one, arcs == {True}, symbols)
+        for one, value in zip(
+            definitions, (round(v) if isinstance(v, float) else None for v in values), strict=True
+        )
     )
+    names = {part: symbols.free(f"{array_name(number)}_{part}") for part in (*CORNERS, *COUNTS)}
+    return WorkedOut(names, arcs == {True}, fourth == {True}, turned, direction)
 
 
-def define(node: s.DefOther, symbols: Symbols) -> list[p.Statement]:
+def _unturned(node: s.DefOther, arc: bool, symbols: Symbols) -> bool:
+    """True if the corners are known and have the same angles."""
+    given = [one for one in node.arguments[1 : 4 if arc else 5] if one is not None]
+    corners = [unchanged(one, symbols) for one in given]
+    known = [one for one in corners if one is not None]
+    return len(known) == len(corners) and _alike(known)
+
+
+def _defined(node: s.DefOther, pallet: WorkedOut, lift: Lifting) -> list[p.Statement]:
+    """The variables of a pallet as a definition sets them."""
+    names, made = pallet.names, list[p.Statement]()
+    corners = dict(zip(CORNERS, node.arguments[1:5], strict=True))
+    if pallet.arc:
+        corners["opposite"] = None
+    for part, corner in corners.items():
+        if corner is None and part == "opposite":
+            continue
+        if corner is None:
+            raise Unliftable(KEPT)
+        value = lift.plain(corner)
+        _declare(names[part], Variable("position"), lift.m)
+        made.append(p.Assign(e.Name(names[part]), value))
+    for part, count in zip(COUNTS, node.arguments[5:], strict=True):
+        if count is None:
+            raise Unliftable(KEPT)
+        _declare(names[part], Variable("integer"), lift.m)
+        made.append(p.Assign(e.Name(names[part]), lift.rounded(count)))
+    counts = tuple(e.Name(names[part]) for part in COUNTS)
+    if not all(isinstance(lift.m.constants.value(one), float) for one in node.arguments[5:]):
+        failed = e.Binary("=", e.Apply(TOLD.format(FAILS), counts), e.Number(1))
+        made.append(p.If((p.Branch(failed, (p.Stop(end=True),)),)))
+    return made
+
+
+def _declare(name: str, variable: Variable, symbols: Symbols) -> None:
+    symbols.variables.setdefault(name, variable)
+
+
+def placed(number: int, point: s.Expression, lift: Lifting) -> e.Expression:
+    """A place of a pallet that is worked out, by its number; raises Unliftable."""
+    pallet = lift.m.worked_out.get(number)
+    if pallet is None or not lift.m.telling:
+        raise Unliftable
+    at = lift.rounded(point)
+    corner = {part: e.Name(pallet.names[part]) for part in CORNERS}
+    counts = [e.Name(pallet.names[part]) for part in COUNTS]
+
+    ends = tuple(corner[part] for part in CORNERS[:3])
+
+    def grid_shift(field: str, function: str = SHIFT) -> e.Expression:
+        one, two, three = (e.Member(end, field) for end in ends)
+        four: e.Expression = e.Binary("-", e.Binary("+", two, three), one)
+        if pallet.opposite:
+            four = e.Member(corner["opposite"], field)
+        if function == SHIFT and pallet.direction is None:
+            axis = e.Number(_LENGTHS.index(field))
+            return e.Apply(TOLD.format(STEP), (axis, *ends, four, *counts, at))
+        return e.Apply(TOLD.format(function), (one, two, three, four, *counts, at))
+
+    def arc_shift(axis: int) -> e.Expression:
+        return e.Apply(TOLD.format(ON_ARC), (e.Number(axis), *ends, counts[0], at))
+
+    def turned(field: str) -> e.Expression:
+        start, end = (e.Member(corner[part], field) for part in ("start", "second"))
+        if pallet.arc:
+            share = e.Apply(TOLD.format(SHARE), (counts[0], counts[2], at))
+            return e.Binary("+", start, e.Binary("*", share, e.Binary("-", end, start)))
+        return e.Binary("+", start, grid_shift(field, TURN))
+
+    shifts = [
+        arc_shift(axis) if pallet.arc else grid_shift(field) for axis, field in enumerate(_LENGTHS)
+    ]
+    place = e.Apply("offset", (corner["start"], *shifts))
+    return e.Apply("oriented", (place, *map(turned, _ANGLES))) if pallet.turned else place
+
+
+def define(node: s.DefOther, lift: Lifting) -> list[p.Statement]:
     """`Def Plt`, which is no statement where the points are known."""
+    symbols = lift.m
     number = symbols.constants.value(node.arguments[0]) if node.kind == "Plt" else None
     if not isinstance(number, float):
         raise Unliftable
+    pallet = symbols.worked_out.get(round(number))
+    if pallet is not None and symbols.telling:
+        return _defined(node, pallet, lift)
     if round(number) not in symbols.pallets or not (symbols.grids or symbols.telling):
         raise Unliftable(KEPT)
     declared(round(number), symbols)

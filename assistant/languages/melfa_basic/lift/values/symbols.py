@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 
@@ -42,6 +43,8 @@ IO_BITS: Final = {"BIT": 1, "BYTE": 8, "WORD": 16, "INTEGER": 16, "DWORD": 32}
 
 TOLD: Final = "told {}"
 """Name of a function that stands for a status variable until other languages are told of it."""
+ENDED: Final = TOLD.format("END")
+"""Name of a call that stands for `End` in a subroutine until then, see `told.endings`."""
 STATES: Final = ("M_SVO", "M_OPOVRD", "M_OVRD")
 """States of the controller that other languages are told."""
 
@@ -65,6 +68,22 @@ class Routine:
     name: str
     result: ValueType | None = None
     parameters: tuple[Parameter, ...] | None = ()
+
+
+@dataclass(frozen=True, slots=True)
+class WorkedOut:
+    """A pallet that the program defines as it runs.
+
+    names: of the variables, by CORNERS and COUNTS of `pallets`. arc: its places are on an arc.
+    opposite: each definition has a fourth corner. turned: its places may have other angles than
+    its start. direction: in all definitions, None if it is worked out.
+    """
+
+    names: Mapping[str, str]
+    arc: bool
+    opposite: bool
+    turned: bool
+    direction: int | None
 
 
 @dataclass
@@ -93,6 +112,8 @@ class Symbols:
         self.addressed = Addressed(self.signals, self.free)
         self.pallets: dict[int, tuple[str, tuple[Target, ...]]] = {}
         """Arrays of the pallets whose points are known, by number."""
+        self.worked_out: dict[int, WorkedOut | None] = {}
+        """Pallets that are worked out as the program runs, by number."""
         self.grids = True
         """True if pallets are such arrays in every language."""
         self.timers: dict[int, str] = {}
