@@ -1,4 +1,4 @@
-"""What two controllers may work out differently: halves that are rounded, remainders below 0."""
+"""Results that two controllers may compute differently: halves, remainders below 0, small steps."""
 
 from __future__ import annotations
 
@@ -6,11 +6,14 @@ from collections.abc import Iterator
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
+import numpy as np
+
 from assistant.compiler.project import configured
 from assistant.languages.answers import (
     ARITHMETIC,
 )
 from assistant.program import expressions as e
+from assistant.program import statements as p
 from assistant.program.contents import saying
 from assistant.program.diagnostics import Diagnostic, error, warning
 from assistant.program.program import Procedure, Program
@@ -29,6 +32,14 @@ DIFFERENT: Final = error(
     "{what}: `{key}` is {first} in [{one}] and {second} in [{other}]",
     "keep the value from being {avoided}, or correct what assistant.toml states",
 )
+INEXACT: Final = warning(
+    "CO117",
+    "`{name}` counts in steps of {step}, which add up with rounding errors: {bound} is met by one "
+    "controller and may be missed by the other",
+    "count in whole numbers and multiply by {step}, or compare with a value between two steps",
+)
+NEAR: Final = 1e-3
+"""Parts of a step by which a bound may be off a multiple of it and still be met."""
 WHAT: Final = {
     "halves": ("a number that may end in .5 is rounded", "a half"),
     "remainder": ("a division of whole numbers that may be negative", "negative"),
@@ -66,6 +77,60 @@ def differences(
             )
         elif key not in one or key not in other:
             yield UNCONFIRMED(**tables, what=what, way=WAYS[first], span=span)
+    yield from _inexact_steps(program)
+
+
+def _inexact_steps(program: Program) -> Iterator[Diagnostic]:
+    """Findings on loops and comparisons that end where a sum of inexact steps meets a bound."""
+    steps: dict[str, float] = {}
+    bounds: list[tuple[e.Name, e.Expression, Any]] = []
+    constants = {
+        name.lower(): variable.initial
+        for name, variable in program.variables.items()
+        if variable.storage == "constant"
+    }
+
+    def number(value: e.Expression | None) -> float | None:
+        if isinstance(value, e.Name):
+            value = constants.get(value.name.lower())
+        return float(value.value) if isinstance(value, e.Number) else None
+
+    def finding(name: str, step: float, end: float | None, span: Any) -> Diagnostic:
+        bound = "the last value" if end is None else f"{end:g}"
+        return INEXACT(name=name, step=f"{abs(step):g}", bound=bound, span=span)
+
+    for statement, parts in saying(program, p.For, p.Assign, e.Binary):
+        match statement:
+            case p.For(variable, first, last, step=each):
+                step, end = number(each), number(last)
+                if step is not None and _is_inexact(step) and _meets(number(first), end, step):
+                    yield finding(variable, step, end, statement.span)
+            case p.Assign(e.Name(name), e.Binary("+" | "-", e.Name(other), each)):
+                step = number(each)
+                if name.lower() == other.lower() and step is not None and _is_inexact(step):
+                    steps[name.lower()] = step
+        for part in parts:
+            match part:
+                case e.Binary(relation, one, other_side) if relation in e.RELATIONS:
+                    sides = (one, other_side), (other_side, one)
+                    bounds += [(x, y, statement.span) for x, y in sides if isinstance(x, e.Name)]
+    for one, value, span in bounds:
+        end, added = number(value), steps.get(one.name.lower())
+        if added is not None and end is not None and _meets(0.0, end, added):
+            yield finding(one.name, added, end, span)
+
+
+def _is_inexact(step: float) -> bool:
+    """True if a controller's single-precision number is not exactly this step."""
+    return float(np.float32(step)) != step
+
+
+def _meets(first: float | None, last: float | None, step: float) -> bool:
+    """True unless a count from first in steps clearly passes last between two steps."""
+    if first is None or last is None:
+        return True
+    rounds = (last - first) / step
+    return abs(rounds - round(rounds)) < NEAR
 
 
 def _met(program: Program) -> Iterator[tuple[str, Any]]:

@@ -70,3 +70,23 @@ def test_a_project_says_how_its_controllers_do_it(tmp_path: Path) -> None:
     assert said(tmp_path, "a.prg", text, "rapid") == ("", ["CO106"])
     settings.write_text('[melfa-basic]\nhalves = "up"\n')
     assert said(tmp_path, "a.prg", text, "rapid") == ("", ["CO106"])
+
+
+@pytest.mark.parametrize(
+    ("lines", "codes"),
+    [
+        ("FOR i FROM 0 TO 1 STEP 0.1 DO b:=b+1;ENDFOR", ["CO117"]),
+        ("FOR i FROM 3 TO a STEP -0.3 DO b:=b+1;ENDFOR", ["CO117"]),
+        ("FOR i FROM 0 TO 1 STEP 0.25 DO b:=b+1;ENDFOR", []),
+        ("FOR i FROM 0 TO 1.05 STEP 0.1 DO b:=b+1;ENDFOR", []),
+        ("FOR i FROM 1 TO 7 STEP 2 DO b:=b+1;ENDFOR", []),
+        ("WHILE a<1 DO a:=a+0.1;ENDWHILE", ["CO117"]),
+        ("WHILE a<1.05 DO a:=a+0.1;ENDWHILE", []),
+        ("WHILE 2>=a DO a:=a+0.5;ENDWHILE", []),
+        ("a:=a-0.2;IF a=-1 b:=3;", ["CO117"]),
+    ],
+)
+def test_a_bound_that_inexact_steps_meet_is_reported(
+    tmp_path: Path, lines: str, codes: list[str]
+) -> None:
+    assert said(tmp_path, "m.mod", RAPID.format(lines), "melfa-basic-5")[1] == codes
