@@ -38,6 +38,11 @@ TAKEN: Final = info(
     "the controller's files state {what}",
     "see that they are those of this program; a process file or a cell file counts instead",
 )
+CALLED: Final = warning(
+    "CO048",
+    "the controller calls `{name}` {when}, as its files state; that call is not translated",
+    "have the other controller call it then, or call it where the program begins",
+)
 STATED: Final = "cell values"
 """Of the text of declarations that is made of what a cell states."""
 ALL: Final = "the text"
@@ -105,6 +110,13 @@ def as_configured(program: Program, language: Language[Any], given: Configured) 
     if begins is not None and not begins.parameters and begins.name != program.entry:
         program = replace(program, entry=begins.name)
         found.append(TAKEN(what=f"that the program begins with `{begins.name}`"))
+    if program.origin is not None and given.called:
+        program = replace(program, origin=replace(program.origin, called=frozenset(given.called)))
+    entry = (program.entry or "").lower()
+    for procedure in program.procedures:
+        when = given.called.get(procedure.name.lower())
+        if when is not None and procedure.name.lower() != entry:
+            found.append(CALLED(name=procedure.name, when=when, span=procedure.span))
     return Placed(program, arm, tuple(found))
 
 

@@ -183,8 +183,15 @@ _STATED_ANEW: Final = ("frames", "tools", "speeds", "blends", "signals")
 
 
 def _as_stated(program: Program, before: Program, lifted: Program) -> Program:
-    """A program that was read once more, with what a process file had said of it before."""
+    """A program that was read once more, with what files had stated of it before.
+
+    Those are a process file, and files of its controller, which name its entry and what is called.
+    """
     changed: dict[str, Any] = {}
+    if before.entry != lifted.entry:
+        changed["entry"] = before.entry
+    if before.origin is not None and program.origin is not None:
+        changed["origin"] = replace(program.origin, called=before.origin.called)
     for table in _STATED_ANEW:
         was, now = getattr(lifted, table), getattr(before, table)
         anew = {name: one for name, one in now.items() if was.get(name) != one}

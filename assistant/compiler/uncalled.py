@@ -43,7 +43,8 @@ def without_uncalled(
     named = {_name(one): _named(one) for one in routines}
     if _may_call_any(program, named):
         return None
-    live = _reached(program.entry.lower(), program, named)
+    called = program.origin.called if program.origin is not None else frozenset[str]()
+    live = _reached({program.entry.lower(), *called}, program, named)
     dead = {name: one for one in routines if (name := _name(one)) not in live}
     faulty = {name for name, one in dead.items() if any(_is_in(x, name, one) for x in wrong)}
     if not faulty:
@@ -138,10 +139,13 @@ def _named(one: Procedure | Declaration) -> frozenset[str]:
     return frozenset(found)
 
 
-def _reached(entry: str, program: Program, named: Mapping[str, Set[str]]) -> set[str]:
-    """Routines that run as the program does, or as what it declares does."""
+def _reached(called: Set[str], program: Program, named: Mapping[str, Set[str]]) -> set[str]:
+    """Routines that run as the program does, or as what it declares does.
+
+    called: by the controller; names that are no routines do not matter.
+    """
     routines = {id(one) for one in _kept_routines(program)}
-    begun = {entry}
+    begun = called & named.keys()
     for declaration in program.declarations:
         if id(declaration) not in routines:
             begun |= effect_of(declaration).names & named.keys()

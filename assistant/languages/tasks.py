@@ -53,7 +53,8 @@ class Configured:
     those that the controller sets from others. unread: what is stated there and cannot be used.
     known: whether the text looks like such a file at all. arm: the robot, by its name in the
     catalogue; told: the same in its maker's words. entry: the procedure that the task begins
-    with, in lower case. values: of names that programs use and do not declare. lines:
+    with, in lower case. called: routines that the controller calls, by their names in lower case,
+    each with when. values: of names that programs use and do not declare. lines:
     communication lines by number, each with its role, port and address. findings: on the files.
     """
 
@@ -64,6 +65,7 @@ class Configured:
     arm: str | None = None
     told: str = ""
     entry: str | None = None
+    called: Mapping[str, str] = field(default_factory=dict)
     values: Mapping[tuple[WantedKind, str], Value] = field(default_factory=dict)
     lines: Mapping[int, CommunicationLine] = field(default_factory=dict)
     source: FilePath | None = None

@@ -177,13 +177,15 @@ class Origin:
     """The trees of a vendor language that a program was lifted from.
 
     lifted: what they say, which the program may have been changed from since. robot: that they
-    were read for, None if they were for none.
+    were read for, None if they were for none. called: names in lower case of procedures that the
+    controller calls.
     """
 
     language: str
     trees: tuple[Any, ...]
     lifted: Program
     robot: Any = None
+    called: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True, slots=True, weakref_slot=True)

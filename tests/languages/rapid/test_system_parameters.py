@@ -128,3 +128,105 @@ def test_external_axes_that_the_controller_has_not_stand_still(
     assert done.ok
     text = "".join(data.decode() for data in done.files.values())
     assert ("L1" in text or ",+5.00" in text) != whole
+
+
+OLD = """    PROC {name}()
+        VAR egmident sensor;
+        EGMReset sensor;
+    ENDPROC
+ENDMODULE
+"""
+"""A routine that no other language has."""
+ENTRIES = {
+    "an event": (
+        "SYS",
+        'CAB_EXEC_HOOKS:\n\n      -Routine "Sweep" -Shelf "POWER_ON" -Task "T_ROB1"',
+    ),
+    "an event of all tasks": (
+        "SYS",
+        'CAB_EXEC_HOOKS:\n\n      -Routine "sweep" -Shelf "RESET" -Task "T_X"\\\n      -AllTask',
+    ),
+    "an input": (
+        "EIO",
+        'SYSSIG_IN:\n\n      -Signal "diCall" -Action "Interrupt" -Arg1 "sweep" -Arg2 "T_ROB1"',
+    ),
+    "a service routine": ("MMC", 'MMC_SERV_ROUT:\n\n      -name "sweep"'),
+    "a process": ("PROC", 'DISP_EQUIP:\n\n      -name "gun" -clean_proc "sweep"'),
+}
+STRANGERS = {
+    "nothing": ("SYS", "CAB_EXEC_HOOKS:\n"),
+    "an event of another task": (
+        "SYS",
+        'CAB_EXEC_HOOKS:\n\n      -Routine "sweep" -Shelf "POWER_ON" -Task "T_WATCH"',
+    ),
+    "an input that does something else": (
+        "EIO", 'SYSSIG_IN:\n\n      -Signal "diCall" -Action "Load" -Arg1 "sweep"',
+    ),
+}  # fmt: skip
+
+
+def with_routine(folder: Path, routine: str, entry: tuple[str, str]) -> Translation:
+    """The task of the robot with a routine more, and a section more in a file of parameters."""
+    files = backup(folder)
+    module = MODULE.replace("ENDMODULE\n", routine.format(name="sweep"))
+    Path(files[0]).write_text(module, encoding="utf-8")
+    path = folder / "SYSPAR" / f"{entry[0]}.cfg"
+    text = path.read_text("utf-8") if path.exists() else f"{entry[0]}:CFG_1.0:6:1::\n"
+    path.write_text(f"{text}#\n{entry[1]}\n", encoding="utf-8")
+    return translate(load_task(tasks_of(files)[0]), to="melfa-basic-6", robot="rv-7frl")
+
+
+def codes(done: Translation) -> list[str]:
+    return [f.code for f in (*done.whole, *(r for row in done.rows for r in row.reasons))]
+
+
+@pytest.mark.parametrize("kind", ENTRIES)
+def test_a_routine_that_the_controller_calls_is_not_left_out(tmp_path: Path, kind: str) -> None:
+    done = with_routine(tmp_path, OLD, ENTRIES[kind])
+    assert not done.ok
+    assert "CO015" not in codes(done) and "MB209" in codes(done)
+    assert "CO048" in codes(done)
+
+
+@pytest.mark.parametrize("kind", STRANGERS)
+def test_a_routine_that_nothing_calls_is_left_out(tmp_path: Path, kind: str) -> None:
+    done = with_routine(tmp_path, OLD, STRANGERS[kind])
+    assert done.ok, codes(done)
+    assert "CO015" in codes(done) and "CO048" not in codes(done)
+
+
+def test_an_event_routine_that_is_translated_is_reported(tmp_path: Path) -> None:
+    """Nobody calls it on the other controller."""
+    routine = "    PROC {name}()\n        SetDO doGrip,0;\n    ENDPROC\nENDMODULE\n"
+    done = with_routine(tmp_path, routine, ENTRIES["an event"])
+    assert done.ok
+    said = [r.message for row in done.rows for r in row.reasons if r.code == "CO048"]
+    said += [f.message for f in done.whole if f.code == "CO048"]
+    assert said and all("at POWER_ON" in message for message in said)
+
+
+def test_the_entry_of_a_task_that_the_backup_does_not_tell_is_kept(tmp_path: Path) -> None:
+    """The parameters name entries of tasks, and none says which one the module is of."""
+    (tmp_path / "SYS.cfg").write_text(SYS.replace("watch", "sweep"), encoding="utf-8")
+    module = "MODULE m\n    PROC main()\n        Stop;\n    ENDPROC\n"
+    file = tmp_path / "m.mod"
+    file.write_text(module + OLD.format(name="sweep"), encoding="utf-8")
+    assert "CO015" not in codes(translate(file, to="melfa-basic-6"))
+    (tmp_path / "SYS.cfg").unlink()
+    assert "CO015" in codes(translate(file, to="melfa-basic-6"))
+
+
+@pytest.mark.parametrize("kind", ["an event", "nothing"])
+def test_a_cell_changes_nothing_in_what_the_controller_calls(tmp_path: Path, kind: str) -> None:
+    cell = tmp_path / "cell.toml"
+    cell.write_text("[tools]\nnozzle = { tip = [0, 0, 100] }\n", encoding="utf-8")
+    files = backup(tmp_path)
+    text = MODULE.replace("MoveL p1,v100,fine,tool0", "MoveL p1,v100,fine,nozzle")
+    text = text.replace("ENDMODULE\n", OLD.format(name="sweep")).replace("main()", "begin()")
+    Path(files[0]).write_text(text, encoding="utf-8")
+    path = tmp_path / "SYSPAR" / "SYS.cfg"
+    tasks = SYS.replace("-MotionTask", '-Entry "begin"')
+    path.write_text(f"{tasks}#\n{({**ENTRIES, **STRANGERS})[kind][1]}\n", encoding="utf-8")
+    loaded = load_task(tasks_of(files)[0])
+    done = translate(loaded, to="melfa-basic-6", robot="rv-7frl", cell=cell)
+    assert ("CO015" in codes(done)) == (kind == "nothing"), codes(done)

@@ -9,6 +9,7 @@ virtual controller has the same ones.
 from __future__ import annotations
 
 import re
+from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
@@ -33,6 +34,16 @@ ABOVE: Final = 3
 """Folders above a module in which the system parameters may stand: PROGMOD, TASKn, RAPID."""
 FIRST_EXTERNAL: Final = 7
 """Logical axis that is `eax_a`."""
+TASKS: Final = "CAB_TASKS"
+CALLS: Final = (
+    ("sys", "CAB_EXEC_HOOKS", "Routine", "at {Shelf}"),
+    ("sys", TASKS, "Entry", "as the start of the task `{Name}`"),
+    ("eio", "SYSSIG_IN", "Arg1", "by the signal `{Signal}`"),
+    ("mmc", "MMC_SERV_ROUT", "name", "as a service routine"),
+)
+"""Files, their sections and the attribute that names a routine which the controller calls."""
+INTERRUPT: Final = "Interrupt"
+"""Action of an input of the system that calls a routine."""
 NORMAL: Final = "NORMAL"
 """Type of a task that is started and stopped with the robot."""
 _ROBOT: Final = re.compile(r"ROB\d+_(\d+)((?:_\w*?[0-9.]*)*)", re.IGNORECASE)
@@ -69,7 +80,7 @@ def stated(module: FilePath, read: Texts) -> Configured:
     if folder is None:
         return found
     texts = dict[str, str]()
-    for name in ("sys", "moc", "proc"):
+    for name in ("sys", "moc", "proc", "eio", "mmc"):
         path = file_named(folder, f"{name}.cfg")
         content = None if path is None else read(path)
         if path is not None and content is not None and is_known(content):
@@ -80,7 +91,8 @@ def stated(module: FilePath, read: Texts) -> Configured:
 def _parameters(module: FilePath) -> FilePath | None:
     folders = [module.absolute().parent, *module.absolute().parent.parents[:ABOVE]]
     inner = (file_named(folder, FOLDER) for folder in folders)
-    return next((folder for folder in inner if folder is not None), None)
+    own = folders[0] if file_named(folders[0], "sys.cfg") is not None else None
+    return next((folder for folder in inner if folder is not None), own)
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,12 +127,30 @@ class _Parameters:
             arm=arm,
             told=told,
             entry=row.get("Entry", "").lower() or None,
+            called=dict(self.called(task)),
             values=values,
             findings=tuple(findings),
         )
 
     def tasks(self) -> list[dict[str, str]]:
-        return [row for row in rows_of(self.texts.get("sys", ""), "CAB_TASKS") if row.get("Name")]
+        return [row for row in rows_of(self.texts.get("sys", ""), TASKS) if row.get("Name")]
+
+    def called(self, task: str) -> Iterator[tuple[str, str]]:
+        """The routines that the controller calls by itself, in lower case, each with when."""
+        when: dict[str, list[str]] = {}
+        for file, section, key, words in CALLS:
+            for row in rows_of(self.texts.get(file, ""), section):
+                own = "" if "AllTask" in row else row.get("Name" if section == TASKS else "Task")
+                if row.get("Action", INTERRUPT) != INTERRUPT or key not in row:
+                    continue
+                if not task or not own or own.lower() == task.lower():
+                    known = when.setdefault(row[key].lower(), [])
+                    known.append(words.format_map(defaultdict(str, row)))
+        for row in all_rows(self.texts.get("proc", ""), ""):
+            for value in row.values():
+                if value and not _is_number(value):
+                    when.setdefault(value.lower(), ["in a process"])
+        return ((name, " and ".join(dict.fromkeys(said))) for name, said in when.items())
 
     def task(self) -> str:
         """The name of the task that the module is loaded by, empty if nothing tells it."""
@@ -190,6 +220,14 @@ class _Parameters:
         }
         found = [outputs[name] for name in names if name in outputs]
         return {BURNS: found[0]} if len(found) == 1 else {}
+
+
+def _is_number(value: str) -> bool:
+    try:
+        float(value)
+    except ValueError:
+        return False
+    return True
 
 
 def _number(row: Mapping[str, str], key: str, usual: float = 0.0) -> float:
