@@ -8,6 +8,7 @@ import pytest
 
 from assistant import translate
 from assistant.compiler.loading import load_text
+from assistant.program.diagnostics import Severity
 from assistant.program.text import SourceText
 from tests.virtual import rapid_words
 from tests.virtual.test_translated_cases import HEAD
@@ -95,3 +96,15 @@ def test_what_fits_stays_as_it_is(tmp_path: FilePath) -> None:
         load_text(SourceText(text), process=process, language="rapid"), to="melfa-basic-6"
     )
     assert "MB223" not in {f.code for f in done.findings}
+
+
+def test_an_array_remains_a_parameter_beside_those_that_do_not() -> None:
+    numbers = ",".join(f"num quantity_of_item_{at}" for at in range(12))
+    text = (
+        "MODULE shelf\nVAR num total;\n"
+        f"PROC sum_up({numbers},INOUT num held{{*}})\n"
+        "held{1}:=quantity_of_item_0+quantity_of_item_11;\ntotal:=held{2};\nENDPROC\nENDMODULE\n"
+    )
+    done = translate(load_text(SourceText(text), language="rapid"), to="melfa-basic-6")
+    assert not {f.code for f in done.findings if f.severity is Severity.ERROR} - {"MB245"}
+    assert "MB223" in {f.code for row in done.rows for f in row.reasons}

@@ -1,6 +1,7 @@
 """Procedures of so many parameters that no line holds their head, or a call of them.
 
-Their parameters become variables of the program, as in a language without parameters.
+Their parameters become variables of the program, as in a language without parameters; arrays
+remain parameters.
 """
 
 from __future__ import annotations
@@ -56,7 +57,7 @@ class Widths:
 def too_long(program: Program, widths: Widths) -> frozenset[str]:
     """Lower-case names of the procedures whose head, or a call of which, no line holds.
 
-    Without those that call themselves, that take arrays, or whose parameters kept texts name.
+    Without those that call themselves, that take arrays alone, or whose parameters kept texts name.
     """
     known = {q.name.lower(): q for q in program.procedures if q.parameters}
     found = {name for name, q in known.items() if widths.head(q) > widths.most}
@@ -75,7 +76,7 @@ def too_long(program: Program, widths: Widths) -> frozenset[str]:
 def _is_free(procedure: Procedure) -> bool:
     """Whether its parameters may be other variables."""
     own = {q.name.lower() for q in procedure.parameters}
-    plain = not any(q.dimensions for q in procedure.parameters)
+    plain = not all(q.dimensions for q in procedure.parameters)
     return plain and own.isdisjoint(_kept(procedure))
 
 

@@ -157,6 +157,11 @@ class _Forms:
         of = Variable(parameter.type)
         return self.variable("parameter", procedure.name, parameter.name, of=of)
 
+    def stays(self, parameter: Parameter) -> bool:
+        """True if a parameter remains one: an array, where the language has parameters."""
+        can = self.job.can.procedures
+        return bool(parameter.dimensions) and can is not None and can.functions
+
     def result(self, procedure: Procedure) -> str:
         of = Variable(procedure.result or "number")
         name = self.variable("result", procedure.name, "result", of=of)
@@ -192,7 +197,9 @@ class _Forms:
             self.titles.add(name)
             given = zip_longest(procedure.parameters, key[1])
             names = {
-                q.name.lower(): place or e.Name(self.parameter(procedure, q)) for q, place in given
+                q.name.lower(): place or e.Name(self.parameter(procedure, q))
+                for q, place in given
+                if not self.stays(q)
             }
             self.made[key] = _Form(procedure, name, names)
         return self.made[key]
@@ -215,7 +222,7 @@ class _Forms:
             procedure,
             name=form.name,
             body=body,
-            parameters=() if has else procedure.parameters,
+            parameters=tuple(q for q in procedure.parameters if not has or self.stays(q)),
             result=None if has else procedure.result,
             variables={**kept, **take.variables},
         )
@@ -316,8 +323,13 @@ class _Calls:
         copies: list[p.Statement] = []
         back: list[p.Statement] = []
         places: list[e.Expression | None] = []
+        arrays: list[e.Expression] = []
         changing = self.forms.alters[callee.name.lower()] | {*handed, *self.forms.unsteady}
         for q, value in zip(callee.parameters, arguments, strict=False):
+            if self.forms.stays(q):
+                arrays.append(value)
+                places.append(None)
+                continue
             name = base(value) if q.mode == "inout" else ""
             itself = handed.count(name) > 1 or (name in mentions and name not in self.own)
             if name:
@@ -331,7 +343,7 @@ class _Calls:
                 if name:
                     back.append(p.Assign(value, variable))
         form = self.forms.form(callee, tuple(places))
-        return [*fixed, *copies], p.Call(form.name, unit=callee.unit), back
+        return [*fixed, *copies], p.Call(form.name, tuple(arrays), unit=callee.unit), back
 
     def fixed(
         self, stem: tuple[str, ...], place: e.Expression, changing: frozenset[str] | None
