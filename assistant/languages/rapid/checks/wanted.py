@@ -24,9 +24,11 @@ from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tables.states import (
     COUNT,
     MEETING,
+    NUMBERS,
     OF_A_CELL,
     OPTIONS_OF_A_CELL,
     STATES,
+    TASK_NUMBER,
     State,
     state_of,
 )
@@ -193,6 +195,8 @@ class _Module:
             options = [one.name for one in node.arguments if isinstance(one, s.Option)]
             if (state := state_of(low, options)) is not None:
                 self._state(state)
+                if state is STATES["gettaskname"] and any(o.lower() in NUMBERS for o in options):
+                    self._state(TASK_NUMBER)
             elif routine is None or _is_of_a_cell(low, routine):
                 self._unread(node, name, scope, kind, result)
                 return

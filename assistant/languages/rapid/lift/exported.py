@@ -26,7 +26,7 @@ from assistant.languages.rapid.lift.instructions import Meaning
 from assistant.languages.rapid.lift.modules import as_one
 from assistant.languages.rapid.lift.operator import with_operator
 from assistant.languages.rapid.lift.places import with_active
-from assistant.languages.rapid.lift.plain.library import PART
+from assistant.languages.rapid.lift.plain.library import PART, TAKES
 from assistant.languages.rapid.lift.plain_data import with_plain_data, without_marks
 from assistant.languages.rapid.lift.statements import lift_of
 from assistant.languages.rapid.lift.stopwatches import with_stopwatches
@@ -51,7 +51,8 @@ from assistant.languages.rapid.lift.told.limits import with_limit, with_limited_
 from assistant.languages.rapid.lift.told.meeting import DUE, shared, task_lists
 from assistant.languages.rapid.lift.told.outputs import switched
 from assistant.languages.rapid.lift.told.processes import beads, spot_programs, weld_speeds
-from assistant.languages.rapid.lift.told.statements import Telling, told
+from assistant.languages.rapid.lift.told.statements import BETWEEN, Telling, told
+from assistant.languages.rapid.lift.told.timed import with_timed_moves
 from assistant.languages.rapid.lift.ways import options, steps
 from assistant.languages.rapid.tables.predefined import data as predefined
 from assistant.languages.rapid.tables.processes import DATA
@@ -120,7 +121,7 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
         program = _with_other_words(program, findings)
         handled = with_errors(program, lift_of(program), findings)
         program = program if handled is program else _with_other_words(handled, findings)
-        program = with_own_waits(program)
+        program = with_timed_moves(with_own_waits(program), arm, findings)
         program = with_channels(with_operator(program, findings), findings)
         program = exchanged(program, lambda node: (_without_near(node, findings),))
         if arm is not None:
@@ -146,6 +147,7 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
     program = with_read_angles(with_predefined(program, types))
     findings += _signs(program)
     findings += _states(program)
+    findings += _taken(program)
     return Adapted(program, tuple(findings))
 
 
@@ -154,6 +156,16 @@ def _signs(program: Program) -> Iterator[Diagnostic]:
     for statement, parts in saying(program, e.Apply):
         if statement.span is not None and any(part.function == PART for part in parts):
             yield rules.SIGNS(span=statement.span)
+
+
+def _taken(program: Program) -> Iterator[Diagnostic]:
+    """Warn where a truth is tested and set in more than one step."""
+    for statement, parts in saying(program, e.Apply):
+        if statement.span is not None and any(part.function == TAKES for part in parts):
+            loss, cure = BETWEEN
+            yield rules.LEFT_OUT(
+                what="the one step of TestAndSet", loss=loss, cure=cure, span=statement.span
+            )
 
 
 def _states(program: Program) -> Iterator[Diagnostic]:

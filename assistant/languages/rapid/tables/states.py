@@ -47,6 +47,9 @@ STATES: Final[Mapping[str, State]] = {
 Numbers are those of `OP_AUTO`, `RUN_CONT_CYCLE`, `IOUNIT_PHYS_STATE_RUNNING` and `BUSSTATE_RUN`,
 see `words.ELSEWHERE`.
 """
+TASK_NUMBER: Final = State("controller_task_number", "num", 1.0)
+NUMBERS: Final = frozenset({"taskno", "mectaskno"})
+"""Options of `GetTaskName` in lower case, to whose variable it gives the number of the task."""
 COUNT: Final = "_tasks"
 """Behind the name of a list of tasks, of the cell's number of programs that meet there."""
 MEETING: Final = frozenset(("waitsynctask", "syncmoveon"))
@@ -67,7 +70,7 @@ examples."""
 OF_OPTIONS: Final = frozenset(one.name for one in OF_SYSTEM.values())
 """Names of what an option chooses."""
 BY_NAME: Final[Mapping[str, State]] = {
-    one.name: one for one in (*STATES.values(), *OF_SYSTEM.values())
+    one.name: one for one in (*STATES.values(), *OF_SYSTEM.values(), TASK_NUMBER)
 }
 
 

@@ -25,6 +25,7 @@ SAME: Final[Mapping[str, str]] = {
     "orientzyx": "turn_of_angles", "norient": "unit_turn", "bitlsh": "bits_left",
     "bitrsh": "bits_right", "bitcheck": "has_bit", "strmatch": "text_found",
     "strmemb": "is_one_of", "strmap": "exchanged", "bitset": "set_bit", "bitclear": "clear_bit",
+    "testandset": "taken_if_free",
 }  # fmt: skip
 """Functions and instructions of RAPID, and those here that take the same arguments."""
 TO_PLACES: Final = {"round": "rounded_to", "trunc": "cut_to"}
@@ -44,6 +45,8 @@ FRAME: Final = "frame_through"
 """What DefFrame is here."""
 MOST_WHOLE: Final = 1 << 23
 """Up to here a number of 32 bits has every whole one."""
+TAKES: Final = SAME["testandset"]
+"""What tests and sets a truth here."""
 PART: Final = "part_of_turn"
 PRODUCT: Final = "turn_by"
 TURN: Final = "rot"
@@ -56,7 +59,7 @@ _ASKING: Final = frozenset(
     (
         *SAME, *TO_PLACES, *BITS, "bitneg", "eulerzyx", "strtoval", "strfind", "distance",
         "numtostr", "strtobyte", "bytetostr", "gettime", "dectohex", "hextodec",
-        "defframe",
+        "defframe", "text_and_number",
     )
 )  # fmt: skip
 

@@ -6,10 +6,18 @@ controller has no tasks of such names, no RobotWare and no operating mode of its
 
 from __future__ import annotations
 
-from collections.abc import Sequence, Set
+from collections.abc import Mapping, Sequence, Set
 from typing import Any
 
-from assistant.languages.rapid.tables.states import BY_NAME, OF_OPTIONS, state_of
+from assistant.languages.rapid.lift.plain.library import call_of
+from assistant.languages.rapid.tables.states import (
+    BY_NAME,
+    NUMBERS,
+    OF_OPTIONS,
+    STATES,
+    TASK_NUMBER,
+    state_of,
+)
 from assistant.languages.rapid.tables.words import CELL_MODULE
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import called
@@ -38,6 +46,14 @@ def with_told_states(modules: Sequence[s.Module]) -> Sequence[s.Module]:
     return tuple(rewrite(module, visit, ()) for module in modules)
 
 
+def _numbered(options: Mapping[str, s.Expression | None]) -> s.Expression | None:
+    """The variable that takes the number of the task, if that is all that is asked besides."""
+    match [(name.lower(), value) for name, value in options.items()]:
+        case [(name, (s.NameRef() | s.Component() | s.Element()) as value)] if name in NUMBERS:
+            return value
+    return None
+
+
 def _asked(
     node: s.FunctionCall | s.ProcedureCall, known: Set[str]
 ) -> s.Expression | s.StatementNode | None:
@@ -49,9 +65,12 @@ def _asked(
     call = called(node)
     if call is None or len(call.given) != state.arguments or None in call.given:
         return None
-    if state.name not in OF_OPTIONS and not state.options.issuperset(call.options):
+    value: s.Expression = s.NameRef(state.name)
+    numbered = _numbered(call.options)
+    if numbered is not None and TASK_NUMBER.name in known and state is STATES["gettaskname"]:
+        value = call_of("text_and_number", value, s.NameRef(TASK_NUMBER.name), numbered)
+    elif state.name not in OF_OPTIONS and not state.options.issuperset(call.options):
         return None
-    value = s.NameRef(state.name)
     if isinstance(node, s.FunctionCall):
         return value
     *_, target = call.given

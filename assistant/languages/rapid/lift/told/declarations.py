@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Mapping, Set
 from dataclasses import replace
-from typing import Final, TypeVar
+from typing import Any, Final, TypeVar
 
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.tables.predefined import is_handle
@@ -23,7 +23,7 @@ from assistant.program.analysis.uses import names_in, texts_in
 from assistant.program.diagnostics import Findings
 from assistant.program.geometry import JointTarget, Target, Tool
 from assistant.program.kept import effect_of
-from assistant.program.program import Declaration, Program
+from assistant.program.program import Declaration, Procedure, Program, walk
 from assistant.program.rewriting import exchanged, records
 from assistant.program.subjects import Declared, Table
 
@@ -48,14 +48,27 @@ def with_needed_declarations(program: Program, findings: Findings) -> Program:
 
     program = _without_idle_targets(program, findings)
 
+    if not any(map(_local, _texts(program))):
+        return program
+    procedures = tuple(_without_idle_locals(program, q, findings) for q in program.procedures)
+    return replace(program, procedures=procedures)
+
+
+def _without_idle_locals(program: Program, procedure: Procedure, findings: Findings) -> Procedure:
+    """A procedure without declarations of handles, and of what nothing in it speaks of."""
+    if not any(isinstance(node, p.Opaque) and _local(node) for node in walk(procedure.body)):
+        return procedure
+    said = Counter(_names_in((procedure.body, procedure.variables)))
+
     def needed(node: p.Opaque) -> Iterator[p.Statement]:
         item = _local(node)
-        if item is None or not is_handle(item.type):
+        if item is None or not (is_handle(item.type) or not _said(said, item, node)):
             yield node
         else:
             _tell(findings, item, node)
 
-    return exchanged(program, needed) if any(map(_local, _texts(program))) else program
+    (made,) = exchanged(replace(program, procedures=(procedure,)), needed).procedures
+    return made
 
 
 def _without_idle_targets(program: Program, findings: Findings) -> Program:
@@ -133,7 +146,11 @@ def _local(node: p.Opaque) -> s.Data | None:
 
 def _names(program: Program) -> Iterator[str]:
     """Names in lower case that the program uses, also in text that is kept."""
-    for part in records((program.procedures, program.declarations, program.variables)):
+    yield from _names_in((program.procedures, program.declarations, program.variables))
+
+
+def _names_in(value: Any) -> Iterator[str]:
+    for part in records(value):
         match part:
             case e.Name(name):
                 yield name.lower()
@@ -143,7 +160,7 @@ def _names(program: Program) -> Iterator[str]:
                 yield from (tool.lower(), frame.lower())
 
 
-def _said(said: Counter[str], item: s.Data, declaration: Declaration) -> bool:
+def _said(said: Counter[str], item: s.Data, declaration: Declaration | p.Opaque) -> bool:
     """Whether anything but its own declaration speaks of some data."""
     low = item.name.lower()
     return said[low] > (low in effect_of(declaration).names)

@@ -265,13 +265,13 @@ def _take(telling: Telling, call: Called[s.Expression], _: p.Opaque) -> Said:
     match call.given:
         case (s.NameRef() as node,) if not call.options:
             taken = telling.meaning.expression(node)
-            telling.lost("the one step of WaitTestAndSet", *_BETWEEN)
+            telling.lost("the one step of WaitTestAndSet", *BETWEEN)
             yield p.WaitUntil(e.Unary("not", taken))
             yield p.Assign(taken, e.Truth(True))
 
 
-_BETWEEN: Final = (
-    "another program may take it between the wait and the next line",
+BETWEEN: Final = (
+    "another program may take it between the test and the next line",
     "let one program alone wait for it, or give each a variable of its own",
 )
 INSTRUCTIONS: Final[Mapping[str, Telled]] = {

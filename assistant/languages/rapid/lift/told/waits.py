@@ -38,7 +38,7 @@ def _is_asked_again(asked: e.Expression, program: Program) -> bool:
     """Whether it does not matter how often it is worked out while the program waits for it.
 
     How often functions of the user's are called is the controller's own; they may do no more than
-    give values to variables, and ask a gateway how many bytes it has.
+    give values to variables, end the program, and ask a gateway how many bytes it has.
     """
     if is_repeatable(asked):
         return True
@@ -56,7 +56,8 @@ def _is_asked_again(asked: e.Expression, program: Program) -> bool:
             continue
         seen.add(key)
         if not all(
-            isinstance(node, _QUIET) or is_by_gateway(node) for node in walk(known[key].body)
+            isinstance(node, _QUIET) or _ends(node) or is_by_gateway(node)
+            for node in walk(known[key].body)
         ):
             return False
         pending += called(known[key])
@@ -65,6 +66,11 @@ def _is_asked_again(asked: e.Expression, program: Program) -> bool:
 
 _QUIET: Final = (p.Assign, p.Call, p.Comment, p.If, p.For, p.While, p.Switch, p.Return)
 """Statements that give values to variables alone, and lead to them."""
+
+
+def _ends(node: p.Statement) -> bool:
+    """True if it ends the program, which it does once."""
+    return isinstance(node, p.Stop) and node.end
 
 
 def condition(wait: p.WaitSignal | p.WaitUntil) -> e.Expression:
