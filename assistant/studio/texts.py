@@ -10,6 +10,7 @@ from pathlib import Path as FilePath
 from typing import Final
 
 from assistant import languages
+from assistant.editing.checker import Checker
 from assistant.editing.places import LINE_END
 from assistant.editing.service import Change, Document, Workspace
 from assistant.program.diagnostics import Refused
@@ -95,8 +96,9 @@ class Desk:
 
 @dataclass(slots=True, eq=False)
 class Desks:
-    """Those of all windows, by their names."""
+    """Those of all windows, by their names. checker: looks at whole programs for all of them."""
 
+    checker: Checker = field(default_factory=Checker)
     _of: dict[str, Desk] = field(default_factory=dict)
     _lock: threading.Lock = field(default_factory=threading.Lock)
 
@@ -106,8 +108,14 @@ class Desks:
             if window not in self._of:
                 for other in [one for one in self._of if not studio.windows.has(one)]:
                     del self._of[other]
-                self._of[window] = Desk(Workspace(studio.folder))
+                workspace = Workspace(studio.folder)
+                workspace.apart = self.checker.look
+                self._of[window] = Desk(workspace)
             return self._of[window]
+
+    def end(self) -> None:
+        """Ends the process of the checker."""
+        self.checker.close()
 
 
 def desk(studio: Studio, window: str) -> Desk:

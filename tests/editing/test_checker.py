@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from assistant.editing import service
-from assistant.editing.server.checker import Checker, Request
+from assistant.editing.checker import Checker
 from assistant.editing.service import Change, Document, Place, Range, Workspace
 
 SAMPLES = Path(__file__).parent.parent.parent / "samples"
@@ -31,12 +31,7 @@ def checker():
 
 
 def apart(workspace: Workspace, checker: Checker) -> Workspace:
-    def look(document, unseen):
-        _, *others = workspace.task(document)
-        texts = [(one.path, one.text, one.language) for one in others]
-        return checker(Request(workspace.root, document.path, document.language, texts, unseen))
-
-    workspace.apart = look
+    workspace.apart = checker.look
     return workspace
 
 

@@ -8,6 +8,9 @@ from typing import Any
 
 import pytest
 
+from assistant.editing import service
+from assistant.studio.studio import Studio
+from assistant.studio.texts import KIND, desk
 from tests.studio.serving import Answer, Page
 
 PROGRAM = """\
@@ -206,3 +209,16 @@ def test_a_character_that_the_file_cannot_hold_is_told_and_nothing_is_written(
     wrong = text.save(said.replace("\r\n", "\n").replace("\u00fc", "\N{SNOWMAN}"))
     assert (wrong.status, wrong.value["findings"][0]["path"]) == (422, "main.mod")
     assert (folder / "main.mod").read_bytes() == said.encode("latin-1")
+
+
+def test_a_process_apart_looks_at_whole_programs_and_ends_with_the_studio(tmp_path: Path) -> None:
+    (tmp_path / "Main.mod").write_text(MODULE)
+    studio = Studio(tmp_path)
+    one = desk(studio, studio.windows.opened(lambda _: None))
+    one.open(tmp_path / "Main.mod", "Main.mod")
+    found = service.settled(one.document(tmp_path / "Main.mod"))
+    assert [each.diagnostic.code for each in found] == ["RA401"]
+    process = studio.live[KIND].checker._process
+    assert process.poll() is None
+    studio.end()
+    assert process.poll() is not None

@@ -15,10 +15,9 @@ from pygls.lsp.server import LanguageServer
 from pygls.protocol import LanguageServerProtocol, lsp_method
 
 from assistant.editing import service
+from assistant.editing.checker import Checker
 from assistant.editing.server import words
-from assistant.editing.server.checker import Checker, Request
 from assistant.editing.service import Change, Changes, Document, Workspace
-from assistant.editing.watching import Seen, Unseen
 from assistant.program.diagnostics import Refused
 from assistant.program.without_gc import keep_what_is_there
 
@@ -67,19 +66,13 @@ class Server(LanguageServer):
         super().__init__("robot-assistant", version, protocol_cls=_Protocol)
         self.documents = Workspace()
         self.checker = Checker()
-        self.documents.apart = self._apart
+        self.documents.apart = self.checker.look
         self._addresses: dict[str, str] = {}
         self._pending: dict[str, asyncio.Task[None]] = {}
         self._resting: dict[str, asyncio.Task[None]] = {}
         self._tokens: dict[str, tuple[str, list[int]]] = {}
         self._kept: set[str] = set()
         self._count = 0
-
-    def _apart(self, document: Document, unseen: Unseen) -> Seen | None:
-        _, *others = self.documents.task(document)
-        texts = [(one.path, one.text, one.language) for one in others]
-        root = self.documents.root
-        return self.checker(Request(root, document.path, document.language, texts, unseen))
 
     # ---------------------------------------------------------------------------- documents
 

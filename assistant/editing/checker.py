@@ -18,9 +18,9 @@ from pathlib import Path as FilePath
 from typing import IO, Any, Final
 
 from assistant.editing.watching import Seen, Unseen
-from assistant.editing.workspace import Workspace
+from assistant.editing.workspace import Document, Workspace
 
-COMMAND: Final = (sys.executable, "-m", "assistant.editing.server.checker")
+COMMAND: Final = (sys.executable, "-m", "assistant.editing.checker")
 NICE: Final = 5
 """Nice value of the process that checks, so that the one that answers comes first."""
 
@@ -44,11 +44,19 @@ class Checker:
         self._closed = False
         self._process: subprocess.Popen[bytes] | None = None
 
-    def __call__(self, request: Request) -> Seen | None:
+    def look(self, document: Document, unseen: Unseen) -> Seen | None:
         """Return the findings; None if no process can be started: then the caller checks."""
+        workspace = document.workspace
+        _, *others = workspace.task(document)
+        texts = [(one.path, one.text, one.language) for one in others]
+        return self._ask(Request(workspace.root, document.path, document.language, texts, unseen))
+
+    def _ask(self, request: Request) -> Seen | None:
         data = pickle.dumps(request)
         with self._lock:
-            for _ in range(0 if self._closed else 2):  # one that has died is started anew, once
+            for _ in range(2):  # one that has died is started anew, once
+                if self._closed:
+                    break
                 with suppress(OSError, EOFError, ValueError, pickle.UnpicklingError):
                     process = self._started()
                     assert process.stdin is not None and process.stdout is not None
