@@ -44,8 +44,9 @@ class Path:
     external: (n, 6) deg or mm, NaN for an unused axis.
     speed, blend, tool, frame: (n,) int32 rows of the tables speeds, blends, tools, frames.
     places: (n, 2) where the move to each row begins and ends in the source text, counted from the
-    begin of the statement that follows the path; None if the rows have no lines of their own. Not
-    part of what the path says.
+    begin of the statement that follows the path; None if the rows have no lines of their own.
+    original: stem and number of the first row in the source text, where rows are called otherwise
+    there: `P` and 5 of P5, P6 … Neither is part of what the path says.
     """
 
     name: str
@@ -63,6 +64,7 @@ class Path:
     tools: tuple[str, ...]
     frames: tuple[str, ...]
     places: Rows | None = None
+    original: tuple[str, int] | None = None
 
     @staticmethod
     def of(
@@ -98,7 +100,7 @@ class Path:
             "tool": (tool, tools),
             "frame": (frame, frames),
         }
-        indices = {}
+        indices: dict[str, Any] = {}
         for label, (index, table) in column.items():
             rows = np.broadcast_to(np.asarray(index, dtype=np.int32), (n,))
             if n and not (rows.min() >= 0 and rows.max() < len(table)):
@@ -167,7 +169,14 @@ class Path:
             for f in fields(self)
             if isinstance(getattr(self, f.name), np.ndarray)
         }
+        if self.original is not None:
+            cut["original"] = self.original[0], self.original[1] + start
         return replace(self, name=name or self.name, **cut)
+
+    def row_name(self, row: int) -> str:
+        """What the source text calls a row, counted from 0."""
+        stem, first = (f"{self.name}_", 1) if self.original is None else self.original
+        return f"{stem}{first + row}"
 
     def pose(self, row: int) -> Pose:
         return Pose.of(self.positions[row], self.quaternions[row])

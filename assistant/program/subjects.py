@@ -76,16 +76,18 @@ class PathRow:
     """A row of a path, counted from 1.
 
     more: how many other rows the same is found of. in_full: whether the words say what it is,
-    `path seam row 2` instead of `seam_2`.
+    `path seam row 2` instead of `seam_2`. original: what the source text calls it, if otherwise.
     """
 
     path: str
     row: int
     more: int = 0
     in_full: bool = False
+    original: str = ""
 
     def __str__(self) -> str:
-        said = f"path {self.path} row {self.row}" if self.in_full else f"{self.path}_{self.row}"
+        name = self.original or f"{self.path}_{self.row}"
+        said = f"path {self.path} row {self.row}" if self.in_full else name
         return f"{said} and {self.more} more" if self.more else said
 
 

@@ -13,7 +13,7 @@ from assistant.compiler.source_map import Place, Places
 from assistant.compiler.translating import Translation
 from assistant.program.diagnostics import Span
 from assistant.program.program import Program, walk
-from assistant.program.statements import Label
+from assistant.program.statements import Follow, Label
 from assistant.program.subjects import ONE_OF
 from assistant.report.translation import Translated
 
@@ -82,6 +82,24 @@ def renamed(translation: Translation) -> Iterator[tuple[Named, str, Place | None
         news = dict.fromkeys(spelled(one.kind, one.owner, one.name) for one in alike)
         for new in news or [""]:
             yield old, new, place
+    yield from _rows(source, written, places)
+
+
+def _rows(
+    source: Program, written: Program, places: Places
+) -> Iterator[tuple[Named, str, Place | None]]:
+    """The same of positions that are rows of paths now, under other names."""
+    here, there = (
+        [s for s in one.statements() if isinstance(s, Follow)] for one in (source, written)
+    )
+    if [len(one.path) for one in here] != [len(one.path) for one in there]:
+        return
+    for one, other in zip(here, there, strict=True):
+        for row in range(len(one.path) if one.path.original is not None else 0):
+            span = one.row_span(row)
+            old = Named(ONE_OF["targets"], "", one.path.row_name(row), span)
+            new = f"{other.path.name}_{row + 1}"
+            yield old, new, None if span is None else places.of(span)
 
 
 def _converted(translation: Translation) -> Iterator[tuple[Named, str, Place | None]]:

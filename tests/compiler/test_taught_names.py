@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from assistant.compiler import translate
+from assistant.report.names import renamed
 from tests.cli.test_commands import run
 
 HEAD = "1 Tool P_NTool\n2 Base P_NBase\n3 Spd 150\n4 Cnt 0\n"
@@ -52,3 +53,30 @@ def test_a_target_out_of_reach_is_named_with_its_line(
     assert f"(P{far})" in out + err
     assert f"{file}:{far + 4}:" in out + err
     assert "P_" not in re.sub("P_N(Tool|Base)", "", out + err)
+
+
+@pytest.mark.parametrize("stem", ["P", "PSEAM"])
+def test_so_many_positions_that_they_become_a_path_are_reported(tmp_path: Path, stem: str) -> None:
+    file = written(tmp_path, [*range(7, 2108)], stem=stem)
+    made = translate(file, to="rapid")
+    found = [(row.place.line, r) for row in made.rows for r in row.reasons if r.code == "MB297"]
+    assert made.ok
+    assert [(f.message.split(" lose ")[0], line) for line, f in found] == [
+        (f"the 2101 positions `{stem}7` to `{stem}2107`", 5)
+    ]
+    news = [(old.name, new) for old, new, _ in renamed(made) if old.name.startswith(f"{stem}2")]
+    assert (f"{stem}2107", f"{stem}_2101") in news
+    (text,) = (data.decode() for data in made.files.values())
+    assert f"{stem}_2101:=" in text
+
+
+def test_a_row_of_a_path_is_named_as_in_its_text(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    file = written(tmp_path, [*range(7, 2108)])
+    text = file.read_text("ascii")
+    text = re.sub(r"=\(\+\d+", "=(+400", text).replace("P2100=(+400", "P2100=(+9400")
+    file.write_text(text, "ascii")
+    said = "".join(run(capsys, "check", file, "-r", "rv-4frl")[1:])
+    assert "(P2100)" in said and f"{file}:{5 + 2100 - 7}:" in said
+    assert "P_" not in re.sub("P_N(Tool|Base)", "", said)

@@ -153,6 +153,12 @@ FRAME_JOINED = info(
     "MB208", "user and object frame of `{name}` are written as one", "none is needed"
 )
 CANNOT_SAY = error("MB209", "MELFA-BASIC cannot say {what}", "{cure}")
+RENAMED = warning(
+    "MB297",
+    "the {count} positions `{first}` to `{last}` lose their names: they become the path `{name}`, "
+    "whose targets are `{name}_1` to `{name}_{count}`",
+    "use the new names; `--names` writes a table of both",
+)
 FULL_SPEED = warning(
     "MB294",
     "nothing sets the speed of this move: it is as fast as the arm can be, in both languages",

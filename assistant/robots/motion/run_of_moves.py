@@ -79,7 +79,7 @@ def path_part(
         mounting=Mounting(path.tool, path.frame, tools, frames),
         pace=Pace(path.speed, path.blend, path.speeds, path.blends),
         exact=np.broadcast_to(np.True_, (len(path),)),
-        label=lambda row: PathRow(path.name, row + 1),
+        label=lambda row: PathRow(path.name, row + 1, original=path.row_name(row)),
     )
 
 

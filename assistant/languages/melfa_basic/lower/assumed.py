@@ -75,6 +75,7 @@ def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
                 yield rules.NOT_CALLED(name=name, span=span)
     if to not in DIALECTS:
         yield from _full_speed(program, commands)
+        yield from _renamed(program)
         yield from _loops(program)
         yield from _signed_bits(program)
         yield from _without_value(program)
@@ -92,6 +93,20 @@ def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
                 yield rules.NO_CORNER(span=span)
             if isinstance(node, s.Command) and node.keyword == "JOvrd":
                 yield rules.JOINT_OVERRIDE(span=span)
+
+
+def _renamed(program: Program) -> Iterator[Diagnostic]:
+    """Positions of one stem that are too many to be targets with names of their own."""
+    for statement in program.statements():
+        if isinstance(statement, p.Follow) and statement.path.original is not None:
+            path = statement.path
+            yield rules.RENAMED(
+                first=path.row_name(0),
+                last=path.row_name(len(path) - 1),
+                count=len(path),
+                name=path.name,
+                span=statement.row_span(0),
+            )
 
 
 def _full_speed(

@@ -258,6 +258,8 @@ class Runs:
             external=external,
             **settings_of_parts([chunk.kinds for chunk in chunks], motion),
         )
+        if not self.own:
+            path = replace(path, original=(self.stem, self.first))
         span = over(chunks[0].span, chunks[-1].span)
         made.append(p.Follow(replace(path, places=_places(chunks)), span=span))
 
