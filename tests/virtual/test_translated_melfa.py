@@ -27,8 +27,8 @@ from tests.virtual.translating import (
 ARMS = ("rv-4frl", "irb1200-7-0.7")
 LEAST = {4: 0.4, 5: 0.6, 6: 0.6}
 """The part of the programs of MELFA-BASIC IV, V and VI that has to be translated."""
-HANDS = {"hand1": 9001, "hand1_open": 9001}
-"""A number of no signal."""
+HANDS = {"hand1": 9001, "hand1_open": 9001, "hand2": 9002, "hand2_open": 9002}
+"""Numbers of no signals."""
 GROUPS = {"do": 1, "di": 1, "go_8": 8, **{f"gi_{bits}": bits for bits in range(1, 9)}}
 """How signals are named that come from MELFA-BASIC, and their bits."""
 NUMBERS = range(1, 40)

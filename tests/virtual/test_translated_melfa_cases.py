@@ -171,6 +171,50 @@ Def Plt 5,P1,P2,P7,,4,2,M3
 Mvs (Plt 5,2)
 Mvs (Plt 5,4)
 End""",
+    "positions of numbers and where the robot is": """Spd 100
+M1=M_Inb(8)/3
+P7=SetPos(P1.X-M1,P1.Y,440,Rad(180),0,P1.C+Rad(200))
+Mvs P7
+M2=Deg(P7.C)
+If M2>180 Then M_Out(4)=1
+P8=SetPos(380+M1,10,430,Rad(180),0,Rad(170),0)
+Mvs P8
+If Dist(P_Curr,P8*(0,0,5,0,0,0))<12 Then M_Out(3)=1
+If Dist(P1,P2)<70 And Dist(P_Curr,P1)>1 Then M_Out(5)=1
+P9=P5
+P9.C=P9.C-Rad(40)
+If Zone(P5,P1,P2) Then M_Out(1)=1 Else M_Out(2)=1
+M3=Zone(P_Curr,P8,P9)+2*Zone(P5,P9,P5)+4*Zone(P9,P9,P5)
+M_Outb(16)=M3
+End""",
+    "speeds that are asked for, and too high ones": """Spd 120
+If M_In(1)=1 Then Spd 50
+Mvs P1
+Dly M_Spd/100
+Spd 100000
+Mvs P2
+M1=M_Spd
+Dly M1/1000
+End""",
+    "hands and outputs by numbers that loops count": """Spd 100
+Dim MA(3)
+For M9=1 To 2
+HOpen M9
+Next M9
+For M1=0 To 2
+M_Outb(8+M1*8)=M1*2+1
+Next M1
+For M1=1 To 3
+MA(M1)=M_In(M1*2)
+M_Out(M1)=MA(M1)
+Next M1
+For M1=1 To M_Inb(8)+1
+Dly 0.1
+Next M1
+For M9=2 To 1 Step -1
+HClose M9
+Next M9
+End""",
     "pallets with numbers that are out of range": """Spd 100
 M1=M_Inb(8)
 Def Plt 2,P1,P2,P3,,M1,2,1

@@ -1,6 +1,7 @@
-"""Parts of the present position, for a language that has parts of data alone.
+"""Parts of positions that are worked out, for a language that has parts of data alone.
 
-`here(grip in base).x` becomes a variable that is given the position, and a part of it.
+`here(grip in base).x` becomes a variable that is given the position, and a part of it; so do the
+positions whose distance is asked for.
 """
 
 from __future__ import annotations
@@ -20,9 +21,9 @@ STEM = "here"
 
 
 def with_named_places(job: Legalising) -> Program:
-    """The program that gives the present position to a variable where a part of it is asked for."""
+    """The program that gives a position to a variable where a part of it is asked for."""
     program = job.program
-    if not any(map(_is_part, everywhere(program, e.Member))):
+    if not any(map(_unnamed, everywhere(program, e.Member, e.Apply))):
         return program
     taken = {n.lower() for t in (program.variables, program.targets, program.signals) for n in t}
     taken |= {name.lower() for q in program.procedures for name in (q.name, *q.variables)}
@@ -31,8 +32,14 @@ def with_named_places(job: Legalising) -> Program:
     return replace(program, procedures=made)
 
 
-def _is_part(record: object) -> bool:
-    return isinstance(record, e.Member) and isinstance(record.value, e.Here)
+def _unnamed(record: object) -> tuple[e.Expression, ...]:
+    """The positions of an expression that have to be in variables."""
+    match record:
+        case e.Member(value=e.Here() as place):
+            return (place,)
+        case e.Apply("distance", given):
+            return tuple(x for x in given if isinstance(x, e.Here | e.Apply | e.TargetValue))
+    return ()
 
 
 def _named(procedure: Procedure, taken: set[str]) -> Procedure:
@@ -51,12 +58,16 @@ def _named(procedure: Procedure, taken: set[str]) -> Procedure:
         made, places = Taken(node), dict[e.Expression, e.Name]()
 
         def part(value: e.Expression) -> e.Expression:
-            if not (isinstance(value, e.Member) and isinstance(value.value, e.Here)):
-                return value
-            if value.value not in places:
-                places[value.value] = place(len(places))
-                made.before.append(p.Assign(places[value.value], value.value))
-            return replace(value, value=places[value.value])
+            for one in _unnamed(value):
+                if one not in places:
+                    places[one] = place(len(places))
+                    made.before.append(p.Assign(places[one], one))
+            match value:
+                case e.Member(value=e.Here() as one):
+                    return replace(value, value=places[one])
+                case e.Apply("distance", given):
+                    return replace(value, arguments=tuple(places.get(x, x) for x in given))
+            return value
 
         made.statement = map_head(node, part)
         return made

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path as FilePath
 from typing import get_args
 
 import numpy as np
@@ -10,6 +11,7 @@ from hypothesis import HealthCheck, Phase, assume, given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
+from assistant.compiler import load, translate
 from assistant.languages.answers import (
     Frames,
 )
@@ -151,3 +153,24 @@ def test_out_of_reach_of_five_axes() -> None:
     (finding,) = [f for f in found if f.severity is Severity.ERROR]
     assert finding.code == "MB213"
     assert "30.00 degrees" in finding.message
+
+
+def test_lines_with_columns_and_a_close_of_all(tmp_path: FilePath) -> None:
+    file = tmp_path / "TALK.mb5"
+    file.write_text(
+        'Close\nC_Com(2)="ETH:10.0.0.7, 3000"\nOpen "COM2:" As #1\n'
+        'Print #1,"AB","C",M1,"D"\nClose\nEnd\nM1=+3\n'
+    )
+    made = translate(file, to="rapid")
+    assert made.ok
+    (module,) = made.files.values()
+    text = module.decode()
+    assert text.count("SocketClose channel_1;") == 2
+    assert 'SocketConnect channel_1,"10.0.0.7",3000' in text
+    assert "in_next_column(" in text and "AB        C" in text
+
+
+def test_a_file_of_its_suffix_needs_no_other_mark(tmp_path: FilePath) -> None:
+    file = tmp_path / "PLAIN.mb5"
+    file.write_text('M1=3\nOpen "COM2:" As #1\nC1$="a"\nEnd\n')
+    assert load(file).program.procedures

@@ -37,11 +37,14 @@ def recognises(data: bytes, level: int, suffix: str = "") -> bool:
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     if marked := _MARK.search(text):
         return int(marked[1]) == level
-    return is_program(text) and level == (stated or version(text))
+    return is_program(text, named=stated is not None) and level == (stated or version(text))
 
 
-def is_program(text: str) -> bool:
-    """Whether a text looks like MELFA-BASIC in any version, or like a list of positions."""
+def is_program(text: str, *, named: bool = False) -> bool:
+    """True if a text looks like MELFA-BASIC in any version, or like a list of positions.
+
+    named: its suffix belongs to MELFA-BASIC alone, so that no line of it needs to.
+    """
     if _RAPID.search(text):
         return False
     sure = likely = lines = 0
@@ -53,7 +56,7 @@ def is_program(text: str) -> bool:
         if found is not None:
             likely += 1
             sure += found["sure"] is not None or found["step"] is not None
-    return sure > 0 and likely >= LEAST * lines
+    return (sure > 0 or (named and lines > 0)) and likely >= LEAST * lines
 
 
 _SILENT: Final = re.compile(r"\s*(?:'|\x1a|$)")

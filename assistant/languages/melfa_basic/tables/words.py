@@ -40,3 +40,7 @@ def free(name: str, most: int, taken: set[str]) -> str:
         counts[key] = count
     taken.add(found.upper())
     return found
+
+
+OPTIMUM: Final = 10000.0
+"""mm/s that `M_NSpd` stands for: as fast as the arm can. A higher speed is this one."""

@@ -232,6 +232,7 @@ class Unit:
         symbols = self._meanings()
         if not self.own:
             symbols.pallets, symbols.grids = pallets(code, symbols), self.grids
+        symbols.goes_on, symbols.opened = self._channels(symbols)
         expressions = Expressions(symbols)
         local = declared.own_variables(self.header, self.first_values, expressions)
         declared.elements(self.file, symbols)
@@ -257,6 +258,25 @@ class Unit:
         reading.procedures = equal_procedures.as_one(reading.procedures, origin)
         reading.procedures += [replace(f, unit=self.unit) for f in functions]
         return reading
+
+    def _channels(self, symbols: Symbols) -> tuple[bool, tuple[int, ...] | None]:
+        """True if a `Print #` leaves a line unfinished, and the channels that the file opens.
+
+        None where other programs may open some, or what is opened is no line.
+        """
+        made = [one for item in self.code for one in statements_in(statement_of(item))]
+        goes_on = any(
+            isinstance(one, s.Print) and one.items[-1:] and one.items[-1][1] is None for one in made
+        )
+        opened = [one for one in made if isinstance(one, s.Open)]
+        numbers = [symbols.value(one.number) for one in opened]
+        lines = all(isinstance(one.name, s.String) and ":" in one.name.value for one in opened)
+        if self.touched.keys() - {next(iter(self.touched))} or not lines:
+            return goes_on, None
+        known = sorted({round(one) for one in numbers if isinstance(one, float)})
+        return goes_on, tuple(known) if len(numbers) == sum(
+            isinstance(n, float) for n in numbers
+        ) else None
 
     def _scope(self, parts: list[Region]) -> Scope:
         """The variables that all procedures share: those of the lines outside of functions."""

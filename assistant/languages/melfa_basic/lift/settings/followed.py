@@ -20,8 +20,9 @@ from assistant.languages.melfa_basic.lift.settings.held import (
     Settings,
     set_by,
 )
-from assistant.languages.melfa_basic.lift.values.expressions import OPTIMUM, Expressions
+from assistant.languages.melfa_basic.lift.values.expressions import Expressions
 from assistant.languages.melfa_basic.lift.values.symbols import Symbols, Unliftable
+from assistant.languages.melfa_basic.tables.words import OPTIMUM
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.settings.flow import UNKNOWN
 from assistant.program import expressions as e

@@ -11,6 +11,7 @@ from assistant.languages.melfa_basic.lift.values.constants import Constants
 from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tables.variables import PARAMETERS, kept_as
 from assistant.languages.melfa_basic.tables.vocabulary import function, status
+from assistant.languages.melfa_basic.tables.words import OPTIMUM
 from assistant.languages.melfa_basic.text.header import Header
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import Positions
@@ -87,7 +88,9 @@ class Settings:
             case (s.Variable(key="M_NSPD"),):
                 return math.inf
             case (value,):
-                return self._above_zero(value)
+                speed = self._above_zero(value)
+                fixed = isinstance(speed, int | float) and not self.own
+                return min(speed, OPTIMUM) if fixed else speed
         return UNKNOWN
 
     def joint(self, arguments: tuple[Any, ...]) -> Any:

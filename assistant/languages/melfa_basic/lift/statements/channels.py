@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Final
+
 from assistant.languages.melfa_basic.lift.statements.paths import Runs
 from assistant.languages.melfa_basic.lift.values.expressions import Expressions
-from assistant.languages.melfa_basic.lift.values.symbols import Unliftable
+from assistant.languages.melfa_basic.lift.values.symbols import TOLD, Unliftable
 from assistant.languages.melfa_basic.tables.channels import LINE, MODES, NUMBERS
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import channels
@@ -39,22 +42,57 @@ def attach(node: s.Open, lift: Expressions) -> list[p.Statement]:
 
 def detach(node: s.Close, lift: Expressions) -> list[p.Statement]:
     if not node.numbers:
-        raise Unliftable
+        if not lift.m.telling or lift.m.opened is None:
+            raise Unliftable
+        return [p.Detach(channels.name_of(number)) for number in lift.m.opened]
     return [p.Detach(name(number, lift)) for number in node.numbers]
 
 
 def send(node: s.Print, lift: Expressions) -> list[p.Statement]:
-    """Parts that follow each other at once; a comma would go on in the next column."""
+    """Parts that follow each other at once, or behind a comma in the next column."""
     channel = name(node.number, lift)
     goes_on = bool(node.items) and node.items[-1][1] is None
     given = [value for _, value in node.items if value is not None]
     marks = [mark for mark, _ in node.items[1:]]
-    if any(mark != ";" for mark in marks) or len(given) + goes_on != len(node.items):
+    columns = any(mark != ";" for mark in marks)
+    if columns and (lift.m.goes_on or not lift.m.telling):
+        raise Unliftable
+    if len(given) + goes_on != len(node.items):
         raise Unliftable
     if any(lift.type_of(value) not in _PRINTED for value in given):
         raise Unliftable
     parts = tuple(lift.plain(value) for value in given)
+    if columns:
+        texts = [lift.type_of(value) == "text" for value in given]
+        pairs = zip(parts, texts, strict=True)
+        parts = _in_columns(
+            [x if is_text else e.Apply("text", (x,)) for x, is_text in pairs], marks
+        )
     return [p.Send(channel, "piece" if goes_on else "line", parts)]
+
+
+COLUMN: Final = 10
+"""Characters of a column that a comma begins the next one of (COSIROP: PRINT)."""
+
+
+def _in_columns(parts: Sequence[e.Expression], marks: Sequence[str]) -> tuple[e.Expression, ...]:
+    """The parts with blanks up to the next column where a comma is between them."""
+    made = list(parts[:1])
+    for mark, part in zip(marks, parts[1:], strict=True):
+        if mark == ",":
+            made = [_padded(made)]
+        made.append(part)
+    return tuple(made)
+
+
+def _padded(texts: Sequence[e.Expression]) -> e.Expression:
+    if all(isinstance(one, e.Text) for one in texts):
+        whole = "".join(one.value for one in texts if isinstance(one, e.Text))
+        return e.Text(whole + " " * (-len(whole) % COLUMN))
+    line = texts[0]
+    for one in texts[1:]:
+        line = e.Binary("+", line, one)
+    return e.Apply(TOLD.format("in_next_column"), (line, e.Number(COLUMN)))
 
 
 def receive(node: s.Input, lift: Expressions, runs: Runs) -> list[p.Statement]:

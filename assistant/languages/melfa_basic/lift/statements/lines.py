@@ -22,6 +22,7 @@ from assistant.languages.melfa_basic.lift.values import reasons
 from assistant.languages.melfa_basic.lift.values.expressions import Expressions
 from assistant.languages.melfa_basic.lift.values.symbols import (
     ENDED,
+    TOLD,
     Routine,
     Symbols,
     Unliftable,
@@ -59,6 +60,9 @@ class Block:
 
 
 ENDS: Final = (s.Command("End"), s.Command("Return"))
+TELLING: Final = (s.Assign, s.Motion, s.Print, s.Close)
+"""Statements that other languages may have where the pseudo-program keeps their texts."""
+HANDS: Final = ("HOpen", "HClose")
 FORCED: Final = "HOpen"
 """Takes forces and a time beside its hand (COSIROP: HOPEN)."""
 Lift = Callable[[Any, Any], list[p.Statement]]
@@ -169,9 +173,9 @@ class Statements:
             return read()
         except Unliftable as found:
             set_here = self.effect(node) is not None
-            hand = isinstance(node, s.Command) and node.keyword == FORCED
+            hand = isinstance(node, s.Command) and node.keyword in HANDS
             defines = set_here or isinstance(node, s.DefOther)
-            tells = defines or hand or isinstance(node, s.Assign | s.Motion) or node in ENDS
+            tells = defines or hand or isinstance(node, TELLING) or node in ENDS
             told = self.expressions.told(read) if tells else None
             reason = found.reason or refused
             if defines and told is not None:
@@ -278,6 +282,11 @@ class Statements:
             arguments = arguments[:1]  # without force and time, see `told.kept`
         called: Called[s.Expression] = Called(node.keyword, arguments)
         said = ROWS.read(called, self.reading)
+        if said is None and node.keyword in HANDS and self.expressions.m.telling:
+            match arguments:
+                case (number,) if number is not None and self.hand(number) is None:
+                    given = self.expressions.rounded(number)
+                    return [p.Call(TOLD.format(node.keyword.upper()), (given,))]
         if said is None:
             raise Unliftable
         return [said]

@@ -7,7 +7,7 @@ from typing import Final
 
 from assistant.languages import kept_reasons
 from assistant.languages.melfa_basic.lift.settings.followed import followed, named
-from assistant.languages.melfa_basic.lift.settings.held import FRAME, TOOL, set_by
+from assistant.languages.melfa_basic.lift.settings.held import FRAME, TCP, TOOL, set_by
 from assistant.languages.melfa_basic.lift.statements import waits
 from assistant.languages.melfa_basic.lift.statements.control import COMMANDS, LIFTS, Control
 from assistant.languages.melfa_basic.lift.statements.paths import Values
@@ -142,6 +142,7 @@ class Reader(Control):
         self.symbols.placing = values[TOOL], values[FRAME]
         told = followed(values, self.followed)
         self.symbols.placing_told = named(told[TOOL]), named(told[FRAME])
+        self.symbols.speed = named(told[TCP])
         assert self.form is not None
         called = self.form.called.get(at, {}).items()
         functions = ((self.regions[callee].function, made.name) for callee, made in called)

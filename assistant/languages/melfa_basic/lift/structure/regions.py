@@ -104,8 +104,8 @@ def handlers(code: Code) -> dict[str, str]:
     }
 
 
-STOPS: Final = ("", "S")
-"""Ways in which an interrupt stops the arm at once (COSIROP: DEF ACT)."""
+STOPS: Final = ("", "S", "F")
+"""Ways in which an interrupt stops the arm at once (COSIROP: DEF ACT; F of the force sensor)."""
 
 
 def _leaves(code: Code, at: int, word: str) -> bool:

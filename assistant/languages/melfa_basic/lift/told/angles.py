@@ -8,6 +8,7 @@ that is only turned on by `P.C=P.C+…` needs none: its orientation is the same 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
@@ -250,7 +251,8 @@ class _Work:
                 own = dict(zip(SUFFIXES, self.numbers(place, key), strict=True))
                 yield p.Assign(own[part.lower()], value, span=node.span)
                 if _place(after) != place:
-                    turned = e.Apply("oriented", (place, *own.values()))
+                    angles = {**own, part.lower(): _within_turn(value, own[part.lower()])}
+                    turned = e.Apply("oriented", (place, *angles.values()))
                     yield p.Assign(place, turned, span=node.span)
             case p.Assign(e.Name() | e.Index() as place, value) if self.key(place) in self.beside:
                 yield node
@@ -400,6 +402,14 @@ def _alike(one: Pose, other: Pose) -> bool:
     return bool(
         np.allclose(one.position, other.position, atol=1e-6)
         and abs(abs(float(np.dot(one.quaternion, other.quaternion))) - 1.0) <= NEAR
+    )
+
+
+def _within_turn(value: e.Expression, beside: e.Expression) -> e.Expression:
+    """A number of more than a turn within it, which few digits tell exactly; else what it is in."""
+    number = e.plain_number(value)
+    return (
+        beside if number is None or abs(number) <= 360 else e.number_of(math.remainder(number, 360))
     )
 
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any, Final
 
 from assistant.languages.melfa_basic import rules
-from assistant.languages.melfa_basic.lift.told.signals import AnyNumber, Numbered
+from assistant.languages.melfa_basic.lift.told.signals import HANDS, AnyNumber, Numbered
 from assistant.languages.melfa_basic.lift.told.supplied import Supplied
 from assistant.languages.melfa_basic.lift.told.turned import with_turned_places
 from assistant.languages.melfa_basic.lift.values.pallets import DIVIDING
@@ -111,6 +111,15 @@ class _Telling:
         def body(statements: Body) -> Body:
             return tuple(one for node in statements for one in said(node))
 
+        def inside(node: p.Statement) -> p.Statement:
+            """A statement with what it holds, in which a loop counts through known numbers."""
+            counting = self.numbered.counting
+            if isinstance(node, p.For):
+                self.numbered.counting = {**counting, **self.numbered.counted(node, procedure)}
+            made: p.Statement = map_bodies(node, body)
+            self.numbered.counting = counting
+            return made
+
         def said(node: p.Statement) -> Body:
             with self.findings.at(node.span):
                 made = node.told if isinstance(node, p.Opaque) and node.told else (node,)
@@ -126,13 +135,17 @@ class _Telling:
                 made = (node,) if turned is None else turned
                 if any(map(_counts_axis, made)):
                     self.findings.append(rules.SLIDES())
-                return tuple(map_bodies(one, body) for one in made)
+                return tuple(map(inside, made))
 
         def whole(
             node: p.Statement, origin: p.Statement, change: Callable[[e.Expression], e.Expression]
         ) -> p.Statement:
             node = map_head(replace(node, span=origin.span), change)
             match node:
+                case p.Call(name, (hand,)) if name.removeprefix(_MARK) in HANDS:
+                    key = name.removeprefix(_MARK)
+                    gripped = self.numbered.gripped(key, hand, procedure, origin)
+                    return replace(gripped, span=origin.span)
                 case p.Call(name, given) if name.startswith(_MARK):
                     made = self.numbered.switched(
                         name.removeprefix(_MARK), given, procedure, origin

@@ -6,19 +6,24 @@ signals by their names: a procedure chooses among those that the number may come
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from typing import Any, Final
+from functools import cached_property
+from typing import Any, Final, Literal
 
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.possible import Possible
+from assistant.program.analysis.possible import MOST, Numbers, Possible
 from assistant.program.analysis.possible_along import numbers_at
 from assistant.program.analysis.signals import Addressed
 from assistant.program.analysis.uses import declared
+from assistant.program.contents import everywhere
 from assistant.program.diagnostics import Findings
+from assistant.program.kept import effect_of
+from assistant.program.passes.counted_loops import writes
 from assistant.program.program import (
     Parameter,
     Procedure,
@@ -26,9 +31,15 @@ from assistant.program.program import (
     Signal,
     TakenNames,
     identifier,
+    walk,
 )
-from assistant.program.rewriting import Body
+from assistant.program.rewriting import Body, records
 
+HANDS: Final[Mapping[str, tuple[str, Literal["open", "close"]]]] = {
+    "HOPEN": ("HOpen", "open"),
+    "HCLOSE": ("HClose", "close"),
+}
+"""Statements of hands, as they are written, and what they do."""
 NUMBER: Final = "number"
 VALUE: Final = "value"
 """Parameters of the procedures."""
@@ -60,6 +71,8 @@ class Numbered:
         self.taken = TakenNames(declared(program))
         self.addressed = Addressed(self.signals, self.free)
         self.choosers: dict[Any, _Chooser] = {}
+        self.counting: Mapping[str, Numbers] = {}
+        """By the variables of the loops around a statement, in lower case, what they count to."""
 
     def read(self, key: str, number: e.Expression, procedure: Procedure) -> e.Expression:
         """The value of a signal. key: of SIGNALS. Raises AnyNumber."""
@@ -85,6 +98,31 @@ class Numbered:
             return p.Call(name, (given[0], rest[0]))
         return p.Call(self._chooser("pulse_output", signal, tuple(rest), numbers), (given[0],))
 
+    def gripped(
+        self, key: str, given: e.Expression, procedure: Procedure, origin: p.Statement
+    ) -> p.Statement:
+        """A hand that is opened or closed by its number, among those of the program. key: of HANDS.
+
+        Raises AnyNumber where no hand is known.
+        """
+        numbers = self._hands
+        which = "that the program names elsewhere"
+        with suppress(AnyNumber):
+            numbers, which = self._numbers(given, procedure, origin), "that it may come to"
+        if not numbers:
+            raise AnyNumber
+        listed = ", ".join(map(str, sorted(numbers)))
+        self.findings.append(
+            rules.NUMBERED(what="hand", name=HANDS[key][0], numbers=listed, which=which)
+        )
+        action = HANDS[key][1]
+        cases = tuple(p.Case((e.Number(n),), (p.Gripper(action, n),)) for n in sorted(numbers))
+        return p.Switch(given, cases, (p.Stop(end=True),))
+
+    @cached_property
+    def _hands(self) -> set[int]:
+        return {one.hand for one in everywhere(self.program, p.Gripper)}
+
     def added(self, program: Program) -> Program:
         """The program with the procedures that were asked for, and the signals that they name."""
         made = tuple(self._procedure(one) for one in self.choosers.values())
@@ -104,13 +142,30 @@ class Numbered:
     def _numbers(
         self, number: e.Expression, procedure: Procedure, origin: p.Statement | None = None
     ) -> set[int]:
-        if origin is None:
-            found = self.possible.of(number, procedure)
-        else:
+        found = self.possible.of(number, procedure, self.counting)
+        if found is None and origin is not None:
             found = numbers_at(self.possible, number, procedure, origin)
         if found is None:
             raise AnyNumber
         return {round(one) for one in found}
+
+    def counted(self, loop: p.For, procedure: Procedure) -> Mapping[str, Numbers]:
+        """What the variable of a loop may be inside, if its bounds are plain numbers."""
+        first, last, step = (e.plain_number(x) for x in (loop.first, loop.last, loop.step or p.ONE))
+        name = loop.variable.lower()
+        changed = writes(loop.body, self.program, verbatim=False)
+        for text in (one for one in walk(loop.body) if isinstance(one, p.Opaque) and not one.told):
+            changed |= effect_of(text).writes
+        if first is None or last is None or not step or name in changed:
+            return {}
+        count = max(int((last - first) / step) + 1, 1)
+        named = (x for x in records(loop.body) if isinstance(x, p.Call | e.Apply))
+        called = (x.procedure if isinstance(x, p.Call) else x.function for x in named)
+        calls = any(self.program.procedure(one) for one in called)
+        others = (q for q in self.program.procedures if q is not procedure)
+        if count > MOST or (calls and any(name in writes(q.body, self.program) for q in others)):
+            return {}
+        return {name: frozenset(first + turn * step for turn in range(count))}
 
     def _plain(self, value: e.Expression, procedure: Procedure) -> e.Expression:
         """A value that is always the same as that one."""

@@ -13,7 +13,9 @@ from assistant.program.contents import everywhere
 from assistant.program.program import Program
 from assistant.program.rewriting import exchanged, rewrite
 
-_STATES: Final = re.compile(r'C_Com\((\d+)\)\s*=\s*"ETH:(\d+(?:\.\d+){3}),(\d+)"', re.IGNORECASE)
+_STATES: Final = re.compile(
+    r'C_Com\((\d+)\)\s*=\s*"ETH:\s*(\d+(?:\.\d+){3})\s*,\s*(\d+)\s*"', re.IGNORECASE
+)
 """The line, the address of the other computer and its port (manual of the Ethernet function)."""
 
 

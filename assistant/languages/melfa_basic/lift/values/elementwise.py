@@ -173,6 +173,21 @@ def built(given: Sequence[s.Expression], lift: Lifting) -> tuple[float, ...] | N
     return known if len(known) == len(plain) else None
 
 
+def worked_out_place(given: Sequence[s.Expression], lift: Lifting) -> e.Expression:
+    """The position of `SetPos`, of six numbers that the program works out."""
+    if _slides(lift.m) or len(given) != len(FIELDS):
+        raise Unliftable
+    places = [lift.number(value) for value in given[:3]]
+    turned = built(given[3:], lift)
+    known = turned is not None and _is_kept((0.0, 0.0, 0.0, *turned))
+    angles = turned if turned is not None and known else (0.0, 0.0, 0.0)
+    start = lift.m.value_of(s.Constant((0.0, 0.0, 0.0, *angles), (None, None)), "position")
+    place = e.Apply("offset", (start, *places))
+    if known:
+        return place
+    return e.Apply("oriented", (place, *(lift.degrees(value) for value in given[3:])))
+
+
 def built_place(given: Sequence[s.Expression], lift: Lifting) -> tuple[float, ...] | None:
     """The same of `SetPos`, of which the first three are mm."""
     first = [e.plain_number(lift.number(value)) for value in given[:3]]

@@ -13,6 +13,7 @@ from assistant.languages.melfa_basic.lift.values.elementwise import (
     built_place,
     elementwise,
     product,
+    worked_out_place,
 )
 from assistant.languages.melfa_basic.lift.values.moved_targets import (
     amounts,
@@ -49,6 +50,7 @@ from assistant.languages.melfa_basic.tables.poses import (
     is_units,
 )
 from assistant.languages.melfa_basic.tables.vocabulary.timers import MILLISECONDS
+from assistant.languages.melfa_basic.tables.words import OPTIMUM
 from assistant.languages.melfa_basic.text import effects, printer
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import target_of
@@ -78,8 +80,6 @@ _NUMBERS: Final = {
     **{key: e.Number(round(value)) for key, value in INITIAL.items()},
 }
 """What status variables that never change are."""
-OPTIMUM: Final = 10000.0
-"""mm/s that `M_NSpd` stands for: as fast as the arm can."""
 NOWHERE: Final = s.Constant((0.0,) * 6, (0, 0))
 """Value of `P_Zero`."""
 _HERE: Final = ("P_CURR", "P_FBC", "J_CURR", "J_FBC")
@@ -266,9 +266,20 @@ class Expressions(Types):
             return e.Apply(_CLOCK[key])
         if key == "M_NSPD" and self.m.telling:
             return e.number_of(OPTIMUM)
+        if key == "M_SPD" and self.m.telling:
+            return self.speed()
         if key == "P_ZERO" and self.m.telling:
             return self.m.value_of(NOWHERE, "position")
         return _NUMBERS.get(key) or self.m.name(node)
+
+    def speed(self) -> e.Expression:
+        """The speed that `Spd` has set last, in mm/s."""
+        match self.m.speed:
+            case float(value) | int(value):
+                return e.number_of(OPTIMUM if math.isinf(value) else float(value))
+            case str(name):
+                return e.Name(name)
+        raise Unliftable(WAYS)
 
     def here(self, key: str) -> e.Expression:
         """Where the robot stands, seen with the tool and base that hold."""
@@ -367,9 +378,18 @@ class Expressions(Types):
         raise Unliftable
 
     def built(self, key: str, given: list[s.Expression]) -> e.Expression:
-        """The joints or the position of `SetJnt` and `SetPos`, of numbers that are known."""
+        """The joints or the position of `SetJnt` and `SetPos`.
+
+        Joints of numbers that are known; further elements of a position may be 0.
+        """
+        if self.five_axis:
+            raise Unliftable(BUILT)
+        if key == "SETPOS" and all(value == s.Number(0) for value in given[len(JOINTS) :]):
+            given = given[: len(JOINTS)]
         made = built(given, self) if key == "SETJNT" else built_place(given, self)
-        if made is None or len(given) != len(JOINTS) or self.five_axis:
+        if made is None and key == "SETPOS" and len(given) == len(JOINTS):
+            return worked_out_place(given, self)
+        if made is None or len(given) != len(JOINTS):
             raise Unliftable(BUILT)
         constant = s.Constant(made, None if key == "SETJNT" else (None, None))
         return self.m.value_of(constant, "joints" if key == "SETJNT" else "position")

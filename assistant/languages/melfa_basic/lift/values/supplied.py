@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Protocol
 
+from assistant.languages.melfa_basic.lift.values.elementwise import FIELDS
 from assistant.languages.melfa_basic.lift.values.symbols import TOLD, Symbols, Unliftable
 from assistant.languages.melfa_basic.tables.functions import CHECKS, FIRST_CHECK
 from assistant.languages.melfa_basic.tables.library import NAMES, library
@@ -46,6 +47,9 @@ def supplied(key: str, given: Sequence[s.Expression], lift: Lifting) -> e.Expres
         case "M_HNDCQ", (hand,) if isinstance(known := lift.m.value(hand), float):
             if 1 <= round(known) <= CHECKS:
                 return e.Name(lift.m.signal("M_IN", FIRST_CHECK - 1 + round(known)))
+        case "ZONE", (_, _, _):
+            elements = (e.Member(_place(one, lift), field) for one in given for field in FIELDS)
+            return e.Apply(TOLD.format("in_box"), tuple(elements))
     name = NAMES.get(key, {}).get(len(given))
     if name is None:
         raise Unliftable
@@ -60,3 +64,11 @@ def supplied(key: str, given: Sequence[s.Expression], lift: Lifting) -> e.Expres
         for kind, value in zip(kinds, given, strict=True)
     )
     return e.Apply(TOLD.format(name), tuple(values))
+
+
+def _place(node: s.Expression, lift: Lifting) -> e.Expression:
+    """A position whose elements can be named."""
+    made = lift.plain(node)
+    if lift.type_of(node) != "position" or not isinstance(made, e.Name | e.Index | e.Here):
+        raise Unliftable
+    return made

@@ -125,6 +125,12 @@ class Symbols:
         """Tool and frame that hold at the line that is read."""
         self.placing_told: tuple[Any, Any] = (FLANGE, BASE)
         """The same, lowered for other languages."""
+        self.speed: Any = None
+        """What `Spd` has set at the line that is read: mm/s, or the variable that holds it."""
+        self.goes_on = False
+        """Whether some `Print #` leaves its line unfinished."""
+        self.opened: tuple[int, ...] | None = None
+        """The channels that a `Close` of all closes, None if they are not known."""
         self.variants: dict[str, str] = {}
         """Names of the forms of functions that are called from the line that is read."""
         self.in_texts: set[str] = set()
