@@ -73,9 +73,14 @@ def test_a_move_stops_on_all_ways_where_the_program_waits_on_one(body: str, tmp_
 
 
 def test_a_wait_after_a_move_that_is_not_translated_costs_nothing_more(tmp_path: Path) -> None:
+    """It is no statement that lacks an equivalent, and a draft tells what the move has to do."""
     found = translated("MoveL p10,v100\\T:=5,z10,tG;\nWaitRob\\InPos;", tmp_path)
     assert [f.code for f in found.findings].count("MB209") == 1
     assert not found.files
+    (wait,) = (row for row in found.rows if row.text == "WaitRob\\InPos")
+    assert (wait.level, [f.code for f in wait.reasons]) == ("partial", ["RA397"])
+    known = translated(f"{CORNER}\nWaitRob\\InPos;\nMoveL p10,v100\\T:=5,z10,tG;", tmp_path)
+    assert "RA397" not in [f.code for f in known.findings]
 
 
 WAITING = {

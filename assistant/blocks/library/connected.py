@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import ClassVar, Generic, TypeVar
+from concurrent.futures import Future
+from typing import Any, ClassVar, Generic, TypeVar
 
 from assistant.blocks.connections import Connection
 from assistant.blocks.diagrams.block import Block, Port
@@ -35,7 +36,15 @@ class Connected(Block, Generic[T]):
         return self._share
 
     def begin(self) -> None:
+        self._shown: Future[Any] | None = None
         self._share = self.connection.take()
+
+    def ended(self, motion: Future[Any] | None) -> bool:
+        """True if a motion has ended. At the first step after its begin it counts as under way, so
+        that the block is busy at one step at least, however quick the motion is.
+        """
+        shown, self._shown = motion is self._shown, motion
+        return motion is not None and shown and motion.done()
 
     def end(self) -> None:
         if self._share is not None:

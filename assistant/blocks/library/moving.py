@@ -64,7 +64,7 @@ class Move(Connected[Operator]):
     def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:
         """Raises Refused for a move that the controller refused or did not end."""
         del now, given
-        if self._under_way is not None and self._under_way.done():
+        if self._under_way is not None and self.ended(self._under_way):
             joints = self._under_way.result().joints[:NUMBERED]
             stood = [0.0 if joint is None else joint for joint in joints]
             self._stood = np.array([*stood, *[0.0] * (NUMBERED - len(stood))])

@@ -113,7 +113,7 @@ class ExchangedPose(Connected[Asked[PoseExchange]]):
     def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:
         """Raises Refused for a pose that is not sent or not reached."""
         del now, given
-        if self._under_way is not None and self._under_way.done():
+        if self._under_way is not None and self.ended(self._under_way):
             answer, self._under_way = self._under_way.result(), None
             self._stands = pose_signal(answer.pose.position, answer.pose.quaternion)
             if self._goes:

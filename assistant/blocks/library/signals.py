@@ -175,7 +175,7 @@ class Gripper(Connected[Asked[Controller]]):
     def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:
         """Raises Refused for a gripper that does not confirm in time, or is refused."""
         del given
-        if self._moving is not None and self._moving.done():
+        if self._moving is not None and self.ended(self._moving):
             self._moving.result()
             self._moving = None
             if not self._inputs:

@@ -256,6 +256,11 @@ ALWAYS_STOPS: Final = warning(
     "stand, on others the arm would go on in the corner",
     "none is needed, unless the stop takes too long",
 )
+WAITS_FOR_KEPT: Final = warning(
+    "RA397",
+    "the wait for the arm is left out: a move before it, which is not translated, has to stop",
+    "let the move that you write for it stop at its target",
+)
 TAKEN_FOR: Final = warning(
     "RA379",
     "`{what}` asks for the most that the arm can, and is taken for {value}",

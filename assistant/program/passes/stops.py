@@ -20,12 +20,13 @@ def with_stops(
     left: Callable[[p.Opaque], Iterable[p.Statement]],
     in_corner: e.Reason,
     always: Callable[[p.MoveStatement], None],
+    after: Callable[[p.Opaque], None],
 ) -> Program:
     """The program with stops for those of its kept texts that only wait for the robot to stand.
 
     kept: what kept texts do. left: what a wait does besides. in_corner: why one stays that may find
     the robot in a corner of which nobody knows. always: tells of a move that goes on without a stop
-    on other ways, and stops on all of them.
+    on other ways, and stops on all of them. after: tells of a wait that may be for a kept move.
     """
 
     def waits(node: Any) -> bool:
@@ -61,6 +62,8 @@ def with_stops(
                 made.append(stopped(node))
             elif isinstance(node, p.Opaque) and id(node) in corners:
                 stands = corners[id(node)] <= {*standing, *stopping}
+                if stands and UNKNOWN in corners[id(node)]:
+                    after(node)
                 made += left(node) if stands else [replace(node, reason=in_corner)]
             else:
                 made.append(map_bodies(node, said))

@@ -41,8 +41,10 @@ def sent(
     return diagram, block
 
 
-def test_poses_are_gone_to_one_after_the_other(tmp_path: Path) -> None:
-    with RunningRobot(tmp_path / "home") as robot:
+@pytest.mark.parametrize("pace", [None, 4.0])
+def test_poses_are_gone_to_one_after_the_other(tmp_path: Path, pace: float | None) -> None:
+    """Each motion is seen, one that ends within a step as well."""
+    with RunningRobot(tmp_path / "home", pace=pace) as robot:
         connection = connected(robot)
         diagram, block = sent(connection, NEAR, FAR)
         watch = lambda now: now < 0.6 or block._goes or block._done < 2  # noqa: E731
@@ -52,7 +54,12 @@ def test_poses_are_gone_to_one_after_the_other(tmp_path: Path) -> None:
     assert found["arm.stands"][-1] == pytest.approx(FAR, abs=1e-2)
     busy, done = found["arm.busy"], found["arm.done"]
     assert done[-1] == 2.0 and (np.diff(done) >= 0.0).all()
-    assert not busy[np.searchsorted(done, 2) :].any()  # a move may end between two steps
+    assert (np.diff(busy) > 0.0).sum() == 2.0, "it is busy twice"
+    for number in (1, 2):
+        ended = np.searchsorted(done, number)
+        assert busy[ended - 1] == 1.0 and busy[ended] == 0.0
+    if pace is not None:
+        assert busy.sum() > 5.0
     assert found["arm.motion"][-1] > 0.0
 
 

@@ -127,7 +127,8 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
         if arm is not None:
             program = with_open_lines(program, steps)
         stop = _always_stopping(findings)
-        program = with_stops(program, steps, _besides_standing, IN_CORNER, stop)
+        after = _after_kept(findings)
+        program = with_stops(program, steps, _besides_standing, IN_CORNER, stop, after)
         nothing = NOTHING | {word for word, moves in _ENDED.items() if not _says(program, moves)}
         losses = dict(INSTRUCTIONS)
         if "eoffsoff" not in nothing and not has_external_axes(program):
@@ -269,6 +270,15 @@ def _told(
     else:
         with findings.at(node.span):
             findings.append(rules.LEFT_OUT(what=node.text.rstrip(";"), loss=loss[0], cure=loss[1]))
+
+
+def _after_kept(findings: Findings) -> Callable[[p.Opaque], None]:
+    """Report a wait that is left out, as a move before it may be one that stays as its text."""
+
+    def after(wait: p.Opaque) -> None:
+        findings.append(rules.WAITS_FOR_KEPT(span=wait.span))
+
+    return after
 
 
 def _always_stopping(findings: Findings) -> Callable[[p.MoveStatement], None]:
