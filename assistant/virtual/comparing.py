@@ -141,6 +141,11 @@ _BY_SPEED: Final = {("time", "end"), ("end", "end")}
 that it is the same."""
 
 
+_START: Final = OnWay("start", 0.0)
+_ENDS: Final = (_START, OnWay("end", 0.0))
+"""Places on the way at which a statement before or behind the move does the same."""
+
+
 class _Comparing:
     """Compares one event of either run after the other, and keeps how far they were apart."""
 
@@ -239,11 +244,12 @@ class _Comparing:
         )
 
     def _same_place(self, one: OnWay | None, two: OnWay | None) -> bool:
-        """What is set at the very end of a move with a corner may be set behind it, and what is set
-        by time at the place that the programmed speed makes of it.
+        """What is set at the very end of a move with a corner may be set behind it, what is set as
+        the move begins before it, and what is set by time at the place that the programmed speed
+        makes of it.
         """
         if one is None or two is None:
-            return one is two or (two is None and one == OnWay("end", 0.0))
+            return one is two or (two is None and one in _ENDS)
         near = TIME if one.measure == "time" else self.place
         if one.measure == two.measure and abs(one.ahead - two.ahead) <= TIME:
             return abs(one.amount - two.amount) <= near
@@ -267,7 +273,7 @@ def _doings(run: Run, signals: Bits) -> Iterator[Logged]:
     state: dict[str, float] = {}
     counted = [numbers for numbers in signals.values() if not isinstance(numbers, str)]
     named = {str(number) for numbers in counted for number in numbers}
-    for row in run.log or [Logged(0.0, "", None, event) for event in run.events]:
+    for row in _in_order(run.log or [Logged(0.0, "", None, event) for event in run.events]):
         match row.what:
             case Said() | Reported() | Noted() | Waited(seconds=0.0) | Waited(limit=True):
                 continue
@@ -280,6 +286,24 @@ def _doings(run: Run, signals: Bits) -> Iterator[Logged]:
                     state[bit] = on
             case _:
                 yield row
+
+
+def _in_order(rows: Sequence[Logged]) -> Iterator[Logged]:
+    """What a move sets as it begins comes before it, whether or not a statement sets it there."""
+    place = 0
+    while place < len(rows):
+        last = place + 1
+        if isinstance(rows[place].what, Moved):
+            while last < len(rows) and _on_way(rows[last].what) is not None:
+                last += 1
+            yield from (row for row in rows[place + 1 : last] if _on_way(row.what) == _START)
+        yield rows[place]
+        yield from (row for row in rows[place + 1 : last] if _on_way(row.what) != _START)
+        place = last
+
+
+def _on_way(event: Event) -> OnWay | None:
+    return event.at if isinstance(event, Switched) else None
 
 
 def _as(row: Logged, event: Event) -> Logged:

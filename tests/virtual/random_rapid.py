@@ -70,7 +70,7 @@ def program(seed: int) -> Drawn:
     bodies = []
     for place, routine in enumerate(routines):
         bodies.append(Body(rng, scope.inside(routine), routines[place + 1 :]).text(routine))
-    taken = set(re.findall(r"Trigg[JL] .*", "\n".join(bodies)))
+    taken = set(re.findall(r"Trigg(?:[JL]|IO|Equip) .*", "\n".join(bodies)))
     named = [n for n in w.TRIGGERS if any(re.search(rf"\b{n}\b", line) for line in taken)]
     lines += [f"VAR triggdata {name};" for name in named]
     text = "\n".join(["MODULE Cell", *lines, *bodies, "ENDMODULE", ""])
@@ -95,7 +95,7 @@ def drawn_with_more(seed: int) -> Drawn:
         Body(rng, scope.inside(routine), routines[place + 1 :]).text(routine)
         for place, routine in enumerate(routines)
     ]
-    taken = set(re.findall(r"Trigg[JL] .*", "\n".join(bodies)))
+    taken = set(re.findall(r"Trigg(?:[JL]|IO|Equip) .*", "\n".join(bodies)))
     named = [n for n in w.TRIGGERS if any(re.search(rf"\b{n}\b", line) for line in taken)]
     lines += [f"VAR triggdata {name};" for name in named]
     text = "\n".join(["MODULE Cell", *lines, *bodies[:-1], "ENDMODULE", ""])

@@ -171,7 +171,8 @@ class Body:
             changed = angles | {axis: f"{angles[axis]}+({step})"}
             self.say(depth, f"{name}.rot:=OrientZYX({','.join(changed.values())});")
         elif kind == 1:
-            self.say(depth, f"IF {angles[axis]}{rng.choice('<>')}{step} THEN")
+            # no angle that a target has: what of two equal ones is larger hangs on their rounding
+            self.say(depth, f"IF {angles[axis]}{rng.choice('<>')}{step}.7 THEN")
             self.output(depth + 1)
             self.say(depth, "ENDIF")
         elif kind == 2:

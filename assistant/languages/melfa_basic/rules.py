@@ -296,6 +296,10 @@ BEHIND = info(
     "MB239", "`{name}`, which is set at the very end of a move, is set behind the move",
     "none is needed: the robot stops there",
 )  # fmt: skip
+SET_BEFORE = warning(
+    "MB295", "`{name}`, which is set as the move begins, is set by a statement before the move, as "
+    "one `Wth` alone is appended to it", "none is needed where the robot stops before the move",
+)  # fmt: skip
 NO_CORNER = warning(
     "MB235", "a corner of 0 mm is written as a stop at the target",
     "write `Cnt 0`, or give both distances",

@@ -257,7 +257,9 @@ class Outputs:
     is set behind a move which stops there, None where it can be set at its very end. timed: of one
     (name) that is set a time before or behind a place (when), and is where a robot of a speed in
     mm/s is then; None where times can be told. most_pulses: that may run at a time, None for any
-    number. waiting: tells of one (name) that waits for another one (before), as no more run.
+    number. waiting: tells of one (name) that waits for another one (before), as no more run. most:
+    that are set on one way, None for any number. before: tells of one (name) that is set before its
+    move instead of as it begins, as there are more.
     """
 
     measures: frozenset[Measure]
@@ -268,6 +270,8 @@ class Outputs:
     timed: Rule | None = None
     most_pulses: int | None = None
     waiting: Rule | None = None
+    most: int | None = None
+    before: Rule | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -107,24 +107,35 @@ def plain_trigger(x: p.Trigger, numbers: Mapping[str, e.Number]) -> p.Trigger:
     )
 
 
-def with_ends_behind(job: Legalising, move: p.MoveStatement) -> Iterator[p.Statement]:
-    """The move; behind it what it sets at its very end.
+def with_ends_apart(job: Legalising, move: p.MoveStatement) -> Iterator[p.Statement]:
+    """The move; behind it what it sets at its very end, before it what it sets as it begins.
 
-    Where it does not stop there, that is a place which others may count otherwise, see
-    `with_measured_places`.
+    Before it only where the language sets fewer outputs on one way. Where the robot does not stop
+    at the end, that is a place which others may count otherwise, see `with_measured_places`.
     """
     blend, can = move.motion.blend, job.can.outputs
-    told = None if can is None else can.behind
-    if told is None:
+    if can is None or can.behind is None:
         yield move
         return
     stops = isinstance(blend, Blend) and blend.fine
     behind = [one for one in move.triggers if one.ahead is None and _is_at_end(one)]
-    yield replace(move, triggers=tuple(one for one in move.triggers if one not in behind))
+    left = [one for one in move.triggers if one not in behind]
+    most = len(left) if can.most is None else can.most
+    first = [one for one in left if is_at_start(one)][: max(0, len(left) - most)]
+    for one in first:
+        if can.before is not None:
+            job.findings.append(can.before(name=one.signal))
+        yield p.SetSignal(one.signal, one.value, one.pulse, span=move.span)
+    yield replace(move, triggers=tuple(one for one in left if one not in first))
     for one in behind:
         if stops:
-            job.findings.append(told(name=one.signal))
+            job.findings.append(can.behind(name=one.signal))
         yield p.SetSignal(one.signal, one.value, one.pulse, span=move.span)
+
+
+def is_at_start(one: p.Trigger) -> bool:
+    """True if the output is set as the move begins."""
+    return one.measure == "start" and one.amount == ZERO and one.ahead is None
 
 
 def is_steady(value: e.Expression, signals: Container[str] = ()) -> bool:

@@ -1,13 +1,15 @@
 """Outputs on the way of moves, in a language that sets them up in data which moves take.
 
 Where it is certain which statement set up the data that a move takes, and nothing else names them,
-the move says itself what it sets where; the data and what sets them up are left out.
+the move says itself what it sets where; the data and what sets them up are left out. Where several
+statements may have set them up, each of them notes its number, and the move is chosen by that.
 """
 
 from __future__ import annotations
 
+import math
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
@@ -15,9 +17,17 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.dataflow import Dataflow
 from assistant.program.analysis.graph import Graph
-from assistant.program.analysis.uses import along_calls, locals_of
+from assistant.program.analysis.uses import along_calls, declared, locals_of
 from assistant.program.kept import Kept, effect_of
-from assistant.program.program import Procedure, Program, Signal, walk
+from assistant.program.program import (
+    Procedure,
+    Program,
+    Signal,
+    TakenNames,
+    Variable,
+    identifier,
+    walk,
+)
 from assistant.program.rewriting import Body, map_bodies, records
 
 
@@ -70,23 +80,28 @@ def with_triggers(
     told: Callable[[Kept], Told | None],
     library: Callable[[str], bool],
     reasons: Reasons,
+    *,
+    chosen: bool = False,
 ) -> tuple[Program, list[tuple[str, Signal]]]:
     """The program with what its moves set on their way, and the signals that these are.
 
     told: what a kept text is. library: whether a lower-case name is that of a function of the
-    language's own.
+    language's own. chosen: also choose among several statements that may have set data up, and
+    leave out what sets data up that no move takes.
     """
     texts: tuple[Kept, ...] = (*program.declarations, *_opaque(program))
     found = {id(text): one for text in texts if (one := told(text)) is not None}
     if not any(isinstance(one, Declared) for one in found.values()):
         return program, []
-    return _Setting(program, found, library, reasons).settled()
+    return _Setting(program, found, library, reasons, chosen).settled()
 
 
 def _opaque(program: Program) -> Iterator[p.Opaque]:
     return (node for node in program.statements() if isinstance(node, p.Opaque))
 
 
+MOST_CHOICES: Final = 16
+"""Ways in which the data that one move takes may be set up."""
 State = Mapping[str, SetUp]
 """By name of data, what set them up on every way to a place."""
 
@@ -107,12 +122,14 @@ class _Setting:
         told: Mapping[int, Told],
         library: Callable[[str], bool],
         reasons: Reasons,
+        chosen: bool,
     ) -> None:
         self.program, self.told, self.reasons = program, told, reasons
+        self.chosen = chosen
         self.library = library
         self.procedures = {q.name.lower() for q in program.procedures}
-        declared = (effect_of(d).writes for d in program.declarations)
-        self.known = self.procedures.union(*declared)
+        written = (effect_of(d).writes for d in program.declarations)
+        self.known = self.procedures.union(*written)
         own = {q.name.lower(): frozenset(self._set_up(q)) for q in program.procedures}
         self.sets = along_calls(program, own)
         self.setups: dict[str, list[tuple[p.Opaque, SetUp]]] = {}
@@ -126,6 +143,8 @@ class _Setting:
         for procedure in program.procedures:
             self._follow(procedure)
         self.becomes: dict[int, p.Statement | None] = {}
+        self.numbers: dict[str, str] = {}
+        self.taken_names = TakenNames(declared(program))
 
     def _set_up(self, procedure: Procedure) -> Iterator[str]:
         found = (self.told.get(id(node)) for node in walk(procedure.body))
@@ -181,13 +200,14 @@ class _Setting:
     def settled(self) -> tuple[Program, list[tuple[str, Signal]]]:
         """What can be said without any of the data that stay."""
         declared = self._declared()
-        said = [(node, taking, self._said(taking, state)) for node, taking, state in self.takings]
+        said = [(node, taking, self._said(node, taking, state)) for node, taking, state in self.takings]
         gone = self._gone(declared, said)
+        self.numbers = {name: number for name, number in self.numbers.items() if name in gone}
         used: list[tuple[str, Signal]] = []
         for name, found in self.setups.items():
-            for node, one in found:
+            for place, (node, one) in enumerate(found, 1):
                 if name in gone and one.trigger is not None and one.signal is not None:
-                    self.becomes[id(node)] = None
+                    self.becomes[id(node)] = self._noted(name, place, node)
                     used.append((one.trigger.signal, one.signal))
                 else:
                     sayable = one.trigger is not None
@@ -209,9 +229,14 @@ class _Setting:
             one = self.told.get(id(text))
             return isinstance(one, Declared) and one.name in gone
 
-        self.becomes |= {id(node): None for node in _opaque(self.program) if is_gone(node)}
+        for node in _opaque(self.program):
+            one = self.told.get(id(node))
+            if isinstance(one, Declared) and one.name in gone:
+                self.becomes[id(node)] = self._noted(one.name, 0, node)
+        counted = {name: Variable("number", e.Number(0)) for name in self.numbers.values()}
         return replace(
             self.program,
+            variables={**counted, **self.program.variables},
             procedures=tuple(replace(q, body=self._body(q.body)) for q in self.program.procedures),
             declarations=tuple(d for d in self.program.declarations if not is_gone(d)),
         )
@@ -223,21 +248,58 @@ class _Setting:
         made = (self.becomes.get(id(node), node) for node in body)
         return tuple(map_bodies(node, self._body) for node in made if node is not None)
 
-    def _said(self, taking: Taking, state: State) -> p.MoveStatement | e.Reason:
+    def _noted(self, name: str, number: int, node: p.Opaque) -> p.Statement | None:
+        """Notes which statement has set data up, 0 for none; nothing where no move asks."""
+        if name not in self.numbers:
+            return None
+        return p.Assign(e.Name(self.numbers[name]), e.Number(number), span=node.span)
+
+    def _said(
+        self, node: p.Opaque, taking: Taking, state: State
+    ) -> p.MoveStatement | p.Switch | e.Reason:
         """A move with its outputs; data that one statement alone sets up are so everywhere."""
         if taking.move is None:
             return self.reasons.move
-        triggers: list[p.Trigger] = []
-        for name in taking.names:
-            one = self.single.get(name) or state.get(name)
-            if one is None or one.trigger is None:
-                return self.reasons.uncertain
-            triggers.append(one.trigger)
-        return replace(taking.move, triggers=tuple(triggers))
+        found = [self._may_be(name, state) for name in taking.names]
+        if not all(found) or math.prod(map(len, found)) > MOST_CHOICES:
+            return self.reasons.uncertain
+        move = replace(taking.move, span=node.span)
+        return self._chosen(move, list(zip(taking.names, found, strict=True)))
+
+    def _may_be(self, name: str, state: State) -> Sequence[tuple[int, p.Trigger]]:
+        """What data may be set up as, with the numbers of the statements; empty if unknown."""
+        one = self.single.get(name) or state.get(name)
+        if one is not None and one.trigger is not None:
+            return ((0, one.trigger),)
+        every = [setup for _, setup in self.setups.get(name, ())]
+        if not self.chosen or not all(setup.fixed for setup in every):
+            return ()
+        return [(n, x.trigger) for n, x in enumerate(every, 1) if x.trigger is not None]
+
+    def _chosen(
+        self,
+        move: p.MoveStatement,
+        left: Sequence[tuple[str, Sequence[tuple[int, p.Trigger]]]],
+        triggers: tuple[p.Trigger, ...] = (),
+    ) -> p.MoveStatement | p.Switch:
+        """The move, or a choice by the numbers of the statements that have set its data up."""
+        if not left:
+            return replace(move, triggers=triggers)
+        (name, found), *rest = left
+        made = {n: self._chosen(move, rest, (*triggers, one)) for n, one in found}
+        if list(made) == [0]:
+            return made[0]
+        if name not in self.numbers:
+            self.numbers[name] = identifier(f"{name}_set", self.taken_names)
+            self.taken_names.add(self.numbers[name].lower())
+        cases = tuple(p.Case((e.Number(n),), (one,)) for n, one in made.items())
+        return p.Switch(e.Name(self.numbers[name]), cases, (p.Stop(end=True),))
 
     def _gone(self, declared: set[str], said: list[Said]) -> set[str]:
         """Names of the data that nothing needs once moves say what they mean."""
         used = {name for _, taking, _ in said for name in taking.names}  # others may be another's
+        if self.chosen and self.program.entry is not None:
+            used |= self.setups.keys()
         unsaid = {n for n, found in self.setups.items() if any(x.trigger is None for _, x in found)}
         gone = (declared & used) - unsaid - self._elsewhere()
         while True:
@@ -280,7 +342,7 @@ class _Setting:
         return names
 
 
-Said = tuple[p.Opaque, Taking, p.MoveStatement | e.Reason]
+Said = tuple[p.Opaque, Taking, p.MoveStatement | p.Switch | e.Reason]
 
 
 def _joined(one: State, other: State) -> State:

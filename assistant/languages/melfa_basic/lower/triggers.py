@@ -12,7 +12,7 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.motion import Blend
-from assistant.program.passes.places import ZERO, is_steady
+from assistant.program.passes.places import ZERO, is_at_start, is_steady
 
 if TYPE_CHECKING:
     from assistant.languages.melfa_basic.lower.writer import Writer
@@ -80,8 +80,3 @@ def _unsayable(x: p.Trigger, steady: bool) -> Iterator[tuple[str, str]]:
             f"that {name} is set at the very end of a move that does not stop",
             "end the move with `fine`, or set it some mm before",
         )
-
-
-def is_at_start(one: p.Trigger) -> bool:
-    """Whether it is set as the move begins."""
-    return one.measure == "start" and one.amount == ZERO and one.ahead is None

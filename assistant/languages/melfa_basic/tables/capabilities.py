@@ -62,6 +62,8 @@ OUTPUTS: Final = Outputs(
     timed=rules.BY_SPEED,
     most_pulses=MOST_PULSES,
     waiting=rules.PULSE_WAITS,
+    most=1,
+    before=rules.SET_BEFORE,
 )
 FIVE_AXES: Final = FiveAxes(
     unreachable=rules.UNREACHABLE, over_the_back=rules.OVER_THE_BACK, to_base=rules.TO_BASE

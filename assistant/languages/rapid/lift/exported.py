@@ -28,7 +28,7 @@ from assistant.languages.rapid.lift.operator import with_operator
 from assistant.languages.rapid.lift.places import with_active
 from assistant.languages.rapid.lift.plain.library import PART, TAKES
 from assistant.languages.rapid.lift.plain_data import with_plain_data, without_marks
-from assistant.languages.rapid.lift.statements import lift_of
+from assistant.languages.rapid.lift.statements import lift_of, opaque
 from assistant.languages.rapid.lift.stopwatches import with_stopwatches
 from assistant.languages.rapid.lift.told.aliases import with_aliases
 from assistant.languages.rapid.lift.told.calls import call_of, is_text, lifted
@@ -53,10 +53,12 @@ from assistant.languages.rapid.lift.told.outputs import switched
 from assistant.languages.rapid.lift.told.processes import beads, spot_programs, weld_speeds
 from assistant.languages.rapid.lift.told.statements import BETWEEN, Telling, told
 from assistant.languages.rapid.lift.told.timed import with_timed_moves
+from assistant.languages.rapid.lift.triggers import REASONS, Triggers
 from assistant.languages.rapid.lift.ways import options, steps
 from assistant.languages.rapid.tables.predefined import data as predefined
 from assistant.languages.rapid.tables.processes import DATA
 from assistant.languages.rapid.tables.signal_types import SIGNALS
+from assistant.languages.rapid.tables.standard import FUNCTIONS
 from assistant.languages.rapid.tables.states import BY_NAME as STATE_OF
 from assistant.languages.rapid.tables.words import ELSEWHERE, VALUE_OF_TYPE
 from assistant.languages.rapid.text import verbatim
@@ -66,6 +68,7 @@ from assistant.languages.records import frame_of, tool_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.signals import with_used
+from assistant.program.analysis.uses import locals_of
 from assistant.program.contents import everywhere, saying
 from assistant.program.diagnostics import Diagnostic, Findings
 from assistant.program.geometry import Frame, Tool
@@ -75,6 +78,7 @@ from assistant.program.passes.constants import with_constants, with_predefined
 from assistant.program.passes.open_lines import with_open_lines
 from assistant.program.passes.stops import stopped, with_stops
 from assistant.program.passes.table_rows import Named, Table, with_table_rows
+from assistant.program.passes.triggers import with_triggers
 from assistant.program.program import Declaration, Program, Variable
 from assistant.program.rewriting import exchanged, records, rewrite
 
@@ -114,6 +118,7 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
     program = with_stopwatches(with_extents(program), findings)
     if tables := _tables(program):
         program = with_table_rows(program, tables, _with_named_rows)
+    program = _with_outputs_on_way(program)
     if any(map(is_text, everywhere(program, p.Opaque, e.Verbatim))):
         program, limit = with_limit(program)
         program = with_held_moves(with_aliases(program), findings)
@@ -190,6 +195,29 @@ def _key(call: s.ProcedureCall) -> str:
             case s.Positional(s.BoolLiteral(value), None):
                 words.append(str(value))
     return " ".join(words).lower()
+
+
+def _with_outputs_on_way(program: Program) -> Program:
+    """The program with what moves set on their way that plain data and named rows have cleared."""
+    if not any("trigg" in node.text.lower() for node in everywhere(program, p.Opaque)):
+        return program
+    speeds = {name.lower(): speed for name, speed in program.speeds.items()}
+    blends = {name.lower(): blend for name, blend in program.blends.items()}
+    inner = {name for procedure in program.procedures for name in locals_of(procedure)}
+    numbers = {
+        name.lower(): one.initial
+        for name, one in program.variables.items()
+        if one.storage == "constant" and isinstance(one.initial, e.Number)
+    }
+    numbers = {name: value for name, value in numbers.items() if name not in inner}
+    meaning = Meaning(speeds=speeds, blends=blends, numbers=numbers)
+    own = {procedure.name.lower() for procedure in program.procedures}
+    own = own.union(*(effect_of(one).writes for one in program.declarations))
+    understood = Triggers(meaning, own.__contains__)
+    program, used = with_triggers(
+        program, understood.told, FUNCTIONS.__contains__, REASONS, chosen=True
+    )
+    return replace(program, signals=with_used(program.signals, [*used, *meaning.used]))
 
 
 def _with_other_words(program: Program, findings: Findings) -> Program:
@@ -340,7 +368,7 @@ def _with_named_rows(node: p.Opaque, named: Named) -> p.Statement:
     changed = None if call is None else rewrite(call, change, ())
     if changed is None or changed is call:
         return node
-    return next(lifted(changed, node, Meaning()), node)
+    return next(lifted(changed, node, Meaning()), replace(opaque(changed), span=node.span))
 
 
 _ROW_OF: Final[Mapping[str, Callable[[Any], Tool | Frame | None]]] = {

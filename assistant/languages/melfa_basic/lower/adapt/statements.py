@@ -30,7 +30,7 @@ from assistant.program.passes.places import (
     by_speed,
     constants,
     plain_trigger,
-    with_ends_behind,
+    with_ends_apart,
 )
 from assistant.program.passes.plain_expressions import fixed, of_numbers, shifted
 from assistant.program.passes.rewording import Changes, Rewording
@@ -146,7 +146,7 @@ class Plain(Rewording):
         if isinstance(motion.blend, p.ComputedBlend) and motion.blend.stops is not None:
             yield self._by_corner(said, motion.blend, motion.blend.stops)
         else:
-            yield from with_ends_behind(self.job, said)
+            yield from with_ends_apart(self.job, said)
 
     def _by_corner(
         self, move: p.MoveStatement, blend: p.ComputedBlend, stops: e.Expression
@@ -155,7 +155,7 @@ class Plain(Rewording):
 
         def ending(corner: Blend | p.ComputedBlend) -> tuple[p.Statement, ...]:
             one = replace(move, motion=replace(move.motion, blend=corner))
-            return tuple(with_ends_behind(self.job, one))
+            return tuple(with_ends_apart(self.job, one))
 
         branch = p.Branch(stops, ending(FINE))
         return p.If((branch,), ending(replace(blend, stops=None)))
