@@ -21,7 +21,7 @@ from assistant.compiler.loading import (
     with_process,
 )
 from assistant.languages.tasks import Shared
-from assistant.program.diagnostics import Diagnostic, Refused, has_errors, warning
+from assistant.program.diagnostics import Diagnostic, Refused, has_errors, info, warning
 from assistant.program.text import read_bytes
 
 if TYPE_CHECKING:
@@ -33,6 +33,11 @@ CHOSEN: Final = warning(
     "CO042",
     "`{name}` is declared in {files}; the program is read with {chosen}",
     "name the files of the program, if it is another one",
+)
+BESIDE: Final = info(
+    "CO049",
+    "`{file}` of `{task}` is read in this task too, which declares no `{name}`",
+    "name the files of the program, if its task has another one",
 )
 
 
@@ -99,13 +104,17 @@ def load_task(
     return loaded if process is None else with_process(loaded, process)
 
 
+INERT: Final = frozenset(("type", "shared data", "data"))
+"""What files hold that run nothing."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class _Unit:
     """A file that is a part of programs. room: the folder that its task has.
 
     listed: the files that a list names, None for what is none. declares: for the whole task.
     routines: those of its names that are no data of a task alone. mentions: names of others, in
-    lower case.
+    lower case. inert: it has no routines.
     broken: it cannot be read whole; only a list or its own `main` makes it a part of a program.
     """
 
@@ -118,6 +127,7 @@ class _Unit:
     listed: tuple[str, ...] | None
     begins: bool
     loads: frozenset[str]
+    inert: bool
     broken: bool
 
     @property
@@ -144,6 +154,7 @@ def _unit(language: Language[Any], loading: Loading, file: str) -> _Unit:
         called if is_list else None,
         any(name == loading.entry for name, _ in shared),
         frozenset() if is_list else frozenset(name.lower() for name in called),
+        bool(shared) and all(kind in INERT for _, kind in shared),
         has_errors(tree.findings),
     )
 
@@ -294,12 +305,24 @@ class _Grouping:
                         u for u in found if name in u.routines and not self.loading.closed(u.room)
                     ]
                     near = near if len(near) == 1 else []
+                elif not near:
+                    near = self._beside(found, name, room)
+                    told = (_is_beside(name, unit) for unit in near)
+                    group.findings += told
                 if near and name not in group.declared:
                     chosen = max(near, key=lambda unit: _alike(unit, group, one.mentions))
                     if len(near) > 1:
                         group.findings.append(_choice(name, near, chosen))
                     group.add(chosen)
                     pending.append(chosen)
+
+    def _beside(self, found: Sequence[_Unit], name: str, room: FilePath) -> list[_Unit]:
+        """The file of another task that declares a type or shared data, and runs nothing.
+
+        What all tasks load a backup may hold for one of them only.
+        """
+        near = [u for u in found if u.inert and name in u.routines and u.room.parent == room.parent]
+        return near if len({u.file for u in near}) == 1 else []
 
     def _loaded_by(self, one: _Unit) -> Iterator[_Unit]:
         """The files that one loads by their names: those that stand nearest to it."""
@@ -356,6 +379,11 @@ def _alike(unit: _Unit, group: _Group, mentions: frozenset[str]) -> tuple[int, f
     """How well a file fits: names of it that are mentioned, and how like the first's its name."""
     first = SequenceMatcher(None, group.units[0].file, unit.file)
     return len(mentions & unit.declares), first.ratio()
+
+
+def _is_beside(name: str, unit: _Unit) -> Diagnostic:
+    path = FilePath(unit.path)
+    return BESIDE(name=name, file=path.name, task=unit.room.name, path=unit.path)
 
 
 def _choice(name: str, units: Sequence[_Unit], chosen: _Unit) -> Diagnostic:

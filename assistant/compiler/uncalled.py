@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import replace
-from typing import Final
+from typing import Final, TypeVar
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -19,7 +19,11 @@ from assistant.program.kept import effect_of
 from assistant.program.lines import lines_of
 from assistant.program.program import Declaration, Procedure, Program, walk
 from assistant.program.rewriting import records
-from assistant.program.subjects import Declared
+from assistant.program.subjects import Declared, Table
+
+T = TypeVar("T")
+_TABLES: Final[tuple[Table, ...]] = ("tools", "frames", "targets", "joint_targets")
+"""Data without a place in the text."""
 
 NOT_CALLED: Final = warning(
     "CO015",
@@ -46,13 +50,23 @@ def without_uncalled(
     called = program.origin.called if program.origin is not None else frozenset[str]()
     live = _reached({program.entry.lower(), *called}, program, named)
     dead = {name: one for one in routines if (name := _name(one)) not in live}
-    faulty = {name for name, one in dead.items() if any(_is_in(x, name, one) for x in wrong)}
-    if not faulty:
+    bad = _bad_data(program, wrong) - _alive(program, named, live)
+    faulty = {
+        name
+        for name, one in dead.items()
+        if named[name] & bad or any(_is_in(x, name, one) for x in wrong)
+    }
+    if not faulty and not bad:
         return None
     gone = {name for name in dead if not faulty.isdisjoint(_all_from(name, named))}
     idle = _named_only_in(gone, program, named)
     left = replace(
         program,
+        tools=_without(program.tools, bad),
+        frames=_without(program.frames, bad),
+        targets=_without(program.targets, bad),
+        joint_targets=_without(program.joint_targets, bad),
+        variables=_without(program.variables, bad),
         procedures=tuple(one for one in program.procedures if one.name.lower() not in gone),
         declarations=tuple(
             one
@@ -67,7 +81,46 @@ def without_uncalled(
         for name in sorted(effect_of(one).writes & idle)
         if one.span is not None
     ]
+    told += [
+        NOT_CALLED(name=name, language=language, span=span, about=about)
+        for name, span, about in _data(program)
+        if name.lower() in bad
+    ]
     return left, tuple(told)
+
+
+def _data(program: Program) -> Iterator[tuple[str, Span | None, Declared]]:
+    """What routines name, with its place if that is known."""
+    for name, one in program.variables.items():
+        yield name, one.span, Declared(name, "variables")
+    for table in _TABLES:
+        yield from ((name, None, Declared(name, table)) for name in getattr(program, table))
+
+
+def _bad_data(program: Program, wrong: Sequence[Diagnostic]) -> set[str]:
+    """Names in lower case of data that the language has no equivalent for."""
+    about = {(x.about.table, x.about.name) for x in wrong if isinstance(x.about, Declared)}
+    spans = {x.span for x in wrong if x.span is not None}
+    return {
+        name.lower()
+        for name, span, subject in _data(program)
+        if (subject.table, name) in about or span in spans
+    }
+
+
+def _alive(program: Program, named: Mapping[str, Set[str]], live: Set[str]) -> set[str]:
+    """Names in lower case that anything says but routines that nothing calls."""
+    found = {name for key in live for name in named.get(key, ())}
+    found |= texts_in(tuple(program.variables.values()))
+    own = {id(one) for one in _kept_routines(program)}
+    for one in program.declarations:
+        if id(one) not in own:
+            found |= effect_of(one).names
+    return found
+
+
+def _without(table: Mapping[str, T], names: Set[str]) -> dict[str, T]:
+    return {name: one for name, one in table.items() if name.lower() not in names}
 
 
 def _named_only_in(

@@ -233,3 +233,30 @@ def test_a_list_in_a_backup_leaves_out_what_it_does_not_name(tmp_path: Path) -> 
         "RAPID/TASK1/PROGMOD/one.pgf": ["one.pgf", "m.mod", "user.sys"],
         "RAPID/TASK1/PROGMOD/old.mod": ["old.mod"],
     }
+
+
+RECORDS = (
+    "MODULE records(SYSMODULE)\n    RECORD part\n        num size;\n    ENDRECORD\nENDMODULE\n"
+)
+GLOBALS = "MODULE globals\n    PERS part pNow;\n    VAR syncident met;\nENDMODULE\n"
+
+
+def test_types_and_shared_data_are_read_from_another_task_of_a_backup(tmp_path: Path) -> None:
+    """A backup may keep with one task what all of them load."""
+    texts = {
+        "RAPID/TASK1/PROGMOD/m.mod": main("m", "        do_a;\n"),
+        "RAPID/TASK1/PROGMOD/globals.mod": GLOBALS,
+        "RAPID/TASK1/PROGMOD/own.mod": "MODULE own\n    VAR num size:=1;\nENDMODULE\n",
+        "RAPID/TASK1/SYSMOD/records.sys": RECORDS,
+        "RAPID/TASK2/PROGMOD/m.mod": main("m", "        pNow.size:=size;\n        do_b;\n"),
+        "RAPID/TASK2/PROGMOD/b.mod": library("b"),
+    }
+    assert grouped(tmp_path, texts)["RAPID/TASK2"] == [
+        "m.mod",
+        "b.mod",
+        "globals.mod",
+        "records.sys",
+    ]
+    files = [str(tmp_path / name) for name in texts]
+    _, second = tasks_of(files)
+    assert [f.code for f in second.findings if f.code == "CO049"] == ["CO049", "CO049"]

@@ -73,3 +73,32 @@ def test_what_stands_in_a_block_that_is_not_said_is_not_said(tmp_path: Path) -> 
     rows = levels(tmp_path, "IF OddFunction() THEN\n WaitTime 5;\n Whole;\n ENDIF", "WaitTime 9;")
     assert rows["IF OddFunction() THEN"][0] == "not"
     assert rows["WaitTime 5"] == rows["Whole"] == ("not", {"MB209"})
+
+
+UNCALLED = """\
+MODULE part
+  CONST robtarget here:=[[400,0,400],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+  VAR jointtarget none:=[[9E9,9E9,9E9,9E9,9E9,9E9],[9E9,9E9,9E9,9E9,9E9,9E9]];
+  PERS tooldata fixed:=[FALSE,[[0,0,50],[1,0,0,0]],[1,[0,0,10],[1,0,0,0],0,0,0]];
+  PROC main()
+    MoveL here,v100,fine,tool0;
+    {call}
+  ENDPROC
+  PROC Old()
+    none.extax.eax_a:=5;
+    MoveL here,v100,fine,fixed;
+  ENDPROC
+ENDMODULE
+"""
+
+
+@pytest.mark.parametrize("call", ["", "Old;"])
+def test_data_without_an_equivalent_go_with_what_nothing_calls(tmp_path: Path, call: str) -> None:
+    file = tmp_path / "part.mod"
+    file.write_text(UNCALLED.format(call=call), encoding="utf-8")
+    done = translate(file, to="melfa-basic-6")
+    assert done.ok is (not call)
+    assert ("CO015" in {f.code for f in done.findings}) is (not call)
+    if not call:
+        (text,) = done.files.values()
+        assert b"fixed" not in text and b"none" not in text

@@ -200,7 +200,9 @@ class _Setting:
     def settled(self) -> tuple[Program, list[tuple[str, Signal]]]:
         """What can be said without any of the data that stay."""
         declared = self._declared()
-        said = [(node, taking, self._said(node, taking, state)) for node, taking, state in self.takings]
+        said = [
+            (node, taking, self._said(node, taking, state)) for node, taking, state in self.takings
+        ]
         gone = self._gone(declared, said)
         self.numbers = {name: number for name, number in self.numbers.items() if name in gone}
         used: list[tuple[str, Signal]] = []

@@ -64,6 +64,10 @@ def _statements(body: tuple[s.StatementNode, ...], within: Span | None) -> Itera
 ROUTINES: Final = {"PROC": "procedure", "FUNC": "function", "TRAP": "trap routine"}
 
 
+MEETING: Final = "syncident"
+"""The type of what `WaitSyncTask` names."""
+
+
 def shared_names(file: s.File) -> Iterator[tuple[str, str]]:
     """What the modules of a file declare for their whole task, with what it is.
 
@@ -84,10 +88,16 @@ def shared_names(file: s.File) -> Iterator[tuple[str, str]]:
 
 
 def _is_shared(module: s.Module) -> bool:
-    """Whether a module has nothing but what all tasks of a controller share."""
+    """Whether a module has nothing but what all tasks of a controller share.
+
+    That is persistent data, and what tasks meet at, which each of them declares.
+    """
     data = [item for item in module.items if not isinstance(item, s.CommentLine)]
     return bool(data) and all(
-        isinstance(item, s.Data) and item.storage == "PERS" and not item.scope for item in data
+        isinstance(item, s.Data)
+        and not item.scope
+        and (item.storage == "PERS" or item.type.lower() == MEETING)
+        for item in data
     )
 
 

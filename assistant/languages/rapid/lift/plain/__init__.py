@@ -17,6 +17,7 @@ from assistant.languages.rapid.lift.plain.arrays import with_shared_arrays
 from assistant.languages.rapid.lift.plain.bodies import Bodies
 from assistant.languages.rapid.lift.plain.by_name import with_named_data
 from assistant.languages.rapid.lift.plain.chosen_signals import with_chosen_signals
+from assistant.languages.rapid.lift.plain.clocks import with_plain_clocks
 from assistant.languages.rapid.lift.plain.copies import with_copies
 from assistant.languages.rapid.lift.plain.declaring import declared
 from assistant.languages.rapid.lift.plain.displaced import with_displacements
@@ -32,6 +33,7 @@ from assistant.languages.rapid.lift.plain.own_task import with_own_task
 from assistant.languages.rapid.lift.plain.paces import changing
 from assistant.languages.rapid.lift.plain.process_data import with_process_data
 from assistant.languages.rapid.lift.plain.raw_bytes import with_bytes
+from assistant.languages.rapid.lift.plain.removed_files import with_emptied_files
 from assistant.languages.rapid.lift.plain.scopes import Fresh, Program
 from assistant.languages.rapid.lift.plain.settled import with_settled
 from assistant.languages.rapid.lift.plain.spreads import Spread, Unsaid
@@ -83,7 +85,9 @@ def _plain(files: Sequence[s.File], apart: frozenset[str]) -> Plain | None:
     """apart: see `Layouts`."""
     there = with_own_names([module for file in files for module in file.modules])
     written, of_task = with_own_task(with_own_settings(with_written_out(there)))
-    short, of_numbers = with_long_numbers(with_whole_texts(written), files)
+    counted, of_clocks = with_plain_clocks(with_whole_texts(written))
+    emptied, of_files = with_emptied_files(counted)
+    short, of_numbers = with_long_numbers(emptied, files)
     named, of_calls = with_named_calls(*with_own_routines(short))
     still, of_axes = with_still_axes(without_unused_parameters(with_process_data(named)))
     standing, of_units = with_standing_units(still)
@@ -103,7 +107,17 @@ def _plain(files: Sequence[s.File], apart: frozenset[str]) -> Plain | None:
     made: list[s.Module] = []
     outside: list[Outside] = []
     remarks: list[tuple[Diagnostic, ...]] = []
-    early = (of_task, of_numbers, of_calls, chosen.remarks, of_axes, of_units, of_names)
+    early = (
+        of_task,
+        of_clocks,
+        of_files,
+        of_numbers,
+        of_calls,
+        chosen.remarks,
+        of_axes,
+        of_units,
+        of_names,
+    )
     for at, module in enumerate(modules):
         made.append(_module(program, module, kept))
         outside.append(tuple(program.outside))

@@ -46,6 +46,11 @@ _ZONE: Final = (
     "set the zone in the other controller, among the areas that it watches, before the first run",
 )
 
+_FOLDERS: Final = (
+    "the files of the controller are in no folders: none is made or looked into",
+    "see that the names of files in several folders differ",
+)
+
 NO_AXES: Final = ("no target states a place of an external axis that it would move", _NONE)
 """What is lost of an offset of external axes where there are none."""
 INSTRUCTIONS: Final[Mapping[str, Loss]] = {
@@ -87,6 +92,7 @@ INSTRUCTIONS: Final[Mapping[str, Loss]] = {
         "no module is written to a file: the values of its data stay in the controller alone",
         "back the controller up",
     ),
+    **dict.fromkeys(("makedir", "opendir", "closedir"), _FOLDERS),
     "skipwarn": ("the log of the controller has what it has", _NONE),
     "resetretrycount": ("retries are not counted", _NONE),
 }
