@@ -165,8 +165,8 @@ REFUSED = {
         "TriggL q2,v100,gunon,fine,tGripper;",
         "what a function sets up": "TriggIO gunon,20\\DOp:=do1,1;\n"
         "TriggL Offs(q2,0,0,fSetsUp()),v100,gunon,fine,tGripper;",
-        "what was set up last": "IF di1=1 THEN\nTriggIO gunon,20\\DOp:=do1,1;\nELSE\n"
-        "TriggIO gunon,5\\DOp:=do1,1;\nENDIF\nTriggL q2,v100,gunon,fine,tGripper;",
+        "what was set up last, and worked out": "IF di1=1 THEN\nTriggIO gunon,20\\DOp:=do1,1;\n"
+        "ELSE\nTriggIO gunon,nStep\\DOp:=do1,1;\nENDIF\nTriggL q2,v100,gunon,fine,tGripper;",
     },
     "MB240": {
         "a constant for one bit": "TriggIO gunon,20\\DOp:=do1,five;\n"

@@ -262,19 +262,24 @@ class _Setting:
         """A move with its outputs; data that one statement alone sets up are so everywhere."""
         if taking.move is None:
             return self.reasons.move
-        found = [self._may_be(name, state) for name in taking.names]
+        found = [self._may_be(name, state, node) for name in taking.names]
         if not all(found) or math.prod(map(len, found)) > MOST_CHOICES:
             return self.reasons.uncertain
         move = replace(taking.move, span=node.span)
         return self._chosen(move, list(zip(taking.names, found, strict=True)))
 
-    def _may_be(self, name: str, state: State) -> Sequence[tuple[int, p.Trigger]]:
-        """What data may be set up as, with the numbers of the statements; empty if unknown."""
+    def _may_be(self, name: str, state: State, node: p.Opaque) -> Sequence[tuple[int, p.Trigger]]:
+        """What data may be set up as, with the numbers of the statements; empty if unknown.
+
+        node: the move; what it calls sets nothing up before the choice.
+        """
         one = self.single.get(name) or state.get(name)
         if one is not None and one.trigger is not None:
             return ((0, one.trigger),)
         every = [setup for _, setup in self.setups.get(name, ())]
-        if not self.chosen or not all(setup.fixed for setup in every):
+        calls = set(_calls(node))
+        late = any(name in self.sets.get(one, ()) or self._is_foreign(one) for one in calls)
+        if late or not self.chosen or not all(setup.fixed for setup in every):
             return ()
         return [(n, x.trigger) for n, x in enumerate(every, 1) if x.trigger is not None]
 
