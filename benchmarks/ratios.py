@@ -62,8 +62,8 @@ TASKS: Final[dict[str, Task]] = {
     "prove MELFA-BASIC VI": Task(lambda: emitted("melfa-basic-6")(POINTS), prove_all, 0.45),
     "check RAPID": Task(_program("rapid", "mod"), assistant.check, 0.4),
     "check MELFA-BASIC V": Task(_program("melfa-basic-5", "mb5"), assistant.check, 0.27),
-    "RAPID to MELFA-BASIC VI": Task(_program("rapid", "mod"), _translated("melfa-basic-6"), 0.14),
-    "MELFA-BASIC V to RAPID": Task(_program("melfa-basic-5", "mb5"), _translated("rapid"), 0.06),
+    "RAPID to MELFA-BASIC VI": Task(_program("rapid", "mod"), _translated("melfa-basic-6"), 0.17),
+    "MELFA-BASIC V to RAPID": Task(_program("melfa-basic-5", "mb5"), _translated("rapid"), 0.09),
 }
 
 

@@ -199,6 +199,11 @@ class Scopes:
     language: str
     _latest: tuple[ReferenceType[Program], Naming] | None = field(default=None, init=False)
     """The program that was named last: every unit of a long one asks for the same names."""
+    _rows: tuple[str, ...] = field(default=(), init=False)
+    """Reserved names that rows could have."""
+
+    def __post_init__(self) -> None:
+        self._rows = tuple(filter(_ROW.fullmatch, self.reserved))
 
     def naming(self, program: Program) -> Naming:
         """Names of a whole program; raises Refused if a kept declaration cannot be read."""
@@ -222,7 +227,7 @@ class Scopes:
 
     def _named(self, program: Program) -> Naming:
         names = Naming(Names(self.longest, self.reserved))
-        for name in (*filter(_ROW.fullmatch, self.reserved), *self.kept(program)):
+        for name in (*self._rows, *self.kept(program)):
             names.take(name)
         for kind, table in (
             ("signals", program.signals),

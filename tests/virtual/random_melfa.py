@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from random import Random
 from typing import Final
 
+from tests.virtual import random_melfa_cells as cells
 from tests.virtual import random_melfa_parts as parts
 from tests.virtual.random_melfa_parts import CALLED
 from tests.virtual.random_melfa_values import (
@@ -92,6 +93,11 @@ class _Writer(Values):
             for name in subroutines:
                 if f"GoSub *{name}" not in self.lines and not self.more:
                     self.add(f"GoSub *{name}")
+            behind: list[str] = []
+            if self.more and rng.random() < 0.4:
+                calls, behind = cells.odd_subroutines(rng, self.fresh())
+                for line in calls:
+                    self.add(line)
             self.add("End")
             main, self.lines = self.lines, []
             for at, name in enumerate(subroutines):
@@ -99,6 +105,8 @@ class _Writer(Values):
                 self.add(f"*{name}")
                 self.body(rng.randrange(2, 6))
                 self.add("Return")
+            for line in behind:
+                self.add(line)
             if subroutines and rng.random() < 0.3:  # the main part behind them
                 self.lines = [*head, "GoTo *MAIN", *self.lines, "*MAIN", *main]
             else:
@@ -394,6 +402,14 @@ class _Writer(Values):
 
     # ---------------------------------------------------------------------------- blocks
 
+    def cell(self, depth: int) -> None:
+        """What real programs do; IV has no `Select` inside another one."""
+        piece = self.rng.choice(cells.CELLS)
+        lines = piece(self.rng, self.fresh())
+        if not (self.level == 4 and depth):
+            for line in lines:
+                self.add(line)
+
     def branch(self, depth: int) -> None:
         rng, condition = self.rng, self.condition()
         if self.sub and rng.random() < 0.25:
@@ -493,5 +509,5 @@ BLOCKS: Final[tuple[Callable[[_Writer, int], None], ...]] = (
 )  # fmt: skip
 MORE: Final[tuple[Callable[[_Writer, int], None], ...]] = (
     *(_Writer.angle, _Writer.angle, _Writer.angle, _Writer.turning, _Writer.constant_tool),
-    *(_Writer.call_program, _Writer.call_program),
+    *(_Writer.call_program, _Writer.call_program, _Writer.cell, _Writer.cell, _Writer.cell),
 )

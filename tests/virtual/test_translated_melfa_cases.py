@@ -156,8 +156,11 @@ P9=(Plt 2,M2)
 Mvs P9
 Mvs (Plt 2,M2)
 Next M2
-Def Plt 2,P4,P2,P7,,2,3,2
+Def Plt 2,P4,P2,P7,P5,2,3,2
 Mvs (Plt 2,5)
+Def Plt 2,P4,P2,P7,P5,3,3,M_In(1)+2
+P9=(Plt 2,2)
+Mvs P9
 Def Plt 3,P1,P2,P7,,5,0,3
 Def Plt 4,P1,P2,P7,P4,3,2,11
 For M2=1 To 5

@@ -21,6 +21,20 @@ PROGRAMS = {
     "asked for later": (("Mvs P1", "Spd 100", "Mvs P2", "Spd M_NSpd", "Mvs P1"), [3]),
     "joints alone": (("Mov P1", "Mov P2"), []),
     "with Spd": (("Spd 80", "Mvs P1"), []),
+    "on one of two ways": (("If M_In(1)=1 Then Spd 100", "Mvs P1"), [4]),
+    "on no way": (("If M_In(1)=1 Then Spd 100 Else Spd 50", "Mvs P1"), []),
+    "around the first Spd": (
+        ("If M_In(1)=1 Then GoTo *A", "Spd M_NSpd", "Mvs P1", "*A", "Mvs P2"),
+        [7],
+    ),
+    "set by a subroutine": (("GoSub *S", "Mvs P1", "End", "*S", "Spd 70", "Return"), []),
+    "set by a subroutine at times": (
+        ("GoSub *S", "Mvs P1", "End", "*S", "If M_In(1)=1 Then Return", "Spd 70", "Return"),
+        [4],
+    ),
+    "in a subroutine": (("GoSub *S", "Spd 70", "GoSub *S", "End", "*S", "Mvs P1", "Return"), [8]),
+    "to a computed position": (("Mvs P1+(0,0,5,0,0,30)", "Mvs P1*P2"), [3, 4]),
+    "in a condition": (("If M_In(1)=1 Then Mvs P1", "Spd 20", "Mvs P2"), [3]),
     "a long run": ([f"Mvs P{1 + k % 3}" for k in range(12)], list(range(3, 15))),
 }
 

@@ -20,7 +20,6 @@ from assistant.languages.melfa_basic.lift.told.angles import with_angles_beside
 from assistant.languages.melfa_basic.lift.told.endings import with_endings
 from assistant.languages.melfa_basic.lift.told.flags import with_flags
 from assistant.languages.melfa_basic.lift.told.kept import with_told
-from assistant.languages.melfa_basic.lift.told.stated_lines import with_stated_lines
 from assistant.languages.melfa_basic.reading.line import statement as read_statement
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
@@ -30,7 +29,7 @@ from assistant.program.contents import everywhere
 from assistant.program.diagnostics import Diagnostic, Findings
 from assistant.program.kept import effect_of
 from assistant.program.program import Declaration, Program, walk
-from assistant.program.rewriting import exchanged, head, records
+from assistant.program.rewriting import exchanged, head, records, rewrite
 
 _NO_NEED: Final = "none is needed, but see that the other controller watches the arm as you want"
 _OWN_ARM: Final = (
@@ -77,6 +76,11 @@ _STOPPED: Final = (
     "the program ends there for good, and no error is on the controller",
     "tell people or the cell's controller by an output above it",
 )
+_STATES: Final = re.compile(
+    r'C_Com\((\d+)\)\s*=\s*"ETH:\s*(\d+(?:\.\d+){3})\s*,\s*(\d+)\s*"', re.IGNORECASE
+)
+"""The line that a program states itself, the address of the other computer and its port (manual of
+the Ethernet function)."""
 SIGNED: Final = (16, 32)
 """Signals that are read as one number with a sign, or without one: no manual says which."""
 _STIFF: Final = (
@@ -96,7 +100,7 @@ def exported(program: Program) -> Adapted:
     findings = Findings()
     findings += _uncalled(program)
     findings += _unsigned(program)
-    program = with_endings(with_stated_lines(program))
+    program = with_endings(_with_stated_lines(program))
     program = _as_each_begins(with_told(_as_settings_begin(with_flags(program)), findings))
     program = with_angles_beside(program, findings)
     texts = [record.text for record in records(program) if _is_text(record)]
@@ -120,6 +124,35 @@ def exported(program: Program) -> Adapted:
             yield p.Stop(end=True, span=node.span)
 
     return Adapted(exchanged(program, told), tuple(findings))
+
+
+def _with_stated_lines(program: Program) -> Program:
+    """The program with clients for the lines that it states one address of."""
+    texts = [match for one in everywhere(program, p.Opaque) if (match := _stated(one))]
+    if not texts:
+        return program
+    ends: dict[int, set[tuple[str, int]]] = {}
+    for match in texts:
+        ends.setdefault(int(match[1]), set()).add((match[2], int(match[3])))
+    known = {line: next(iter(found)) for line, found in ends.items() if len(found) == 1}
+
+    def opened(part: Any) -> Any:
+        match part:
+            case p.Attach(kind="line", place=(e.Number(number),)) if number in known:
+                address, port = known[int(number)]
+                return replace(part, kind="client", place=(e.Text(address), e.Number(port)))
+        return part
+
+    def left(node: p.Opaque) -> Iterator[p.Statement]:
+        match = _stated(node)
+        if match is None or int(match[1]) not in known:
+            yield node
+
+    return exchanged(rewrite(program, opened), left)
+
+
+def _stated(node: p.Opaque) -> re.Match[str] | None:
+    return _STATES.fullmatch(node.text.strip())
 
 
 def _as_each_begins(program: Program) -> Program:

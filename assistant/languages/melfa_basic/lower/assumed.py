@@ -15,6 +15,7 @@ from assistant.languages.melfa_basic.checks.left_out import summed, undefined
 from assistant.languages.melfa_basic.lift.settings.held import FRAME, TOOL
 from assistant.languages.melfa_basic.lift.values.pallets import ARC, FIXED, array_name
 from assistant.languages.melfa_basic.lower.depended import depended_on
+from assistant.languages.melfa_basic.lower.full_speed import unset_speeds
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.languages.melfa_basic.tables.functions import BITS
 from assistant.languages.melfa_basic.tables.variables import KEPT as PARAMETERS
@@ -74,7 +75,11 @@ def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
             elif not what and program_key(name) not in there:
                 yield rules.NOT_CALLED(name=name, span=span)
     if to not in DIALECTS:
-        yield from _full_speed(program, commands)
+        if any(isinstance(one, s.Function) for _, one in _lines(trees)):
+            yield from _full_speed(program, commands)
+        else:
+            for span in unset_speeds(trees):
+                yield rules.FULL_SPEED(span=span)
         yield from _renamed(program)
         yield from _loops(program)
         yield from _signed_bits(program)

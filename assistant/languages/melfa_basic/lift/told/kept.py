@@ -115,7 +115,7 @@ class _Telling:
             """A statement with what it holds, in which a loop counts through known numbers."""
             counting = self.numbered.counting
             if isinstance(node, p.For):
-                self.numbered.counting = {**counting, **self.numbered.counted(node, procedure)}
+                self.numbered.counting = (*counting, node)
             made: p.Statement = map_bodies(node, body)
             self.numbered.counting = counting
             return made

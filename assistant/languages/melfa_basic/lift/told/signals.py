@@ -71,8 +71,8 @@ class Numbered:
         self.taken = TakenNames(declared(program))
         self.addressed = Addressed(self.signals, self.free)
         self.choosers: dict[Any, _Chooser] = {}
-        self.counting: Mapping[str, Numbers] = {}
-        """By the variables of the loops around a statement, in lower case, what they count to."""
+        self.counting: tuple[p.For, ...] = ()
+        """The loops around the statement at hand, the outer one first."""
 
     def read(self, key: str, number: e.Expression, procedure: Procedure) -> e.Expression:
         """The value of a signal. key: of SIGNALS. Raises AnyNumber."""
@@ -142,14 +142,18 @@ class Numbered:
     def _numbers(
         self, number: e.Expression, procedure: Procedure, origin: p.Statement | None = None
     ) -> set[int]:
-        found = self.possible.of(number, procedure, self.counting)
+        found = self.possible.of(number, procedure)
+        if found is None and self.counting:
+            counted = [self._counted(loop, procedure) for loop in self.counting]
+            known = {name: numbers for one in counted for name, numbers in one.items()}
+            found = self.possible.of(number, procedure, known)
         if found is None and origin is not None:
             found = numbers_at(self.possible, number, procedure, origin)
         if found is None:
             raise AnyNumber
         return {round(one) for one in found}
 
-    def counted(self, loop: p.For, procedure: Procedure) -> Mapping[str, Numbers]:
+    def _counted(self, loop: p.For, procedure: Procedure) -> Mapping[str, Numbers]:
         """What the variable of a loop may be inside, if its bounds are plain numbers."""
         first, last, step = (e.plain_number(x) for x in (loop.first, loop.last, loop.step or p.ONE))
         name = loop.variable.lower()

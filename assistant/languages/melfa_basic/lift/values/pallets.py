@@ -154,16 +154,12 @@ class Lifting(Protocol):
         """One that is whole."""
 
 
-def _worked_out(
-    number: int, definitions: Sequence[s.DefOther], symbols: Symbols
-) -> WorkedOut | None:
-    """What all definitions of a pallet have in common; None if arcs and grids are among them."""
+def _worked_out(number: int, definitions: Sequence[s.DefOther], symbols: Symbols) -> WorkedOut:
+    """What all definitions of a pallet have in common."""
     values = [symbols.constants.value(one.arguments[7]) for one in definitions]
     known = {round(value) if isinstance(value, float) else None for value in values}
     arcs = {value is not None and value % FIXED == ARC for value in known}
     fourth = {one.arguments[4] is not None for one in definitions}
-    if len(arcs) != 1 or (len(fourth) != 1 and arcs != {True}):
-        return None
     direction = next(iter(known)) if len(known) == 1 else None
     turned = any(
         (value is None or value < FIXED) and not _unturned(one, arcs == {True}, symbols)
@@ -172,7 +168,7 @@ def _worked_out(
         )
     )
     names = {part: symbols.free(f"{array_name(number)}_{part}") for part in (*CORNERS, *COUNTS)}
-    return WorkedOut(names, arcs == {True}, fourth == {True}, turned, direction)
+    return WorkedOut(names, arcs == {True}, True in fourth, turned, direction)
 
 
 def _unturned(node: s.DefOther, arc: bool, symbols: Symbols) -> bool:
@@ -191,6 +187,9 @@ def _defined(node: s.DefOther, pallet: WorkedOut, lift: Lifting) -> list[p.State
         corners["opposite"] = None
     for part, corner in corners.items():
         if corner is None and part == "opposite":
+            if pallet.opposite and not pallet.arc:
+                _declare(names[part], Variable("position"), lift.m)
+                made.append(_across(pallet))
             continue
         if corner is None:
             raise Unliftable(KEPT)
@@ -207,6 +206,20 @@ def _defined(node: s.DefOther, pallet: WorkedOut, lift: Lifting) -> list[p.State
         failed = e.Binary("=", e.Apply(TOLD.format(FAILS), counts), e.Number(1))
         made.append(p.If((p.Branch(failed, (p.Stop(end=True),)),)))
     return made
+
+
+def _across(pallet: WorkedOut) -> p.Assign:
+    """The fourth corner of a parallelogram, where other definitions state one."""
+    start, first, second, opposite = (e.Name(pallet.names[part]) for part in CORNERS)
+
+    def beside(field: str) -> e.Expression:
+        return e.Binary("-", e.Member(first, field), e.Member(start, field))
+
+    place: e.Expression = e.Apply("offset", (second, *map(beside, _LENGTHS)))
+    if pallet.turned:
+        angles = (e.Binary("+", e.Member(second, field), beside(field)) for field in _ANGLES)
+        place = e.Apply("oriented", (place, *angles))
+    return p.Assign(opposite, place)
 
 
 def _declare(name: str, variable: Variable, symbols: Symbols) -> None:

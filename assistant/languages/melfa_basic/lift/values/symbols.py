@@ -75,7 +75,7 @@ class WorkedOut:
     """A pallet that the program defines as it runs.
 
     names: of the variables, by CORNERS and COUNTS of `pallets`. arc: its places are on an arc.
-    opposite: each definition has a fourth corner. turned: its places may have other angles than
+    opposite: a definition has a fourth corner. turned: its places may have other angles than
     its start. direction: in all definitions, None if it is worked out.
     """
 
@@ -112,7 +112,7 @@ class Symbols:
         self.addressed = Addressed(self.signals, self.free)
         self.pallets: dict[int, tuple[str, tuple[Target, ...]]] = {}
         """Arrays of the pallets whose points are known, by number."""
-        self.worked_out: dict[int, WorkedOut | None] = {}
+        self.worked_out: dict[int, WorkedOut] = {}
         """Pallets that are worked out as the program runs, by number."""
         self.grids = True
         """True if pallets are such arrays in every language."""
