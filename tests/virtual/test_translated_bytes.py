@@ -80,6 +80,7 @@ CLIENT = r"""MODULE m
 VAR socketdev peer;
 PROC main()
   VAR rawbytes raw;
+  VAR string said;
   VAR num got;
   SocketCreate peer;
   SocketConnect peer,"127.0.0.1",<PORT>;
@@ -88,7 +89,13 @@ PROC main()
   SocketReceive peer\RawData:=raw\NoRecBytes:=got\Time:=5;
   PackRawBytes got,raw,RawBytesLen(raw)+1\IntX:=USINT;
   SocketSend peer\RawData:=raw;
+  greet peer,"job "+ValToStr(got);
+  SocketReceive peer\Str:=said\ReadNoOfBytes:=5;
+  SocketSend peer\Str:=said\NoOfBytes:=4;
   SocketClose peer;
+ENDPROC
+PROC greet(VAR socketdev at,string name)
+  SocketSend at\Str:=name;
 ENDPROC
 ENDMODULE
 """
@@ -115,7 +122,9 @@ def asks(peer: socket.socket) -> list[bytes]:
 def answers(peer: socket.socket) -> list[bytes]:
     heard = [taken(peer, 2)]
     peer.sendall(bytes((0, 13, 44, 255)))
-    return [*heard, taken(peer, 5), peer.recv(10)]
+    heard += [taken(peer, 5), taken(peer, 5)]
+    peer.sendall(b"x,y\rz")
+    return [*heard, taken(peer, 4), peer.recv(10)]
 
 
 def taken(peer: socket.socket, count: int) -> bytes:
@@ -162,10 +171,12 @@ async def _ended(tasks: set[asyncio.Task[object]]) -> None:
     await asyncio.gather(*tasks, return_exceptions=True)
 
 
-def translated(folder: Path, text: str) -> Translation:
+def translated(folder: Path, text: str, proving: Proving | None = None) -> Translation:
     (folder / "m.mod").write_text(text.replace("<PORT>", "4000"), "latin-1")
-    done = translate(folder / "m.mod", to="melfa-basic-6", proving=Proving(runs=1, seconds=20.0))
-    assert done.ok and done.motion is not None, [f.message for f in done.findings]
+    done = translate(folder / "m.mod", to="melfa-basic-6", proving=proving)
+    assert done.ok and (done.motion is None) is (proving is None), [
+        f.message for f in done.findings
+    ]
     told = [row.text for row in done.rows if any(f.code == "RA333" for f in row.reasons)]
     assert told and all(text.startswith(("SocketSend", "SocketReceive")) for text in told)
     return done
@@ -210,12 +221,44 @@ def dialled(port: int) -> Callable[[], socket.socket]:
     return connect
 
 
+TEXTS = r"""MODULE m
+VAR socketdev peer;
+PROC main()
+  VAR rawbytes raw;
+  VAR string said;
+  SocketCreate peer;
+  SocketConnect peer,"127.0.0.1",<PORT>;
+  greet peer,"job "+ValToStr(3);
+  SocketReceive peer\RawData:=raw\ReadNoOfBytes:=2;
+  SocketReceive peer\Str:=said\ReadNoOfBytes:=3;
+  SocketSend peer\Str:=said\NoOfBytes:=2;
+  SocketClose peer;
+ENDPROC
+PROC greet(VAR socketdev at,string name)
+  SocketSend at\Str:=name;
+ENDPROC
+ENDMODULE
+"""
+
+
+def test_texts_of_another_socket_stay_texts(tmp_path: Path) -> None:
+    other = 'SocketCreate log;\n  SocketConnect log,"127.0.0.1",4001;\n'
+    other += '  SocketSend log\\Str:="on"+"\\0D";\n  SocketClose log;\n  SocketClose peer;'
+    text = TEXTS.replace("  SocketClose peer;", f"  {other}")
+    text = text.replace("VAR socketdev peer;", "VAR socketdev peer;\nVAR socketdev log;")
+    (tmp_path / "m.mod").write_text(text.replace("<PORT>", "4000"), "latin-1")
+    done = translate(tmp_path / "m.mod", to="melfa-basic-6")
+    assert done.ok and not done.totals["not"]
+    told = {row.text for row in done.rows if any(f.code == "RA333" for f in row.reasons)}
+    assert len(told) == 4 and not any(" log" in text for text in told)
+
+
 @pytest.mark.slow
 def test_a_program_that_listens_says_and_takes_the_same_bytes(tmp_path: Path) -> None:
     port, first, second = free_port(), list[bytes](), list[bytes]()
     with person(dialled(port), asks, first):
         moved = rapid(SERVER.replace("<PORT>", str(port)))
-    done = translated(tmp_path, SERVER)
+    done = translated(tmp_path, SERVER, Proving(runs=1, seconds=20.0))
     line = TcpServer()
     gateway = Gateway((HERE, 0), line.address, for_controller=False)
     with running(gateway) as at, person(dialled(at), asks, second):
@@ -238,13 +281,6 @@ def test_a_program_that_connects_says_and_takes_the_same_bytes(tmp_path: Path) -
         gateway = Gateway((HERE, 0), (HERE, port), for_controller=True)
         with running(gateway) as at, person(accept, answers, heard[1]):
             melfa(done, TcpClient(HERE, at))
-    assert heard[0] == heard[1] == [b"\x01\x02", bytes((0, 13, 44, 255, 4)), b""]
-
-
-@pytest.mark.parametrize("text", ['SocketSend peer\\Str:="a";', "SocketReceive peer\\Str:=t;"])
-def test_texts_beside_bytes_are_not_said(tmp_path: Path, text: str) -> None:
-    body = CLIENT.replace("  SocketClose peer;", f"  {text}\n  SocketClose peer;")
-    body = body.replace("VAR num got;", "VAR num got;\n  VAR string t;").replace("<PORT>", "4000")
-    (tmp_path / "m.mod").write_text(body, "latin-1")
-    done = translate(tmp_path / "m.mod", to="melfa-basic-6", draft=True)
-    assert [row.text for row in done.rows if row.level == "not"] == [text.rstrip(";")]
+    assert (
+        heard[0] == heard[1] == [b"\x01\x02", bytes((0, 13, 44, 255, 4)), b"job 4", b"x,y\r", b""]
+    )

@@ -6,7 +6,7 @@ SocketReceive.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from typing import Any, Final
 
 from assistant.languages.patterns import Called
@@ -23,20 +23,25 @@ KINDS: Final = {
 }  # fmt: skip
 """Bytes of the whole numbers that inttypes names, negative of those with a sign."""
 MOST_BYTES: Final = ROWS * IN_ROW
+LONGEST_TEXT: Final = 80
+"""Characters of a text (reference manual: string); what comes after them is received next."""
 USUAL_TIME: Final = "60"
 r"""Seconds that a socket waits without `\Time` (reference manual: SocketReceive)."""
 _AT: Final = "raw_at"
 """The variable of the loops that go through lists of numbers."""
+_PLACES: Final = (s.NameRef, s.Component, s.Element)
+"""Expressions that take a value."""
 _NUMBERS: Final = frozenset(("num", "dnum", "byte"))
 
 
 class Calls:
     """types: of data and parameters by name, all in lower case. own: the number of the bytes that
-    lists of numbers go through.
+    lists of numbers and texts go through. texts: `id` of calls with texts that sockets of bytes
+    send or receive.
     """
 
-    def __init__(self, types: Mapping[str, str], own: int) -> None:
-        self.types, self.own = types, own
+    def __init__(self, types: Mapping[str, str], own: int, texts: Set[int] = frozenset()) -> None:
+        self.types, self.own, self.texts = types, own, texts
 
     def said(self, node: s.StatementNode) -> Iterator[s.StatementNode]:
         call = called(node) if isinstance(node, s.ProcedureCall) else None
@@ -83,7 +88,7 @@ class Calls:
                 value = call_of("unpack_text", *_all(raw, at, count))
             case _:
                 return None
-        if not isinstance(target, s.NameRef | s.Component | s.Element):
+        if not isinstance(target, _PLACES):
             return None
         return (s.Assignment(target, value, span=node.span),)
 
@@ -105,8 +110,15 @@ class Calls:
 
     def send(self, node: Any, call: Called[s.Expression]) -> Sequence[s.StatementNode] | None:
         given, count = call.options, call.options.get("noofbytes")
-        if len(call.given) != 1 or not set(given) <= {"rawdata", "data", "noofbytes"}:
+        if len(call.given) != 1 or not set(given) <= {"rawdata", "data", "str", "noofbytes"}:
             return None
+        if (text := given.get("str")) is not None and id(node) in self.texts:
+            own, first = self._own(), s.NumberLiteral("1")
+            return (
+                call_at("clear_bytes", node, own, first),
+                call_at("pack_text", node, text, own, first),
+                call_at("send_bytes", node, call.given[0], own, count or length_of(own)),
+            )
         raw, array = given.get("rawdata"), _array(given.get("data"))
         if raw is not None:
             return (call_at("send_bytes", node, call.given[0], raw, count or length_of(raw)),)
@@ -123,14 +135,16 @@ class Calls:
 
     def receive(self, node: Any, call: Called[s.Expression]) -> Sequence[s.StatementNode] | None:
         given, asked = call.options, call.options.get("readnoofbytes")
-        known = {"rawdata", "data", "readnoofbytes", "norecbytes", "time"}
+        known = {"rawdata", "data", "str", "readnoofbytes", "norecbytes", "time"}
         if len(call.given) != 1 or not set(given) <= known:
             return None
         raw, array = given.get("rawdata"), _array(given.get("data"))
-        if raw is None and array is None:
+        text = given.get("str") if id(node) in self.texts else None
+        if raw is None and array is None and not isinstance(text, _PLACES):
             return None
         into = self._own() if raw is None else raw
-        least, most = (asked or s.NumberLiteral("1")), (asked or s.NumberLiteral(str(MOST_BYTES)))
+        longest = MOST_BYTES if text is None else LONGEST_TEXT
+        least, most = (asked or s.NumberLiteral("1")), (asked or s.NumberLiteral(str(longest)))
         seconds = given.get("time") or s.NumberLiteral(USUAL_TIME)
         made: list[s.StatementNode] = [
             call_at("receive_bytes", node, call.given[0], into, least, most, seconds)
@@ -140,8 +154,11 @@ class Calls:
             value = call_of("byte_at", into, at)
             put = s.Assignment(s.Element(array, (at,)), value, span=node.span)
             made.append(s.ForLoop(_AT, first, length_of(into), first, (put,), span=node.span))
+        if isinstance(text, _PLACES):
+            value = call_of("unpack_text", into, s.NumberLiteral("1"), length_of(into))
+            made.append(s.Assignment(text, value, span=node.span))
         count = given.get("norecbytes")
-        if isinstance(count, s.NameRef | s.Component | s.Element):
+        if isinstance(count, _PLACES):
             made.append(s.Assignment(count, length_of(into), span=node.span))
         return made
 

@@ -19,6 +19,7 @@ from assistant.languages.rapid.lift.plain.byte_calls import (
     call_at,
     length_of,
 )
+from assistant.languages.rapid.lift.plain.byte_sockets import texts_of_bytes
 from assistant.languages.rapid.lift.plain.exchanging import exchanged
 from assistant.languages.rapid.lift.plain.library import library
 from assistant.languages.rapid.tree import syntax as s
@@ -80,12 +81,13 @@ class _Bytes:
         self.sound = True
         for one in (*data, *inner):
             self._counted(one)
-        self.takes_lists = any(
+        texts = texts_of_bytes(self.routines)
+        self.takes_others = bool(texts) or any(
             isinstance(node, s.ProcedureCall) and option(node, "data") is not None
             for node in nodes(tuple(self.routines))
         )
-        """Whether sockets send or receive lists of numbers: the last bytes are for these."""
-        self.calls = Calls(self.types, self.count + 1)
+        """True if sockets of bytes take lists of numbers or texts: the last bytes are for these."""
+        self.calls = Calls(self.types, self.count + 1, texts)
         self.whole = [d for d in data if d.type.lower() in self.records]
         """Records of modules, whose bytes get their numbers when the program begins."""
 
@@ -150,7 +152,7 @@ class _Bytes:
 
     def modules(self) -> Sequence[s.Module]:
         made = [self._module(module) for module in self.all]
-        count = str(self.count + self.takes_lists)
+        count = str(self.count + self.takes_others)
         size = tuple(map(s.NumberLiteral, (count, str(ROWS), str(IN_ROW))))
         data = (
             s.Data("", "PERS", "num", BYTES, size),
