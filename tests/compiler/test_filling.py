@@ -259,3 +259,24 @@ def test_a_neutral_cell_names_no_arm_though_the_files_of_the_controller_do(tmp_p
     assert loaded.arm == "irb1200-5-0.9"
     done = translate(in_neutral_cell(loaded), to="melfa-basic-6")
     assert done.ok, [f.message for f in done.findings]
+
+
+def test_a_tool_that_another_task_gives_its_value_is_asked_for(tmp_path: Path) -> None:
+    text = (
+        "MODULE seen\nPERS tooldata held;\nPERS wobjdata place;\nPERS tooldata unused;\n"
+        "VAR num high;\nPROC main()\nVAR robtarget at;\n"
+        "at:=CRobT(\\Tool:=held\\WObj:=place);\nhigh:=at.trans.z;\nENDPROC\nENDMODULE\n"
+    )
+    source = tmp_path / "seen.mod"
+    source.write_text(text, "ascii")
+    cell = tmp_path / "cell.toml"
+    first = translate(source, to="melfa-basic-6", cell=cell)
+    assert not first.totals["not"]
+    assert {one.name for one in first.wanting} == {"held", "place"}
+    cell.write_text(
+        "[tools.held]\ntip = [0, 0, 55]\n[frames.place]\nposition = [10, 20, 30]\n", "ascii"
+    )
+    second = translate(source, to="melfa-basic-6", cell=cell)
+    assert second.ok and not second.wanting
+    assert second.compiled.program.tools["held"].tip.position == (0, 0, 55)
+    assert second.compiled.program.frames["place"].pose.position == (10, 20, 30)

@@ -117,6 +117,12 @@ class Rapid(Language["File"]):
 
         return supplied(given, [one.name.lower() for tree in trees for one in tree.modules])
 
+    def with_supplied(self, trees: Sequence[File], given: Supplied, path: str) -> list[File]:
+        from assistant.languages.rapid.lower.supplied import with_values
+
+        changed, left = with_values(trees, given)
+        return super().with_supplied(changed, left, path) if left else changed
+
     def kept_secret(self, tree: File) -> str:
         return next((NOT_SHOWN for one in tree.modules if NOT_SHOWN in one.attributes), "")
 

@@ -37,7 +37,7 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import worked_out_task
 from assistant.languages.rapid.tree.external_axes import asked as asked_axes
 from assistant.languages.rapid.tree.external_axes import place_of as place_of_axis
-from assistant.languages.rapid.tree.gather import literal_number
+from assistant.languages.rapid.tree.gather import has_no_value, literal_number
 from assistant.languages.rapid.tree.mechanical_units import can_stand, place_of, unit_of
 from assistant.languages.signatures import Signature
 from assistant.program import expressions as e
@@ -299,6 +299,8 @@ class _Module:
             case s.NameRef(name):
                 if self._unknown(name, scope, type):
                     self._note(name, type, assigned=assigned, weak=weak)
+                else:
+                    self._without_value(name, scope)
             case s.Component() | s.Element():
                 self._part(node, scope, type, assigned)
             case s.Group(inner):
@@ -351,6 +353,7 @@ class _Module:
         outer.reverse()
         named = [one.name for one in outer if isinstance(one, s.Component)]
         if not self._unknown(value.name, scope, ""):
+            self._without_value(value.name, scope)
             found = scope.find(value.name)
             if named and found is not None and self.records.is_open(found.type):
                 self.records.note(found.type, named, type, self.place)
@@ -367,6 +370,12 @@ class _Module:
             sizes = [int(n) if isinstance(n, int) and n > 0 else 1 for n in numbers]
             old = [*met.extents, *[1] * (len(sizes) - len(met.extents))]
             met.extents = [max(a, b) for a, b in zip(old, sizes, strict=False)]
+
+    def _without_value(self, name: str, scope: Scope) -> None:
+        """A tool, work object or target that another task gives its value."""
+        found = scope.find(name)
+        if found is not None and isinstance(found.node, s.Data) and has_no_value(found.node):
+            self._note(found.node.name, found.node.type.lower())
 
     def _unknown(self, name: str, scope: Scope, type: str) -> bool:
         low = name.lower()

@@ -14,6 +14,7 @@ from assistant.languages.rapid.tables.predefined import is_handle
 from assistant.languages.rapid.tables.words import CELL_MODULE
 from assistant.languages.rapid.text.printer import print_file
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.gather import has_no_value
 from assistant.program.channels import Line
 from assistant.program.geometry import Frame, JointTarget, Target, Tool
 from assistant.program.motion import Blend, Speed
@@ -37,6 +38,30 @@ def supplied(given: Supplied, taken: Sequence[str]) -> str:
     items.sort(key=lambda item: isinstance(item, s.Routine))  # data stands first in a module
     module = s.Module(identifier(CELL_MODULE, set(taken)), (), tuple(items))
     return print_file(s.File((module,)), "\n")
+
+
+def with_values(trees: Sequence[s.File], given: Supplied) -> tuple[list[s.File], Supplied]:
+    """The trees whose persistent data without a value have it, and what is left to be declared."""
+    values = {wanted.name.lower(): (wanted, value) for wanted, value in given}
+    found: set[str] = set()
+
+    def valued(item: s.Item) -> s.Item:
+        if not isinstance(item, s.Data) or not has_no_value(item):
+            return item
+        wanted, value = values.get(item.name.lower(), (None, None))
+        if wanted is None or value is None:
+            return item
+        found.add(item.name.lower())
+        return replace(item, value=_written(value))
+
+    made = []
+    for tree in trees:
+        parts = [
+            replace(one, items=tuple(map(valued, one.items))) if isinstance(one, s.Module) else one
+            for one in tree.parts
+        ]
+        made.append(replace(tree, parts=tuple(parts)) if found else tree)
+    return made, [one for one in given if one[0].name.lower() not in found]
 
 
 def _item(wanted: Wanted, value: Value | None) -> s.Item:

@@ -174,3 +174,12 @@ def numbers(node: s.Expression | None) -> Any:
         case None:
             return None
     return literal_number(node)
+
+
+_POSED: Final = frozenset(("tooldata", "wobjdata", "robtarget"))
+
+
+def has_no_value(data: s.Data) -> bool:
+    """True for persistent data with an orientation whose value another module or task states."""
+    plain = data.storage == "PERS" and data.value is None and not data.dimensions
+    return plain and data.scope != "LOCAL" and data.type.lower() in _POSED
