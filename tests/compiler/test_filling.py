@@ -264,8 +264,10 @@ def test_a_neutral_cell_names_no_arm_though_the_files_of_the_controller_do(tmp_p
 def test_a_tool_that_another_task_gives_its_value_is_asked_for(tmp_path: Path) -> None:
     text = (
         "MODULE seen\nPERS tooldata held;\nPERS wobjdata place;\nPERS tooldata unused;\n"
-        "VAR num high;\nPROC main()\nVAR robtarget at;\n"
-        "at:=CRobT(\\Tool:=held\\WObj:=place);\nhigh:=at.trans.z;\nENDPROC\nENDMODULE\n"
+        "CONST robtarget near:=[[400,0,400],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];\n"
+        "VAR num high;\nPROC main()\nVAR robtarget at;\nMoveL near,v100,fine,held\\WObj:=place;\n"
+        "at:=CRobT(\\Tool:=held\\WObj:=place);\nhigh:=at.trans.z;\n"
+        "MoveL Offs(at,0,0,10),v50,fine,held\\WObj:=place;\nENDPROC\nENDMODULE\n"
     )
     source = tmp_path / "seen.mod"
     source.write_text(text, "ascii")
@@ -276,7 +278,8 @@ def test_a_tool_that_another_task_gives_its_value_is_asked_for(tmp_path: Path) -
     cell.write_text(
         "[tools.held]\ntip = [0, 0, 55]\n[frames.place]\nposition = [10, 20, 30]\n", "ascii"
     )
-    second = translate(source, to="melfa-basic-6", cell=cell)
+    second = translate(source, to="melfa-basic-6", cell=cell, proving=Proving(seconds=2.0))
     assert second.ok and not second.wanting
+    assert second.motion is not None and second.motion.holds
     assert second.compiled.program.tools["held"].tip.position == (0, 0, 55)
     assert second.compiled.program.frames["place"].pose.position == (10, 20, 30)

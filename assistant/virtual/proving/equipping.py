@@ -43,7 +43,23 @@ def equipped(family: str, tree: object, cell: Cell) -> tuple[SourceText, set[str
 Change = tuple[Span, str]
 
 
-def _rapid(tree: object, text: str, cell: Cell) -> tuple[list[Change], set[str]]:  # noqa: ARG001
+def _plain(value: rapid.Expression) -> str:
+    """A value that is written out, as text."""
+    match value:
+        case rapid.AggregateNode(items):
+            return f"[{','.join(map(_plain, items))}]"
+        case rapid.Prefix(operator, operand):
+            return operator + _plain(operand)
+        case rapid.BoolLiteral(truth):
+            return str(truth).upper()
+        case rapid.StringLiteral(text):
+            return f'"{text}"'
+        case rapid.NumberLiteral(number):
+            return number
+    raise AssertionError(value)
+
+
+def _rapid(tree: object, text: str, cell: Cell) -> tuple[list[Change], set[str]]:
     """The second part of a tool is its tip, the last two of a work object are its frames."""
     changes: list[Change] = []
     found: set[str] = set()
@@ -60,6 +76,14 @@ def _rapid(tree: object, text: str, cell: Cell) -> tuple[list[Change], set[str]]
             given = [(1, cell.tools[name])]
         elif node.type.lower() == "wobjdata" and name in cell.frames and len(items) == 5:
             given = [(3, cell.frames[name].user), (4, cell.frames[name].object)]
+        if node.value.span is None and node.span is not None:  # the cell file alone states it
+            parts = [_plain(item) for item in items]
+            for place, pose in given:
+                parts[place] = _listed(pose)
+                found.add(name)
+            end = node.span.end - text[node.span.start : node.span.end].endswith(";")
+            changes.append((Span(end, end), f":=[{','.join(parts)}]"))
+            continue
         for place, pose in given:
             span = items[place].span
             if span is not None:
