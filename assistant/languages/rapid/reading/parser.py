@@ -62,9 +62,10 @@ def parse_items(text: str) -> tuple[Item, ...] | Diagnostic:
 def parse_rows(
     text: str, spans: Sequence[Span], start: Literal["statements", "items"]
 ) -> list[Any]:
-    """The lines of a run that are at these places of a sound text, a node each.
+    """The lines of a run that are at these places of a text, a node each.
 
-    start: moves are statements, declarations are items of a module.
+    start: moves are statements, declarations are items of a module. A damaged line, which was
+    mended when it was read, is mended once more.
     """
     from assistant.languages.rapid.reading.grammar import grammar
     from assistant.languages.rapid.reading.nodes import SingleNodes
@@ -77,9 +78,11 @@ def parse_rows(
         line += ";" * (not line.endswith(";"))  # a statement ends before it
         stack = Stack(tables.first)
         read = words.sound(line, tables.rows, stack.states)
-        refused = tables.drive(stack, read, SingleNodes(line, span.start.__add__, ()))
-        assert refused is None, line
-        found += stack.values[0]
+        if tables.drive(stack, read, SingleNodes(line, span.start.__add__, ())) is None:
+            found += stack.values[0]
+            continue
+        mended = _read(SourceText(" " * span.start + line), start, runs=False)
+        found += () if isinstance(mended, Diagnostic) else mended[0]
     return found
 
 
