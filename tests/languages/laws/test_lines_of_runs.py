@@ -16,6 +16,7 @@ import pytest
 
 from assistant import languages
 from assistant.findings.rulebook import pages, rules_in
+from assistant.languages.melfa_basic.reading import parser
 from assistant.program.text import SourceText
 
 ALONE: Final = 3
@@ -452,6 +453,15 @@ def test_a_line_of_melfa_basic_is_judged_alone(name: str) -> None:
     at = list(MELFA).index(name)
     judge_melfa(name, "melfa-basic-4", some(name, MELFA))
     judge_melfa(name, NEWER[at % 2], [LONGEST])
+
+
+@pytest.mark.parametrize("name", MELFA)
+def test_tables_of_melfa_basic_change_nothing(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two lines make a table, so that also the shortest run has some."""
+    kind, check = MELFA[name][0], _check("melfa-basic-4")
+    found = kind.findings(check, LONGEST)
+    monkeypatch.setattr(parser, "rows_at", lambda *_: None)
+    assert found == kind.findings(check, LONGEST)
 
 
 @pytest.mark.slow

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Set
+
 import numpy as np
 
 from assistant.languages.checks.name_sets import NameSet
@@ -46,13 +48,26 @@ def unused(look: Look) -> Found:
     names = look.once(known)
     variables: Listing[s.Item] = Listing()
     told: set[str] = set()
+    moved = _moved_to(look)
     for line, use in look.uses:
         key = use.variable.key
-        if use.role in ("written", "declared") and key not in told and _is_own(look, use, names):
+        written = use.role in ("written", "declared") and key not in told
+        if written and _is_own(look, use, names) and key not in moved:
             told.add(key)
             variables.add(line, use.variable.marked)
     yield from _told(look, "variable", variables)
-    yield from _unused_positions(look, names, told)
+    yield from _unused_positions(look, _moved_to(look, names.read | told))
+
+
+def _moved_to(look: Look, words: Set[str] = frozenset()) -> NameSet:
+    """The positions that moves in tables name, and other words."""
+    moved = NameSet()
+    moved.words |= words
+    for rows in look.code:
+        if isinstance(rows, MoveRows):
+            stem, points = rows.stem.encode("ascii"), (rows.end, rows.via, rows.start)
+            moved.columns += [Names.numbered(stem, numbers) for numbers in points]
+    return moved
 
 
 def _is_own(look: Look, use: Use, names: Known) -> bool:
@@ -78,16 +93,10 @@ def _told(look: Look, what: str, found: Listing[s.Item]) -> Found:
         yield look.finding(rules.UNUSED, where, **words)
 
 
-def _unused_positions(look: Look, names: Known, told: set[str]) -> Found:
+def _unused_positions(look: Look, used: NameSet) -> Found:
     """Positions with a line that no statement names."""
     if not look.code:
         return  # a list of positions for other programs
-    used = NameSet()
-    used.words = names.read | told
-    for rows in look.code:
-        if isinstance(rows, MoveRows):
-            stem, points = rows.stem.encode("ascii"), (rows.end, rows.via, rows.start)
-            used.columns += [Names.numbered(stem, numbers) for numbers in points]
     found: Listing[s.Item] = Listing()
     for item in look.data:
         if isinstance(item, PositionRows):
