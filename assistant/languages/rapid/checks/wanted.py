@@ -23,6 +23,7 @@ from assistant.languages.rapid.tables.processes import MOVES, UNSAID
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tables.states import (
     COUNT,
+    LAST_ERROR,
     MEETING,
     NUMBERS,
     OF_A_CELL,
@@ -38,6 +39,7 @@ from assistant.languages.rapid.tree.calls import worked_out_task
 from assistant.languages.rapid.tree.external_axes import asked as asked_axes
 from assistant.languages.rapid.tree.external_axes import place_of as place_of_axis
 from assistant.languages.rapid.tree.gather import has_no_value, literal_number
+from assistant.languages.rapid.tree.handling import ERRNO, of_handlers
 from assistant.languages.rapid.tree.mechanical_units import can_stand, place_of, unit_of
 from assistant.languages.signatures import Signature
 from assistant.program import expressions as e
@@ -53,10 +55,11 @@ def wanted(files: Sequence[s.File]) -> tuple[Wanted, ...]:
     if first is None:
         return ()
     records = Records(Types(Look(first, first.modules[0], task)))
+    handling = of_handlers([module for file in files for module in file.modules])
     for file in files:
         for module in file.modules:
             look = Look(file, module, task)
-            _Module(look, met, records, stands).walk()
+            _Module(look, met, records, stands, handling).walk()
     types = Types(Look(first, first.modules[0], task))
     for one in met.values():
         if one.parts.parts and not one.types:
@@ -73,10 +76,20 @@ def wanted(files: Sequence[s.File]) -> tuple[Wanted, ...]:
 
 
 class _Module:
-    """Looks through one module. stands: mechanical units may be said to stand still."""
+    """Looks through one module. stands: mechanical units may be said to stand still. handling:
+    routines that run while an error is handled. handles: an error may be handled now.
+    """
 
-    def __init__(self, look: Look, met: dict[str, Met], records: Records, stands: bool) -> None:
+    def __init__(
+        self,
+        look: Look,
+        met: dict[str, Met],
+        records: Records,
+        stands: bool,
+        handling: frozenset[str],
+    ) -> None:
         self.look, self.met, self.records, self.stands = look, met, records, stands
+        self.handling, self.handles = handling, False
         self.types = Types(look)
         self.place = ""
 
@@ -86,7 +99,9 @@ class _Module:
                 case s.Routine():
                     scope = Scope(self.types, item)
                     self.result = item.type.lower()
+                    self.handles = item.name.lower() in self.handling
                     self._body(item.body, scope)
+                    self.handles = True
                     for handler in item.handlers:
                         self._body(handler.body, scope)
                 case s.Data():
@@ -299,6 +314,8 @@ class _Module:
             case s.NameRef(name):
                 if self._unknown(name, scope, type):
                     self._note(name, type, assigned=assigned, weak=weak)
+                elif name.lower() == ERRNO and not self.handles and scope.find(name) is None:
+                    self._state(LAST_ERROR)
                 else:
                     self._without_value(name, scope)
             case s.Component() | s.Element():

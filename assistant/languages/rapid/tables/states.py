@@ -50,6 +50,8 @@ see `words.ELSEWHERE`.
 TASK_NUMBER: Final = State("controller_task_number", "num", 1.0)
 NUMBERS: Final = frozenset({"taskno", "mectaskno"})
 """Options of `GetTaskName` in lower case, to whose variable it gives the number of the task."""
+LAST_ERROR: Final = State("controller_error", "num", 0.0)
+"""What `ERRNO` is where nothing handles an error."""
 COUNT: Final = "_tasks"
 """Behind the name of a list of tasks, of the cell's number of programs that meet there."""
 MEETING: Final = frozenset(("waitsynctask", "syncmoveon"))
@@ -70,7 +72,7 @@ examples."""
 OF_OPTIONS: Final = frozenset(one.name for one in OF_SYSTEM.values())
 """Names of what an option chooses."""
 BY_NAME: Final[Mapping[str, State]] = {
-    one.name: one for one in (*STATES.values(), *OF_SYSTEM.values(), TASK_NUMBER)
+    one.name: one for one in (*STATES.values(), *OF_SYSTEM.values(), TASK_NUMBER, LAST_ERROR)
 }
 
 
@@ -90,7 +92,15 @@ OPTIONS_OF_A_CELL: Final = frozenset(
 )
 """Options of RobotWare whose routines drive equipment of one make, or answer another program."""
 OF_A_CELL: Final = frozenset(
-    {"fitcircle", "mtoolrotcalib", "mtooltcpcalib", "textget", "texttabget"}
+    {
+        "fitcircle",
+        "mtoolrotcalib",
+        "mtooltcpcalib",
+        "readcfgdata",
+        "textget",
+        "texttabget",
+        "writecfgdata",
+    }
 )
 """Other routines, in lower case, that work by what only the first controller has: its texts, its
-way to measure tools."""
+configuration, its way to measure tools."""

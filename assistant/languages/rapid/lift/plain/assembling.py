@@ -24,6 +24,7 @@ _NOWHERE: Final = {"trans": (0, 0, 0), TURN: (1, 0, 0, 0)}
 _CONF: Final = "robconf"
 OUTSIDE_ALL: Final = s.AggregateNode((s.NumberLiteral("9E9"),) * 6)
 """The places of external axes that there are none of."""
+_OUTSIDE: Final = tuple(f"eax_{letter}" for letter in "abcdef")
 _AXES: Final = tuple(f"rax_{axis}" for axis in range(1, 7))
 
 
@@ -48,6 +49,14 @@ def assembled(type: str, place: Any, value: s.AggregateNode) -> Iterator[tuple[A
             first = (_numbers(_NOWHERE[name]) for name in ("trans", TURN))
             yield place, s.AggregateNode((*first, conf, OUTSIDE_ALL))
             yield s.Component(place, "extax"), outside
+        case [conf, s.AggregateNode(axes)] if is_written_out(conf) and len(axes) == len(_OUTSIDE):
+            first = (_numbers(_NOWHERE[name]) for name in ("trans", TURN))
+            none = s.NumberLiteral("9E9")
+            written = tuple(one if is_written_out(one) else none for one in axes)
+            yield place, s.AggregateNode((*first, conf, s.AggregateNode(written)))
+            for axis, worked_out in zip(_OUTSIDE, axes, strict=True):
+                if not is_written_out(worked_out):
+                    yield s.Component(s.Component(place, "extax"), axis), worked_out
         case _ if all(map(is_written_out, outer)):
             first = (_numbers(_NOWHERE[name]) for name in ("trans", TURN))
             yield place, s.AggregateNode((*first, *outer))

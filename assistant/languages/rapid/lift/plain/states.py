@@ -7,11 +7,13 @@ controller has no tasks of such names, no RobotWare and no operating mode of its
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence, Set
+from dataclasses import replace
 from typing import Any
 
 from assistant.languages.rapid.lift.plain.library import call_of
 from assistant.languages.rapid.tables.states import (
     BY_NAME,
+    LAST_ERROR,
     NUMBERS,
     OF_OPTIONS,
     STATES,
@@ -21,6 +23,7 @@ from assistant.languages.rapid.tables.states import (
 from assistant.languages.rapid.tables.words import CELL_MODULE
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import called
+from assistant.languages.rapid.tree.handling import ERRNO, of_handlers
 from assistant.program.rewriting import rewrite
 
 
@@ -43,7 +46,27 @@ def with_told_states(modules: Sequence[s.Module]) -> Sequence[s.Module]:
                 return node if name.lower() in own else _asked(node, known) or node
         return node
 
+    if LAST_ERROR.name in known:
+        modules = _without_errors(modules)
     return tuple(rewrite(module, visit, ()) for module in modules)
+
+
+def _without_errors(modules: Sequence[s.Module]) -> Sequence[s.Module]:
+    """The modules that ask for the last error of the cell where they handle none."""
+    handling = of_handlers(modules)
+
+    def visit(node: Any) -> Any:
+        if isinstance(node, s.NameRef) and node.name.lower() == ERRNO:
+            return s.NameRef(LAST_ERROR.name, span=node.span)
+        return node
+
+    def item(one: s.Item) -> s.Item:
+        if not isinstance(one, s.Routine) or one.name.lower() in handling:
+            return one
+        body = rewrite(one.body, visit, ())
+        return one if body is one.body else replace(one, body=body)
+
+    return [replace(module, items=tuple(map(item, module.items))) for module in modules]
 
 
 def _numbered(options: Mapping[str, s.Expression | None]) -> s.Expression | None:
