@@ -56,6 +56,8 @@ def _named(procedure: Procedure, taken: set[str]) -> Procedure:
 
     def take(node: p.Statement) -> Taken:
         made, places = Taken(node), dict[e.Expression, e.Name]()
+        if isinstance(node, p.Interrupt):  # its condition is asked later, and elsewhere
+            return made
 
         def part(value: e.Expression) -> e.Expression:
             for one in _unnamed(value):

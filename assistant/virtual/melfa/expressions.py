@@ -104,7 +104,7 @@ def _whole_value(m: Machine, node: s.Variable) -> Value:
             return io_value(m, m.code.signals[key])
         if node.arguments is not None and vocabulary.function(key) is not None:
             return _applied(m, node, node.arguments)
-        if is_status(key):
+        if is_status(key) and not _is_listed(m, node):
             index = tuple(value(m, a) for a in node.arguments or ())
             return status.read(m.world, key, index)
     place, index = reference(m, node)
@@ -114,6 +114,14 @@ def _whole_value(m: Machine, node: s.Variable) -> Value:
         if place.kind in (*NUMBERS, "text"):
             return "" if place.kind == "text" else 0
     return place.get(index)
+
+
+def _is_listed(m: Machine, node: s.Variable) -> bool:
+    """True for the safe point (parameter JSAFE) where a position list holds it."""
+    if node.key != "P_SAFE" or node.arguments is not None:
+        return False
+    place, index = reference(m, node)
+    return place.is_set(index)
 
 
 def store(m: Machine, node: s.Variable, given: Value) -> None:

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from assistant import languages
 from assistant.compiler import load, translate
+from assistant.compiler.filling import in_neutral_cell
 from assistant.languages.answers import (
     Frames,
 )
@@ -174,3 +175,39 @@ def test_a_file_of_its_suffix_needs_no_other_mark(tmp_path: FilePath) -> None:
     file = tmp_path / "PLAIN.mb5"
     file.write_text('M1=3\nOpen "COM2:" As #1\nC1$="a"\nEnd\n')
     assert load(file).program.procedures
+
+
+def test_the_safe_point_is_asked_of_the_cell(tmp_path: FilePath) -> None:
+    file = tmp_path / "SAFE.mb5"
+    file.write_text("Mov P_Safe\nSpd 100\nMvs P1\nMov P_Safe\nEnd\nP1=(400,0,450,180,0,180)(7,0)\n")
+    assert not translate(file, to="rapid").ok
+    made = translate(in_neutral_cell(load(file)), to="rapid")
+    assert made.ok
+    assert b"P_Safe" in next(iter(made.files.values()))
+
+
+def test_mo_triggers_are_conditions_of_interrupts(tmp_path: FilePath) -> None:
+    file = tmp_path / "TRIGGER.mb5"
+    file.write_text(
+        "Spd 100\nDef MoTrg 1,M_In(3)=1 And M_In(4)=0\nDef Act 1,M_MoTrg(1)=1 GoTo *S,F\n"
+        "SetMoTrg 1\nAct 1=1\nMvs P1\nSetMoTrg 0\nEnd\n*S\nM_Out(1)=1\nEnd\n"
+        "P1=(400,0,450,180,0,180)(7,0)\n"
+    )
+    made = translate(file, to="rapid")
+    assert made.ok
+    text = next(iter(made.files.values())).decode()
+    assert "mo_trigger_1=1 AND (di_3=1 AND di_4=0)" in text
+    assert text.index("mo_trigger_1:=1;") < text.index("MoveL") < text.rindex("mo_trigger_1:=0;")
+
+
+def test_an_interrupt_costs_no_subroutine(tmp_path: FilePath) -> None:
+    file = tmp_path / "LINE.mb5"
+    file.write_text(
+        "GoSub *INIT\nSpd 100\nMvs P1\nEnd\n*INIT\nOn Com(1) GoSub *HEARD\nM1=2\nReturn\n"
+        "*HEARD\nM_Out(1)=1\nReturn 1\nP1=(400,0,450,180,0,180)(7,0)\n"
+    )
+    rows = translate(file, to="rapid").rows
+    assert [row.text for row in rows if row.level == "not"] == [
+        "On Com(1) GoSub *HEARD",
+        "Return 1",
+    ]

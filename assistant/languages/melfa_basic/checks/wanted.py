@@ -16,7 +16,13 @@ from assistant.languages.melfa_basic.checks.undefined import is_call
 from assistant.languages.melfa_basic.checks.variables_of import known
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
-from assistant.languages.melfa_basic.tables.variables import KEPT, PARAMETERS, STATUS, kept_as
+from assistant.languages.melfa_basic.tables.variables import (
+    KEPT,
+    PARAMETERS,
+    STATUS,
+    TAUGHT,
+    kept_as,
+)
 from assistant.languages.melfa_basic.tree import outside
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import Positions
@@ -89,7 +95,7 @@ def _variables(look: Look) -> Iterator[Wanted]:
         external = key[1:2] == "_"
         if (
             (key in whole and not external)
-            or vocabulary.status(key) is not None
+            or (vocabulary.status(key) is not None and key not in TAUGHT)
             or outside.is_state(key)
         ):
             continue

@@ -10,6 +10,7 @@ from typing import Final
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.reading.files import TOKENISED
 from assistant.languages.melfa_basic.reading.line import TooLarge, parts, read_line, statement
+from assistant.languages.melfa_basic.tables.variables import TAUGHT
 from assistant.languages.melfa_basic.tables.vocabulary import status
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import statement_of
@@ -135,7 +136,7 @@ def _datum(item: s.Item) -> s.Data | None:
     """An unnumbered assignment of a constant, or declaration of one, as a variable line."""
     match item:
         case s.Line(None, None, s.Assign(s.Variable(component="") as target, value, None), None):
-            if status(target.name) is not None:
+            if status(target.name) is not None and target.name.upper() not in TAUGHT:
                 return None
             match value:
                 case (s.Constant() | s.Number() | s.String()) | s.Unary(

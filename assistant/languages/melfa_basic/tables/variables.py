@@ -87,3 +87,7 @@ STATUS: Final = {"Tool": "M_TOOL", "Base": "M_BSNO"}
 def kept_as(parameter: str) -> str:
     """The position of a program's list that says what a parameter of its cell holds."""
     return f"P{parameter}"
+
+
+TAUGHT: Final = ("P_SAFE",)
+"""Status variables that hold what somebody taught on the controller (parameter JSAFE)."""

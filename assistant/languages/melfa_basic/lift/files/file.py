@@ -13,6 +13,7 @@ from assistant.languages.melfa_basic.lift.settings.followed import declare
 from assistant.languages.melfa_basic.lift.settings.held import INITIAL, Settings, set_by
 from assistant.languages.melfa_basic.lift.settings.interrupts import calls_on_interrupt
 from assistant.languages.melfa_basic.lift.statements import data
+from assistant.languages.melfa_basic.lift.statements.interrupts import mo_triggers
 from assistant.languages.melfa_basic.lift.statements.paths import used_once
 from assistant.languages.melfa_basic.lift.statements.procedure import Reader
 from assistant.languages.melfa_basic.lift.structure import regions
@@ -232,6 +233,7 @@ class Unit:
         symbols = self._meanings()
         if not self.own:
             symbols.pallets, symbols.grids = pallets(code, symbols), self.grids
+            symbols.mo_triggers = mo_triggers(code, symbols)
         symbols.goes_on, symbols.opened = self._channels(symbols)
         expressions = Expressions(symbols)
         local = declared.own_variables(self.header, self.first_values, expressions)

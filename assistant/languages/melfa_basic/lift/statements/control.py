@@ -271,4 +271,5 @@ COMMANDS: Final[Mapping[str, tuple[int, Lift]]] = {
     "Exit Function": (0, Statements.left),
     "Break": (0, Control.broken),
     "Act": (1, interrupts.switch),
+    "SetMoTrg": (1, interrupts.watch),
 }

@@ -1,17 +1,20 @@
-"""`Def Act` and `Act` of programs that were written here."""
+"""`Def Act` and `Act` of programs that were written here; Mo triggers, which they may ask."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from assistant.languages import kept_reasons
+from assistant.languages.melfa_basic.lift.structure.blocks import Code
 from assistant.languages.melfa_basic.lift.structure.regions import place_name
-from assistant.languages.melfa_basic.lift.values.symbols import Unliftable
+from assistant.languages.melfa_basic.lift.values.symbols import Symbols, Unliftable
 from assistant.languages.melfa_basic.tables.vocabulary.interrupts import ALL
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.blocks import statement_of
 from assistant.languages.melfa_basic.tree.walk import literal
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.program import Variable
 
 if TYPE_CHECKING:
     from assistant.languages.melfa_basic.lift.statements.lines import Statements
@@ -93,3 +96,38 @@ def _called(reader: Statements, call: s.Jump | s.Call) -> str:
     if routine is None:
         raise Unliftable(kept_reasons.INTERRUPTS)
     return routine.name
+
+
+# ------------------------------------------------------------------------------ Mo triggers
+
+
+def mo_triggers(code: Code, symbols: Symbols) -> dict[int, tuple[str, s.Expression]]:
+    """The condition of each Mo trigger that has one definition, and a name for whether it is on."""
+    found: dict[int, list[s.Expression | None]] = {}
+    for item in code:
+        node = statement_of(item)
+        if isinstance(node, s.DefOther) and node.kind == "MoTrg" and len(node.arguments) == 2:
+            number = symbols.constants.value(node.arguments[0])
+            if not isinstance(number, float):
+                return {}
+            found.setdefault(round(number), []).append(node.arguments[1])
+    return {
+        number: (symbols.free(f"mo_trigger_{number}"), conditions[0])
+        for number, conditions in found.items()
+        if len(conditions) == 1 and conditions[0] is not None
+    }
+
+
+def watch(reader: Statements, node: s.Command) -> list[p.Statement]:
+    """`SetMoTrg n`: from here on a Mo trigger is watched; with 0 none is."""
+    symbols = reader.symbols
+    number = symbols.value(node.arguments[0])
+    if not symbols.telling or not isinstance(number, float) or not symbols.mo_triggers:
+        raise Unliftable
+    wanted = [round(number)] if number else sorted(symbols.mo_triggers)
+    if not set(wanted) <= symbols.mo_triggers.keys():
+        raise Unliftable
+    names = [symbols.mo_triggers[one][0] for one in wanted]
+    for name in names:
+        symbols.variables.setdefault(name, Variable("integer", e.Number(0)))
+    return [p.Assign(e.Name(name), e.Number(int(number != 0))) for name in names]

@@ -173,7 +173,7 @@ class Statements:
             return read()
         except Unliftable as found:
             set_here = self.effect(node) is not None
-            hand = isinstance(node, s.Command) and node.keyword in HANDS
+            hand = isinstance(node, s.Command) and node.keyword in (*HANDS, "SetMoTrg")
             defines = set_here or isinstance(node, s.DefOther)
             tells = defines or hand or isinstance(node, TELLING) or node in ENDS
             told = self.expressions.told(read) if tells else None

@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence, S
 from dataclasses import dataclass, replace
 from typing import Final
 
+from assistant.languages.line_graph import Exits
 from assistant.languages.melfa_basic.lift.structure.blocks import Code, is_blank, is_command
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import blocks_of, statement_of
@@ -195,7 +196,7 @@ def _starts(
         if own or not goes_on_above(code, at):
             starts.append((at, label))
             wanted.discard(label)
-    return starts if own else _closed(code, starts, answering)
+    return starts if own else _closed(code, starts)
 
 
 _CALLED_FROM_ELSEWHERE: Final = "*L_"
@@ -228,17 +229,15 @@ def _returns(statement: s.Statement | None) -> bool:
     return any(one == s.Command("Return") for one in statements_in(statement))
 
 
-def _closed(
-    code: Code, starts: list[tuple[int, str]], answering: Mapping[str, str]
-) -> list[tuple[int, str]]:
-    """Those that no jump leads into or out of, but for interrupts that these answer."""
+def _closed(code: Code, starts: list[tuple[int, str]]) -> list[tuple[int, str]]:
+    """Those that no jump leads into or out of; an interrupt costs its own statements alone."""
     while starts:
         edges = [0, *(at for at, _ in starts), len(code)]
         spans = list(itertools.starmap(range, itertools.pairwise(edges)))
         inside = [labels_of(code, span) for span in spans]
         bad: set[int] = set()
         for k, span in enumerate(spans):
-            for name in jumps(code, span, answering):
+            for name in (place_name(to) for at in span for to in _exits(code, at).jumps):
                 other = next((j for j, labels in enumerate(inside) if name in labels), k)
                 if other != k:
                     bad |= {j for j in (other, k) if j}
@@ -246,6 +245,10 @@ def _closed(
             return starts
         starts = [start for k, start in enumerate(starts, 1) if k not in bad]
     return starts
+
+
+def _exits(code: Code, at: int) -> Exits[s.Target]:
+    return exits_of(statement_of(code[at]))
 
 
 def called(code: Code) -> set[str]:

@@ -208,6 +208,10 @@ class Expressions(Types):
     def truth(self, node: s.Expression) -> e.Expression:
         """A condition. Other than truths, MELFA-BASIC's own logic works on bits."""
         match node:
+            case s.Binary(
+                "=", s.Variable(key="M_MOTRG", arguments=(s.Number() as number,)), s.Number() as on
+            ) if self.m.telling:
+                return self.triggered(round(number.value), bool(on.value))
             case s.Binary(operator=written, left=left, right=right):
                 operator = operator_name(written)
                 if operator in e.LOGICAL and self.group(operator, left, right) is None:
@@ -234,6 +238,15 @@ class Expressions(Types):
         if self.type_of(node) not in ("number", "integer"):
             raise Unliftable
         return e.Binary("<>", plain, e.Number(0))
+
+    def triggered(self, number: int, wanted: bool) -> e.Expression:
+        """True if a Mo trigger is watched and its condition holds."""
+        if number not in self.m.mo_triggers:
+            raise Unliftable(STATUS)
+        name, condition = self.m.mo_triggers[number]
+        watched = e.Binary("=", e.Name(name), e.Number(1))
+        holds = e.Binary("and", watched, self.truth(condition))
+        return holds if wanted else e.Unary("not", holds)
 
     def nonzero(self, node: s.Expression) -> e.Expression:
         """Whether a bit of a truth or number is set."""

@@ -267,6 +267,8 @@ def placed(number: int, point: s.Expression, lift: Lifting) -> e.Expression:
 def define(node: s.DefOther, lift: Lifting) -> list[p.Statement]:
     """`Def Plt`, which is no statement where the points are known."""
     symbols = lift.m
+    if node.kind == "MoTrg" and symbols.telling and symbols.mo_triggers:
+        return []  # its condition is asked where the trigger is
     number = symbols.constants.value(node.arguments[0]) if node.kind == "Plt" else None
     if not isinstance(number, float):
         raise Unliftable

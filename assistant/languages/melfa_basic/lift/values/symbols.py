@@ -10,6 +10,7 @@ from assistant.languages.kept_reasons import STATUS
 from assistant.languages.melfa_basic.lift.structure.scopes import Scope, letter_type
 from assistant.languages.melfa_basic.lift.values.constants import Constants
 from assistant.languages.melfa_basic.tables.poses import plain_pose
+from assistant.languages.melfa_basic.tables.variables import TAUGHT
 from assistant.languages.melfa_basic.tables.vocabulary import status
 from assistant.languages.melfa_basic.text.header import Header
 from assistant.languages.melfa_basic.tree import syntax as s
@@ -114,6 +115,8 @@ class Symbols:
         """Arrays of the pallets whose points are known, by number."""
         self.worked_out: dict[int, WorkedOut] = {}
         """Pallets that are worked out as the program runs, by number."""
+        self.mo_triggers: dict[int, tuple[str, s.Expression]] = {}
+        """Conditions of Mo triggers, and the variables that say whether they are watched."""
         self.grids = True
         """True if pallets are such arrays in every language."""
         self.timers: dict[int, str] = {}
@@ -172,7 +175,8 @@ class Symbols:
             return e.Name(self.header.variables[key].name)
         if (mounted := self.mounted(key)) is not None:
             return mounted
-        if status(key) is not None:
+        taught = key in TAUGHT and self.positions.constant(key) is not None
+        if status(key) is not None and not taught:
             return self.state(key)
         if key not in self.constants.assigned and self.positions.constant(key) is not None:
             self.targets.add(key)
