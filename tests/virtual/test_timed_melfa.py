@@ -5,11 +5,15 @@ from __future__ import annotations
 import pytest
 
 from assistant import languages
+from assistant.compiler import translate
+from assistant.compiler.loading import load_text
+from assistant.program.text import SourceText
 from assistant.virtual.events import Run, Switched
 from assistant.virtual.kernel import Kernel
 from assistant.virtual.melfa import start_slot
 from assistant.virtual.motion import Timed
-from tests.virtual.test_timed import MELFA, drive, joints_at, times
+from assistant.virtual.rapid.running import start_task
+from tests.virtual.test_timed import ARM, MELFA, drive, joints_at, times
 
 MELFA_HEAD = "PA=(+400.00,-100.00,+400.00,+180.00,+0.00,+180.00)(7,0)\n"
 
@@ -75,3 +79,21 @@ def test_a_melfa_arm_tells_what_it_cannot_reach_by_its_number() -> None:
     _, run = melfa("1 Mov P9\n2 End\nP9=(+4000.00,+0.00,+400.00,+180.00,+0.00,+180.00)(7,0)\n")
     assert run.ended == "error"
     assert "2602" in run.message
+
+
+def test_an_interrupt_by_the_position_comes_as_soon_in_rapid() -> None:
+    """RAPID asks for the condition every 0.1 s, and stops the arm as soon as it holds."""
+    text = (
+        "1 Tool P_NTool\n2 Base P_NBase\n3 Spd 100\n4 Mvs P1\n5 Def Act 1,P_Curr.Z>430 GoTo *S\n"
+        "6 Act 1=1\n7 Mvs P2\n8 M_Out(2)=1\n9 End\n10 *S\n11 M_Out(1)=1\n12 End\n" + POINTS
+    )
+    _, run = melfa(text)
+    made = translate(load_text(SourceText(text), language="melfa-basic-5"), to="rapid")
+    assert made.ok
+    tree = languages.get("rapid").parse(next(iter(made.files.values())).decode())
+    kernel = Kernel(motion=Timed(ARM, drive(ARM), joints_at((400.0, -100.0, 400.0), ARM)))
+    start_task(kernel, (tree,), robot=ARM)
+    done = kernel.run()
+    (first,), (second,) = times(run), times(done)
+    assert 0.0 <= second - first <= 0.1
+    assert [row.what.signal for row in done.log if isinstance(row.what, Switched)] == ["do_1"]

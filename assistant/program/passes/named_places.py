@@ -25,11 +25,16 @@ def with_named_places(job: Legalising) -> Program:
     program = job.program
     if not any(map(_unnamed, everywhere(program, e.Member, e.Apply))):
         return program
+    taken = names_of(program)
+    made = tuple(named(procedure, taken) for procedure in program.procedures)
+    return replace(program, procedures=made)
+
+
+def names_of(program: Program) -> set[str]:
+    """Names in lower case that no further variable of a procedure may have."""
     taken = {n.lower() for t in (program.variables, program.targets, program.signals) for n in t}
     taken |= {name.lower() for q in program.procedures for name in (q.name, *q.variables)}
-    taken |= {one.name.lower() for q in program.procedures for one in q.parameters}
-    made = tuple(_named(procedure, taken) for procedure in program.procedures)
-    return replace(program, procedures=made)
+    return taken | {one.name.lower() for q in program.procedures for one in q.parameters}
 
 
 def _unnamed(record: object) -> tuple[e.Expression, ...]:
@@ -42,7 +47,8 @@ def _unnamed(record: object) -> tuple[e.Expression, ...]:
     return ()
 
 
-def _named(procedure: Procedure, taken: set[str]) -> Procedure:
+def named(procedure: Procedure, taken: set[str]) -> Procedure:
+    """A procedure with such positions in variables."""
     known: dict[int, e.Name] = {}
 
     def place(number: int) -> e.Name:

@@ -23,6 +23,7 @@ from assistant.program.analysis.interrupts import interrupts
 from assistant.program.analysis.uses import called, declared
 from assistant.program.kept import effect_of
 from assistant.program.passes.legalising import Legalising
+from assistant.program.passes.named_places import named, names_of
 from assistant.program.program import (
     Declaration,
     Procedure,
@@ -32,7 +33,7 @@ from assistant.program.program import (
     identifier,
     walk,
 )
-from assistant.program.rewriting import Body, map_bodies, records
+from assistant.program.rewriting import Body, map_bodies
 
 EVERY: Final = 0.1
 """Seconds from one asking to the next, the least of a timer that interrupts."""
@@ -163,10 +164,7 @@ class _Interrupts:
             if self.moves(node.call.procedure):
                 inner = (kept("StorePath;"), node.call, kept("RestoPath;"))
             body = (p.While(holds, (stop, *inner, *ends, start)),)
-        if any(isinstance(one, e.Here) for one in records(node.condition)):
-            cure = "ask for it in the program"
-            self.job.cannot(what="an interrupt that asks for the position of the robot", cure=cure)
-        return Procedure(answer, body, span=node.span)
+        return named(Procedure(answer, body, span=node.span), names_of(self.job.program))
 
     def moves(self, name: str) -> bool:
         """Whether a procedure, or what it calls, moves the arm, which goes back for that."""
