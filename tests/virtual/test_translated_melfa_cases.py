@@ -199,6 +199,13 @@ Mvs P2
 M1=M_Spd
 Dly M1/1000
 End""",
+    "cautions, after which the program goes on": """Spd 100
+Title "cell"
+Mvs P1
+If M_In(1)=1 Then Error 9200
+M_Out(1)=1
+Mvs P2
+End""",
     "hands and outputs by numbers that loops count": """Spd 100
 Dim MA(3)
 For M9=1 To 2

@@ -211,3 +211,15 @@ def test_an_interrupt_costs_no_subroutine(tmp_path: FilePath) -> None:
         "On Com(1) GoSub *HEARD",
         "Return 1",
     ]
+
+
+@pytest.mark.parametrize("value", ["P1/P2", "P1*(P2/2)", "(P1+P2)/P1", "P1-P2/P1"])
+def test_a_quotient_of_positions_is_refused(value: str, tmp_path: FilePath) -> None:
+    file = tmp_path / "QUOTIENT.mb5"
+    file.write_text(
+        f"Spd 100\nP9={value}\nMvs P1\nEnd\nP1=(400,0,450,180,0,180)(7,0)\n"
+        "P2=(380,10,450,180,0,180)(7,0)\n"
+    )
+    assert [row.text for row in translate(file, to="rapid").rows if row.level == "not"] == [
+        f"P9={value}"
+    ]

@@ -65,6 +65,7 @@ LOSSES: Final[Mapping[str, tuple[str, str]]] = {
         "the program gets no other share of the controller's time",
         "none is needed, but see that nothing beside it comes too late",
     ),
+    "TITLE": ("the pendant shows no title", "none is needed"),
     "CAVCHK": ("common areas are not watched for by the program", "let the cell watch them"),
 }  # fmt: skip
 """What is lost with a command, by its word and the argument that it hangs on, and what to do
@@ -72,6 +73,11 @@ LOSSES: Final[Mapping[str, tuple[str, str]]] = {
 
 _STOPS: Final = re.compile(r"Error\s+9[01]\d\d", re.IGNORECASE)
 """An error of the program's own that stops it; from 9200 on they are cautions (COSIROP: ERROR)."""
+_CAUTIONS: Final = re.compile(r"Error\s+(92\d\d)", re.IGNORECASE)
+_CAUTIONED: Final = (
+    "the caution is a message on the pendant, and no caution on the controller",
+    "tell people or the cell's controller by an output above it",
+)
 _STOPPED: Final = (
     "the program ends there for good, and no error is on the controller",
     "tell people or the cell's controller by an output above it",
@@ -113,7 +119,8 @@ def exported(program: Program) -> Adapted:
         if node.reason == DEPENDED_ON and _is_text(node):
             return  # the moves that are translated state their settings themselves
         stops = _STOPS.fullmatch(node.text.strip()) is not None and _is_text(node)
-        loss = _STOPPED if stops else losses.get(_key(node))
+        caution = _CAUTIONS.fullmatch(node.text.strip()) if _is_text(node) else None
+        loss = _STOPPED if stops else _CAUTIONED if caution else losses.get(_key(node))
         if loss is None:
             yield node
             return
@@ -122,6 +129,8 @@ def exported(program: Program) -> Adapted:
             findings.append(rules.LEFT_OUT(what=node.text.strip(), loss=what, cure=cure))
         if stops:
             yield p.Stop(end=True, span=node.span)
+        if caution:
+            yield p.Message((e.Text(f"caution {caution[1]}"),), span=node.span)
 
     return Adapted(exchanged(program, told), tuple(findings))
 

@@ -115,6 +115,8 @@ def _element(node: s.Expression, at: int, lift: Lifting) -> e.Expression:
             return _sum(sign, _element(left, at, lift), _element(right, at, lift))
         case s.Binary(("*" | "/") as sign, left, right) if _is_factor(right, lift):
             return e.Binary(sign, _element(left, at, lift), lift.number(right))
+        case s.Binary():
+            raise Unliftable  # of positions, as `P1/P2`
         case s.Constant(values=values):
             value = values[at] if at < len(values) else 0.0
             if value is None or any(values[6:]):
