@@ -89,10 +89,11 @@ def made(met: Met, types: Types, records: Mapping[str, Solved]) -> Wanted | None
 
 _ORIENT: Final = (1.0, 0.0, 0.0, 0.0)
 _ORIGIN: Final = (0.0, 0.0, 0.0)
+_LOAD: Final = (0.001, (0.0, 0.0, 0.001), _ORIENT, 0.0, 0.0, 0.0)
 _PLAIN: Final[Mapping[str, Plain]] = {
     "num": 0.0, "dnum": 0.0, "bool": False, "string": "", "orient": _ORIENT,
     "extjoint": (9e9,) * 6,
-    "loaddata": (0.001, (0.0, 0.0, 0.001), _ORIENT, 0.0, 0.0, 0.0),
+    "loaddata": _LOAD, "tooldata": (True, (_ORIGIN, _ORIENT), _LOAD),
     "speeddata": (100.0, 500.0, 5000.0, 1000.0),
     "zonedata": (True, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
     "welddata": (100.0, 0.0, (0.0,) * 9, (0.0,) * 9),

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Final
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.instructions import Meaning, of_call
 from assistant.languages.rapid.lift.told.calls import call_of, word_of
+from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree.calls import called
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -43,13 +44,14 @@ LEAST_TIME: Final = 0.001
 """Seconds of a move that states no time at all: as fast as the axes turn."""
 _TIME: Final = "t"
 _CLEARS: Final = "clearpath"
+_STANDS: Final = "WaitRob\\InPos;"
 
 
 def with_timed_moves(program: Program, arm: Robot | None, findings: Findings) -> Program:
     """The program whose joint moves to joints get a share of the axes' speeds for their times.
 
-    The program itself where another move may leave the arm in a corner to which nothing states
-    the joints.
+    Where another move may leave the arm in a corner to which nothing states the joints, it stops
+    before each of them.
     """
     meaning = Meaning(
         speeds={name.lower(): speed for name, speed in program.speeds.items()},
@@ -58,9 +60,8 @@ def with_timed_moves(program: Program, arm: Robot | None, findings: Findings) ->
     nodes = [*program.statements()]
     if not any(_timed(node, meaning) for node in nodes):
         return program
-    if not all(_is_followed(node, meaning, program) for node in nodes):
-        return program
-    timing = _Timing(program, meaning, arm, findings)
+    stands = not all(_is_followed(node, meaning, program) for node in nodes)
+    timing = _Timing(program, meaning, arm, findings, stands=stands)
     procedures = tuple(replace(q, body=timing.body(q.body)) for q in program.procedures)
     return replace(
         program,
@@ -118,11 +119,20 @@ def _stops(motion: p.Motion, program: Program) -> bool:
 
 
 class _Timing:
-    """Works out the shares of one program. variables: new ones. span: of the first move."""
+    """Works out the shares of one program. stands: the arm stops before each timed move.
+    variables: new ones. span: of the first move.
+    """
 
     def __init__(
-        self, program: Program, meaning: Meaning, arm: Robot | None, findings: Findings
+        self,
+        program: Program,
+        meaning: Meaning,
+        arm: Robot | None,
+        findings: Findings,
+        *,
+        stands: bool,
     ) -> None:
+        self.stands = stands
         self.program, self.meaning, self.arm, self.findings = program, meaning, arm, findings
         taken = TakenNames((*declared(program), *(q.name for q in program.procedures)))
         names = []
@@ -135,9 +145,10 @@ class _Timing:
         self.variables = {
             names[0]: Variable("joints"),
             names[1]: Variable("joints"),
-            names[2]: Variable("truth", e.Truth(False)),
             names[3]: Variable("number"),
         }
+        if not stands:
+            self.variables[names[2]] = Variable("truth", e.Truth(False))
 
     def body(self, body: Body) -> Body:
         return tuple(part for node in body for part in self.each(node))
@@ -146,6 +157,9 @@ class _Timing:
         timed = _timed(node, self.meaning)
         if timed is not None:
             yield from self.move(timed)
+            return
+        if self.stands:
+            yield map_bodies(node, self.body)
             return
         if isinstance(node, p.Opaque) and node.text.lower().startswith(_CLEARS):
             yield p.Assign(self.known, e.Truth(False))
@@ -163,8 +177,12 @@ class _Timing:
         with self.findings.at(move.span):
             self.findings.append(rules.LEFT_OUT(what=r"\T", loss=loss[0], cure=loss[1]))
         here = p.Assign(self.begin, e.Apply("joints_here", ()))
-        asked = e.Unary("not", self.known)
-        yield p.If((p.Branch(asked, (here, p.Assign(self.known, e.Truth(True)))),))
+        if self.stands:
+            yield p.Opaque(verbatim.LANGUAGE, _STANDS, span=move.span)
+            yield here
+        else:
+            asked = e.Unary("not", self.known)
+            yield p.If((p.Branch(asked, (here, p.Assign(self.known, e.Truth(True)))),))
         yield p.Assign(self.end, move.target)
         way = e.Apply(self.function, (self.begin, self.end))
         plain = e.plain_number(timed.seconds)
@@ -178,7 +196,8 @@ class _Timing:
         yield p.Assign(self.percent, e.Apply("min", (e.Number(100), least)))
         speed = ComputedSpeed(None, joint=self.percent)
         yield replace(move, motion=replace(move.motion, speed=speed))
-        yield p.Assign(self.begin, self.end)
+        if not self.stands:
+            yield p.Assign(self.begin, self.end)
 
     def share(self) -> Procedure:
         """A function: the seconds that the slowest axis takes from some joints to others."""
