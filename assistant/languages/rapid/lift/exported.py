@@ -56,6 +56,7 @@ from assistant.languages.rapid.lift.told.timed import with_timed_moves
 from assistant.languages.rapid.lift.triggers import REASONS, Triggers
 from assistant.languages.rapid.lift.ways import options, steps
 from assistant.languages.rapid.tables.predefined import data as predefined
+from assistant.languages.rapid.tables.predefined import error_numbers
 from assistant.languages.rapid.tables.processes import DATA
 from assistant.languages.rapid.tables.signal_types import SIGNALS
 from assistant.languages.rapid.tables.standard import FUNCTIONS
@@ -94,6 +95,8 @@ NOTHING: Final = {
 With their options and arguments, in lower case (RAPID reference manual: ConfJ, ConfL, SingArea,
 GripLoad)."""
 
+FIRST_BOOKED: Final = 101
+"""The first number of an error of the program's own: it may raise 1 to 90 itself (RAISE)."""
 IN_CORNER: Final = e.Reason(
     "the robot may be in a corner there, and would stop in it", "write `fine` for the moves before"
 )
@@ -139,7 +142,8 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
         if "eoffsoff" not in nothing and not has_external_axes(program):
             losses |= dict.fromkeys(("eoffsset", "eoffson", "eoffsoff"), NO_AXES)
         program = with_moves_broken_off(program)
-        program = exchanged(program, lambda node: _told(node, nothing, losses, findings))
+        booked = _booked(program)
+        program = exchanged(program, lambda node: _told(node, nothing, losses, findings, booked))
         program = with_limited_speeds(program, limit)  # once all that moves is a move
         program, early = with_active(program)
         findings += [rules.BEFORE_MOVES(span=span) for span in dict.fromkeys(early)]
@@ -149,7 +153,8 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
         for key, known in predefined().items()
         if known.storage == "VAR" and known.type in VALUE_OF_TYPE
     }
-    program = with_constants(with_others_dates(program), ELSEWHERE)
+    findings += _numbered(program)
+    program = with_constants(with_others_dates(program), {**ELSEWHERE, **error_numbers()})
     program = with_read_angles(with_predefined(program, types))
     findings += _signs(program)
     findings += _states(program)
@@ -172,6 +177,25 @@ def _taken(program: Program) -> Iterator[Diagnostic]:
             yield rules.LEFT_OUT(
                 what="the one step of TestAndSet", loss=loss, cure=cure, span=statement.span
             )
+
+
+def _numbered(program: Program) -> Iterator[Diagnostic]:
+    """Warn where the number of an error is used."""
+    numbers = error_numbers()
+    for statement, parts in saying(program, e.Name):
+        named = [part.name for part in parts if part.name.lower() in numbers]
+        if statement.span is not None:
+            for name in dict.fromkeys(named):
+                loss, cure = _COUNTED
+                yield rules.LEFT_OUT(
+                    what=f"the number of {name.upper()}", loss=loss, cure=cure, span=statement.span
+                )
+
+
+_COUNTED: Final = (
+    "no manual states it, and another controller has no such error: it is counted here",
+    "compare it with the names of errors alone",
+)
 
 
 def _states(program: Program) -> Iterator[Diagnostic]:
@@ -284,12 +308,36 @@ def _says(program: Program, words: re.Pattern[str]) -> bool:
     return any(map(words.search, texts))
 
 
+def _booked(program: Program) -> Mapping[str, int]:
+    """Numbers of the program's own errors that expressions ask for, by lower-case name."""
+    used = {one.name.lower() for one in records(program.procedures) if isinstance(one, e.Name)}
+    names = (_own_error(call_of(node)) for node in everywhere(program, p.Opaque))
+    found = [name for name in dict.fromkeys(names) if name and name in used]
+    return {name: at for at, name in enumerate(found, FIRST_BOOKED)}
+
+
+def _own_error(call: s.ProcedureCall | None) -> str:
+    """The variable in lower case that `BookErrNo` gives a number; empty for another call."""
+    if call is not None and str(call.name).lower() == "bookerrno":
+        match call.arguments:
+            case (s.Positional(s.NameRef(name), None),):
+                return name.lower()
+    return ""
+
+
 def _told(
-    node: p.Opaque, nothing: Set[str], losses: Mapping[str, Loss], findings: Findings
+    node: p.Opaque,
+    nothing: Set[str],
+    losses: Mapping[str, Loss],
+    findings: Findings,
+    booked: Mapping[str, int],
 ) -> Iterator[p.Statement]:
     """What another language is told of a text: nothing, or the text."""
     call = call_of(node)
     key = "" if call is None else _key(call)
+    if (own := _own_error(call)) in booked:
+        yield p.Assign(e.Name(own), e.Number(booked[own]), span=node.span)
+        return
     loss = losses.get(key) or losses.get(key.split(" ")[0])
     if key in nothing:
         return

@@ -86,3 +86,13 @@ def _components(text: str) -> Mapping[str, str] | None:
 def _lines() -> tuple[tuple[str, str, str], ...]:
     text = files("assistant.languages.rapid.tables").joinpath("predefined.txt").read_text("utf-8")
     return tuple((m[1], m[2] or "", m[3]) for m in _LINE.finditer(text.replace("\n    ", " ")))
+
+
+FIRST_ERROR: Final = 1001
+
+
+@cache
+def error_numbers() -> Mapping[str, int]:
+    """Numbers of errors by lower-case name, which the manuals do not state: counted here."""
+    names = (name for name, datum in data().items() if datum.type == "errnum")
+    return {name: at for at, name in enumerate(names, FIRST_ERROR) if name != "errno"}

@@ -18,8 +18,8 @@ def of_handlers(modules: Sequence[s.Module]) -> frozenset[str]:
     calls: dict[str, set[str]] = {}
     pending: list[str] = []
     for one in routines:
-        calls.setdefault(one.name.lower(), set()).update(_called(one.body))
-        pending += _called(one.handlers)
+        calls.setdefault(one.name.lower(), set()).update(called_in(one.body))
+        pending += called_in(one.handlers)
     found: set[str] = set()
     while pending:
         name = pending.pop()
@@ -29,7 +29,8 @@ def of_handlers(modules: Sequence[s.Module]) -> frozenset[str]:
     return frozenset(found)
 
 
-def _called(value: Any) -> Iterator[str]:
+def called_in(value: Any) -> Iterator[str]:
+    """Names in lower case of the routines that nodes call."""
     for node in nodes(value):
         if isinstance(node, s.FunctionCall | s.ProcedureCall) and isinstance(node.name, str):
             yield node.name.lower()

@@ -31,6 +31,7 @@ from assistant.languages.rapid.lift.plain.own_routines import with_own_routines
 from assistant.languages.rapid.lift.plain.own_settings import with_own_settings
 from assistant.languages.rapid.lift.plain.own_task import with_own_task
 from assistant.languages.rapid.lift.plain.paces import changing
+from assistant.languages.rapid.lift.plain.passed_errors import with_passed_errors
 from assistant.languages.rapid.lift.plain.process_data import with_process_data
 from assistant.languages.rapid.lift.plain.raw_bytes import with_bytes
 from assistant.languages.rapid.lift.plain.removed_files import with_emptied_files
@@ -84,7 +85,7 @@ def plain(files: Sequence[s.File]) -> Plain | None:
 def _plain(files: Sequence[s.File], apart: frozenset[str]) -> Plain | None:
     """apart: see `Layouts`."""
     there = with_own_names([module for file in files for module in file.modules])
-    written, of_task = with_own_task(with_own_settings(with_written_out(there)))
+    written, of_task = with_own_task(with_own_settings(with_written_out(with_passed_errors(there))))
     counted, of_clocks = with_plain_clocks(with_whole_texts(written))
     emptied, of_files = with_emptied_files(counted)
     short, of_numbers = with_long_numbers(emptied, files)

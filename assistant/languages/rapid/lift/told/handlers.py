@@ -74,11 +74,21 @@ def _only(node: p.Statement) -> s.StatementNode | None:
 def left_of(handler: s.Handler, error: str, lift: StatementLift, span: Span | None) -> Body | None:
     """What a handler does about an error; None if that asks more of the error than which it is."""
     body = tuple(_without_questions(lift.block(handler.body), error))
+    body = tuple(_named(node, error) for node in body)
     body = map_spans(body, lambda _: span)
     nodes = [*walk(body)]
     if len(nodes) > MOST_STATEMENTS or any(isinstance(one, p.Label | p.Goto) for one in nodes):
         return None
     return None if any(map(_asks, nodes)) else body
+
+
+def _named(node: p.Statement, error: str) -> p.Statement:
+    """A statement with the name of the error in place of `ERRNO`."""
+
+    def known(x: e.Expression) -> e.Expression:
+        return e.Name(error) if isinstance(x, e.Name) and x.name.lower() == ERRNO else x
+
+    return map_expressions(node, known)
 
 
 def _asks(node: p.Statement) -> bool:
