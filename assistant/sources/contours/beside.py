@@ -188,14 +188,17 @@ class Beside:
         if len(rings) > 1:
             self._say(rules.SPLIT, offset=offset, count=len(rings))
             return
-        off = self.tolerance * SAMPLED
-        way = _drawn(rings[0].pieces, off, closed=rings[0].closed)
+        bare = rings[0].bare
+        if bare is None or not len(bare):
+            return
+        way = _drawn(rings[0].pieces, self.tolerance * SAMPLED, closed=rings[0].closed)
         ways = shapely.STRtree(shapely.linestrings(np.stack([way[:-1], way[1:]], axis=1)))
-        line = shapely.LineString(_drawn(self.pieces, off, closed=self.contour.closed))
-        points = shapely.points(shapely.get_coordinates(line.segmentize(max(offset, off))))
-        _, apart = ways.query_nearest(points, all_matches=False, return_distance=True)
-        left = float(np.max(apart))
-        if left > NARROW * offset + self.tolerance:
+        points, enough = shapely.points(bare), NARROW * offset + self.tolerance
+        far = np.ones(len(points), dtype=np.bool_)
+        far[ways.query(points, predicate="dwithin", distance=enough)[0]] = False
+        if far.any():
+            _, apart = ways.query_nearest(points[far], all_matches=False, return_distance=True)
+            left = float(np.max(apart))
             self._say(rules.LEFT, left=left - offset, offset=offset)
 
     def _none(self, rule: Rule, **fields: Any) -> Rounds:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -74,6 +74,7 @@ class Arc:
     closed: bool = False
     layer: str = ""
     handle: str = ""
+    _sweep: float | None = field(default=None, init=False, repr=False, compare=False)
 
     @staticmethod
     def about(
@@ -89,22 +90,15 @@ class Arc:
         start is taken as it is, so it has to lie in the plane of the circle. A negative
         sweep turns the normal over; 360 degrees make a closed circle.
         """
-        c, s = np.asarray(centre, dtype=np.float64), np.asarray(start, dtype=np.float64)
-        n = _unit(np.asarray(normal, dtype=np.float64)) * (1.0 if sweep >= 0 else -1.0)
+        c, s, along = vector(centre), vector(start), vector(normal)
+        size = math.copysign(math.hypot(*along), sweep)
+        n = (along[0] / size, along[1] / size, along[2] / size)
+        arm = _minus(s, c)
         turn = min(abs(sweep), 360.0)
         closed = turn == 360.0
-        via, end = _turned(c, n, s, np.array([0.5, 1.0]) * turn)
-        return Arc(
-            vector(s),
-            vector(via),
-            vector(s if closed else end),
-            vector(c),
-            float(np.linalg.norm(s - c)),
-            vector(n),
-            closed,
-            layer,
-            handle,
-        )
+        via = _turned_by(c, n, arm, 0.5 * turn)
+        end = s if closed else _turned_by(c, n, arm, turn)
+        return Arc(s, via, end, c, math.hypot(*arm), vector(n), closed, layer, handle)
 
     @staticmethod
     def through(
@@ -133,7 +127,11 @@ class Arc:
         if self.closed:
             return 360.0
         # Twice the way to via: exact where start and end are nearly one point.
-        return 2.0 * sweep_between(self.centre, self.normal, self.start, self.via)
+        if self._sweep is None:
+            half = sweep_between(self.centre, self.normal, self.start, self.via)
+            object.__setattr__(self, "_sweep", 2.0 * half)
+            return 2.0 * half
+        return self._sweep
 
     @property
     def length(self) -> float:
@@ -142,7 +140,7 @@ class Arc:
     def at(self, parameters: ArrayLike) -> Points:
         t = np.asarray(parameters, dtype=np.float64).reshape(-1)
         centre, normal = np.asarray(self.centre), np.asarray(self.normal)
-        return _turned(centre, normal, np.asarray(self.start), t * self.sweep)
+        return turned(centre, normal, np.asarray(self.start), t * self.sweep)
 
     def reversed(self) -> Arc:
         x, y, z = self.normal
@@ -213,8 +211,8 @@ def sample(curves: Sequence[Curve], parameters: ArrayLike) -> Points:
             np.array([getattr(c, name) for _, c in arcs])[:, None]
             for name in ("start", "centre", "normal")
         )
-        degrees = np.array([c.sweep for _, c in arcs])[:, None] * t
-        points[[i for i, _ in arcs]] = _turned(centre, normal, start, degrees)
+        degrees = sweeps([c for _, c in arcs])[:, None] * t
+        points[[i for i, _ in arcs]] = turned(centre, normal, start, degrees)
     for i, curve in enumerate(curves):
         if isinstance(curve, FreeCurve):
             points[i] = curve.at(t)
@@ -259,8 +257,8 @@ def cross(a: Points, b: Points) -> Points:
 
 def vector(point: ArrayLike) -> Vector:
     """A point as a tuple of three floats, without negative zeros."""
-    x, y, z = (float(v) + 0.0 for v in np.asarray(point, dtype=np.float64))
-    return (x, y, z)
+    x, y, z = point if isinstance(point, tuple) else np.asarray(point, dtype=np.float64).tolist()
+    return (float(x) + 0.0, float(y) + 0.0, float(z) + 0.0)
 
 
 def circle_through(a: Vector, b: Vector, c: Vector) -> tuple[Vector, Vector] | None:
@@ -307,7 +305,7 @@ def _cross(a: Vector, b: Vector) -> Vector:
     )
 
 
-def _turned(centre: Points, normal: Points, start: Points, degrees: Points) -> Points:
+def turned(centre: Points, normal: Points, start: Points, degrees: Points) -> Points:
     """`start` turned about the axis through centre by each of the degrees (..., m): (..., m, 3).
 
     Rodrigues' formula.
@@ -315,8 +313,44 @@ def _turned(centre: Points, normal: Points, start: Points, degrees: Points) -> P
     arm = start - centre
     angle = np.radians(degrees)[..., None]
     along = (arm * normal).sum(axis=-1, keepdims=True) * normal
-    turned = (arm - along) * np.cos(angle) + cross(normal, arm) * np.sin(angle)
-    return np.asarray(centre + along + turned)
+    across = (arm - along) * np.cos(angle) + cross(normal, arm) * np.sin(angle)
+    return np.asarray(centre + along + across)
+
+
+def _turned_by(centre: Vector, normal: Vector, arm: Vector, degrees: float) -> Vector:
+    """`turned` of one point, which is `arm` away from the centre."""
+    angle = math.radians(degrees)
+    cos, sin = math.cos(angle), math.sin(angle)
+    lift = _dot(arm, normal)
+    along = _times(lift, normal)
+    x, y, z = (
+        c + a + (r - a) * cos + s * sin
+        for c, a, r, s in zip(centre, along, arm, _cross(normal, arm), strict=True)
+    )
+    return (x + 0.0, y + 0.0, z + 0.0)
+
+
+def at_each(curves: Sequence[Line | Arc], rows: NDArray[np.intp], parts: Points) -> Points:
+    """Points (m, 3) at parts (m,) of lines and arcs, each of the curve of its row (m,)."""
+    start, end = (np.array([getattr(c, name) for c in curves]) for name in ("start", "end"))
+    share = parts[:, None]
+    points = (1.0 - share) * start[rows] + share * end[rows]
+    arcs = [curve for curve in curves if isinstance(curve, Arc)]
+    if arcs:
+        is_arc = np.array([isinstance(curve, Arc) for curve in curves])
+        on = is_arc[rows]
+        which = (np.cumsum(is_arc) - 1)[rows[on]]
+        centre, normal = (
+            np.array([getattr(a, name) for a in arcs]) for name in ("centre", "normal")
+        )
+        degrees = sweeps(arcs)[which] * parts[on]
+        points[on] = turned(centre[which], normal[which], start[rows[on]], degrees)
+    return np.asarray(points)
+
+
+def sweeps(arcs: Sequence[Arc]) -> NDArray[np.float64]:
+    """Degrees (n,) from start to end about the normal."""
+    return np.array([arc.sweep for arc in arcs])
 
 
 def _unit(v: Points) -> Points:

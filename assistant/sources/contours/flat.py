@@ -5,34 +5,29 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import groupby
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from assistant.program.geometry import Vector
-from assistant.sources.contours.curves import Arc, Line, vector
+from assistant.sources.contours.curves import Arc, Line, at_each, sweeps, vector
 
 Piece = Line | Arc
 Plane = NDArray[np.float64]
 """(n, 2) mm."""
 
+HEIGHTS: Final = np.linspace(0.0, 1.0, 5)
+"""Parts of a piece at which its height is looked at."""
 SAMPLED: Final = 0.05
 """Part of the tolerance that chords of an arc may be off where polygons stand for contours."""
 
 
 def heights(pieces: Sequence[Piece]) -> tuple[float, float]:
     """The lowest and the highest place of the pieces, mm against the tool."""
-    found = [p[2] for piece in pieces for p in _points_of(piece)]
-    return min(found), max(found)
-
-
-def _points_of(piece: Piece) -> tuple[Vector, ...]:
-    if isinstance(piece, Line):
-        return piece.start, piece.end
-    quarters = [vector(p) for p in piece.at([0.25, 0.75])]
-    return piece.start, piece.via, piece.end, *quarters
+    rows = np.repeat(np.arange(len(pieces)), len(HEIGHTS))
+    found = at_each(pieces, rows, np.tile(HEIGHTS, len(pieces)))[:, 2]
+    return float(found.min()), float(found.max())
 
 
 def lowered(pieces: Sequence[Piece], by: float) -> tuple[Piece, ...]:
@@ -52,15 +47,27 @@ def _lifted(piece: Piece, by: float) -> Piece:
 
 def polyline(pieces: Sequence[Piece], off: float, *, closed: bool) -> Plane:
     """Corners (n, 2) along the pieces, chords at most `off` mm off; the end left out if closed."""
-    parts: list[ArrayLike] = []
-    for straight, group in groupby(pieces, key=lambda piece: isinstance(piece, Line)):
-        if straight:
-            parts.append([piece.start for piece in group])
-        else:
-            parts += (arc.at(np.arange(n) / n) for arc in group for n in (chords(arc, off),))
-    if not closed:
-        parts.append([pieces[-1].end])
-    return np.concatenate(parts)[:, :2]
+    counts = many_chords(pieces, off)
+    rows = np.repeat(np.arange(len(pieces)), counts)
+    first = np.cumsum(counts) - counts
+    points = at_parts(pieces, rows, (np.arange(len(rows)) - first[rows]) / counts[rows])
+    return points if closed else np.concatenate([points, [pieces[-1].end[:2]]])
+
+
+def at_parts(pieces: Sequence[Piece], rows: NDArray[np.intp], parts: NDArray[np.float64]) -> Plane:
+    """Points (m, 2) at parts (m,) of pieces, which are known by their rows (m,)."""
+    return at_each(pieces, rows, parts)[:, :2]
+
+
+def many_chords(pieces: Sequence[Piece], off: float) -> NDArray[np.intp]:
+    """`chords` of each of the pieces."""
+    counts = np.ones(len(pieces), dtype=np.intp)
+    arcs = [piece for piece in pieces if isinstance(piece, Arc)]
+    if arcs:
+        round_ = np.array([isinstance(piece, Arc) for piece in pieces])
+        step = 2.0 * np.arccos(np.maximum(1.0 - off / np.array([a.radius for a in arcs]), 0.5))
+        counts[round_] = np.ceil(np.radians(sweeps(arcs)) / step).astype(np.intp) + 1
+    return counts
 
 
 def chords(piece: Piece, off: float) -> int:

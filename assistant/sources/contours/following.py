@@ -30,7 +30,15 @@ from assistant.program.statements import (
     Trigger,
 )
 from assistant.sources.contours.chaining import Contour
-from assistant.sources.contours.curves import Points, sample
+from assistant.sources.contours.curves import (
+    Arc,
+    Curve,
+    FreeCurve,
+    Points,
+    chorded,
+    cross,
+    sweeps,
+)
 from assistant.sources.contours.moves import FLATTENED, Moves
 from assistant.sources.contours.ordering import Measure
 from assistant.sources.contours.orientation import along, facing, level, turned
@@ -57,8 +65,8 @@ UNKNOWN_FRAME = error(
 HALF_TURN: Final = 180.0 + 1e-6
 """Degrees that a tool is wound up by over which the way back is another one."""
 
-LOOKED_AT: Final = np.linspace(0.0, 1.0, 65)
-"""Parameters of a curve at which its highest point is looked for."""
+PEAK: Final = 1e-3
+"""mm that chords of a free curve are off where its highest point is looked for."""
 
 SAME: Final = 1e-6
 """mm, degrees and parts of a quaternion that tell no two places apart."""
@@ -248,10 +256,32 @@ def highest(contours: Sequence[Contour], placed: Placed) -> float:
     """Mm, against the direction of the tool, that the highest point of contours is from the origin
     of their layer's frame.
     """
+    up = -np.asarray(placed.direction)
     curves = [curve for contour in contours for curve in contour.curves]
-    drawn = sample(curves, LOOKED_AT).reshape(-1, 3)
+    drawn = _ends_and_peaks(curves, np.asarray(placed.pose.quaternion), up)
     points = rotations.rotate(placed.pose.quaternion, drawn) + placed.pose.position
-    return float((-points @ np.asarray(placed.direction)).max())
+    return float((points @ up).max())
+
+
+def _ends_and_peaks(curves: Sequence[Curve], turn: Floats, up: Points) -> Points:
+    """Points (n, 3) of curves, the highest ones among them. up: seen from where `turn` leads."""
+    found = [np.array([[curve.start, curve.end] for curve in curves]).reshape(-1, 3)]
+    found += [chorded(curve, PEAK) for curve in curves if isinstance(curve, FreeCurve)]
+    arcs = [curve for curve in curves if isinstance(curve, Arc)]
+    if arcs:
+        above = rotations.to_matrix(turn).T @ up
+        start, centre, normal = (
+            np.array([getattr(a, name) for a in arcs]) for name in ("start", "centre", "normal")
+        )
+        way = above - (normal @ above)[:, None] * normal
+        size = np.linalg.norm(way, axis=1, keepdims=True)
+        arm = np.linalg.norm(start - centre, axis=1, keepdims=True)
+        peak = arm * way / np.where(size > SAME, size, np.inf)
+        ahead = (cross(start - centre, peak) * normal).sum(axis=1)
+        angle = np.degrees(np.arctan2(ahead, ((start - centre) * peak).sum(axis=1))) % 360.0
+        on = (size[:, 0] > SAME) & (angle <= sweeps(arcs))
+        found.append((centre + peak)[on])
+    return np.concatenate(found)
 
 
 def measured(layer: Layer, placed: Placed, standing: Standing | None) -> Measure | None:

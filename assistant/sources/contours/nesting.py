@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
+from itertools import groupby
 from typing import Final
 
 import numpy as np
@@ -11,14 +11,13 @@ import numpy as np
 from assistant.program.arrays import Truths
 from assistant.program.geometry import Vector
 from assistant.sources.contours.chaining import Contour
-from assistant.sources.contours.curves import Arc, Curve, Line, Points, cross
+from assistant.sources.contours.curves import Arc, FreeCurve, Line, Points, at_each, chorded, cross
+from assistant.sources.contours.flat import many_chords
 from assistant.sources.contours.neighbours import along_curve
 from assistant.sources.contours.orientation import level
 from assistant.sources.contours.proximity import Indices
 
 NONE: Final = -1
-FREE_SAMPLES: Final = 64
-"""Chords of each smooth piece of an ellipse or spline."""
 TOGETHER: Final = 256
 """Contours whose holders are looked for at once."""
 MOST_CROSSINGS: Final = 1 << 20
@@ -92,22 +91,17 @@ def _across(direction: Vector) -> Points:
 
 def _outline(contour: Contour, tolerance: float) -> Points:
     """Corners (n, 3) of a polygon along the contour, its end left out if it is closed."""
-    parts = [np.asarray(_corners(curve, tolerance)) for curve in contour.curves]
+    parts = []
+    for is_free, group in groupby(contour.curves, key=lambda curve: isinstance(curve, FreeCurve)):
+        if is_free:
+            parts += [chorded(curve, tolerance)[:-1] for curve in group]
+            continue
+        pieces: list[Line | Arc] = list(group)  # type: ignore[arg-type]
+        counts = many_chords(pieces, tolerance)
+        rows = np.repeat(np.arange(len(pieces)), counts)
+        first = np.cumsum(counts) - counts
+        parts.append(at_each(pieces, rows, (np.arange(len(rows)) - first[rows]) / counts[rows]))
     return np.concatenate(parts if contour.closed else [*parts, [contour.end]])
-
-
-def _corners(curve: Curve, tolerance: float) -> Points | list[Vector]:
-    """Points along a curve without its end."""
-    if isinstance(curve, Line):
-        return [curve.start]
-    if isinstance(curve, Arc):
-        step = 2.0 * math.acos(max(1.0 - tolerance / curve.radius, 0.5))
-        count = math.ceil(math.radians(curve.sweep) / step) + 1
-        return curve.at(np.arange(count) / count)
-    pieces = zip(curve.breaks, curve.breaks[1:], strict=False)
-    return curve.at(
-        np.concatenate([np.linspace(a, b, FREE_SAMPLES, endpoint=False) for a, b in pieces])
-    )
 
 
 def _area(outline: Points) -> float:

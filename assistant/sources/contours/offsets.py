@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import groupby, pairwise
 from typing import Any, Final
 
@@ -21,13 +21,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program.geometry import Vector
-from assistant.sources.contours.curves import Arc, Line
+from assistant.sources.contours.curves import Arc, Line, sweeps
 from assistant.sources.contours.flat import (
     SAMPLED,
     Piece,
     Plane,
     area,
-    chords,
+    at_parts,
+    many_chords,
     polyline,
     reversed_,
     tangent,
@@ -40,6 +41,14 @@ LEAST_TURN: Final = math.radians(15.0)
 ROUGH: Final = 0.15
 """Part of the tolerance that the polygons of bands may be off: they only tell what meets what."""
 QUARTERS: Final = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
+CHUNK: Final = 12
+"""Sides whose band is one polygon at most: bands of many that overlap take long."""
+TURNS: Final = math.radians(4.0)
+"""Turn of sides over which one polygon is around both; below it GEOS leaves out what is round."""
+DEPTH: Final = 0.012
+"""The same of how far a corner is off the line past it, in offsets; GEOS leaves out less."""
+COVERED: Final = 0.75
+"""Offsets along a contour from what a way is beside to places that the tool comes to."""
 MITRED: Final = 0.1
 """Part of the tolerance that the way around a corner may be off the arc about it as a point."""
 
@@ -50,7 +59,8 @@ class Ring:
 
     pieces: end to end, seen against the tool. closed: they come back. encloses: what stays lies
     within it, so the tool is outside. corners: (piece, part) beside the corners of the contour.
-    left: what is cut away lies to the left. starts: (piece, part) where it may start.
+    left: what is cut away lies to the left. starts: (piece, part) where it may start. bare: points
+    (k, 2) of the contour that it may not come near to.
     """
 
     pieces: tuple[Piece, ...]
@@ -59,6 +69,7 @@ class Ring:
     corners: tuple[tuple[int, float], ...] = ()
     left: bool = False
     starts: tuple[tuple[int, float], ...] = ()
+    bare: Plane | None = field(default=None, compare=False)
 
     @property
     def length(self) -> float:
@@ -121,12 +132,12 @@ def beside(
         borders = [part.exterior, *part.interiors] if part.geom_type == "Polygon" else []
         for k, border in enumerate(borders):
             encloses = outside and k == 0
-            ring = _ring(shapely.get_coordinates(border)[:-1], source, offset, limit)
+            ring, bare = _ring(shapely.get_coordinates(border)[:-1], source, offset, limit)
             if ring:
                 turned = [(i, 0.5) for i, (_, corner) in enumerate(ring) if corner]
                 made = tuple(piece for piece, _ in ring)
                 sharp = {*turned, *corners(made, closed=True)}
-                found.append(Ring(made, True, encloses, tuple(sorted(sharp))))
+                found.append(Ring(made, True, encloses, tuple(sorted(sharp)), bare=bare))
     return sorted(found, key=lambda ring: -ring.length)
 
 
@@ -144,7 +155,7 @@ def beside_open(
     for part in getattr(band, "geoms", [band]):
         for border in [part.exterior, *part.interiors]:
             points = shapely.get_coordinates(border)[:-1]
-            labels, sides = source.nearest(_middles(points))
+            labels, sides = source.nearest(_middles(points), offset + 2.0 * off)
             wanted = (sides > 0.0) == left
             wanted &= (labels != source.count) & (labels != 2 * source.count)  # caps at its ends
             for rows in _stretches(wanted):
@@ -156,7 +167,9 @@ def beside_open(
                 made = tuple(piece for piece, _ in way)
                 if made and _length(made) > offset * 1e-3:
                     sharp = tuple((i, 0.5) for i, (_, corner) in enumerate(way) if corner)
-                    ring = Ring(made, False, False, (*sharp, *corners(made, closed=False)))
+                    bare = source.bare(ends, chosen, COVERED * offset, offset)
+                    sharp = (*sharp, *corners(made, closed=False))
+                    ring = Ring(made, False, False, sharp, bare=bare)
                     found.append((int(chosen[0]) % source.count, ring))
     return [ring for _, ring in sorted(found, key=lambda one: one[0])]
 
@@ -177,28 +190,76 @@ def _bands(pieces: Sequence[Piece], offset: float, off: float) -> Any:
 
     step = math.acos(max(1.0 - off / offset, 0.5))
     rounds = max(math.ceil(math.pi / 4.0 / step), 2)
-    lines = [[p.start[:2], p.end[:2]] for p in pieces if isinstance(p, Line)]
-    bands = [_sector(p, offset, off, rounds, step) for p in pieces if isinstance(p, Arc)]
-    if lines:
-        bands += shapely.buffer(shapely.linestrings(lines), offset, quad_segs=rounds).tolist()
+    arcs = [piece for piece in pieces if isinstance(piece, Arc)]
+    lines = _chunks(pieces, offset)
+    bands = shapely.buffer(lines, offset, quad_segs=rounds).tolist()
+    if arcs:
+        ends = {place[:2] for arc in arcs for place in (arc.start, arc.end) if not arc.closed}
+        rims = shapely.points(sorted(ends)) if ends else []
+        bands += shapely.buffer(rims, offset, quad_segs=rounds).tolist()
+        bands += _sectors(arcs, offset, off, step)
     return shapely.unary_union(bands)
 
 
-def _sector(arc: Arc, offset: float, off: float, rounds: int, step: float) -> Any:
-    """Everything within the offset of an arc."""
+def _chunks(pieces: Sequence[Piece], offset: float) -> Any:
+    """The lines among pieces as polylines of a few sides, whose bands GEOS makes exactly.
+
+    It leaves out of the band of a polyline what its corners are off the line between their
+    neighbours by next to nothing: no polyline has such a corner.
+    """
     import shapely
 
-    count = max(chords(arc, off), math.ceil(math.radians(arc.sweep) / (2.0 * step)), 8)
-    centre = np.asarray(arc.centre[:2])
-    arms = (arc.at(np.linspace(0.0, 1.0, count + 1))[:, :2] - centre) / arc.radius
-    outer, inner = arc.radius + offset, max(arc.radius - offset, 0.0)
-    if arc.closed:
-        holes = [centre + inner * arms] if inner > off else []
-        return shapely.Polygon(centre + outer * arms, holes)
-    within = centre + inner * arms[::-1] if inner > 0.0 else centre[None]
-    sector = shapely.Polygon(np.concatenate([centre + outer * arms, within]))
-    ends = [shapely.Point(p[:2]).buffer(offset, rounds) for p in (arc.start, arc.end)]
-    return shapely.unary_union([sector.buffer(0.0), *ends])
+    rows = np.flatnonzero([isinstance(piece, Line) for piece in pieces])
+    if not rows.size:
+        return np.empty(0, dtype=object)
+    start, end = (
+        np.array([getattr(pieces[i], name)[:2] for i in rows.tolist()]) for name in ("start", "end")
+    )
+    way = end - start
+    size = np.maximum(np.linalg.norm(way, axis=1), 1e-300)
+    one, two = way[:-1], way[1:]
+    sine = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]
+    turns = np.arctan2(np.abs(sine), (one * two).sum(axis=1))
+    across = np.maximum(np.linalg.norm(one + two, axis=1), 1e-300)
+    plain = (np.diff(rows) == 1) & (start[1:] == end[:-1]).all(axis=1)
+    plain &= (turns > TURNS) & (np.abs(sine) / across > DEPTH * offset)
+    plain &= np.minimum(size[:-1], size[1:]) > DEPTH * offset
+    plain[CHUNK - 1 :: CHUNK] = False
+    chunk = np.concatenate([[0], np.cumsum(~plain)])
+    first = np.diff(chunk, prepend=-1) > 0
+    # Each line gives its end, and the first of a polyline its start before that.
+    places = np.arange(len(rows)) + np.cumsum(first)
+    points = np.empty((len(rows) + int(first.sum()), 2))
+    owner = np.empty(len(points), dtype=np.intp)
+    points[places], owner[places] = end, chunk
+    points[places[first] - 1], owner[places[first] - 1] = start[first], chunk[first]
+    return shapely.linestrings(points, indices=owner)
+
+
+def _sectors(arcs: Sequence[Arc], offset: float, off: float, step: float) -> list[Any]:
+    """What is within the offset of arcs but for the rounds about their ends."""
+    import shapely
+
+    counts = np.maximum(np.ceil(np.radians(sweeps(arcs)) / (2.0 * step)).astype(np.intp), 8)
+    counts = np.maximum(counts, many_chords(arcs, off)) + 1
+    owner = np.repeat(np.arange(len(arcs)), counts)
+    begins = np.cumsum(counts) - counts
+    parts = (np.arange(len(owner)) - begins[owner]) / (counts[owner] - 1)
+    centre = np.array([arc.centre[:2] for arc in arcs])
+    radius = np.array([arc.radius for arc in arcs])
+    arms = (at_parts(arcs, owner, parts) - centre[owner]) / radius[owner][:, None]
+    outer = centre[owner] + (radius + offset)[owner][:, None] * arms
+    inner = centre[owner] + np.maximum(radius - offset, 0.0)[owner][:, None] * arms
+    found: list[Any] = []
+    for arc, first, count in zip(arcs, begins.tolist(), counts.tolist(), strict=True):
+        rim, hole = outer[first : first + count], inner[first : first + count]
+        if arc.closed:
+            found.append(shapely.Polygon(rim, [hole] if arc.radius - offset > off else []))
+        else:
+            within = hole[::-1] if arc.radius > offset else hole[:1]
+            found.append(shapely.Polygon(np.concatenate([rim, within])))
+    valid = shapely.is_valid(found)
+    return [one if fine else one.buffer(0.0) for one, fine in zip(found, valid, strict=True)]
 
 
 def _middles(points: Plane) -> Plane:
@@ -219,19 +280,24 @@ def _stretches(wanted: NDArray[np.bool_]) -> Iterator[NDArray[np.intp]]:
                 yield np.array(list(group), dtype=np.intp)
 
 
-def _ring(points: Plane, source: Source, offset: float, limit: float) -> list[tuple[Piece, bool]]:
-    """A border of a union as lines and arcs, each with whether it goes around a corner."""
+def _ring(
+    points: Plane, source: Source, offset: float, limit: float
+) -> tuple[list[tuple[Piece, bool]], Plane]:
+    """A border of a union as lines and arcs, each with whether it goes around a corner, and
+    points of the contour that it is not beside.
+    """
     keep = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1) > SAME
     points = points[keep]
     if len(points) < 3 or abs(area(points)) < SAME:
-        return []
-    labels, _ = source.nearest(_middles(points))
+        return [], points[:0]
+    labels, _ = source.nearest(_middles(points), offset + 2.0 * ROUGH * limit)
     changes = np.flatnonzero(labels != np.roll(labels, 1))
     if changes.size:
         first = -int(changes[0])
         points, labels = np.roll(points, first, axis=0), np.roll(labels, first)
     ends = np.concatenate([points, points[:1]])
-    return _joined(ends, labels, source, offset, limit, closed=True)
+    made = _joined(ends, labels, source, offset, limit, closed=True)
+    return made, source.bare(ends, labels, COVERED * offset, offset)
 
 
 @dataclass(slots=True)

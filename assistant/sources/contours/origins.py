@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.sources.contours.curves import Arc
-from assistant.sources.contours.flat import Piece, Plane, chords
+from assistant.sources.contours.flat import Piece, Plane, at_parts, many_chords
 
 SAME: Final = 1e-6
 """mm between two points that are one."""
@@ -57,10 +57,11 @@ class Source:
         for i, arc in rows:
             centre[i], radius[i] = arc.centre[:2], arc.radius
             sweep[i], about[i] = math.radians(arc.sweep), math.copysign(1.0, arc.normal[2])
-        lines = shapely.linestrings(np.stack([start, end], axis=1))
-        for i, arc in rows:
-            along = np.linspace(0.0, 1.0, chords(arc, off) + 1)
-            lines[i] = shapely.LineString(arc.at(along)[:, :2])
+        counts = many_chords(given, off) + 1
+        owner = np.repeat(np.arange(len(given)), counts)
+        begins = np.cumsum(counts) - counts
+        parts = (np.arange(len(owner)) - begins[owner]) / (counts[owner] - 1)
+        lines = shapely.linestrings(at_parts(given, owner, parts), indices=owner)
         arm = start - centre
         directions = [
             _unit(np.where(arcs[:, None], about[:, None] * _left(at - centre), end - start))
@@ -86,49 +87,102 @@ class Source:
     def count(self) -> int:
         return len(self.pieces)
 
-    def nearest(self, points: Plane) -> tuple[NDArray[np.intp], Numbers]:
+    def nearest(self, points: Plane, reach: float) -> tuple[NDArray[np.intp], Numbers]:
         """For each point (m, 2) the label of what is nearest, and on which side: over 0 left.
 
-        The tree gives a piece; that one and its neighbours are compared exactly.
+        The tree gives the pieces within `reach` mm of a point, or the nearest one of a point that
+        has none; they are compared exactly.
         """
         import shapely
 
-        near = self.tree.query_nearest(shapely.points(points), all_matches=False)[1]
-        columns = near[:, None] + np.array([-1, 0, 1])
-        if self.closed:
-            columns %= self.count
-        else:
-            columns = np.clip(columns, 0, self.count - 1)
-        p, start, end = points[:, None], self.start[columns], self.end[columns]
+        made = shapely.points(points)
+        rows, pieces = self.tree.query(made, predicate="dwithin", distance=reach)
+        without = np.ones(len(points), dtype=np.bool_)
+        without[rows] = False
+        if without.any():
+            far, nearest = self.tree.query_nearest(made[without])
+            rows = np.append(rows, np.flatnonzero(without)[far])
+            pieces = np.append(pieces, nearest)
+        p, start, end = points[rows], self.start[pieces], self.end[pieces]
         way = end - start
-        size = np.maximum((way**2).sum(axis=2), 1e-300)
-        share = ((p - start) * way).sum(axis=2) / size
-        foot = start + np.clip(share, 0.0, 1.0)[..., None] * way
-        beside_line = np.linalg.norm(p - foot, axis=2)
-        arm = p - self.centre[columns]
-        far = np.linalg.norm(arm, axis=2)
-        turned = np.arctan2(arm[..., 1], arm[..., 0]) - self.first[columns]
-        within = turned * self.about[columns] % math.tau <= self.sweep[columns]
-        to_start = np.linalg.norm(p - start, axis=2)
-        to_end = np.linalg.norm(p - end, axis=2)
-        beside_arc = np.where(
-            within, np.abs(far - self.radius[columns]), np.minimum(to_start, to_end)
-        )
-        distance = np.where(self.arcs[columns], beside_arc, beside_line)
-        best = (np.arange(len(points)), distance.argmin(axis=1))
-        chosen = columns[best]
-        arc, share = self.arcs[chosen], share[best]
-        inside = np.where(arc, within[best], (share > 0.0) & (share < 1.0))
-        late = np.where(arc, to_end[best] < to_start[best], share >= 1.0)
-        joint = chosen + late
+        size = np.maximum((way**2).sum(axis=1), 1e-300)
+        share = ((p - start) * way).sum(axis=1) / size
+        foot = start + np.clip(share, 0.0, 1.0)[:, None] * way
+        distance = np.linalg.norm(p - foot, axis=1)
+        arc = self.arcs[pieces]
+        within, late, far_off = (share > 0.0) & (share < 1.0), share >= 1.0, np.zeros(len(rows))
+        if arc.any():
+            p, start, end, which = p[arc], start[arc], end[arc], pieces[arc]
+            arm = p - self.centre[which]
+            far_off[arc] = np.linalg.norm(arm, axis=1)
+            turned = np.arctan2(arm[:, 1], arm[:, 0]) - self.first[which]
+            within[arc] = turned * self.about[which] % math.tau <= self.sweep[which]
+            to_start, to_end = np.linalg.norm(p - start, axis=1), np.linalg.norm(p - end, axis=1)
+            distance[arc] = np.where(
+                within[arc],
+                np.abs(far_off[arc] - self.radius[which]),
+                np.minimum(to_start, to_end),
+            )
+            late[arc] = to_end < to_start
+        order = np.lexsort((pieces, distance, rows))
+        best = order[np.flatnonzero(np.diff(rows[order], prepend=-1))]
+        chosen = pieces[best]
+        joint = chosen + late[best]
         if self.closed:
             joint = joint % self.count
-        labels = np.where(inside, chosen, self.count + joint)
+        labels = np.where(within[best], chosen, self.count + joint)
         line_side = cross_of(way[best], points - self.start[chosen])
-        arc_side = (self.radius[chosen] - far[best]) * self.about[chosen]
+        arc_side = (self.radius[chosen] - far_off[best]) * self.about[chosen]
         joint_side = cross_of(self._along_joint(joint), points - self._corner(joint))
-        sides = np.where(inside, np.where(arc, arc_side, line_side), joint_side)
+        sides = np.where(within[best], np.where(arc[best], arc_side, line_side), joint_side)
         return labels.astype(np.intp), sides
+
+    def bare(self, ends: Plane, labels: NDArray[np.intp], near: float, step: float) -> Plane:
+        """Points (k, 2), at most `step` mm apart, of what no side of a polygon is beside, or `near`
+        mm of the contour farther on. ends: (m + 1, 2) of the sides. labels: (m,), theirs.
+        """
+        lengths = np.where(
+            self.arcs, self.radius * self.sweep, np.linalg.norm(self.end - self.start, axis=1)
+        )
+        begins = np.cumsum(lengths) - lengths
+        total = float(lengths.sum())
+        beside = labels < self.count
+        pieces, joints = labels[beside], labels[~beside] - self.count
+        parts = [self._part(pieces, at[beside]) for at in (ends[:-1], ends[1:])]
+        marks = np.stack(parts) * lengths[pieces] + begins[pieces]
+        at_joints = np.append(begins, total)[joints]
+        low = np.concatenate([marks.min(axis=0), at_joints]) - near
+        high = np.concatenate([marks.max(axis=0), at_joints]) + near
+        if self.closed:
+            low = np.concatenate([low, low - total, low + total])
+            high = np.concatenate([high, high - total, high + total])
+        ranks = np.argsort(low)
+        low, high = low[ranks], np.maximum.accumulate(high[ranks])
+        counts = np.maximum(np.ceil(lengths / step), 1).astype(np.intp)
+        rows = np.repeat(np.arange(self.count), counts)
+        first = np.cumsum(counts) - counts
+        shares = (np.arange(len(rows)) - first[rows]) / counts[rows]
+        if not self.closed:
+            rows, shares = np.append(rows, self.count - 1), np.append(shares, 1.0)
+        wanted = begins[rows] + shares * lengths[rows]
+        last = np.searchsorted(low, wanted, "right") - 1
+        open_ = (last < 0) | (high[np.maximum(last, 0)] < wanted)
+        return at_parts(self.pieces, rows[open_], shares[open_])
+
+    def _part(self, pieces: NDArray[np.intp], points: Plane) -> Numbers:
+        """The parts (n,), 0 to 1, of pieces (n,) that points (n, 2) are beside."""
+        start, end = self.start[pieces], self.end[pieces]
+        way = end - start
+        size = np.maximum((way**2).sum(axis=1), 1e-300)
+        parts = ((points - start) * way).sum(axis=1) / size
+        arm = points - self.centre[pieces]
+        turned = np.arctan2(arm[:, 1], arm[:, 0]) - self.first[pieces]
+        turned = turned * self.about[pieces] % math.tau
+        sweep = np.maximum(self.sweep[pieces], 1e-300)
+        # What is beyond an arc is nearer to its end, or to its start.
+        before = turned - sweep > math.tau - turned
+        round_ = np.where(before, 0.0, turned / sweep)
+        return np.clip(np.where(self.arcs[pieces], round_, parts), 0.0, 1.0)
 
     def _corner(self, joint: NDArray[np.intp]) -> Numbers:
         last = (joint >= self.count)[..., None]

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from assistant.program.diagnostics import Diagnostic, warning
 from assistant.program.geometry import Vector
-from assistant.sources.contours.curves import Arc, Curve, Line, Points, vector
-from assistant.sources.contours.flat import chords
+from assistant.sources.contours.curves import Arc, Curve, Line, Points, at_each, vector
+from assistant.sources.contours.flat import many_chords
 
 FARTHEST: Final = 1e7
 """mm from the origin, as of chains of curves."""
@@ -85,28 +85,31 @@ def _near(curves: Sequence[Curve], tolerance: float) -> list[tuple[int, int]]:
         return []
     import shapely
 
-    drawn = [_drawn(curves[i], tolerance) for i in rows]  # type: ignore[arg-type]
-    points = np.concatenate(drawn)
+    pieces: list[Piece] = [curves[i] for i in rows]  # type: ignore[misc]
+    counts = many_chords(pieces, 0.5 * tolerance) + 1
+    owner = np.repeat(np.arange(len(rows)), counts)
+    begins = np.cumsum(counts) - counts
+    parts = (np.arange(len(owner)) - begins[owner]) / (counts[owner] - 1)
+    points = at_each(pieces, owner, parts)
     axes = np.sort(np.argsort(np.ptp(points, axis=0))[1:])  # seen along the axis of least extent
-    owner = np.repeat(np.arange(len(rows)), [len(part) for part in drawn])
     lines = shapely.linestrings(points[:, axes], indices=owner)
     tree = shapely.STRtree(lines)
-    parts, seen = [np.empty((2, 0), dtype=np.intp)], 0
+    found, seen = [np.empty((2, 0), dtype=np.intp)], 0
     for first in range(0, len(lines), AT_ONCE):
         some = lines[first : first + AT_ONCE]
-        part = tree.query(some, predicate="dwithin", distance=tolerance)
-        part[0] += first
-        parts.append(part[:, part[0] < part[1]])
-        seen += part.shape[1]
+        near = tree.query(some, predicate="dwithin", distance=tolerance)
+        near[0] += first
+        found.append(near[:, near[0] < near[1]])
+        seen += near.shape[1]
         if seen > MOST * len(lines):
             break
-    one, two = np.concatenate(parts, axis=1)
+    one, two = np.concatenate(found, axis=1)
     arcs = np.array([isinstance(curves[i], Arc) for i in rows])
     straight = ~arcs[one] & ~arcs[two]
     ends = np.array([[curves[i].start, curves[i].end] for i in rows])
     straight[straight] = _lie_along(ends[one[straight]], ends[two[straight]], tolerance)
-    found = straight | (arcs[one] & arcs[two])
-    pairs = zip(one[found].tolist(), two[found].tolist(), strict=True)
+    alike = straight | (arcs[one] & arcs[two])
+    pairs = zip(one[alike].tolist(), two[alike].tolist(), strict=True)
     return [(rows[a], rows[b]) for a, b in pairs]
 
 
@@ -116,12 +119,6 @@ def _measured(curve: Curve) -> bool:
         return False
     size = max(map(abs, (*curve.start, *curve.end)))
     return size < FARTHEST and curve.length > SHORTEST
-
-
-def _drawn(piece: Piece, tolerance: float) -> Points:
-    if isinstance(piece, Line):
-        return np.array([piece.start, piece.end])
-    return piece.at(np.linspace(0.0, 1.0, chords(piece, 0.5 * tolerance) + 1))
 
 
 def _lie_along(one: Points, two: Points, tolerance: float) -> NDArray[np.bool_]:

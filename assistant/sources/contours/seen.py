@@ -28,15 +28,19 @@ class View:
         return View(np.stack([x, cross(up, x), up]))
 
     def of(self, pieces: Sequence[Piece]) -> tuple[Piece, ...]:
-        return tuple(_turned(piece, self.axes) for piece in pieces)
+        return _turned(pieces, self.axes)
 
     def back(self, pieces: Sequence[Piece]) -> tuple[Piece, ...]:
-        return tuple(_turned(piece, self.axes.T) for piece in pieces)
+        return _turned(pieces, self.axes.T)
 
 
-def _turned(piece: Piece, axes: Points) -> Piece:
+def _turned(pieces: Sequence[Piece], axes: Points) -> tuple[Piece, ...]:
     if np.array_equal(axes, np.eye(3)):
-        return piece
+        return tuple(pieces)
+    return tuple(_turned_one(piece, axes) for piece in pieces)
+
+
+def _turned_one(piece: Piece, axes: Points) -> Piece:
     start, end = vector(axes @ piece.start), vector(axes @ piece.end)
     if isinstance(piece, Line):
         return replace(piece, start=start, end=end)

@@ -69,8 +69,9 @@ def thinned(
     sides = [isinstance(p, Line) and ours for p, ours in zip(pieces, drawn, strict=True)]
     runs = _runs(sides)
     around = closed and len(runs) == 1
+    spare = _spare(pieces, allowed, tolerance)
     for first, last in runs:
-        if not sides[first] or last - first < 2 or allowed <= 0.0:
+        if not (sides[first] and spare[first + 1 : last].any() and allowed > 0.0):
             made += pieces[first:last]
             continue
         points = np.array([pieces[first].start, *(piece.end for piece in pieces[first:last])])
@@ -104,12 +105,8 @@ def _kept(
     last point is the first.
     """
     n = len(points)
-    sides = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    kept = np.zeros(n, dtype=np.bool_)
-    kept[[0, -1]] = True
-    short = sides < SHORT * tolerance
-    kept[1:-1] = ~(short[:-1] | short[1:])
-    kept[1:-1] |= _off(points[1:-1], points[:-2], points[2:]) > allowed
+    kept = np.ones(n, dtype=np.bool_)
+    kept[1:-1] = ~_alone(points, allowed, tolerance)
     if around and n > 3:
         far = np.linalg.norm(points - points[0], axis=1)
         kept[int(far.argmax())] = True
@@ -132,6 +129,19 @@ def _kept(
         _, one_each = np.unique(place[farthest], return_index=True)
         kept[inner[farthest[one_each]]] = True
     return kept, most
+
+
+def _spare(pieces: Sequence[Piece], allowed: float, tolerance: float) -> Truths:
+    """Which starts (n,) of pieces may be left out if both pieces are sides."""
+    points = np.array([*(piece.start for piece in pieces), pieces[-1].end])
+    return np.append(np.zeros(1, dtype=np.bool_), _alone(points, allowed, tolerance))
+
+
+def _alone(points: Points, allowed: float, tolerance: float) -> Truths:
+    """Which inner points (n - 2,) of a polyline (n, 3) may each be left out."""
+    short = np.linalg.norm(np.diff(points, axis=0), axis=1) < SHORT * tolerance
+    near = _off(points[1:-1], points[:-2], points[2:]) <= allowed
+    return np.asarray((short[:-1] | short[1:]) & near)
 
 
 def _off(points: Points, start: Points, end: Points) -> Floats:

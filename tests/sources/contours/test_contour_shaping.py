@@ -2,9 +2,11 @@
 
 import math
 
+import ezdxf
 import numpy as np
 import pytest
 
+import assistant
 from assistant.program.diagnostics import Refused
 from assistant.program.expressions import Apply
 from assistant.program.path import Kind
@@ -393,3 +395,35 @@ def test_values_that_cannot_be(keys, code):
     (finding,) = refused.value.findings
     assert finding.code == code
     assert finding.cure
+
+
+def test_points_that_are_looked_up_grow_with_the_sides_and_not_with_their_length(
+    tmp_path, monkeypatch
+):
+    shapely = pytest.importorskip("shapely")
+    looked_up = [0]
+
+    def counting(name):
+        plain = getattr(shapely.STRtree, name)
+
+        def counted(tree, geometry, *args, **kwargs):
+            looked_up[0] += np.size(geometry)
+            return plain(tree, geometry, *args, **kwargs)
+
+        monkeypatch.setattr(shapely.STRtree, name, counted)
+
+    counting("query")
+    counting("query_nearest")
+    sides = 80
+    zigzag = [(20.0 * k, 400.0 * (k % 2)) for k in range(sides)]
+    corners = [*zigzag, (20.0 * sides, -50.0), (-20.0, -50.0)]
+    document = ezdxf.new(units=4)
+    document.modelspace().add_lwpolyline(corners, close=True, dxfattribs={"layer": "CUT"})
+    drawing = tmp_path / "zigzag.dxf"
+    document.saveas(drawing)
+    process = 'tolerance = 0.05\n[layers.CUT]\nspeed = 30\noffset = 0.5\nside = "outside"\n'
+    drawing.with_suffix(".process.toml").write_text(process)
+    made = assistant.compile(drawing, language="rapid")
+    assert made.ok, [str(f) for f in made.findings]
+    # The sides are 32 m long: points every offset would be 64,000.
+    assert looked_up[0] < 100 * sides
