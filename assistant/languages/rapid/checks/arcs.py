@@ -11,7 +11,7 @@ from assistant.languages.checks.moves import Follower, Moves, Point
 from assistant.languages.checks.registry import Found
 from assistant.languages.checks.wording import like_it
 from assistant.languages.rapid.checks import plain_rules as rules
-from assistant.languages.rapid.checks.module_view import Look
+from assistant.languages.rapid.checks.module_view import Look, Task
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import name_of, option, positional
 from assistant.languages.rapid.tree.gather import literal_target
@@ -130,18 +130,9 @@ class _Positions:
     """Positions of the robtargets that a module can name and that nothing changes."""
 
     def __init__(self, look: Look) -> None:
-        self._runs = [n.run for of, n in look.task.runs if of is look.module or n.scope != "LOCAL"]
-        names, values = [], []
-        for module in look.task.modules:
-            for item in module.items:
-                if isinstance(item, s.Data) and (module is look.module or item.scope != "LOCAL"):
-                    numbers = literal_target(item.value) if item.storage == "CONST" else None
-                    if numbers is not None and not item.dimensions and item.name.isascii():
-                        names.append(item.name)
-                        values.append(numbers)
-        if names:
-            self._runs.append(TargetRun(Names.of(names), np.array(values, dtype=np.float64)))
-        self._indices = [Index(run.names) for run in self._runs]
+        own = [node.run for of, node in look.task.runs if of is look.module and _is_local(node)]
+        local = _indexed(own, [look.module], local=True)
+        self._runs = [*look.task.once(_shared_positions), *local]
 
     def one(self, value: s.Expression, look: Look, routine: s.Routine) -> Point:
         """Of an expression."""
@@ -159,7 +150,35 @@ class _Positions:
     def of(self, names: Names) -> Floats:
         """(n, 3) of names in columns; NaN where they are not known."""
         out = np.full((len(names), 3), np.nan)
-        for run, index in zip(self._runs, self._indices, strict=True):
+        for run, index in self._runs:
             rows = index.rows(names)
             out[rows >= 0] = run.values[rows[rows >= 0], :3]
         return out
+
+
+def _is_local(node: s.TargetRunNode | s.Data) -> bool:
+    return node.scope == "LOCAL"
+
+
+def _shared_positions(task: Task) -> list[tuple[TargetRun, Index]]:
+    """Positions that all modules of a task can name."""
+    runs = [node.run for _, node in task.runs if not _is_local(node)]
+    return _indexed(runs, task.modules, local=False)
+
+
+def _indexed(
+    runs: Sequence[TargetRun], modules: Sequence[s.Module], *, local: bool
+) -> list[tuple[TargetRun, Index]]:
+    """Runs and what modules declare by itself, LOCAL or not, each with an index of its names."""
+    names, values = [], []
+    for module in modules:
+        for item in module.items:
+            if isinstance(item, s.Data) and _is_local(item) == local:
+                numbers = literal_target(item.value) if item.storage == "CONST" else None
+                if numbers is not None and not item.dimensions and item.name.isascii():
+                    names.append(item.name)
+                    values.append(numbers)
+    known = [*runs]
+    if names:
+        known.append(TargetRun(Names.of(names), np.array(values, dtype=np.float64)))
+    return [(run, Index(run.names)) for run in known]

@@ -32,7 +32,7 @@ def names(look: Look) -> Found:
     header = opening(look.module)
     if not (header.program or header.unit):
         return
-    signals = _signals(look.task)
+    signals = look.task.once(_signals)
     seen: set[str] = set()
     for item in look.module.items:
         own = frozenset(look.frame(item).names) if isinstance(item, s.Routine) else frozenset()
