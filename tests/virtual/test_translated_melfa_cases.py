@@ -199,6 +199,21 @@ Mvs P2
 M1=M_Spd
 Dly M1/1000
 End""",
+    "an interrupt that ends with an error": """Spd 100
+Def Act 2,M_In(1)=1 GoTo *EM,S
+Mvs P1
+Act 2=1
+GoSub *A
+Act 2=0
+Mvs P2
+End
+*EM
+M_Out(3)=1
+Error 9100
+*A
+M_Out(1)=1
+Return
+End""",
     "cautions, after which the program goes on": """Spd 100
 Title "cell"
 Mvs P1

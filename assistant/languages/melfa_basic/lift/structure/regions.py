@@ -105,6 +105,8 @@ def handlers(code: Code) -> dict[str, str]:
     }
 
 
+FATAL: Final = range(9000, 9200)
+"""Errors of the program's own that end it (COSIROP: ERROR)."""
 STOPS: Final = ("", "S", "F")
 """Ways in which an interrupt stops the arm at once (COSIROP: DEF ACT; F of the force sensor)."""
 
@@ -114,8 +116,11 @@ def _leaves(code: Code, at: int, word: str) -> bool:
     last = BACK if word == "GoSub" else _END
     for item in code[at:]:
         node = statement_of(item)
-        if isinstance(node, s.Command) and node.keyword in ("Return", "End"):
-            return node == last
+        match node:
+            case s.Command("Return" | "End"):
+                return node == last
+            case s.Command("Error", (s.Number(number),)) if FATAL.start <= number < FATAL.stop:
+                return word == "GoTo"
     return False
 
 
