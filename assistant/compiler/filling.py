@@ -134,7 +134,8 @@ def in_cell(
     stated = (cell.value(arm) or loaded.arm) if joints else SAME_ARM
     joint_speed = cell.process.joint_speed or _joint_speed(cell) or loaded.joint_speed
     if to is None or to.family != language.family:
-        numbers = _lines(program)
+        open_ends = _lines(told)  # without those whose other end the program states itself
+        numbers = [number for number in _lines(program) if number in open_ends]
         missing += [Wanted(LINE.format(number), "line") for number in numbers]
         program = with_lines(program, dict.fromkeys(numbers, SOME_LINE))
         if joint_speed is None and not taught and _slows_joints(told):

@@ -162,7 +162,7 @@ def test_lines_with_columns_and_a_close_of_all(tmp_path: FilePath) -> None:
         'Close\nC_Com(2)="ETH:10.0.0.7, 3000"\nOpen "COM2:" As #1\n'
         'Print #1,"AB","C",M1,"D"\nClose\nEnd\nM1=+3\n'
     )
-    made = translate(file, to="rapid")
+    made = translate(in_neutral_cell(load(file)), to="rapid")
     assert made.ok
     (module,) = made.files.values()
     text = module.decode()
