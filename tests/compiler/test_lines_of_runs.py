@@ -16,7 +16,7 @@ from assistant.program.text import SourceText
 from tests.cli.test_commands import run
 
 EAX = "[9E9,9E9,9E9,9E9,9E9,9E9]"
-SIZES = (3, 8, 50)
+SIZES = (3, 7, 8, 9, 50)
 PLACES = {"first": lambda _: 0, "middle": lambda size: size // 2, "last": lambda size: size - 1}
 BY_NAME, WRITTEN, NUMBERED = FORMS = ("by name", "written out", "numbered")
 
@@ -52,7 +52,8 @@ def line_of(form: str, size: int, row: int) -> int:
 )
 def test_a_target_out_of_reach_is_reported_at_its_move(form: str, size: int, place: str) -> None:
     bad = PLACES[place](size)
-    text = SourceText(module(form, size, bad, far=True), "m.mod", newline="\n")
+    lines = module(form, size, bad, far=True).replace("tool0;", "tool0; ! seen", size // 2)
+    text = SourceText(lines, "m.mod", newline="\n")
     found = check_text(text, language="rapid", robot="irb120-3-0.58").findings
     told = [(f.code, f.line, f.column) for f in found if f.code.startswith("RB")]
     assert told == [("RB102", line_of(form, size, bad), 1)]
@@ -71,12 +72,15 @@ def test_positions_out_of_reach_are_reported_at_their_moves(size: int) -> None:
     assert [(f.line, f.column) for f in found if f.code == "RB102"] == [(bad + 2, 1)]
 
 
-def test_what_no_arm_runs_is_refused_at_its_line(tmp_path: Path) -> None:
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("size", SIZES)
+def test_what_no_arm_runs_is_refused_at_its_line(tmp_path: Path, form: str, size: int) -> None:
     file = tmp_path / "m.mod"
-    file.write_text(module(WRITTEN, 20, 12, far=True))
+    file.write_text(module(form, size, size - 2, far=True))
     with pytest.raises(Refused) as refused:
         simulate(file, robot="irb120-3-0.58")
-    assert [f.line for f in refused.value.findings if f.code == "RB102"] == [15]
+    found = [f.line for f in refused.value.findings if f.code == "RB102"]
+    assert found == [line_of(form, size, size - 2)]
 
 
 def translated(tmp_path: Path, text: str, to: str = "melfa-basic-5") -> Translation:
@@ -120,14 +124,19 @@ def test_a_remark_on_joint_moves_is_at_those_alone(tmp_path: Path) -> None:
     assert changed == ["MoveJ s_4,v100,fine,tool0"]
 
 
-def test_an_editor_shows_an_undeclared_target_in_a_long_run(tmp_path: Path) -> None:
-    text = module(BY_NAME, 14, 6).replace("MoveL q6,", "MoveL nowhere,")
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("place", PLACES)
+def test_an_editor_shows_an_undeclared_target_in_a_run(
+    tmp_path: Path, size: int, place: str
+) -> None:
+    bad = PLACES[place](size)
+    text = module(BY_NAME, size, bad).replace(f"MoveL q{bad},", "MoveL nowhere,")
     workspace = Workspace(tmp_path)
     document = workspace.open(str(tmp_path / "m.mod"), text, version=1)
     told = [
         (f.diagnostic.code, f.range.start.line, f.range.start.column) for f in findings(document)
     ]
-    assert ("RA403", line_of(BY_NAME, 14, 6) - 1, 6) in told
+    assert ("RA403", line_of(BY_NAME, size, bad) - 1, 6) in told
 
 
 def told(file: Path, *codes: str, robot: str | None = None) -> list[tuple[str, int | None]]:
