@@ -53,3 +53,26 @@ def test_implicit_full_speed_is_told(name: str) -> None:
     rows = [row for row in made.rows if any(one.code == "MB294" for one in row.reasons)]
     assert len(rows) in (0, 1, len(expected))
     assert [row.place.line for row in rows][:1] == expected[:1]
+
+
+@pytest.mark.parametrize(
+    ("main", "expected"),
+    [
+        ("Mvs P1", [2]),
+        ("Spd 50\nMvs P1", []),
+        ("fnSet(1)\nMvs P1", []),
+        ("fnMove(1)\nSpd 50\nMvs P1", [10]),
+        ("fnMay(1)\nMvs P1", [3]),
+        ("M1=fnMay(1)\nIf M_In(1)=1 Then Spd 9\nMvs P1", [4]),
+    ],
+)
+def test_functions_are_followed(main: str, expected: list[int]) -> None:
+    text = (
+        f"Function Main\n{main}\nFEnd\n"
+        "Function V fnSet(ByVal M2)\nSpd 70\nFEnd\n"
+        "Function V fnMove(ByVal M2)\nMvs P2\nFEnd\n"
+        "Function M fnMay(ByVal M2)\nIf M2>1 Then Spd 70\nfnMay=1\nFEnd\n"
+    )
+    made = translate(load_text(SourceText(f"{text}{PLACES}"), language="melfa-basic-6"), to="rapid")
+    rows = [row for row in made.rows if any(one.code == "MB294" for one in row.reasons)]
+    assert [row.place.line for row in rows] == expected

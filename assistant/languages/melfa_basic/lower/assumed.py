@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any, Final, Literal
 
 import numpy as np
@@ -34,8 +33,6 @@ from assistant.program.analysis.assumptions import (
 from assistant.program.analysis.uses import unordered
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.geometry import BASE, FLANGE
-from assistant.program.motion import Speed
-from assistant.program.path import Kind
 from assistant.program.program import Program
 
 KEPT: Final[tuple[tuple[str, int, Literal["tool", "frame"], str, str, str], ...]] = (
@@ -75,11 +72,8 @@ def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
             elif not what and program_key(name) not in there:
                 yield rules.NOT_CALLED(name=name, span=span)
     if to not in DIALECTS:
-        if any(isinstance(one, s.Function) for _, one in _lines(trees)):
-            yield from _full_speed(program, commands)
-        else:
-            for span in unset_speeds(trees):
-                yield rules.FULL_SPEED(span=span)
+        for span in unset_speeds(trees):
+            yield rules.FULL_SPEED(span=span)
         yield from _renamed(program)
         yield from _loops(program)
         yield from _signed_bits(program)
@@ -112,32 +106,6 @@ def _renamed(program: Program) -> Iterator[Diagnostic]:
                 name=path.name,
                 span=statement.row_span(0),
             )
-
-
-def _full_speed(
-    program: Program, commands: Sequence[tuple[Span | None, s.Statement]]
-) -> Iterator[Diagnostic]:
-    """Moves of the tool at full speed that no `Spd` asks for."""
-    spds = [(at, node) for at, node in commands if isinstance(node, s.Command)]
-    spds = [(at, node) for at, node in spds if node.keyword == "Spd"]
-    asked = any(
-        not isinstance(argument, s.Number) for _, node in spds for argument in node.arguments
-    )
-    first = min((at.start for at, _ in spds if at is not None), default=None)
-    for statement in program.statements():
-        match statement:
-            case p.Move(kind="linear", motion=motion) | p.MoveCircular(motion=motion):
-                speeds = (motion.speed,)
-            case p.Follow(path=path):
-                speeds = tuple(
-                    path.speeds[row] for row in set(path.speed[path.kinds != Kind.JOINT])
-                )
-            case _:
-                continue
-        full = any(isinstance(one, Speed) and math.isinf(one.tcp) for one in speeds)
-        span = statement.span
-        if full and not (asked and first is not None and span is not None and span.start > first):
-            yield rules.FULL_SPEED(span=span)
 
 
 def _undefined(trees: tuple[Any, ...]) -> Iterator[Diagnostic]:

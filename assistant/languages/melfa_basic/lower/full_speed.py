@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Final
 
-from assistant.languages.line_graph import EXIT
+from assistant.languages.line_blocks import Blocks
+from assistant.languages.line_graph import EXIT, Graph
+from assistant.languages.melfa_basic.lift.structure.blocks import Structure
+from assistant.languages.melfa_basic.lift.structure.regions import Region, regions
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import blocks_of, statement_of
 from assistant.languages.melfa_basic.tree.columnar import MOV, MoveRows, row_spans
@@ -38,7 +41,7 @@ def unset_speeds(trees: Sequence[Any]) -> Iterator[Span | None]:
             continue
         seen.add(number)
         one = code[number]
-        for at in sorted(one.unset([0] if one.items else [], code, named, into=True)):
+        for at in sorted(one.unset(one.start, code, named, into=True) - {EXIT}):
             item = one.items[at]
             pending += [named[key] for key in _called(item) if key in named]
             for span in _tool_moves(item):
@@ -50,7 +53,12 @@ class _Code:
 
     def __init__(self, tree: s.File) -> None:
         self.items, _ = labelled(tree.code)
-        self.graph = graph_of(self.items, range(len(self.items)), blocks_of(self.items))
+        self.start = [0] if self.items else []
+        blocks, functions = blocks_of(self.items), _functions(self.items)
+        if functions is None:
+            self.graph = graph_of(self.items, range(len(self.items)), blocks)
+        else:
+            self.graph, self.start = _of_functions(self.items, functions, blocks)
         self.transparent: set[int] = set()
         self.passes = False
         """True if a path leads through the whole file without `Spd`."""
@@ -59,18 +67,15 @@ class _Code:
         """Finds more of them by what is known of all files; true if there are any."""
         before = len(self.transparent), self.passes
         for entry in self.graph.called - self.transparent:
-            if self._leaves(self.unset([entry], code, named)):
+            if EXIT in self.unset([entry], code, named):
                 self.transparent.add(entry)
-        if self.items and not self.passes:
-            found = self.unset([0], code, named)
-            self.passes = self._leaves(found) or any(
+        if self.start and not self.passes:
+            found = self.unset(self.start, code, named)
+            self.passes = EXIT in found or any(
                 any(one == s.Command("End") for one in statements_in(statement_of(self.items[at])))
-                for at in found
+                for at in found - {EXIT}
             )
         return (len(self.transparent), self.passes) != before
-
-    def _leaves(self, found: set[int]) -> bool:
-        return any(EXIT in self.graph.after[at] for at in found)
 
     def unset(
         self,
@@ -80,19 +85,24 @@ class _Code:
         *,
         into: bool = False,
     ) -> set[int]:
-        """The lines that some path leads to from others without `Spd`. into: also those called."""
+        """The lines that some path leads to from others without `Spd`, EXIT among them.
+
+        into: also those called.
+        """
         found, pending = set[int](), list(starts)
         while pending:
             at = pending.pop()
-            if at == EXIT or at in found:
+            if at in found:
                 continue
             found.add(at)
+            if at == EXIT:
+                continue
             item, calls = self.items[at], self.graph.calls.get(at, ())
             if into:
                 pending += calls
             if _sets(statement_of(item)):
                 continue
-            if calls and self.transparent.isdisjoint(calls) and _calls_surely(statement_of(item)):
+            if _calls_surely(statement_of(item)) and any(c not in self.transparent for c in calls):
                 continue
             programs = [named[key] for key in _called(item) if key in named]
             if programs and not any(code[k].passes for k in programs):
@@ -112,7 +122,36 @@ def _sets(node: s.Statement | s.Target | None) -> bool:
 
 
 def _calls_surely(node: s.Statement | None) -> bool:
-    return isinstance(node, s.Jump)
+    """True if a statement calls all that it names; one of `On n GoSub` is called, or none."""
+    return isinstance(node, s.Jump | s.Call | s.Assign)
+
+
+def _functions(items: Sequence[Any]) -> list[Region] | None:
+    """The procedures of a file of functions, the one that runs first before the others."""
+    if not any(isinstance(statement_of(item), s.Function) for item in items):
+        return None
+    return regions(items, Structure(items).depth, {}, False)
+
+
+def _of_functions(
+    items: Sequence[Any], parts: Sequence[Region], blocks: Blocks
+) -> tuple[Graph, list[int]]:
+    """The paths through functions, and the line that the program begins with."""
+    graph, first = Graph(), dict[str, int]()
+    for part in parts:
+        places = part.places()
+        graph.after |= graph_of(items, places, blocks).after
+        if places and part.function is not None:
+            first[part.function.name.upper()] = places[0]
+    for at in graph.after.keys() - {EXIT}:
+        statement = statement_of(items[at])
+        result = getattr(statement, "target", None)  # a function that gives itself a value
+        named = (
+            one.key for one in nodes(statement) if isinstance(one, s.Variable) and one is not result
+        )
+        if calls := [first[key] for key in named if key in first]:
+            graph.calls[at] = calls
+    return graph, parts[0].places()[:1]
 
 
 def _called(item: Any) -> Iterator[str]:
