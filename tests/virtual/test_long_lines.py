@@ -108,3 +108,34 @@ def test_an_array_remains_a_parameter_beside_those_that_do_not() -> None:
     done = translate(load_text(SourceText(text), language="rapid"), to="melfa-basic-6")
     assert not {f.code for f in done.findings if f.severity is Severity.ERROR} - {"MB245"}
     assert "MB223" in {f.code for row in done.rows for f in row.reasons}
+
+
+SHELVES = """MODULE shelves
+PROC fill(INOUT num held{*},num first)
+IF Dim(held,1)<2 RETURN;
+spread held,first,Dim(held,1);
+ENDPROC
+PROC spread(INOUT num to_all{*},num first,num last)
+FOR at FROM 1 TO Dim(to_all,1) DO
+to_all{at}:=first+at-last;
+ENDFOR
+ENDPROC
+ENDMODULE
+"""
+
+
+def test_a_library_takes_the_sizes_of_its_arrays() -> None:
+    done = translate(load_text(SourceText(SHELVES), language="rapid"), to="melfa-basic-6")
+    assert not {f.code for f in done.findings if f.severity is Severity.ERROR} - {"MB245"}
+    assert not done.totals["not"]
+    assert "RA352" in {f.code for row in done.rows for f in row.reasons}
+    fill, spread = done.compiled.program.procedures
+    assert [q.name for q in fill.parameters] == ["held", "first", "held_count"]
+    assert [q.name for q in spread.parameters] == ["to_all", "first", "last", "to_all_count"]
+
+
+def test_a_program_with_a_main_knows_the_sizes_of_its_arrays(tmp_path: FilePath) -> None:
+    called = "VAR num shelf{3};\nPROC main()\nfill shelf,5;\nENDPROC\n"
+    text = SHELVES.replace("PROC fill", f"{called}PROC fill")
+    done = translate(load_text(SourceText(text), language="rapid"), to="melfa-basic-6")
+    assert done.ok and "RA352" not in {f.code for row in done.rows for f in row.reasons}

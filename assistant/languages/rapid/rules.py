@@ -195,6 +195,11 @@ UNREAD_CALLERS: Final = warning(
     "set them before each call, and name signals and lines in the cell file; if it is called in "
     "another way too, copy it",
 )
+COUNTED: Final = warning(
+    "RA352",
+    "nothing that was read calls `{name}`: it takes how many elements its arrays have as {names}",
+    "give it that number in each call",
+)
 LONG_NUMBER: Final = warning(
     "RA348",
     "`{name}` is of the type dnum, and a number like any other here",

@@ -19,6 +19,7 @@ from assistant.languages.rapid.lift.plain.by_name import with_named_data
 from assistant.languages.rapid.lift.plain.chosen_signals import with_chosen_signals
 from assistant.languages.rapid.lift.plain.clocks import with_plain_clocks
 from assistant.languages.rapid.lift.plain.copies import with_copies
+from assistant.languages.rapid.lift.plain.counted_arrays import with_counts
 from assistant.languages.rapid.lift.plain.declaring import declared
 from assistant.languages.rapid.lift.plain.displaced import with_displacements
 from assistant.languages.rapid.lift.plain.late_names import with_named_calls
@@ -85,7 +86,8 @@ def plain(files: Sequence[s.File]) -> Plain | None:
 def _plain(files: Sequence[s.File], apart: frozenset[str]) -> Plain | None:
     """apart: see `Layouts`."""
     there = with_own_names([module for file in files for module in file.modules])
-    written, of_task = with_own_task(with_own_settings(with_written_out(with_passed_errors(there))))
+    sized, of_sizes = with_counts(with_passed_errors(there))
+    written, of_task = with_own_task(with_own_settings(with_written_out(sized)))
     counted, of_clocks = with_plain_clocks(with_whole_texts(written))
     emptied, of_files = with_emptied_files(counted)
     short, of_numbers = with_long_numbers(emptied, files)
@@ -109,6 +111,7 @@ def _plain(files: Sequence[s.File], apart: frozenset[str]) -> Plain | None:
     outside: list[Outside] = []
     remarks: list[tuple[Diagnostic, ...]] = []
     early = (
+        of_sizes,
         of_task,
         of_clocks,
         of_files,
