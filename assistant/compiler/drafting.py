@@ -16,6 +16,7 @@ import numpy as np
 from assistant.compiler.arms import Arms
 from assistant.compiler.compiling import Compiled, compile_program, told
 from assistant.compiler.source_map import Places, Trace
+from assistant.compiler.uncalled import NOT_CALLED
 from assistant.languages.language import Language
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -61,7 +62,9 @@ def draft(
     out: set[Span] = set()
     later: list[Diagnostic] = []
     declared = _declared_names(program)
+    uncalled: tuple[Diagnostic, ...] = ()
     for _ in range(MOST_ROUNDS):
+        uncalled += tuple(f for f in compiled.found if f.code == NOT_CALLED.code)
         spans, names = _unsayable(compiled, compiled.found)
         shorter = _without(program, spans - out, names, places)
         if shorter == program:
@@ -73,13 +76,31 @@ def draft(
             spans, names = _unsayable(compiled, wanting)
             program = _without(program, spans - out, names, places)
             out |= spans
-        compiled = compile_program(program, places, target, arms, most_targets)
+        short = _without_uncalled(program, uncalled)
+        compiled = compile_program(short, places, target, arms, most_targets)
         missing = declared - _declared_names(program)
         errors = (f for f in compiled.found if f.severity is Severity.ERROR and f.line is None)
         later += [_for_want(finding, missing) for finding in errors]
         if compiled.ok:
             break
-    return compiled, tuple(later)
+    found = (*(f for f in uncalled if f not in compiled.found), *compiled.found)
+    return replace(compiled, found=found), tuple(later)
+
+
+def _without_uncalled(program: Program, told: Collection[Diagnostic]) -> Program:
+    """The program without what was left out before, as nothing calls it."""
+    spans = {f.span for f in told if f.span is not None}
+    names = {(f.about.table, f.about.name) for f in told if isinstance(f.about, Declared)}
+    left: dict[str, Any] = {
+        table: {n: one for n, one in getattr(program, table).items() if (table, n) not in names}
+        for table in {str(table) for table, _ in names}
+    }
+    return replace(
+        program,
+        procedures=tuple(one for one in program.procedures if one.span not in spans),
+        declarations=tuple(one for one in program.declarations if one.span not in spans),
+        **left,
+    )
 
 
 def _declared_names(program: Program) -> set[str]:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import fields
 from typing import Any
+
+from assistant.program.parts import parts_of
 
 
 class Walk:
@@ -24,7 +25,8 @@ class Walk:
         if kind not in self._inside:
             found = None
             if self._is_node(kind):
-                said = (f.name for f in reversed(fields(kind)) if f.compare)
+                parts = parts_of(kind)
+                said = () if parts is None else reversed(parts.names)
                 found = tuple(name for name in said if name != "span")
             self._inside[kind] = found
         return self._inside[kind]

@@ -18,7 +18,7 @@ from assistant.languages.rapid.lift.plain.exchanging import exchanged
 from assistant.languages.rapid.lift.plain.library import call_of
 from assistant.languages.rapid.lift.plain.scopes import Fresh
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.walk import inner_names, nodes
+from assistant.languages.rapid.tree.walk import inner_names, mentions, nodes
 from assistant.program.diagnostics import Diagnostic
 from assistant.program.rewriting import rewrite
 
@@ -79,15 +79,17 @@ Rows = Mapping[str, _Row]
 
 
 def with_plain_clocks(
-    modules: Sequence[s.Module],
+    modules: Sequence[s.Module], files: Sequence[s.File]
 ) -> tuple[Sequence[s.Module], list[list[Diagnostic]]]:
-    """The modules with such clocks, and the findings of each."""
-    nothing: list[list[Diagnostic]] = [[] for _ in modules]
-    if not any(TYPE in item.type.lower() for m in modules for item in _data(m)):
-        return modules, nothing
-    remarks = [list(_told(module)) for module in modules]
-    modules = [rewrite(module, _coarse, ()) for module in modules]
-    modules = _with_reads_before(modules)
+    """The modules of some files with such clocks, and the findings of each."""
+    remarks: list[list[Diagnostic]] = [[] for _ in modules]
+    if not mentions(files, (READ,)):
+        return modules, remarks
+    if mentions(files, (FINELY,)):
+        remarks = [list(_told(module)) for module in modules]
+        modules = [rewrite(module, _coarse, ()) for module in modules]
+    if mentions(files, tuple(WRITING)):
+        modules = _with_reads_before(modules)
     found = [(at, item) for at, m in enumerate(modules) for item in _data(m) if _is_row(item)]
     sayable = _sayable(modules, [item.name.lower() for _, item in found])
     found = [(at, item) for at, item in found if item.name.lower() in sayable]

@@ -14,7 +14,7 @@ from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.plain.exchanging import exchanged
 from assistant.languages.rapid.lift.plain.scopes import Fresh
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.walk import nodes
+from assistant.languages.rapid.tree.walk import mentions, nodes
 from assistant.program.diagnostics import Diagnostic
 
 REMOVE: Final = "removefile"
@@ -22,15 +22,12 @@ ASK: Final = "isfile"
 
 
 def with_emptied_files(
-    modules: Sequence[s.Module],
+    modules: Sequence[s.Module], files: Sequence[s.File]
 ) -> tuple[Sequence[s.Module], list[list[Diagnostic]]]:
-    """The modules without such statements, and the findings of each."""
+    """The modules of some files without such statements, and the findings of each."""
     nothing: list[list[Diagnostic]] = [[] for _ in modules]
-    words = {
-        str(one.name).lower() for one in nodes(tuple(modules)) if isinstance(one, s.ProcedureCall)
-    }
     own = {i.name.lower() for m in modules for i in m.items if isinstance(i, s.Routine)}
-    if {REMOVE, ASK} & own or REMOVE not in words:
+    if {REMOVE, ASK} & own or not mentions(files, (REMOVE,)):
         return modules, nothing
     name = Fresh(modules)("removed")
     made = [exchanged(module, lambda node: _said(node, name)) for module in modules]
