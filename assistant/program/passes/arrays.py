@@ -197,8 +197,8 @@ def _filled(
         values = list(_elements(name, variable, counters))
         if variable.initial is not None and not values:
             job.cannot(
-                what=f"the first values of the array `{name}`",
-                cure="write a value for each element",
+                what=f"the first values of the array `{name}`{_shape(variable)}",
+                cure="write one for each element, or change the declared size",
                 about=Declared(name, "variables", owner),
             )
         first += values
@@ -229,9 +229,24 @@ def _lists(value: e.Expression | None, size: tuple[int, ...]) -> bool:
     """Whether a value has one for each element: extents say more than a text can hold."""
     if not size:
         return True
-    if not isinstance(value, e.Aggregate) or len(value.items) < size[0]:
+    if not isinstance(value, e.Aggregate) or len(value.items) != size[0]:
         return False
-    return all(_lists(item, size[1:]) for item in value.items[: size[0]])
+    return all(_lists(item, size[1:]) for item in value.items)
+
+
+def _shape(variable: Variable) -> str:
+    """What does not fit of the first values of an array, empty if that is not their number."""
+    unfit = None if variable.initial is None else _unfit(variable.initial, variable.size)
+    return "" if unfit is None else f", {unfit[0]} elements written for an array of {unfit[1]}"
+
+
+def _unfit(value: e.Expression, size: tuple[int, ...]) -> tuple[int, int] | None:
+    """How many elements the first list has that does not fit, and how many it should have."""
+    if not size or not isinstance(value, e.Aggregate):
+        return None
+    if len(value.items) != size[0]:
+        return len(value.items), size[0]
+    return next((found for item in value.items if (found := _unfit(item, size[1:]))), None)
 
 
 def _alike(
