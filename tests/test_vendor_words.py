@@ -60,6 +60,7 @@ EXCEPTIONS: Final = {
     ("learning/calibration/corrected_file.py", "tool0"): "what robot files call the flange",
     ("program/editing.py", "function"): "a sort of word",
     ("program/geometry.py", "tool0"): "the flange's own name in a pseudo-program",
+    ("program/pseudo/findings.py", "function"): "what pseudo-programs have as well",
     ("program/pseudo/findings.py", "tool0"): "the flange's own name in a pseudo-program",
     ("program/system/watchdog.py", "proc"): "where Linux tells of processes",
     ("report/robots.py", "confdata"): "tells people what the maker calls it",
