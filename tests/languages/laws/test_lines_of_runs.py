@@ -458,10 +458,19 @@ def test_a_line_of_melfa_basic_is_judged_alone(name: str) -> None:
 @pytest.mark.parametrize("name", MELFA)
 def test_tables_of_melfa_basic_change_nothing(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Two lines make a table, so that also the shortest run has some."""
-    kind, check = MELFA[name][0], _check("melfa-basic-4")
+    (kind, code), check = MELFA[name], _check("melfa-basic-4")
     found = kind.findings(check, LONGEST)
+    assert code in [one for one, *_ in found]
     monkeypatch.setattr(parser, "rows_at", lambda *_: None)
     assert found == kind.findings(check, LONGEST)
+
+
+@pytest.mark.parametrize("size", [1, 7, 8, 9, 50])
+def test_each_position_between_steps_is_reported(size: int) -> None:
+    """MB620 is about a line, and is seen by a step far below it."""
+    table = "".join(_position(number, LONGEST) + "\n" for number in range(size))
+    found = _check("melfa-basic-5")(f"10 HLT\n{table}20 HLT\n")
+    assert [f.line for f in found if f.code == "MB620"] == [*range(2, size + 2)]
 
 
 @pytest.mark.slow
@@ -533,9 +542,10 @@ ELSEWHERE: Final = {
         MB103 MB117 MB120 MB121 MB131 MB132 MB133 MB134 MB135 MB136 MB138 MB139 MB140 MB144 MB145
         MB146 MB147 RA216 RA220 RA222 RA225 RA226 RA228 RA229 RA451 RA453 RA457 RA458 RA467""",
     "they are about operators, conditions, functions and status variables, which no run holds": """
-        MB605 MB606 MB608 MB609 MB610 MB611 MB613 MB614 MB617 MB620 MB622 RA108 RA429""",
+        MB605 MB606 MB608 MB609 MB610 MB611 MB613 MB614 MB617 MB622 RA108 RA429""",
     "they are about calls of routines that are declared, which no run holds": """
         RA406 RA410 RA412 RA413 RA414""",
+    "a test of its own tries it": "MB620",
     "they are about waits, files, interrupts and outputs, which no run holds": """
         MB621 MB706 MB708 MB709 MB711 MB712 MB713 RA454""",
     "full circles of their own, which no run holds": "MB705",

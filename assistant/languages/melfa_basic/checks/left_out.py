@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final, TypeGuard
 
@@ -194,14 +194,18 @@ def arguments(look: Look) -> Found:
 
 def lines(look: Look) -> Found:
     """Steps that hold nothing, and what looks like a variable line between steps."""
-    code = [at for at, item in enumerate(look.tree.items) if _is_step(look, item)]
-    last = code[-1] if code else -1
-    for item in look.tree.items[: last + 1]:
+    for item in before_last_step(look):
         match item:
             case s.Line(number=int(), label=None, statement=None, comment=None):
                 yield look.finding(rules.EMPTY_STEP, item, number=item.number)
             case s.Data(type=""):
                 yield look.at(rules.AMONG_STEPS, item, item.variable)
+
+
+def before_last_step(look: Look) -> Sequence[s.Item]:
+    """The lines up to the last step."""
+    code = [at for at, item in enumerate(look.tree.items) if _is_step(look, item)]
+    return look.tree.items[: code[-1] + 1] if code else ()
 
 
 def _is_step(look: Look, item: s.Item) -> bool:

@@ -16,6 +16,7 @@ import numpy as np
 
 from assistant.languages.checks.name_sets import NameSet, repeated_rows
 from assistant.languages.melfa_basic.checks.file_view import Calls, Look
+from assistant.languages.melfa_basic.checks.left_out import before_last_step
 from assistant.languages.melfa_basic.checks.variables_of import known, names_of
 from assistant.languages.melfa_basic.reading.parser import read_rows
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, LAST_STEP, Dialect
@@ -96,9 +97,10 @@ def _positions(look: Look) -> dict[int, Truths]:
     """The same of tables of positions."""
     tables = [item for item in look.data if isinstance(item, PositionRows)]
     found = {}
+    among = {id(item) for item in before_last_step(look) if isinstance(item, PositionRows)}
     for rows in tables:
         zero = (rows.values == 0).all(axis=1)
-        found[id(rows)] = _long(look, rows.stem, rows.numbers) | zero
+        found[id(rows)] = _long(look, rows.stem, rows.numbers) | zero | (id(rows) in among)
     lines = [item.variable.key for item in look.data if isinstance(item, s.Data)]
     columns = [*map(names_of, tables), Names.of([name for name in lines if name.isascii()])]
     for pair in repeated_rows(columns):

@@ -183,5 +183,5 @@ class Look(Memory):
             return node
         declares = isinstance(node, s.TargetRunNode)
         kind: Any = "items" if declares else "statements"
-        (one,) = parse_rows(self.file.origin.source.text, [span], kind)
-        return cast("s.Node", one)
+        found = parse_rows(self.file.origin.source.text, [span], kind)
+        return cast("s.Node", found[0]) if len(found) == 1 else node
