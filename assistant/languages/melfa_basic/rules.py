@@ -159,6 +159,12 @@ RENAMED = warning(
     "whose targets are `{name}_1` to `{name}_{count}`",
     "use the new names; `--names` writes a table of both",
 )
+LEFT_OPEN = warning(
+    "MB298",
+    "a jump leaves `{name}` without going back, so that it is called again while the first call is "
+    "open: the other controller may hold fewer open calls than this one",
+    "leave the subroutine by its last line, and jump in the lines that call it",
+)
 FULL_SPEED = warning(
     "MB294",
     "nothing sets the speed of this move: it is as fast as the arm can be, in both languages",

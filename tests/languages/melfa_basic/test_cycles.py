@@ -220,3 +220,14 @@ def test_an_end_within_a_subroutine_leaves_its_callers(tmp_path: Path) -> None:
     lines = [line.strip() for line in module.decode().splitlines()]
     at = lines.index("S;")
     assert lines[at + 1 : at + 3] == ["IF cycle_ended THEN", "RETURN;"]
+
+
+def test_a_jump_out_of_a_subroutine_is_reported(tmp_path: Path) -> None:
+    file = tmp_path / "CELL.prg"
+    file.write_text(
+        "1 *TOP\n2 GoSub *S\n3 Dly 1\n4 End\n5 *S\n6 If M_In(1)=1 Then GoTo *TOP\n7 Return\n"
+    )
+    found = translate(file, to="rapid", language="melfa-basic-5")
+    assert found.ok
+    rows = [row for row in found.rows if any(one.code == "MB298" for one in row.reasons)]
+    assert [row.place.line for row in rows] == [2]

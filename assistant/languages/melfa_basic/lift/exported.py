@@ -24,6 +24,7 @@ from assistant.languages.melfa_basic.reading.line import statement as read_state
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.dataflow import reachable
 from assistant.program.analysis.left_settings import left_settings
 from assistant.program.contents import everywhere
 from assistant.program.diagnostics import Diagnostic, Findings
@@ -106,6 +107,7 @@ def exported(program: Program) -> Adapted:
     findings = Findings()
     findings += _uncalled(program)
     findings += _unsigned(program)
+    findings += _left_open(program)
     program = with_endings(_with_stated_lines(program))
     program = _as_each_begins(with_told(_as_settings_begin(with_flags(program)), findings))
     program = with_angles_beside(program, findings)
@@ -214,6 +216,22 @@ def _uncalled(program: Program) -> Iterator[Diagnostic]:
         if procedure.name.lower() not in called and procedure.unit is None:
             if any(isinstance(node, p.Moving) for node in walk(procedure.body)):
                 yield rules.UNCALLED(name=procedure.name, span=procedure.span)
+
+
+def _left_open(program: Program) -> Iterator[Diagnostic]:
+    """Calls of subroutines that may come to the same call again before they return."""
+    calls = {
+        q.name: [x for x in walk(q.body) if isinstance(x, p.Call) and x.unit is None]
+        for q in program.procedures
+        if not q.parameters and q.result is None
+    }
+    for name, made in calls.items():
+        for call in made:
+            reached = reachable(
+                [call.procedure], lambda one: (x.procedure for x in calls.get(one, ()))
+            )
+            if name in reached and call.span is not None:
+                yield rules.LEFT_OPEN(name=call.procedure, span=call.span)
 
 
 def _unsigned(program: Program) -> Iterator[Diagnostic]:
