@@ -75,11 +75,23 @@ def left_of(handler: s.Handler, error: str, lift: StatementLift, span: Span | No
     """What a handler does about an error; None if that asks more of the error than which it is."""
     body = tuple(_without_questions(lift.block(handler.body), error))
     body = tuple(_named(node, error) for node in body)
-    body = map_spans(body, lambda _: span)
+    body = _with_own_lines(map_spans(body, lambda _: span))
     nodes = [*walk(body)]
     if len(nodes) > MOST_STATEMENTS or any(isinstance(one, p.Label | p.Goto) for one in nodes):
         return None
     return None if any(map(_asks, nodes)) else body
+
+
+def _with_own_lines(body: Body) -> Body:
+    """Statements of one span, whose messages are no comments at the end of others' lines."""
+    made: list[p.Statement] = []
+    for node in body:
+        node = map_bodies(node, _with_own_lines)
+        if isinstance(node, p.Message | p.Comment) and node.span is not None:
+            begin = node.span.start
+            node = replace(node, span=Span(begin, max(begin, node.span.end - 1)))
+        made.append(node)
+    return tuple(made)
 
 
 def _named(node: p.Statement, error: str) -> p.Statement:
