@@ -396,6 +396,7 @@ OF_POSITIONS: Final = {
     "a bracket that is missing": ("P55=(1.00,0.00,0.00,0.00,0.00,0.00(7,0)", "MB002"),
     "a text": ('P55=("A",0.00,0.00,0.00,0.00,0.00)(7,0)', "MB002"),
     "joints": ("J55=(0.00,0.00,0.00,0.00,0.00,0.00)", "MB116"),
+    "a letter alone": ("P=(1.00,0.00,0.00,0.00,0.00,0.00)(7,0)", "MB116"),
 }
 NOT_SINCE_V: Final = frozenset(("MB106", "MB107", "MB111"))
 """What MELFA-BASIC V and VI take: longer names and lines, and labels in front of statements."""

@@ -66,7 +66,7 @@ def _moved_to(look: Look, words: Set[str] = frozenset()) -> NameSet:
     for rows in look.code:
         if isinstance(rows, MoveRows):
             stem, points = rows.stem.encode("ascii"), (rows.end, rows.via, rows.start)
-            moved.columns += [Names.numbered(stem, numbers) for numbers in points]
+            moved.columns += [Names.numbered(stem, numbers[numbers >= 0]) for numbers in points]
     return moved
 
 
