@@ -139,3 +139,14 @@ def test_a_draft_that_lacks_a_value_says_all_else_as_the_whole_program_does(
     (text,) = (data.decode() for data in done.files.values())
     assert "DRAFT: not for production" in text
     assert text.index("Hlt") < text.index("Mone_width=3") < text.index("Mone_height=")
+
+
+def test_a_component_whose_uses_tell_no_type_has_that_of_its_values(tmp_path: Path) -> None:
+    """What is only copied from record to record may be a text."""
+    file = tmp_path / "Cell.mod"
+    body = "aNow:=aJob;\n    aNow.label:=aJob.label;\n    IF aNow.count>1 SetDO doOn,1;"
+    data = '  PERS job aJob:=["weld",2];\n  VAR job aNow;\n'
+    text = f"MODULE Cell\n{data}  PROC main()\n    {body}\n  ENDPROC\nENDMODULE\n"
+    file.write_text(text, encoding="utf-8")
+    asked = neutral_cell(load(file))
+    assert 'components = ["string label", "num count"]' in asked

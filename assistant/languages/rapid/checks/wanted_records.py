@@ -159,6 +159,8 @@ class Records:
                 return None
             if shape.rows:
                 part.rows += _inside(shape.rows, at)
+                if not part.types and slots[at] in _SCALARS:  # no use tells more than its value
+                    part.types[slots[at]] += 1
             said = self._component(name, part, inner)
             if said is None:
                 return None
