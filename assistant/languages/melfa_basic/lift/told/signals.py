@@ -142,11 +142,14 @@ class Numbered:
     def _numbers(
         self, number: e.Expression, procedure: Procedure, origin: p.Statement | None = None
     ) -> set[int]:
-        found = self.possible.of(number, procedure)
-        if found is None and self.counting:
-            counted = [self._counted(loop, procedure) for loop in self.counting]
-            known = {name: numbers for one in counted for name, numbers in one.items()}
-            found = self.possible.of(number, procedure, known)
+        named = {x.name.lower() for x in records(number) if isinstance(x, e.Name)}
+        counted = [
+            self._counted(loop, procedure)
+            for loop in self.counting
+            if loop.variable.lower() in named
+        ]
+        known = {name: numbers for one in counted for name, numbers in one.items()}
+        found = self.possible.of(number, procedure, known)
         if found is None and origin is not None:
             found = numbers_at(self.possible, number, procedure, origin)
         if found is None:
