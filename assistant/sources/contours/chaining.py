@@ -17,12 +17,15 @@ import numpy as np
 from assistant.program.arrays import Rows
 from assistant.program.diagnostics import Diagnostic, Rule, error, info, warning
 from assistant.program.geometry import Vector
-from assistant.sources.contours.curves import Arc, Curve, FreeCurve, Points, sample
+from assistant.sources.contours.curves import Arc, Curve, FreeCurve, Points, chorded, sample
 from assistant.sources.contours.flat import started
 from assistant.sources.contours.proximity import Indices, clusters, pairs_within
 
 EXACT: Final = 1e-4
 """mm within which two ends are one point, and below which a curve has no length."""
+
+CHORDED: Final = 0.1
+"""Part of a distance that chords may be off where curves are compared with it."""
 
 FARTHEST: Final = 1e7
 """mm from the origin; a coordinate beyond 10 km is no work piece but a broken file."""
@@ -236,13 +239,41 @@ def _drawn_again(curves: list[Curve], points: Points, lengths: Points, tolerance
             np.linalg.norm(compared[one] - compared[two], axis=2).max(axis=1, initial=0.0),
             np.linalg.norm(compared[one] - compared[two, ::-1], axis=2).max(axis=1, initial=0.0),
         )
-        same = apart <= np.minimum(near[one], near[two])
-        copies += zip(two[same].tolist(), one[same].tolist(), strict=True)
+        within = np.minimum(near[one], near[two])
+        same = apart <= within
+        found = zip(*(column[same].tolist() for column in (two, one, within)), strict=True)
+        copies += ((a, b) for a, b, off in found if _run_alike(curves[a], curves[b], off))
     again: set[int] = set()
     for copy, original in sorted(copies):
         if original not in again:
             again.add(copy)
     return np.array(sorted(again), dtype=np.intp)
+
+
+def _run_alike(one: Curve, two: Curve, near: float) -> bool:
+    """Whether two curves that agree at five points do so all along, in either direction.
+
+    Lines and arcs are known by them. Chords of others are compared at the same parts of their
+    lengths: between two of their corners the distance of lines is nowhere larger.
+    """
+    if not isinstance(one, FreeCurve) and not isinstance(two, FreeCurve):
+        return True
+    a, b = (chorded(curve, CHORDED * near) for curve in (one, two))
+    return min(_farthest(a, b), _farthest(a, b[::-1])) <= near
+
+
+def _farthest(one: Points, two: Points) -> float:
+    """The largest distance of two polylines at the same parts of their lengths."""
+    marks = []
+    for points in (one, two):
+        sums = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
+        marks.append(sums / max(sums[-1], 1e-300))
+    parts = np.union1d(*marks)
+    here, there = (
+        np.stack([np.interp(parts, at, points[:, i]) for i in range(3)], axis=1)
+        for at, points in zip(marks, (one, two), strict=True)
+    )
+    return float(np.linalg.norm(here - there, axis=1).max())
 
 
 def _five_of_circles(circles: list[Arc]) -> Points:

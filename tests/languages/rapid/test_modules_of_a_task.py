@@ -4,8 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import ezdxf
+import pytest
+
+import assistant
 from assistant.compiler import load, translate
 from assistant.compiler.motion import Proving
+from assistant.languages.rapid.text import header
 
 PLACE = "P1=(+400.00,{y:+.2f},+300.00,+180.00,+0.00,+180.00)(7,0)\n"
 FILES = {
@@ -45,3 +50,30 @@ def test_such_modules_are_read_back_as_units_and_cross_as_one_program(tmp_path: 
     assert back.ok, [(f.code, f.message) for f in back.findings]
     assert back.motion is not None and back.motion.holds
     assert len(back.files) == 1
+
+
+def test_headers_that_are_read_grow_with_the_units(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    read = [0]
+    plain = header.read_header
+
+    def counting(comments: list[str]) -> header.Header:
+        read[0] += 1
+        return plain(comments)
+
+    monkeypatch.setattr(header, "read_header", counting)
+    counts = []
+    for contours in (15, 30):
+        drawing = tmp_path / f"waves_{contours}.dxf"
+        document = ezdxf.new(units=4)
+        for k in range(contours):
+            points = [(20 * k + 2 * j, j % 2) for j in range(8)]
+            document.modelspace().add_lwpolyline(points, dxfattribs={"layer": "CUT"})
+        document.saveas(drawing)
+        drawing.with_suffix(".process.toml").write_text("[layers.CUT]\nspeed = 30\n")
+        read[0] = 0
+        made = assistant.compile(drawing, language="rapid", most_targets=12)
+        assert made.ok and len(made.files) > contours
+        counts.append(read[0])
+    assert counts[1] <= 2.2 * counts[0]

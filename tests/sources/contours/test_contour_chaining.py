@@ -158,6 +158,29 @@ def test_a_line_drawn_again_is_followed_once(copy):
     assert findings[0].place == "entity 9"
 
 
+def wave(height, *, back=False):
+    """Eight half waves; all of them meet the axis in five points at equal distances."""
+
+    def at(t):
+        t = 1.0 - t if back else t
+        return np.c_[40 * t, height * np.sin(8 * np.pi * t), 0 * t]
+
+    return FreeCurve(at, layer="L", breaks=tuple(k / 8 for k in range(9)))
+
+
+@pytest.mark.parametrize("other", [wave(-3), wave(3.2), Line((0, 0, 0), (40, 0, 0), "L")])
+def test_curves_that_agree_in_five_points_only_are_not_drawn_again(other):
+    _, findings = chain([wave(3), other], 0.05)
+    assert "CT103" not in codes(findings)
+
+
+@pytest.mark.parametrize("other", [wave(3), wave(3, back=True), wave(3.01)])
+def test_a_free_curve_drawn_again_is_followed_once(other):
+    contours, findings = chain([wave(3), other], 0.05)
+    assert codes(findings) == ["CT103"]
+    assert len(contours) == 1
+
+
 def test_arcs_and_circles_drawn_again_are_followed_once():
     arc = Arc.about((0, 0, 0), (0, 0, 1), (10, 0, 0), 100.0, "L")
     circle = Arc.about((50, 0, 0), (0, 0, 1), (60, 0, 0), 360.0, "L")
