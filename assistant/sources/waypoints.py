@@ -32,6 +32,7 @@ from assistant.program.diagnostics import (
 from assistant.program.path import Kind, Path
 from assistant.program.program import Program, identifier
 from assistant.program.text import decode, read_bytes
+from assistant.sources.contours.thinning import shortest
 from assistant.sources.lengths import UNITS
 from assistant.sources.process import NO_PROCESS, Process
 from assistant.sources.reading import Reading
@@ -349,8 +350,18 @@ def _path_of(
         row, count = int(np.argmin(kept)), int(np.count_nonzero(~kept))
         findings.append(rows.REPEATED(**locate(row), count=count, first=f"row {row}"))
         positions, quaternions, kinds = positions[kept], quaternions[kept], kinds[kept]
-    motions = rows.default_motions(len(kinds), process)
-    columns = motions.rounded(positions, kinds, process.tolerance)
+    motions, off = rows.default_motions(len(kinds), process), 0.0
+    if process.merges:
+        needed, off = rows.needed_rows(positions, quaternions, kinds, motions, process.tolerance)
+        if not needed.all():
+            row = int(np.flatnonzero(kept)[int(np.argmin(needed))])
+            about: dict[str, Any] = {"short": shortest(process.tolerance), "deviation": off}
+            count = int(np.count_nonzero(~needed))
+            told = rows.THINNED_ROWS(**locate(row), count=count, first=f"row {row}", **about)
+            findings.append(told)
+            positions, quaternions, kinds = positions[needed], quaternions[needed], kinds[needed]
+            motions = motions.those(needed)
+    columns = motions.rounded(positions, kinds, process.tolerance - off)
     kinds = rows.begun(kinds, stated=not first)
     return Path.of(name, positions, quaternions, kinds=kinds, **columns), findings
 

@@ -75,7 +75,7 @@ def thinned(
             made += pieces[first:last]
             continue
         points = np.array([pieces[first].start, *(piece.end for piece in pieces[first:last])])
-        kept, off = _kept(points, allowed, tolerance, around=around)
+        kept, off = needed(points, allowed, SHORT * tolerance, around=around)
         if kept.all():
             made += pieces[first:last]
             continue
@@ -95,18 +95,18 @@ def _runs(sides: Sequence[bool]) -> list[tuple[int, int]]:
     return list(pairwise([0, *bounds, len(sides)]))
 
 
-def _kept(
-    points: Points, allowed: float, tolerance: float, *, around: bool
+def needed(
+    points: Points, allowed: float, short: float, *, around: bool = False
 ) -> tuple[Truths, float]:
     """Which points (n, 3) of a polyline stay, and how far off the others are at most.
 
     Douglas and Peucker, all intervals of a round at once. It starts from the points that have to
-    stay: those between long sides, and those off the line between their neighbours. around: the
-    last point is the first.
+    stay: those between sides longer than `short` mm, and those more than `allowed` mm off the line
+    between their neighbours. around: the last point is the first.
     """
     n = len(points)
     kept = np.ones(n, dtype=np.bool_)
-    kept[1:-1] = ~_alone(points, allowed, tolerance)
+    kept[1:-1] = ~_alone(points, allowed, short)
     if around and n > 3:
         far = np.linalg.norm(points - points[0], axis=1)
         kept[int(far.argmax())] = True
@@ -134,12 +134,12 @@ def _kept(
 def _spare(pieces: Sequence[Piece], allowed: float, tolerance: float) -> Truths:
     """Which starts (n,) of pieces may be left out if both pieces are sides."""
     points = np.array([*(piece.start for piece in pieces), pieces[-1].end])
-    return np.append(np.zeros(1, dtype=np.bool_), _alone(points, allowed, tolerance))
+    return np.append(np.zeros(1, dtype=np.bool_), _alone(points, allowed, SHORT * tolerance))
 
 
-def _alone(points: Points, allowed: float, tolerance: float) -> Truths:
+def _alone(points: Points, allowed: float, most: float) -> Truths:
     """Which inner points (n - 2,) of a polyline (n, 3) may each be left out."""
-    short = np.linalg.norm(np.diff(points, axis=0), axis=1) < SHORT * tolerance
+    short = np.linalg.norm(np.diff(points, axis=0), axis=1) < most
     near = _off(points[1:-1], points[:-2], points[2:]) <= allowed
     return np.asarray((short[:-1] | short[1:]) & near)
 

@@ -14,7 +14,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Floats, Truths
+from assistant.program.arrays import Floats, Rows, Truths
 from assistant.program.diagnostics import Diagnostic, Refused, Severity, error, has_errors, info
 from assistant.program.expressions import JointValue, Name, Number
 from assistant.program.geometry import BASE, JointTarget, Pose, Target
@@ -30,6 +30,7 @@ from assistant.program.statements import (
     Wait,
 )
 from assistant.program.text import read_bytes
+from assistant.sources.contours.thinning import shortest
 from assistant.sources.process import Process
 from assistant.sources.reading import Reading
 from assistant.sources.tables import rows
@@ -103,6 +104,15 @@ def _waypoints(name: str, table: Table, process: Process) -> tuple[Any, list[Dia
         program = rows.program_of(name, body, process, comments=comments)
         return program, _repeated(table, kept)
     kept = _kept(table, table.positions, others, process)
+    findings = _repeated(table, kept)
+    off = 0.0
+    if process.merges:
+        left = np.flatnonzero(kept)
+        columns = [None if column is None else column[left] for column in (external, stated)]
+        row_data = (table.positions[left], table.quaternions[left], table.kinds[left])
+        needed, off = rows.needed_rows(*row_data, motions.those(kept), process.tolerance, *columns)
+        findings += _thinned(table, left[~needed], off, process.tolerance)
+        kept[left[~needed]] = False
     positions, kinds = table.positions[kept], table.kinds[kept]
     path = Path.of(
         name,
@@ -111,9 +121,25 @@ def _waypoints(name: str, table: Table, process: Process) -> tuple[Any, list[Dia
         kinds=kinds,
         configurations=None if stated is None else stated[kept],
         external=None if external is None else external[kept],
-        **motions.those(kept).rounded(positions, kinds, process.tolerance),
+        **motions.those(kept).rounded(positions, kinds, process.tolerance - off),
     )
-    return rows.paths_program(name, [path], process, comments), _repeated(table, kept)
+    return rows.paths_program(name, [path], process, comments), findings
+
+
+def _thinned(table: Table, rows_out: Rows, off: float, tolerance: float) -> list[Diagnostic]:
+    """A note of the rows that the tolerance does not need."""
+    if not rows_out.size:
+        return []
+    place = table.cells.place(int(rows_out[0]))
+    return [
+        rows.THINNED_ROWS(
+            **place,
+            count=len(rows_out),
+            short=shortest(tolerance),
+            deviation=off,
+            first=f"line {place['line']}",
+        )
+    ]
 
 
 def _kept(

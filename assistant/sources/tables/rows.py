@@ -17,6 +17,7 @@ from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.path import Kind, Path
 from assistant.program.program import MANGLED, Procedure, Program, Signal, TakenNames, identifier
 from assistant.program.statements import Follow, Motion, Move, Statement
+from assistant.sources.contours.thinning import THINNED, needed, shortest
 from assistant.sources.process import Process
 from assistant.sources.process.table import nearest
 from assistant.sources.rounding import SIZES, radii
@@ -65,6 +66,12 @@ REPEATED = info(
     "TB314",
     "{count} rows are where the row before them is and are left out; the first is {first}",
     "delete them, or give the rows names to move to each",
+)
+THINNED_ROWS = info(
+    "TB315",
+    "{count} rows less than {short:g} mm apart are left out, as the way without them is at most"
+    " {deviation:.4f} mm off; the first is {first}",
+    "give a smaller `tolerance` to keep them, or a `blend`",
 )
 NO_NAME = error("TB310", "the target has no name", "name it, or name none of the rows")
 
@@ -168,6 +175,46 @@ def different(
             here = row - 1
         kept[row] = not same(np.array([here]), np.array([row]))[0]
     return kept
+
+
+def needed_rows(
+    positions: Floats,
+    quaternions: Floats,
+    kinds: NDArray[np.uint8],
+    motions: Motions,
+    tolerance: float,
+    *others: NDArray[Any] | None,
+) -> tuple[Truths, float]:
+    """Which rows (n,) of a way stay, and how far off, in mm, those are that are left out.
+
+    Rows nearer to each other than a move can round its corner would be stops. Left out are lines
+    between such, with all columns as their neighbours have them and no blend stated, that the
+    tolerance does not need. others: columns (n, ...) that have to agree.
+    """
+    n = len(positions)
+    kept, most = np.ones(n, dtype=np.bool_), 0.0
+    if n < 3 or None not in motions.blends:
+        return kept, most
+    sides, short = np.linalg.norm(np.diff(positions, axis=0), axis=1), shortest(tolerance)
+    if not (sides < short).any():
+        return kept, most
+    columns = (motions.speed, motions.blend, motions.tool, motions.frame, *others)
+    like = np.abs((quaternions[1:] * quaternions[:-1]).sum(axis=1)) >= SAME_TURN
+    like &= (kinds[1:] == Kind.LINEAR) & (sides > 0.0)
+    like &= np.array([blend is None for blend in motions.blends])[motions.blend[1:]]
+    for column in columns:
+        if column is not None:
+            a, b = column[1:], column[:-1]
+            like &= ((a == b) | ((a != a) & (b != b))).reshape(n - 1, -1).all(axis=1)
+    # Stretches of rows that are all alike, each with the row that it begins at.
+    bounds = np.flatnonzero(np.diff(like, prepend=False, append=False)).reshape(-1, 2)
+    for first, last in bounds.tolist():
+        if last - first < 2 or not (sides[first:last] < short).any():
+            continue
+        part, off = needed(positions[first : last + 1], THINNED * tolerance, short)
+        kept[first : last + 1] = part
+        most = max(most, off)
+    return kept, most
 
 
 def default_motions(n: int, process: Process) -> Motions:

@@ -29,6 +29,9 @@ x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z,j1_deg,j2_deg,j3_deg,j4_deg,j5_deg,j6_deg
 500,0,500,0,0,1,0,,,,,,
 ,,,,,,,0,0,0,0,30,0
 """
+STEPS: Final = "x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z\n" + "".join(
+    f"{500 + k / 100},0,500,0,0,1,0\n" for k in range(20)
+)
 METRES: Final = (
     '{"poses": [[[1,0,0,0.4],[0,-1,0,0],[0,0,-1,0.4],[0,0,0,1]],'
     "[[1,0,0,0.5],[0,-1,0,0],[0,0,-1,0.4],[0,0,0,1]]]}"
@@ -49,6 +52,18 @@ CASES: Final = (
         "check a.csv",
         {"a.csv": "x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z,wait_s\n500,0,500,0,0,1,0,1\n"},
         change={"a.csv": "name,x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z,wait_s\na,500,0,500,0,0,1,0,1\n"},
+    ),
+    Case(
+        "TB315",
+        "check a.csv",
+        {"a.csv": STEPS},
+        change={"a.process.toml": "tolerance = 0.01\n"},
+    ),
+    Case(
+        "TB315",
+        "check a.csv",
+        {"a.csv": STEPS},
+        change={"a.process.toml": "[motion]\nblend = 0.01\n"},
     ),
     Case("TB133", "check a.csv", {"a.csv": MIXED}, change={"a.csv": NAMED}),
     Case(

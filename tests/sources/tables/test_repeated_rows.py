@@ -111,3 +111,43 @@ def test_named_rows_are_moves_each(tmp_path):
     rows = np.repeat(ring(2), 2, axis=0)
     path = csv(tmp_path / "a.csv", rows, ",name", [f",p{i}" for i in range(4)])
     assert len(assistant.load(path).program.targets) == 4
+
+
+@pytest.mark.parametrize("kind", ["csv", "npy"])
+def test_steps_far_below_the_tolerance_are_no_stops(kind, tmp_path):
+    angle = np.linspace(0.0, np.pi / 2.0, 3142)  # 10 micrometres of a circle of 20 mm
+    rows = np.zeros((2 * len(angle), 7))
+    rows[: len(angle), 0], rows[: len(angle), 1] = 20 * np.cos(angle), 20 * np.sin(angle)
+    rows[len(angle) :, 0] = -0.01 * np.arange(1, len(angle) + 1)  # then a corner and a line
+    rows[len(angle) :, 1] = 20.0 - 0.01 * np.arange(1, len(angle) + 1)
+    rows[:, 2], rows[:, 4] = 300, 1
+    path = tmp_path / f"a.{kind}"
+    if kind == "csv":
+        csv(path, rows)
+    else:
+        np.save(path, rows)
+    made = assistant.compile(path, language="rapid")
+    text = "".join(text.decode() for text in made.files.values())
+    assert text.count(",fine,") <= 2
+    (finding,) = [f for f in made.findings if f.code == "TB315"]
+    assert finding.severity == "info"
+    (path_,) = path_of(path)
+    assert len(path_) < 100
+    line = path_.positions
+    for point in rows[::7, :3]:
+        way = np.diff(line, axis=0)
+        share = ((point - line[:-1]) * way).sum(axis=1) / (way**2).sum(axis=1)
+        foot = line[:-1] + np.clip(share, 0.0, 1.0)[:, None] * way
+        assert np.linalg.norm(point - foot, axis=1).min() <= 0.05
+    assert np.linalg.norm(line - (0.0, 20.0, 300.0), axis=1).min() < 0.01  # the corner stays
+
+
+def test_short_rows_with_a_blend_or_data_of_their_own_stay(tmp_path):
+    rows = np.repeat(ring(2)[:1], 50, axis=0)
+    rows[:, 0] += 0.01 * np.arange(50)
+    (path,) = path_of(csv(tmp_path / "a.csv", rows, ",blend_mm", [",0.01"] * 50))
+    assert len(path) == 50
+    (path,) = path_of(csv(tmp_path / "b.csv", rows, ",speed_mm_s", [",20", ",30"] * 25))
+    assert len(path) == 50
+    (path,) = path_of(csv(tmp_path / "c.csv", rows))
+    assert len(path) == 2
