@@ -150,3 +150,20 @@ def test_a_layer_may_say_otherwise(panel):
     assert [np.ptp(p.positions[:, 0]) for p in ways(panel)] != [20.0, 20.0, 200.0]
     (told,) = (f for f in sources.read(panel).findings if f.code == "CT206")
     assert "inside" not in told.message
+
+
+def test_an_outline_of_many_waves_holds_what_lies_in_its_lobes_only():
+    def at(t):
+        angle = 2 * np.pi * t
+        far = 100 + 40 * np.sin(64 * angle)  # at 64 equal steps it is a circle
+        return np.stack([far * np.cos(angle), far * np.sin(angle), 0 * t], axis=1)
+
+    flower = FreeCurve(at, True, "L")
+    lobe, gap = (math.pi / 128 * k for k in (1, 3))
+    inside, outside = (
+        Arc.about((r * math.cos(a), r * math.sin(a), 0), (0, 0, 1),
+                  (r * math.cos(a) + 0.5, r * math.sin(a), 0), 360.0, "L")
+        for r, a in ((115, lobe), (90, gap))
+    )  # fmt: skip
+    contours = [Contour((c,), True) for c in (flower, inside, outside)]
+    assert holders(contours, (0.0, 0.0, -1.0), 0.05) == [-1, 0, -1]

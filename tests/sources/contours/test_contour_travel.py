@@ -1,11 +1,16 @@
 """Travel between contours that a tool follows with its x axis: the wrist is not wound up."""
 
 import ezdxf
+import numpy as np
 import pytest
 
 import assistant
 from assistant import sources
+from assistant.program.geometry import Pose
 from assistant.program.statements import Move
+from assistant.sources.contours.chaining import Contour
+from assistant.sources.contours.curves import Arc, FreeCurve
+from assistant.sources.contours.following import Placed, highest
 
 PROCESS = """
 [motion]
@@ -93,3 +98,23 @@ def test_linear_travel_holds_from_layer_to_layer(tmp_path, keys, kinds):
     (text,) = (raw.decode() for raw in compiled.values())
     first = [part.split("Move")[1][0] for part in text.split("! ")[-2:]]
     assert first == [{"joint": "J", "linear": "L"}[kind] for kind in kinds]
+
+
+WAVE = FreeCurve(
+    lambda t: np.stack([100 * t, 0 * t, 7 * np.sin(64 * np.pi * t) ** 2], axis=1), layer="CUT"
+)
+TILTED = Arc.about((50, 0, 0), (0, 1, 0), (42, 0, 0), 97.0, "CUT")
+
+
+@pytest.mark.parametrize(
+    ("curve", "height", "off"), [(WAVE, 7.0, 2e-3), (TILTED, 8.0, 1e-9)], ids=["wave", "arc"]
+)
+@pytest.mark.parametrize("turn", [0.0, 40.0])
+def test_the_highest_point_of_a_curve_is_between_its_samples(curve, height, off, turn):
+    half = np.radians(turn) / 2.0  # about x, the tool with it
+    pose = Pose((3.0, -20.0, 11.0), (float(np.cos(half)), float(np.sin(half)), 0.0, 0.0))
+    down = (0.0, float(np.sin(2 * half)), -float(np.cos(2 * half)))
+    found = highest([Contour((curve,), False)], Placed(pose, down))
+    origin = -float(np.dot(pose.position, down))
+    assert found == pytest.approx(origin + height, abs=off)
+    assert found <= origin + height + 1e-9
