@@ -143,6 +143,10 @@ def _cut(_: int) -> str:
     return _PROCESS + _CUT
 
 
+def _beside(_: int) -> str:
+    return _PROCESS + _CUT + 'offset = 0.2\nside = "left"\n'
+
+
 _ROWS: Final[tuple[tuple[str, str, Text, Text | None], ...]] = (
     ("CSV: rows", ".csv", _table, _tool),
     ("CSV: wrong rows", ".csv", _bad_table, _tool),
@@ -158,6 +162,7 @@ _ROWS: Final[tuple[tuple[str, str, Text, Text | None], ...]] = (
     ("DXF: the same line", ".dxf", _same_lines, _cut),
     ("DXF: circles", ".dxf", _circles, _cut),
     ("DXF: corners", ".dxf", _corners, _cut),
+    ("DXF: corners with an offset", ".dxf", _corners, _beside),
     ("DXF: layers", ".dxf", _layers, _cut),
     ("DXF: layers of the process", ".dxf", _layers, _layers_of_process),
     ("DXF: inserts", ".dxf", _inserts, _cut),
