@@ -35,6 +35,7 @@ NOT_FOLLOWED: Final[Mapping[str, str]] = {
     "CO715": _LIVE.format("compiler/test_teaching.py"),
     "CT204": "a curve so wild is made by a function: tests/sources/contours",
     "CT208": "a process file is refused first, by CT309: tests/sources/contours",
+    "MB297": "2,000 positions of a stem are needed: tests/compiler/test_taught_names.py has them",
     "DP205": _LIVE.format("cli/test_deployments.py"),
     "DP208": _DIED,
     "DP210": _DIED,
