@@ -90,7 +90,7 @@ def test_show_can_be_piped_into_compile(tmp_path):
 
 
 def test_show_writes_long_paths_into_tables_beside(capsys, tmp_path):
-    rows = "\n".join(f"{300 + i / 100:.2f},0,300,0,1,0,0" for i in range(1500))
+    rows = "\n".join(f"{300 + i / 10:.1f},0,300,0,1,0,0" for i in range(1500))
     source = tmp_path / "scan.csv"
     source.write_text("x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z\n" + rows, encoding="utf-8")
     status, _, _ = run(capsys, "show", source, "-o", tmp_path / "out" / "scan.pseudo")

@@ -80,9 +80,9 @@ def test_the_server_of_poses_is_reported_statement_by_statement() -> None:
         "WaitUntil IsFile(stTarget) AND IsFile(stTurn)\\MaxTime:=240",
         "Rewind ioFile",
         'Write ioFile,""\\Orient:=pNow.rot',
-        "RemoveFile stFile",
     ):
         assert said[text] == "not", text
+    assert said["RemoveFile stFile"] == "partial"  # emptied
     assert not found.files
 
 

@@ -42,13 +42,18 @@ def test_jumps_that_others_lead_into_keep_their_labels(
     assert not gone
 
 
-def test_a_text_leads_into_the_wait_that_it_names() -> None:
+def test_a_call_of_the_lines_after_a_wait_copies_them_into_a_subroutine() -> None:
     first = "*W9\nIf M_In(3)=1 Or M_In(4)=1 Then *W9Z Else *W9\n*W9Z\n"
     lines = first + WAIT.replace("W2", "W1") + "GoSub *W1Z\nEnd\n"
     loaded = load_text(SourceText(lines.upper(), "WORK.prg"), language="melfa-basic-4")
     translation = assistant.translate(loaded, to="melfa-basic-4")
-    assert "MB232" in {finding.code for finding in translation.findings}
-    assert not translation.files
+    assert "MB138" in {finding.code for finding in translation.findings}  # it calls itself
+    (data,) = translation.files.values()
+    text = "".join(line.partition(" ")[2] + "\n" for line in data.decode().splitlines())
+    before, label, after = text.partition("*LW1Z\n")
+    assert label
+    assert before.count("MVS P1") == after.count("MVS P1") == 1
+    assert after.count("GOSUB *LW1Z") == 1
 
 
 @pytest.mark.parametrize(
