@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from assistant.sources.contours.curves import Points
 from assistant.sources.contours.flat import (
     SAMPLED,
     Piece,
+    Plane,
     area,
     heights,
     lowered,
@@ -33,6 +34,9 @@ from assistant.sources.contours.offsets import (
 from assistant.sources.contours.room import Room
 from assistant.sources.process.shaping import Shaping
 from assistant.sources.process.values import shown
+
+if TYPE_CHECKING:
+    from shapely import STRtree
 
 NARROW: Final = 2.0
 """Offsets from a place of a contour to the tool's centre over which the place is left out; in a
@@ -197,8 +201,7 @@ class Beside:
         far = np.ones(len(points), dtype=np.bool_)
         far[ways.query(points, predicate="dwithin", distance=enough)[0]] = False
         if far.any():
-            _, apart = ways.query_nearest(points[far], all_matches=False, return_distance=True)
-            left = float(np.max(apart))
+            left = _farthest(ways, bare[far])
             self._say(rules.LEFT, left=left - offset, offset=offset)
 
     def _none(self, rule: Rule, **fields: Any) -> Rounds:
@@ -209,6 +212,30 @@ class Beside:
         handle = next((c.handle for c in self.contour.curves if c.handle), "")
         place = f"entity {handle}" if handle else None
         self.findings.append(rule(place=place, layer=shown(self.contour.layer), **fields))
+
+
+def _farthest(ways: STRtree, points: Plane) -> float:
+    """Return the largest distance from points (k, 2) to the nearest way.
+
+    From one point to another it changes by at most the distance between the two, so that points
+    near one that is close to a way need not be asked for.
+    """
+    import shapely
+
+    most, bounds, every = 0.0, np.full(len(points), np.inf), np.arange(len(points))
+    for stride in (16, 4, 1):
+        asked = every[::stride]
+        asked = asked[bounds[asked] > most]
+        if len(asked):
+            _, apart = ways.query_nearest(
+                shapely.points(points[asked]), all_matches=False, return_distance=True
+            )
+            bounds[asked], most = apart, max(most, float(np.max(apart)))
+        before = every // stride * stride
+        for near in (before, np.minimum(before + stride, before[-1])):
+            reach = bounds[near] + np.linalg.norm(points - points[near], axis=1)
+            bounds = np.minimum(bounds, reach)
+    return most
 
 
 def _anticlockwise(pieces: Sequence[Piece], tolerance: float) -> bool:
