@@ -21,6 +21,14 @@ PERS wobjdata wobjTable:={rapid_words.FRAMES["wobjTable"]};
 CONST robtarget p10:=[[354,0,300],[0,0,1,0],[0,0,0,0],{rapid_words.UNUSED}];
 """
 CASES = {
+    "turns about several axes that add up": """VAR robtarget pt;
+PROC main()
+  pt:=p10;
+  FOR i FROM 1 TO 40 DO
+    pt:=RelTool(pt,0,0,22.25\\Rx:=15\\Rz:=30);
+  ENDFOR
+  MoveL pt,v100,fine,tGripper;
+ENDPROC""",
     "functions that hide those of the controller": """VAR num n:=2;
 PROC main()
   MoveL Offs(p10,Max(n,3),Abs(n),Length(n)),v100,fine,tGripper;

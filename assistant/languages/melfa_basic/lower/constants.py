@@ -15,8 +15,10 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
 
 
-def position_constant(target: Target, robot: Robot | None) -> s.Constant:
-    """A target as `(x,y,z,a,b,c)(fl1,fl2)`."""
+def position_constant(
+    target: Target, robot: Robot | None, places: int = poses.PLACES
+) -> s.Constant:
+    """A target as `(x,y,z,a,b,c)(fl1,fl2)`, with so many decimals."""
     row = np.array([configuration_row(target.configuration)], dtype=np.int8)
     flags = poses.flags_of(row, robot)[0]
     values = poses.to_values(
@@ -24,6 +26,7 @@ def position_constant(target: Target, robot: Robot | None) -> s.Constant:
         np.array([target.pose.quaternion]),
         np.array([target.external]),
         robot,
+        places,
     )[0]
     return s.Constant(tuple(float(v) for v in values), (int(flags[0]), int(flags[1])))
 

@@ -367,7 +367,7 @@ class Expressions:
         elif isinstance(value, e.JointValue):
             made = joint_constant(value.target, self.robot)
         else:
-            made = position_constant(value.target, self.robot)
+            made = position_constant(value.target, self.robot, poses.FINE_PLACES)
         _need_finite(*(number for number in made.values if number is not None))
         return made
 

@@ -38,11 +38,16 @@ ANGLES: Final = {"about_x": "A", "about_y": "B", "about_z": "C"}
 """Angles of a position, as the pseudo-program calls them and as the controller does."""
 
 FINE_PLACES: Final = 4
-"""Decimals of tools and frames: an angle of a frame acts over the distance to its targets."""
+"""Decimals of tools, frames and constants in statements: their angles act over the distance to what
+they are multiplied with, again and again where a program adds to its own positions."""
 
 
 def to_values(
-    positions: Floats, quaternions: Floats, external: Floats, robot: Robot | None
+    positions: Floats,
+    quaternions: Floats,
+    external: Floats,
+    robot: Robot | None,
+    places: int = PLACES,
 ) -> Floats:
     """(n, 6 … 8) mm and degrees; L1 and L2 as far as any row uses them, 0 where one does not."""
     if robot is not None and robot.five_axis:
@@ -55,7 +60,7 @@ def to_values(
     used = ~np.isnan(external[:, :2])
     count = 2 if used[:, 1].any() else 1 if used[:, 0].any() else 0
     extra = np.nan_to_num(external[:, :count])
-    return np.round(np.column_stack([positions, angles, extra]), PLACES) + 0.0
+    return np.round(np.column_stack([positions, angles, extra]), places) + 0.0
 
 
 def from_values(values: Floats, robot: Robot | None) -> tuple[Floats, Floats, Floats]:
