@@ -196,7 +196,7 @@ def _in_stretches(
 
 
 def _positions(legs: Iterable[Leg]) -> list[tuple[int, bool]]:
-    """Of each motion statement its first move, counted in the procedure, and whether each of its
+    """The first move of each motion statement, counted in the procedure, and whether each of its
     moves has a line.
     """
     found, count = [], 0

@@ -62,7 +62,7 @@ def magnitudes(program: Program) -> Iterator[Diagnostic]:
 
 
 def _of_path(statement: Follow) -> Iterator[Diagnostic]:
-    """What is wrong with the speeds and blends of a path, at each of its rows that has a line."""
+    """Findings on speeds and blends of a path, at each of its rows that has a line."""
     path = statement.path
     for table, column in ((path.speeds, path.speed), (path.blends, path.blend)):
         for number, value in enumerate(table):

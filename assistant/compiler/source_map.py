@@ -147,7 +147,7 @@ class Places:
         )
 
     def _declared(self, about: object) -> Span | None:
-        """Where a text declares the data that a finding is about; None where no text does."""
+        """Span of the declaration that a finding is about; None if no text declares it."""
         known = about.declared if isinstance(about, Inner) else about
         if not isinstance(known, Declared) or known.table in (None, "procedures", "paths"):
             return None

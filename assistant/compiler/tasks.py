@@ -105,7 +105,7 @@ def load_task(
 
 
 INERT: Final = frozenset(("type", "shared data", "data"))
-"""What files hold that run nothing."""
+"""Contents of files that run nothing."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -319,7 +319,7 @@ class _Grouping:
     def _beside(self, found: Sequence[_Unit], name: str, room: FilePath) -> list[_Unit]:
         """The file of another task that declares a type or shared data, and runs nothing.
 
-        What all tasks load a backup may hold for one of them only.
+        A backup may hold modules of all tasks with one of them only.
         """
         near = [u for u in found if u.inert and name in u.routines and u.room.parent == room.parent]
         return near if len({u.file for u in near}) == 1 else []

@@ -90,7 +90,7 @@ def without_uncalled(
 
 
 def _data(program: Program) -> Iterator[tuple[str, Span | None, Declared]]:
-    """What routines name, with its place if that is known."""
+    """Names in routines, with their places if these are known."""
     for name, one in program.variables.items():
         yield name, one.span, Declared(name, "variables")
     for table in _TABLES:

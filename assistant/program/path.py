@@ -174,7 +174,7 @@ class Path:
         return replace(self, name=name or self.name, **cut)
 
     def row_name(self, row: int) -> str:
-        """What the source text calls a row, counted from 0."""
+        """Name of a row, counted from 0, in the source text."""
         stem, first = (f"{self.name}_", 1) if self.original is None else self.original
         return f"{stem}{first + row}"
 

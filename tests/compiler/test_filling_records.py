@@ -142,7 +142,7 @@ def test_a_draft_that_lacks_a_value_says_all_else_as_the_whole_program_does(
 
 
 def test_a_component_whose_uses_tell_no_type_has_that_of_its_values(tmp_path: Path) -> None:
-    """What is only copied from record to record may be a text."""
+    """Components that are only copied from record to record may be texts."""
     file = tmp_path / "Cell.mod"
     body = "aNow:=aJob;\n    aNow.label:=aJob.label;\n    IF aNow.count>1 SetDO doOn,1;"
     data = '  PERS job aJob:=["weld",2];\n  VAR job aNow;\n'

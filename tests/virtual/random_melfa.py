@@ -403,7 +403,7 @@ class _Writer(Values):
     # ---------------------------------------------------------------------------- blocks
 
     def cell(self, depth: int) -> None:
-        """What real programs do; IV has no `Select` inside another one."""
+        """Constructs of real programs; IV has no `Select` inside another one."""
         piece = self.rng.choice(cells.CELLS)
         lines = piece(self.rng, self.fresh())
         if not (self.level == 4 and depth):

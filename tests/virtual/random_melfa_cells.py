@@ -1,4 +1,4 @@
-"""What programs of real cells do, in random MELFA-BASIC: pallets, texts, states, choices.
+"""Constructs of real cells in random MELFA-BASIC: pallets, texts, states, choices.
 
 Lines for `random_melfa`, which its programs have where they are drawn with all of it. Each piece
 has its number in its names.

@@ -235,13 +235,13 @@ def _lists(value: e.Expression | None, size: tuple[int, ...]) -> bool:
 
 
 def _shape(variable: Variable) -> str:
-    """What does not fit of the first values of an array, empty if that is not their number."""
+    """Describe first values whose number does not fit an array; empty if it fits."""
     unfit = None if variable.initial is None else _unfit(variable.initial, variable.size)
     return "" if unfit is None else f", {unfit[0]} elements written for an array of {unfit[1]}"
 
 
 def _unfit(value: e.Expression, size: tuple[int, ...]) -> tuple[int, int] | None:
-    """How many elements the first list has that does not fit, and how many it should have."""
+    """Numbers of elements of the first list that does not fit: stated and expected."""
     if not size or not isinstance(value, e.Aggregate):
         return None
     if len(value.items) != size[0]:

@@ -269,7 +269,7 @@ class _Setting:
         return self._chosen(move, list(zip(taking.names, found, strict=True)))
 
     def _may_be(self, name: str, state: State, node: p.Opaque) -> Sequence[tuple[int, p.Trigger]]:
-        """What data may be set up as, with the numbers of the statements; empty if unknown.
+        """Possible set-ups of data, with the numbers of the statements; empty if unknown.
 
         node: the move; what it calls sets nothing up before the choice.
         """

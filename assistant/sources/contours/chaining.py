@@ -251,7 +251,7 @@ def _drawn_again(curves: list[Curve], points: Points, lengths: Points, tolerance
 
 
 def _run_alike(one: Curve, two: Curve, near: float) -> bool:
-    """Whether two curves that agree at five points do so all along, in either direction.
+    """True if two curves that agree at five points do so all along, in either direction.
 
     Lines and arcs are known by them. Chords of others are compared at the same parts of their
     lengths: between two of their corners the distance of lines is nowhere larger.

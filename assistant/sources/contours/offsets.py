@@ -237,7 +237,7 @@ def _chunks(pieces: Sequence[Piece], offset: float) -> Any:
 
 
 def _sectors(arcs: Sequence[Arc], offset: float, off: float, step: float) -> list[Any]:
-    """What is within the offset of arcs but for the rounds about their ends."""
+    """Regions within the offset of arcs, without the rounds about their ends."""
     import shapely
 
     counts = np.maximum(np.ceil(np.radians(sweeps(arcs)) / (2.0 * step)).astype(np.intp), 8)

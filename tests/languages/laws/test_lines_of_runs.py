@@ -286,7 +286,7 @@ DECLARATIONS: Final = {
     "an alias of an alias": ("ALIAS num one;ALIAS one other_one;", "RA223"),
 }  # fmt: skip
 OF_MODULES: Final = frozenset(("RA201", "RA214", "RA223", "RA452"))
-"""What is found of declarations in modules only."""
+"""Findings on declarations in modules only."""
 
 
 def rapid() -> Iterator[tuple[str, Kind, str]]:
@@ -399,7 +399,7 @@ OF_POSITIONS: Final = {
     "a letter alone": ("P=(1.00,0.00,0.00,0.00,0.00,0.00)(7,0)", "MB116"),
 }
 NOT_SINCE_V: Final = frozenset(("MB106", "MB107", "MB111"))
-"""What MELFA-BASIC V and VI take: longer names and lines, and labels in front of statements."""
+"""MELFA-BASIC V and VI have longer names and lines, and labels in front of statements."""
 
 
 def _step(number: int, way: Way) -> str:

@@ -136,7 +136,7 @@ class _Parameters:
         return [row for row in rows_of(self.texts.get("sys", ""), TASKS) if row.get("Name")]
 
     def called(self, task: str) -> Iterator[tuple[str, str]]:
-        """The routines that the controller calls by itself, in lower case, each with when."""
+        """Routines that the controller calls, in lower case, each with the event that calls it."""
         when: dict[str, list[str]] = {}
         for file, section, key, words in CALLS:
             for row in rows_of(self.texts.get(file, ""), section):

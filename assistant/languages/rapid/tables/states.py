@@ -51,7 +51,7 @@ TASK_NUMBER: Final = State("controller_task_number", "num", 1.0)
 NUMBERS: Final = frozenset({"taskno", "mectaskno"})
 """Options of `GetTaskName` in lower case, to whose variable it gives the number of the task."""
 LAST_ERROR: Final = State("controller_error", "num", 0.0)
-"""What `ERRNO` is where nothing handles an error."""
+"""Value of `ERRNO` where nothing handles an error."""
 COUNT: Final = "_tasks"
 """Behind the name of a list of tasks, of the cell's number of programs that meet there."""
 MEETING: Final = frozenset(("waitsynctask", "syncmoveon"))

@@ -88,7 +88,7 @@ def shared_names(file: s.File) -> Iterator[tuple[str, str]]:
 
 
 def _is_shared(module: s.Module) -> bool:
-    """Whether a module has nothing but what all tasks of a controller share.
+    """True if a module has only data and types that all tasks of a controller share.
 
     That is persistent data, and what tasks meet at, which each of them declares.
     """

@@ -139,7 +139,7 @@ class _Separating:
         return made
 
     def _closed(self, starts: Iterable[int]) -> set[int]:
-        """What control comes to from some places, with all lines of each block among them."""
+        """Lines that control reaches from some places, with all lines of each block among them."""
         found = self.graph.reached(starts)
         while True:
             inside = {

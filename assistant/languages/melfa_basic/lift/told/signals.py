@@ -157,7 +157,7 @@ class Numbered:
         return {round(one) for one in found}
 
     def _counted(self, loop: p.For, procedure: Procedure) -> Mapping[str, Numbers]:
-        """What the variable of a loop may be inside, if its bounds are plain numbers."""
+        """Values of a loop's variable inside the loop, if its bounds are plain numbers."""
         first, last, step = (e.plain_number(x) for x in (loop.first, loop.last, loop.step or p.ONE))
         name = loop.variable.lower()
         changed = writes(loop.body, self.program, verbatim=False)

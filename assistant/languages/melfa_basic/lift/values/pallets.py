@@ -143,7 +143,7 @@ _ANGLES: Final = ("about_x", "about_y", "about_z")
 
 
 class Lifting(Protocol):
-    """What lifts the expressions of a file."""
+    """Lift of the expressions of a file."""
 
     m: Symbols
 
@@ -155,7 +155,7 @@ class Lifting(Protocol):
 
 
 def _worked_out(number: int, definitions: Sequence[s.DefOther], symbols: Symbols) -> WorkedOut:
-    """What all definitions of a pallet have in common."""
+    """Properties that all definitions of a pallet share."""
     values = [symbols.constants.value(one.arguments[7]) for one in definitions]
     known = {round(value) if isinstance(value, float) else None for value in values}
     arcs = {value is not None and value % FIXED == ARC for value in known}

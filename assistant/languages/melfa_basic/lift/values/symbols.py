@@ -129,9 +129,9 @@ class Symbols:
         self.placing_told: tuple[Any, Any] = (FLANGE, BASE)
         """The same, lowered for other languages."""
         self.speed: Any = None
-        """What `Spd` has set at the line that is read: mm/s, or the variable that holds it."""
+        """Speed of `Spd` at the line that is read: mm/s, or the variable that holds it."""
         self.goes_on = False
-        """Whether some `Print #` leaves its line unfinished."""
+        """True if some `Print #` leaves its line unfinished."""
         self.opened: tuple[int, ...] | None = None
         """The channels that a `Close` of all closes, None if they are not known."""
         self.variants: dict[str, str] = {}

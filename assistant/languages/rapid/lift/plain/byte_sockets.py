@@ -61,7 +61,7 @@ def _names_in(routine: s.Routine) -> Iterator[str]:
 
 
 def _key(given: Any, routine: str, inner: Set[str]) -> Key | None:
-    """What is handed over, by the name that it begins with."""
+    """Arguments by the name that each begins with."""
     value = given.value if isinstance(given, s.Positional | s.Option) else None
     while isinstance(value, s.Component | s.Element):
         value = value.value
@@ -74,7 +74,7 @@ def _key(given: Any, routine: str, inner: Set[str]) -> Key | None:
 def _handed_over(
     call: s.ProcedureCall | s.FunctionCall, routine: s.Routine
 ) -> Iterator[tuple[s.Argument, str]]:
-    """What a call is given, with the name of the parameter in lower case."""
+    """Arguments of a call, with the name of the parameter in lower case."""
     required = [one for one in routine.parameters if not one.optional]
     given = [one for one in call.arguments if isinstance(one, s.Positional)]
     for value, group in zip(given, required, strict=False):

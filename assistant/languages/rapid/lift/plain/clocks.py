@@ -55,7 +55,7 @@ class _Row:
         return s.Element(s.NameRef(getattr(self, part)), tuple(at))
 
     def done(self, word: str, at: Sequence[Any]) -> Iterator[s.StatementNode]:
-        """What starts, stops or clears a clock."""
+        """Instructions that start, stop or clear a clock."""
         if word == "clkstart":
             clock = (s.Positional(s.NameRef(self.shared)),)
             going = s.NameRef(self.going)
@@ -172,7 +172,7 @@ def _told(module: s.Module) -> Iterator[Diagnostic]:
 
 
 def _asks(node: Any) -> Any:
-    """What a statement works out itself, not the statements that it holds."""
+    """Expressions of a statement, without those of the statements that it holds."""
     match node:
         case s.Assignment() | s.ProcedureCall() | s.ReturnFrom():
             return node
@@ -186,7 +186,7 @@ def _asks(node: Any) -> Any:
 
 
 def _clock_in(node: Any) -> tuple[str, str, tuple[Any, ...]] | None:
-    """What a call does to a clock in an array: its word, the array, the indices."""
+    """A call that acts on a clock in an array: its word, the array, the indices."""
     match node:
         case s.ProcedureCall(
             str(word), (s.Positional(s.Element(s.NameRef(array), at), None),)

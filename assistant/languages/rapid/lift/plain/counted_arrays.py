@@ -27,7 +27,7 @@ Key = tuple[str, str]
 def with_counts(
     modules: Sequence[s.Module],
 ) -> tuple[Sequence[s.Module], list[list[Diagnostic]]]:
-    """The modules with such parameters, and what there is to be told of each module."""
+    """The modules with such parameters, and the findings of each module."""
     told: list[list[Diagnostic]] = [[] for _ in modules]
     items = [one for module in modules for one in module.items]
     routines = {one.name.lower(): one for one in items if isinstance(one, s.Routine)}

@@ -46,7 +46,7 @@ FRAME: Final = "frame_through"
 MOST_WHOLE: Final = 1 << 23
 """Up to here a number of 32 bits has every whole one."""
 TAKES: Final = SAME["testandset"]
-"""What tests and sets a truth here."""
+"""Library function that tests and sets a truth."""
 PART: Final = "part_of_turn"
 PRODUCT: Final = "turn_by"
 TURN: Final = "rot"

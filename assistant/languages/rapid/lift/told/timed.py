@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
 
 FASTEST: Final = 720.0
-"""deg/s of each axis of an arm that nobody named: as fast as any axis of the catalogue turns, so
+"""deg/s of each axis if no robot is named: as fast as any axis of the catalogue turns, so
 that a move never takes less time than it states."""
 AXES: Final = 6
 LEAST_TIME: Final = 0.001
