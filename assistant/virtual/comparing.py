@@ -143,7 +143,7 @@ that it is the same."""
 
 _START: Final = OnWay("start", 0.0)
 _ENDS: Final = (_START, OnWay("end", 0.0))
-"""Places on the way at which a statement before or behind the move does the same."""
+"""Places on the path at which a statement before or after the move does the same."""
 
 
 class _Comparing:

@@ -108,7 +108,7 @@ def plain_trigger(x: p.Trigger, numbers: Mapping[str, e.Number]) -> p.Trigger:
 
 
 def with_ends_apart(job: Legalising, move: p.MoveStatement) -> Iterator[p.Statement]:
-    """The move; behind it what it sets at its very end, before it what it sets as it begins.
+    """The move; after it what it sets at its very end, before it what it sets as it begins.
 
     Before it only where the language sets fewer outputs on one way. Where the robot does not stop
     at the end, that is a place which others may count otherwise, see `with_measured_places`.

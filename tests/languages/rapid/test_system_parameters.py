@@ -196,7 +196,7 @@ def test_a_routine_that_nothing_calls_is_left_out(tmp_path: Path, kind: str) -> 
 
 
 def test_an_event_routine_that_is_translated_is_reported(tmp_path: Path) -> None:
-    """Nobody calls it on the other controller."""
+    """The other controller does not call it."""
     routine = "    PROC {name}()\n        SetDO doGrip,0;\n    ENDPROC\nENDMODULE\n"
     done = with_routine(tmp_path, routine, ENTRIES["an event"])
     assert done.ok

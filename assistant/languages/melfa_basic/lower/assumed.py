@@ -95,7 +95,7 @@ def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
 
 
 def _renamed(program: Program) -> Iterator[Diagnostic]:
-    """Positions of one stem that are too many to be targets with names of their own."""
+    """Positions of one stem that are too many to be separate targets."""
     for statement in program.statements():
         if isinstance(statement, p.Follow) and statement.path.original is not None:
             path = statement.path

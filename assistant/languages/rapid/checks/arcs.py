@@ -169,7 +169,7 @@ def _shared_positions(task: Task) -> list[tuple[TargetRun, Index]]:
 def _indexed(
     runs: Sequence[TargetRun], modules: Sequence[s.Module], *, local: bool
 ) -> list[tuple[TargetRun, Index]]:
-    """Runs and what modules declare by itself, LOCAL or not, each with an index of its names."""
+    """Runs and single declarations of modules, LOCAL or not, each with an index of its names."""
     names, values = [], []
     for module in modules:
         for item in module.items:

@@ -39,8 +39,8 @@ from assistant.languages.rapid.tree.calls import worked_out_task
 from assistant.languages.rapid.tree.external_axes import asked as asked_axes
 from assistant.languages.rapid.tree.external_axes import place_of as place_of_axis
 from assistant.languages.rapid.tree.gather import has_no_value, literal_number
-from assistant.languages.rapid.tree.handling import ERRNO, of_handlers
 from assistant.languages.rapid.tree.mechanical_units import can_stand, place_of, unit_of
+from assistant.languages.rapid.tree.walk import ERRNO, of_handlers
 from assistant.languages.signatures import Signature
 from assistant.program import expressions as e
 from assistant.program.wanted import Argument, Wanted

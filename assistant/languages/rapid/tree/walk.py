@@ -1,4 +1,4 @@
-"""The nodes of a tree, one after the other, and the lists of statements."""
+"""The nodes of a tree, one after the other, the lists of statements, and what these call."""
 
 from __future__ import annotations
 
@@ -13,6 +13,9 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.triggers import set_up
 from assistant.languages.walking import Walk
 from assistant.program.diagnostics import Span
+
+ERRNO: Final = "errno"
+"""The variable in lower case that holds the number of the error."""
 
 _WALK: Final = Walk(lambda kind: issubclass(kind, s.Node), held=s.Routine)
 nodes: Final = _WALK.nodes
@@ -192,3 +195,27 @@ def lists(routine: s.Routine) -> Iterator[tuple[s.StatementNode, ...]]:
         yield body
         for statement in body:
             pending.extend(blocks(statement))
+
+
+def of_handlers(modules: Sequence[s.Module]) -> frozenset[str]:
+    """Names in lower case of the routines that handlers call, and that these call."""
+    routines = [one for module in modules for one in module.items if isinstance(one, s.Routine)]
+    calls: dict[str, set[str]] = {}
+    pending: list[str] = []
+    for one in routines:
+        calls.setdefault(one.name.lower(), set()).update(called_in(one.body))
+        pending += called_in(one.handlers)
+    found: set[str] = set()
+    while pending:
+        name = pending.pop()
+        if name in calls and name not in found:
+            found.add(name)
+            pending += calls[name]
+    return frozenset(found)
+
+
+def called_in(value: Any) -> Iterator[str]:
+    """Names in lower case of the routines that nodes call."""
+    for node in nodes(value):
+        if isinstance(node, s.FunctionCall | s.ProcedureCall) and isinstance(node.name, str):
+            yield node.name.lower()

@@ -13,8 +13,7 @@ from typing import Any, Final
 
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.handling import called_in
-from assistant.languages.rapid.tree.walk import nodes
+from assistant.languages.rapid.tree.walk import called_in, nodes
 from assistant.program.diagnostics import Diagnostic
 from assistant.program.rewriting import rewrite
 

@@ -11,8 +11,7 @@ from dataclasses import replace
 from typing import Any, Final
 
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.handling import ERRNO, called_in, of_handlers
-from assistant.languages.rapid.tree.walk import nodes
+from assistant.languages.rapid.tree.walk import ERRNO, called_in, nodes, of_handlers
 from assistant.program.rewriting import rewrite
 
 NAME: Final = "error_number"

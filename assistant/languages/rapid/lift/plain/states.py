@@ -23,7 +23,7 @@ from assistant.languages.rapid.tables.states import (
 from assistant.languages.rapid.tables.words import CELL_MODULE
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import called
-from assistant.languages.rapid.tree.handling import ERRNO, of_handlers
+from assistant.languages.rapid.tree.walk import ERRNO, of_handlers
 from assistant.program.rewriting import rewrite
 
 

@@ -95,7 +95,7 @@ def _timed(node: p.Statement, meaning: Meaning) -> _Timed | None:
 
 
 def _is_followed(node: p.Statement, meaning: Meaning, program: Program) -> bool:
-    """True if the joints at which a statement leaves the arm are known, or it stands there."""
+    """True if the joints at which a statement leaves the arm are known, or it stops there."""
     match node:
         case p.MoveJoints():
             return True
