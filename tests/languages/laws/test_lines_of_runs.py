@@ -466,6 +466,13 @@ def test_tables_of_melfa_basic_change_nothing(name: str, monkeypatch: pytest.Mon
     assert found == kind.findings(check, LONGEST)
 
 
+@pytest.mark.parametrize("name", MELFA)
+def test_an_include_changes_nothing_of_how_runs_are_judged(name: str) -> None:
+    """Names that are not there may be in what is included."""
+    check = _check("melfa-basic-6")
+    judge(MELFA[name][0], lambda text: check(f'#Include "B"\n{text}'), [LONGEST])
+
+
 @pytest.mark.parametrize("size", [1, 7, 8, 9, 50])
 def test_each_position_between_steps_is_reported(size: int) -> None:
     """MB620 is about a line, and is seen by a step far below it."""

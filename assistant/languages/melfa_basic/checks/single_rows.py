@@ -86,8 +86,9 @@ def _moves(look: Look) -> dict[int, Truths]:
         arc = item.kinds == MVR
         for numbers, counts in ((item.end, ~arc | arc), (item.via, arc), (item.start, arc)):
             targets = Names.numbered(item.stem.encode("ascii"), numbers)
-            there = names.among(targets) if not look.has_strangers else True
-            odd = ~there | zeros.among(targets) | _long(look, item.stem, numbers)
+            odd = zeros.among(targets) | _long(look, item.stem, numbers)
+            if not look.has_strangers:
+                odd |= ~names.among(targets)
             single |= counts & odd
         found[id(item)], before = single, int(item.steps[-1])
     return found
