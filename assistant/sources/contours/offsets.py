@@ -21,14 +21,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program.geometry import Vector
-from assistant.sources.contours.curves import Arc, Line, sweeps
+from assistant.sources.contours.bands import bands
+from assistant.sources.contours.curves import Arc, Line
 from assistant.sources.contours.flat import (
     SAMPLED,
     Piece,
     Plane,
     area,
-    at_parts,
-    many_chords,
     polyline,
     reversed_,
     tangent,
@@ -41,12 +40,6 @@ LEAST_TURN: Final = math.radians(15.0)
 ROUGH: Final = 0.15
 """Part of the tolerance that the polygons of bands may be off: they only tell what meets what."""
 QUARTERS: Final = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
-CHUNK: Final = 12
-"""Sides whose band is one polygon at most: bands of many that overlap take long."""
-TURNS: Final = math.radians(4.0)
-"""Turn of sides over which one polygon is around both; below it GEOS leaves out what is round."""
-DEPTH: Final = 0.012
-"""The same of how far a corner is off the line past it, in offsets; GEOS leaves out less."""
 COVERED: Final = 0.75
 """Offsets along a contour from what a way is beside to places that the tool comes to."""
 MITRED: Final = 0.1
@@ -103,8 +96,10 @@ def polygon(pieces: Sequence[Piece], tolerance: float) -> Any:
 
 def crosses_itself(pieces: Sequence[Piece], tolerance: float) -> bool:
     """Whether a closed contour is around nothing, or touches itself."""
+    import shapely
+
     outline = polyline(pieces, tolerance * SAMPLED, closed=True)
-    return len(outline) < 3 or not polygon(pieces, tolerance).is_valid
+    return len(outline) < 3 or not shapely.Polygon(outline).is_valid
 
 
 def corners(pieces: Sequence[Piece], *, closed: bool) -> tuple[tuple[int, float], ...]:
@@ -123,10 +118,10 @@ def beside(
 
     limit = min(tolerance, offset)
     off = limit * ROUGH
-    band = _bands(pieces, offset, off)
+    source = Source.of(pieces, off, closed=True)
+    band = bands(source, offset, off)
     whole = shapely.Polygon(polyline(pieces, off, closed=True))
     left = shapely.union(whole, band) if outside else shapely.difference(whole, band)
-    source = Source.of(pieces, off, closed=True)
     found = []
     for part in getattr(left, "geoms", [left]):
         borders = [part.exterior, *part.interiors] if part.geom_type == "Polygon" else []
@@ -149,8 +144,8 @@ def beside_open(
 
     limit = min(tolerance, offset)
     off = limit * ROUGH
-    band = _bands(pieces, offset, off)
     source = Source.of(pieces, off, closed=False)
+    band = bands(source, offset, off)
     found: list[tuple[int, Ring]] = []
     for part in getattr(band, "geoms", [band]):
         for border in [part.exterior, *part.interiors]:
@@ -182,84 +177,6 @@ def _turn(one: Piece, other: Piece) -> float:
     """Radians to the left from the end of a piece to the start of the next."""
     (ax, ay), (bx, by) = tangent(one, 1.0), tangent(other, 0.0)
     return math.atan2(ax * by - ay * bx, ax * bx + ay * by)
-
-
-def _bands(pieces: Sequence[Piece], offset: float, off: float) -> Any:
-    """Everything within the offset of pieces; their rounds at most `off` mm off."""
-    import shapely
-
-    step = math.acos(max(1.0 - off / offset, 0.5))
-    rounds = max(math.ceil(math.pi / 4.0 / step), 2)
-    arcs = [piece for piece in pieces if isinstance(piece, Arc)]
-    lines = _chunks(pieces, offset)
-    bands = shapely.buffer(lines, offset, quad_segs=rounds).tolist()
-    if arcs:
-        ends = {place[:2] for arc in arcs for place in (arc.start, arc.end) if not arc.closed}
-        rims = shapely.points(sorted(ends)) if ends else []
-        bands += shapely.buffer(rims, offset, quad_segs=rounds).tolist()
-        bands += _sectors(arcs, offset, off, step)
-    return shapely.unary_union(bands)
-
-
-def _chunks(pieces: Sequence[Piece], offset: float) -> Any:
-    """The lines among pieces as polylines of a few sides, whose bands GEOS makes exactly.
-
-    It leaves out of the band of a polyline what its corners are off the line between their
-    neighbours by next to nothing: no polyline has such a corner.
-    """
-    import shapely
-
-    rows = np.flatnonzero([isinstance(piece, Line) for piece in pieces])
-    if not rows.size:
-        return np.empty(0, dtype=object)
-    start, end = (
-        np.array([getattr(pieces[i], name)[:2] for i in rows.tolist()]) for name in ("start", "end")
-    )
-    way = end - start
-    size = np.maximum(np.linalg.norm(way, axis=1), 1e-300)
-    one, two = way[:-1], way[1:]
-    sine = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]
-    turns = np.arctan2(np.abs(sine), (one * two).sum(axis=1))
-    across = np.maximum(np.linalg.norm(one + two, axis=1), 1e-300)
-    plain = (np.diff(rows) == 1) & (start[1:] == end[:-1]).all(axis=1)
-    plain &= (turns > TURNS) & (np.abs(sine) / across > DEPTH * offset)
-    plain &= np.minimum(size[:-1], size[1:]) > DEPTH * offset
-    plain[CHUNK - 1 :: CHUNK] = False
-    chunk = np.concatenate([[0], np.cumsum(~plain)])
-    first = np.diff(chunk, prepend=-1) > 0
-    # Each line gives its end, and the first of a polyline its start before that.
-    places = np.arange(len(rows)) + np.cumsum(first)
-    points = np.empty((len(rows) + int(first.sum()), 2))
-    owner = np.empty(len(points), dtype=np.intp)
-    points[places], owner[places] = end, chunk
-    points[places[first] - 1], owner[places[first] - 1] = start[first], chunk[first]
-    return shapely.linestrings(points, indices=owner)
-
-
-def _sectors(arcs: Sequence[Arc], offset: float, off: float, step: float) -> list[Any]:
-    """Regions within the offset of arcs, without the rounds about their ends."""
-    import shapely
-
-    counts = np.maximum(np.ceil(np.radians(sweeps(arcs)) / (2.0 * step)).astype(np.intp), 8)
-    counts = np.maximum(counts, many_chords(arcs, off)) + 1
-    owner = np.repeat(np.arange(len(arcs)), counts)
-    begins = np.cumsum(counts) - counts
-    parts = (np.arange(len(owner)) - begins[owner]) / (counts[owner] - 1)
-    centre = np.array([arc.centre[:2] for arc in arcs])
-    radius = np.array([arc.radius for arc in arcs])
-    arms = (at_parts(arcs, owner, parts) - centre[owner]) / radius[owner][:, None]
-    outer = centre[owner] + (radius + offset)[owner][:, None] * arms
-    inner = centre[owner] + np.maximum(radius - offset, 0.0)[owner][:, None] * arms
-    found: list[Any] = []
-    for arc, first, count in zip(arcs, begins.tolist(), counts.tolist(), strict=True):
-        rim, hole = outer[first : first + count], inner[first : first + count]
-        if arc.closed:
-            found.append(shapely.Polygon(rim, [hole] if arc.radius - offset > off else []))
-        else:
-            within = hole[::-1] if arc.radius > offset else hole[:1]
-            found.append(shapely.Polygon(np.concatenate([rim, within])))
-    valid = shapely.is_valid(found)
-    return [one if fine else one.buffer(0.0) for one, fine in zip(found, valid, strict=True)]
 
 
 def _middles(points: Plane) -> Plane:
@@ -367,8 +284,10 @@ def _joined(
     if not closed:
         joints[-1] = runs[-1].curve.nearest(runs[-1].end)
     begins = [joints[-1] if closed else runs[0].curve.nearest(runs[0].begin), *joints[:-1]]
+    found: list[tuple[Place, Place, Piece | None]] = []
     for k, run in enumerate(runs):
-        if run.piece(begins[k], joints[k]) is None:  # its neighbours cut it off
+        found.append((begins[k], joints[k], run.piece(begins[k], joints[k])))
+        if found[k][2] is None:  # its neighbours cut it off
             half = _half_way(begins[k], joints[k])
             begins[k] = joints[k] = half
             if closed or k:
@@ -376,10 +295,11 @@ def _joined(
             if closed or k + 1 < len(runs):
                 begins[(k + 1) % len(runs)] = half
     made: list[tuple[Piece, bool]] = []
-    for run, start, end in zip(runs, begins, joints, strict=True):
+    for run, start, end, (*ends_then, piece) in zip(runs, begins, joints, found, strict=True):
         if math.dist(start, end) > SAME:
-            piece = run.piece(start, end) or Line((*start, 0.0), (*end, 0.0))
-            made.append((piece, run.label >= source.count))
+            if ends_then != [start, end]:
+                piece = run.piece(start, end)
+            made.append((piece or Line((*start, 0.0), (*end, 0.0)), run.label >= source.count))
     return made
 
 

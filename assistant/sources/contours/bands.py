@@ -1,0 +1,171 @@
+"""Everything that is near to a contour, as polygons: what the tool's centre must not come into."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.sources.contours.flat import Plane
+from assistant.sources.contours.origins import Source, cross_of
+
+CHUNK: Final = 12
+"""Sides whose band is one polygon at most: bands of many that overlap take long."""
+TURNS: Final = math.radians(4.0)
+"""Turn of sides over which one polygon is around both; below it GEOS leaves out what is round."""
+DEPTH: Final = 0.012
+"""The same of how far a corner is off the line past it, in offsets; GEOS leaves out less."""
+OVERLAP: Final = 0.25
+"""Of what polygons may be off, the part by which those of neighbours go over each other."""
+SLIGHT: Final = 1e-9
+"""Radians of a turn that leaves nothing open."""
+SHARP: Final = math.radians(150.0)
+"""Of a turn, or left of a full circle: over it a joint has a whole round."""
+
+
+def bands(source: Source, offset: float, off: float) -> Any:
+    """Everything within the offset of a contour; their rounds at most `off` mm off.
+
+    Seen from a place there, the nearest of the contour is square to a line or an arc, or a joint
+    whose two normals the place is between. So it is in the band of a piece, or in the wedge
+    outside of a joint.
+    """
+    import shapely
+
+    step = math.acos(max(1.0 - off / offset, 0.5))
+    rounds = max(math.ceil(math.pi / 4.0 / step), 2)
+    found = shapely.buffer(_chunks(source, offset), offset, quad_segs=rounds).tolist()
+    if source.arcs.any():
+        wedged = _wedged(source)
+        ends = shapely.points(_bare_ends(source, wedged))
+        found += shapely.buffer(ends, offset, quad_segs=rounds).tolist()
+        found += _wedges(source, wedged, offset, off, step)
+        found += _sectors(source, offset, off)
+    return shapely.union_all(found)
+
+
+def _wedged(source: Source) -> NDArray[np.bool_]:
+    """Which joints (n,) of two arcs are closed by a wedge: not those of ends that do not meet,
+    hairpins, and circles that come back almost to their start. A line has a round at both ends.
+    """
+    before = np.roll(source.arcs, 1)
+    met = (np.roll(source.end, 1, axis=0) == source.start).all(axis=1)
+    full = source.sweep > math.tau - SHARP
+    plain = before & source.arcs & met & ~full & ~np.roll(full, 1)
+    plain &= np.abs(_turns(source)) < SHARP
+    plain[0] &= source.closed
+    return np.asarray(plain)
+
+
+def _turns(source: Source) -> NDArray[np.float64]:
+    """Radians (n,) to the left from the end of the piece before to the start of each."""
+    one, two = np.roll(source.arriving, 1, axis=0), source.leaving
+    return np.asarray(np.arctan2(cross_of(one, two), (one * two).sum(axis=1)))
+
+
+def _bare_ends(source: Source, wedged: NDArray[np.bool_]) -> Plane:
+    """Ends (k, 2) of arcs that no wedge closes."""
+    starts = source.start[source.arcs & ~wedged]
+    return np.concatenate([starts, source.end[source.arcs & ~np.roll(wedged, -1)]])
+
+
+def _wedges(
+    source: Source, wedged: NDArray[np.bool_], offset: float, off: float, step: float
+) -> list[Any]:
+    """Regions outside of joints, between the normals of both sides."""
+    turns = _turns(source)
+    rows = np.flatnonzero(wedged & (np.abs(turns) > SLIGHT))
+    turn, arriving = turns[rows], np.roll(source.arriving, 1, axis=0)[rows]
+    side = -np.sign(turn)
+    pad = np.copysign(OVERLAP * off / offset, turn)
+    first = np.arctan2(arriving[:, 0] * side, -arriving[:, 1] * side) - pad
+    turn = turn + 2.0 * pad
+    chords = np.ceil(np.abs(turn) / (2.0 * step)).astype(np.intp)
+    owner, places = _numbered(chords + 2)
+    share = np.where(places == 0, 0.5, (places - 1) / chords[owner])
+    size = np.where(places == 0, -OVERLAP * off, offset)
+    points = source.start[rows][owner] + _polar(first[owner] + share * turn[owner], size)
+    return _polygons(points, owner)
+
+
+def _sectors(source: Source, offset: float, off: float) -> list[Any]:
+    """Regions within the offset of arcs, without what is around their ends."""
+    import shapely
+
+    rows = np.flatnonzero(source.arcs)
+    whole = np.array([source.pieces[i].closed for i in rows.tolist()], dtype=np.bool_)
+    radius, sweep, centre = source.radius[rows], source.sweep[rows], source.centre[rows]
+    more = np.where(whole, 0.0, np.minimum(OVERLAP * off / radius, OVERLAP))
+    more = np.minimum(more, np.maximum(math.tau - sweep, 0.0) / 4.0)
+    step = 2.0 * np.arccos(np.maximum(1.0 - off / (radius + offset), 0.5))
+    chords = np.maximum(np.ceil((sweep + 2.0 * more) / step).astype(np.intp), 2)
+    inner = np.maximum(radius - offset, 0.0)
+    owner, places = _numbered(chords + 1 + np.where(inner > 0.0, chords + 1, 1))
+    outer = places <= chords[owner]
+    share = np.where(outer, places, 2 * chords[owner] + 1 - places) / chords[owner]
+    angles = share * (sweep + 2.0 * more)[owner] - more[owner]
+    angles = source.first[rows][owner] + source.about[rows][owner] * angles
+    size = np.where(outer, radius[owner] + offset, inner[owner])
+    points = centre[owner] + _polar(angles, size)
+    parts = ~whole[owner]
+    found = _polygons(points[parts], owner[parts])
+    for i in np.flatnonzero(whole).tolist():
+        rim, hole = (points[(owner == i) & on] for on in (outer, ~outer))
+        found.append(shapely.Polygon(rim, [hole] if radius[i] - offset > off else []))
+    valid = shapely.is_valid(found)
+    return [one if fine else one.buffer(0.0) for one, fine in zip(found, valid, strict=True)]
+
+
+def _numbered(sizes: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """For rows of so many points each: the row that each point is of, and its place there."""
+    owner = np.repeat(np.arange(len(sizes)), sizes)
+    return owner, np.arange(len(owner)) - (np.cumsum(sizes) - sizes)[owner]
+
+
+def _polar(angles: NDArray[np.float64], size: NDArray[np.float64]) -> Plane:
+    return np.asarray(size[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1))
+
+
+def _polygons(points: Plane, owner: NDArray[np.intp]) -> list[Any]:
+    """A polygon of the points (n, 2) of each owner (n,), in their order."""
+    import shapely
+
+    if not owner.size:
+        return []
+    indices = np.cumsum(np.diff(owner, prepend=owner[0]) > 0)
+    return [*shapely.polygons(shapely.linearrings(points, indices=indices))]
+
+
+def _chunks(source: Source, offset: float) -> Any:
+    """The lines of a contour as polylines of a few sides, whose bands GEOS makes exactly.
+
+    It leaves out of the band of a polyline what its corners are off the line between their
+    neighbours by next to nothing: no polyline has such a corner.
+    """
+    import shapely
+
+    rows = np.flatnonzero(~source.arcs)
+    if not rows.size:
+        return np.empty(0, dtype=object)
+    start, end = source.start[rows], source.end[rows]
+    way = end - start
+    size = np.maximum(np.linalg.norm(way, axis=1), 1e-300)
+    one, two = way[:-1], way[1:]
+    sine = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]
+    turns = np.arctan2(np.abs(sine), (one * two).sum(axis=1))
+    across = np.maximum(np.linalg.norm(one + two, axis=1), 1e-300)
+    plain = (np.diff(rows) == 1) & (start[1:] == end[:-1]).all(axis=1)
+    plain &= (turns > TURNS) & (np.abs(sine) / across > DEPTH * offset)
+    plain &= np.minimum(size[:-1], size[1:]) > DEPTH * offset
+    plain[CHUNK - 1 :: CHUNK] = False
+    chunk = np.concatenate([[0], np.cumsum(~plain)])
+    first = np.diff(chunk, prepend=-1) > 0
+    # Each line gives its end, and the first of a polyline its start before that.
+    places = np.arange(len(rows)) + np.cumsum(first)
+    points = np.empty((len(rows) + int(first.sum()), 2))
+    owner = np.empty(len(points), dtype=np.intp)
+    points[places], owner[places] = end, chunk
+    points[places[first] - 1], owner[places[first] - 1] = start[first], chunk[first]
+    return shapely.linestrings(points, indices=owner)
