@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from operator import attrgetter
 from typing import Final
 
 import numpy as np
@@ -115,7 +116,7 @@ class Arc:
         centre, normal = circle
         half = math.radians(0.5 * sweep_between(centre, normal, a, c))
         arm = _minus(a, centre)
-        ahead = _cross(normal, arm)
+        ahead = cross_product(normal, arm)
         cos, sin = math.cos(half), math.sin(half)
         x, y, z = (m + cos * u + sin * v for m, u, v in zip(centre, arm, ahead, strict=True))
         radius = math.hypot(*arm)
@@ -268,11 +269,11 @@ def circle_through(a: Vector, b: Vector, c: Vector) -> tuple[Vector, Vector] | N
     ((|u|² v - |v|² u) × (u × v)) / (2 |u × v|²).
     """
     u, v = _minus(b, a), _minus(c, a)
-    w = _cross(u, v)
-    square, uu, vv = _dot(w, w), _dot(u, u), _dot(v, v)
+    w = cross_product(u, v)
+    square, uu, vv = dot_product(w, w), dot_product(u, u), dot_product(v, v)
     if square <= 1e-20 * max(uu, vv) ** 2:
         return None
-    x, y, z = _cross(_minus(_times(uu, v), _times(vv, u)), w)
+    x, y, z = cross_product(_minus(_times(uu, v), _times(vv, u)), w)
     size, length = 0.5 / square, math.sqrt(square)
     centre = (a[0] + size * x, a[1] + size * y, a[2] + size * z)
     return centre, (w[0] / length, w[1] / length, w[2] / length)
@@ -281,7 +282,7 @@ def circle_through(a: Vector, b: Vector, c: Vector) -> tuple[Vector, Vector] | N
 def sweep_between(centre: Vector, normal: Vector, first: Vector, second: Vector) -> float:
     """Degrees from first to second about a unit normal, in [0, 360)."""
     u, v = _minus(first, centre), _minus(second, centre)
-    angle = math.degrees(math.atan2(_dot(_cross(u, v), normal), _dot(u, v)))
+    angle = math.degrees(math.atan2(dot_product(cross_product(u, v), normal), dot_product(u, v)))
     return angle if angle >= 0.0 else (angle + 360.0) % 360.0
 
 
@@ -293,11 +294,11 @@ def _times(size: float, a: Vector) -> Vector:
     return (size * a[0], size * a[1], size * a[2])
 
 
-def _dot(a: Vector, b: Vector) -> float:
+def dot_product(a: Vector, b: Vector) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-def _cross(a: Vector, b: Vector) -> Vector:
+def cross_product(a: Vector, b: Vector) -> Vector:
     return (
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -321,18 +322,18 @@ def _turned_by(centre: Vector, normal: Vector, arm: Vector, degrees: float) -> V
     """`turned` of one point, which is `arm` away from the centre."""
     angle = math.radians(degrees)
     cos, sin = math.cos(angle), math.sin(angle)
-    lift = _dot(arm, normal)
+    lift = dot_product(arm, normal)
     along = _times(lift, normal)
     x, y, z = (
         c + a + (r - a) * cos + s * sin
-        for c, a, r, s in zip(centre, along, arm, _cross(normal, arm), strict=True)
+        for c, a, r, s in zip(centre, along, arm, cross_product(normal, arm), strict=True)
     )
     return (x + 0.0, y + 0.0, z + 0.0)
 
 
 def at_each(curves: Sequence[Line | Arc], rows: NDArray[np.intp], parts: Points) -> Points:
     """Points (m, 3) at parts (m,) of lines and arcs, each of the curve of its row (m,)."""
-    start, end = (np.array([getattr(c, name) for c in curves]) for name in ("start", "end"))
+    start, end = (np.array(list(map(attrgetter(name), curves))) for name in ("start", "end"))
     share = parts[:, None]
     points = (1.0 - share) * start[rows] + share * end[rows]
     arcs = [curve for curve in curves if isinstance(curve, Arc)]
@@ -341,7 +342,7 @@ def at_each(curves: Sequence[Line | Arc], rows: NDArray[np.intp], parts: Points)
         on = is_arc[rows]
         which = (np.cumsum(is_arc) - 1)[rows[on]]
         centre, normal = (
-            np.array([getattr(a, name) for a in arcs]) for name in ("centre", "normal")
+            np.array(list(map(attrgetter(name), arcs))) for name in ("centre", "normal")
         )
         degrees = sweeps(arcs)[which] * parts[on]
         points[on] = turned(centre[which], normal[which], start[rows[on]], degrees)

@@ -157,6 +157,8 @@ def possible(piece: Line | Arc, flat: float, widest: float) -> list[Line | Arc]:
         return _parts(piece, count) if count > 1 else [piece]
     step = 2.0 * math.acos(max(1.0 - flat / radius, -1.0)) if radius > 0 else math.tau
     chords = max(math.ceil(math.radians(sweep) / step - 1e-9), 2 if piece.closed else 1)
+    if chords == 1:
+        return [Line(piece.start, piece.end, piece.layer, piece.handle)]
     points = [tuple(p) for p in piece.at(np.linspace(0.0, 1.0, chords + 1)).tolist()]
     points[0], points[-1] = piece.start, piece.end
     return [Line(a, b, piece.layer, piece.handle) for a, b in pairwise(points)]

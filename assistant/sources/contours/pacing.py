@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from assistant.program.arrays import Floats, Truths
 from assistant.program.motion import Speed
 from assistant.program.path import Kind
-from assistant.sources.contours.curves import Arc, Line, Points, vector
+from assistant.sources.contours.curves import Arc, Line, Points, cross, vector
 from assistant.sources.contours.moves import Moves, columns, possible
 from assistant.sources.process.ways import Pace
 
@@ -28,6 +28,9 @@ SMALLEST: Final = 1.0
 """mm of radius of an arc that is divided."""
 TOGETHER: Final = 1e-6
 """mm between the ends of a contour that is closed."""
+STRAIGHT: Final = 1e-10
+"""Sine of the turn at the middle of an arc, in squares of its longer chord, of three points on a
+line."""
 
 Piece = Line | Arc
 
@@ -99,13 +102,22 @@ def pieces_of(rows: Moves) -> list[Piece]:
 
 
 def lengths(start: Points, positions: Points, kinds: NDArray[np.uint8]) -> Floats:
-    """Mm (n,) that each row goes, of an arc all of it at its END."""
-    steps = np.linalg.norm(np.diff(np.vstack([start, positions]), axis=0), axis=1)
-    for end in np.flatnonzero(kinds == Kind.END).tolist():
-        first = positions[end - 2] if end > 1 else start
-        arc = Arc.through(first, positions[end - 1], positions[end])
-        steps[end] = steps[end - 1] + steps[end] if arc is None else arc.length
-        steps[end - 1] = 0.0
+    """Mm (n,) that each row goes, of an arc all of it at its END.
+
+    An arc turns by twice what its chords do at the point between its ends (the inscribed angle);
+    where that is nothing they are all there is.
+    """
+    places = np.vstack([start, positions])
+    steps = np.linalg.norm(np.diff(places, axis=0), axis=1)
+    end = np.flatnonzero(kinds == Kind.END)
+    one, two = places[end] - places[end - 1], places[end + 1] - places[end]
+    sine, cosine = np.linalg.norm(cross(one, two), axis=1), (one * two).sum(axis=1)
+    half, chord = np.arctan2(sine, cosine), np.linalg.norm(one + two, axis=1)
+    longest = np.maximum(steps[end - 1], steps[end])
+    bent = sine > STRAIGHT * longest**2
+    around = chord * half / np.sin(np.where(bent, half, 1.0))
+    steps[end] = np.where(bent, around, steps[end - 1] + steps[end])
+    steps[end - 1] = 0.0
     return np.asarray(steps)
 
 

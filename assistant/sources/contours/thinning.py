@@ -230,8 +230,12 @@ def between(piece: Piece, start: Vector, end: Vector) -> list[Piece]:
                 *between(replace(piece, via=one, end=half), start, half),
                 *between(replace(piece, start=half, via=two), half, end),
             ]
-        shift = 0.5 * (np.subtract(start, piece.start) + np.subtract(end, piece.end))
-        via = vector(np.asarray(piece.via) + shift)
+        (x, y, z), one, two = piece.via, piece.start, piece.end
+        via = (
+            x + 0.5 * (start[0] - one[0] + end[0] - two[0]),
+            y + 0.5 * (start[1] - one[1] + end[1] - two[1]),
+            z + 0.5 * (start[2] - one[2] + end[2] - two[2]),
+        )
         moved = Arc.through(start, via, end, piece.layer, piece.handle)
         if moved is not None:
             return [moved]

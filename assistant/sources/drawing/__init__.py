@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path as FilePath
 
 from assistant.program.diagnostics import Refused, has_errors
+from assistant.program.without_gc import uncollected
 from assistant.sources.drawing.assembly import assemble
 from assistant.sources.drawing.contents import Contents, read_contents
 from assistant.sources.process import Process
@@ -13,6 +14,7 @@ from assistant.sources.reading import Reading
 __all__ = ["Contents", "read", "read_contents"]
 
 
+@uncollected()
 def read(path: FilePath, process: Process) -> Reading:
     """The pseudo-program of a drawing.
 

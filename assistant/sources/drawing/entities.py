@@ -8,11 +8,11 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any, Final, cast
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from assistant.program.arrays import Floats
 from assistant.sources.drawing.primitives import Conic, Degenerate, Primitive, Spline, Straight
-from assistant.sources.drawing.transforms import cross, ocs_axes, ocs_matrix
+from assistant.sources.drawing.transforms import cross, direction, ocs_axes, ocs_matrix, point
 
 if TYPE_CHECKING:
     from ezdxf.entities.dxfgfx import DXFGraphic
@@ -132,39 +132,48 @@ def _flat(
 ) -> list[Primitive]:
     """A polyline in its own plane: straight pieces, and arcs where there is a bulge."""
     matrix = ocs_matrix(_xyz(extrusion))
-    if not np.isfinite([*itertools.chain(*corners), elevation]).all():
+    rows = np.array(corners, dtype=np.float64).reshape(-1, 3)
+    if not (np.isfinite(rows).all() and math.isfinite(elevation)):
         raise ValueError("a vertex is not finite")
-    ends = list(itertools.pairwise(corners))
-    if closed and len(corners) > 1:
-        ends.append((corners[-1], corners[0]))
-    pieces: list[Primitive] = []
-    for (x, y, bulge), (x2, y2, _) in ends:
-        start, end = np.array([x, y, elevation]), np.array([x2, y2, elevation])
-        if (start == end).all():
-            continue  # doubled vertices are usual, and nothing is lost with them
-        piece = _bulged(start, end, bulge) if bulge else Straight(start, end)
-        pieces.append(piece.moved(matrix))
+    follows = np.roll(rows, -1, axis=0)
+    if not (closed and len(rows) > 1):
+        rows, follows = rows[:-1], follows[:-1]
+    kept = (rows[:, :2] != follows[:, :2]).any(axis=1)  # doubled vertices are usual
+    rows, follows, height = rows[kept], follows[kept], np.full(int(kept.sum()), elevation)
+    start, end = (np.column_stack([one[:, :2], height]) for one in (rows, follows))
+    bent, centre, u, v, sweep = _bulged(start, end, rows[:, 2])
+    start, end, centre = (point(matrix, one) for one in (start, end, centre))
+    u, v = direction(matrix, u), direction(matrix, v)
+    pieces: list[Primitive] = [
+        Conic(centre[i], u[i], v[i], turn) if round_ else Straight(start[i], end[i])
+        for i, (round_, turn) in enumerate(zip(bent.tolist(), sweep.tolist(), strict=True))
+    ]
     return _some(pieces)
 
 
-def _bulged(start: Floats, end: Floats, bulge: float) -> Primitive:
-    """The arc of a bulge, the tangent of a quarter of its angle, positive to the left.
+def _bulged(
+    start: Floats, end: Floats, bulges: Floats
+) -> tuple[NDArray[np.bool_], Floats, Floats, Floats, Floats]:
+    """Which of n pieces are arcs; their centres, conjugate radii (n, 3) and sweeps in radians.
 
-    With the chord d from start to end the centre is (1 - b²) / 4b · d turned left from the
-    middle of the chord.
+    A bulge is the tangent of a quarter of an arc's angle, positive to the left. With the chord d
+    from start to end the centre is (1 - b²) / 4b · d turned left from the middle of the chord.
     """
-    if abs(bulge) > LARGEST_BULGE:
-        raise ValueError(f"the bulge {bulge:g} is a full circle through one point")
+    largest = float(np.abs(bulges).max(initial=0.0))
+    if largest > LARGEST_BULGE:
+        raise ValueError(f"the bulge {largest:g} is a full circle through one point")
     chord = end - start
-    left = np.array([-chord[1], chord[0], 0.0])
-    centre = (start + end) / 2.0 + left * (1.0 - bulge * bulge) / (4.0 * bulge)
+    sweep = 4.0 * np.arctan(np.abs(bulges))
+    bent = sweep * np.linalg.norm(chord, axis=1) >= FLATTEST
+    b = np.where(bent, bulges, 1.0)
+    centre = (start + end) / 2.0 + _left(chord) * ((1.0 - b * b) / (4.0 * b))[:, None]
     u = start - centre
-    side = math.copysign(1.0, bulge)
-    v = np.array([-u[1], u[0], 0.0]) * side
-    sweep = 4.0 * math.atan(abs(bulge))
-    if sweep * float(np.linalg.norm(chord)) < FLATTEST:
-        return Straight(start, end)
-    return Conic(centre, u, v, sweep)
+    return bent, centre, u, _left(u) * np.sign(b)[:, None], sweep
+
+
+def _left(v: Floats) -> Floats:
+    """Vectors (n, 3) turned to the left about z by a quarter."""
+    return np.column_stack([-v[:, 1], v[:, 0], np.zeros(len(v))])
 
 
 LARGEST_BULGE: Final = 1e6

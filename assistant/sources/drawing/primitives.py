@@ -15,8 +15,17 @@ from typing import Final
 import numpy as np
 
 from assistant.program.arrays import Floats
-from assistant.sources.contours.curves import Arc, Curve, FreeCurve, Line, Points, vector
-from assistant.sources.drawing.transforms import cross, direction, point
+from assistant.sources.contours.curves import (
+    Arc,
+    Curve,
+    FreeCurve,
+    Line,
+    Points,
+    cross_product,
+    dot_product,
+    vector,
+)
+from assistant.sources.drawing.transforms import direction, point
 
 ROUND: Final = 1e-9
 """Relative difference of two conjugate radii, and cosine between them, of a circle."""
@@ -69,24 +78,23 @@ class Conic:
         return self.sweep == math.tau
 
     def moved(self, matrix: Floats) -> Conic:
-        return replace(
-            self,
-            centre=point(matrix, self.centre),
-            u=direction(matrix, self.u),
-            v=direction(matrix, self.v),
-        )
+        u, v = direction(matrix, np.stack([self.u, self.v]))
+        return Conic(point(matrix, self.centre), u, v, self.sweep)
 
     def curve(self, layer: str, handle: str) -> Curve:
         check_places(self.centre, self.u, self.v)
-        sizes = float(np.linalg.norm(self.u)), float(np.linalg.norm(self.v))
-        normal = cross(self.u, self.v)
-        flat = float(np.linalg.norm(normal)) <= ROUND * max(sizes) ** 2
+        # Plain numbers: a drawing may have thousands of these, of three numbers each.
+        centre, u, v = vector(self.centre), vector(self.u), vector(self.v)
+        normal = cross_product(u, v)
+        sizes = math.hypot(*u), math.hypot(*v)
+        flat = math.hypot(*normal) <= ROUND * max(sizes) ** 2
         if flat or self.sweep * max(sizes) <= SHORTEST:
             raise Degenerate("without length or area")
         even = abs(sizes[0] - sizes[1]) <= ROUND * max(sizes)
-        if even and abs(float(self.u @ self.v)) <= ROUND * max(sizes) ** 2:
+        if even and abs(dot_product(u, v)) <= ROUND * max(sizes) ** 2:
             sweep = 360.0 if self.whole else math.degrees(self.sweep)
-            return Arc.about(self.centre, normal, self.centre + self.u, sweep, layer, handle)
+            start = (centre[0] + u[0], centre[1] + u[1], centre[2] + u[2])
+            return Arc.about(centre, normal, start, sweep, layer, handle)
         return FreeCurve(self._evaluate, self.whole, layer, handle)
 
     def _evaluate(self, parameters: Floats) -> Points:
@@ -170,6 +178,5 @@ Primitive = Straight | Conic | Spline
 
 def check_places(*places: Floats) -> None:
     """Raises ValueError for a coordinate that is not finite, or is no place for a robot."""
-    for place in places:
-        if not (np.abs(place) < FARTHEST).all():  # NaN fails as well
-            raise ValueError(f"a coordinate is not finite or beyond {FARTHEST:g} mm")
+    if not (np.abs(np.concatenate(places)) < FARTHEST).all():  # NaN fails as well
+        raise ValueError(f"a coordinate is not finite or beyond {FARTHEST:g} mm")
