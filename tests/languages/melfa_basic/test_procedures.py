@@ -313,3 +313,15 @@ def test_a_tool_or_frame_that_changes_is_declared_all_the_same(line: str) -> Non
     found = languages.get("melfa-basic-5").adapt(program(line)).findings
     (told,) = [f for f in found if f.severity is Severity.ERROR]
     assert told.code == "MB209"
+
+
+def test_the_steps_of_a_long_condition_are_not_divided_again() -> None:
+    language = languages.get("melfa-basic-6")
+    asked = " AND ".join(f"(Abs(n-{k}.5)>=2.25 OR Abs(m*{k})<n+{k})" for k in range(12))
+    for length in range(40):
+        more = f"m={'7' * (length % 7 + 1)}{'+n' * (length // 7)}"
+        whole = program(f"b:={asked} AND (n<m+0.75 OR {more});", "", NUMBERS + " VAR bool b;\n")
+        adapted = language.adapt(whole).program
+        body = adapted.procedures[0].body
+        assert len(body) > 1
+        assert language.adapt(adapted).program.procedures[0].body == body, length

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Final, Literal, Protocol
 
 from assistant.languages.melfa_basic.lower.expressions import Expressions, Unsayable
 from assistant.languages.melfa_basic.lower.names import naming
@@ -41,15 +41,17 @@ def with_short_conditions(
     taken.update((*program.joint_targets, *program.tools, *program.frames))
     for q in program.procedures:
         taken.update((q.name, *q.variables, *(one.name for one in q.parameters)))
-    most = dialect.line - len(f"{LAST_STEP} ") - ROOM
+    most = dialect.line - len(f"{LAST_STEP} ")
 
-    def fits(value: e.Expression) -> bool:
+    def fits(value: e.Expression, target: e.Name | None = None, /) -> bool:
         try:
-            condition = said.of(value)
+            step: s.Statement = s.If(said.of(value), None)
+            room = ROOM
+            if target is not None:
+                step, room = s.Assign(said.place(target), said.of(value)), 0
         except Unsayable:
             return True  # which is told where it is written
-        text = printer.line(s.Line(statement=s.If(condition, None)), dialect.upper)
-        return len(text.encode()) <= most
+        return len(printer.line(s.Line(statement=step), dialect.upper).encode()) + room <= most
 
     procedures = []
     for procedure in program.procedures:
@@ -67,12 +69,18 @@ def _may_be_long(node: p.Statement) -> bool:
     return False
 
 
-class _Shortening:
-    """One procedure. fits: whether a step holds a condition. taken: names, with those made here."""
+class Fits(Protocol):
+    """Whether a step holds a condition that is asked, or assigned to a variable."""
 
-    def __init__(
-        self, owner: Procedure, fits: Callable[[e.Expression], bool], taken: TakenNames
-    ) -> None:
+    def __call__(self, value: e.Expression, target: e.Name | None = None, /) -> bool: ...
+
+
+class _Shortening:
+    """One procedure. fits: whether a step holds a condition, or that it is assigned to a variable.
+    taken: names, with those made here.
+    """
+
+    def __init__(self, owner: Procedure, fits: Fits, taken: TakenNames) -> None:
         self.owner, self.fits, self.taken = owner, fits, taken
         self.new: dict[str, Variable] = {}
 
@@ -92,6 +100,8 @@ class _Shortening:
                     if asked is not None:
                         branches = (replace(first, condition=asked), *others)
                         inner = replace(inner, branches=branches)
+                case p.Assign(e.Name() as target, value) if self.fits(value, target):
+                    pass
                 case p.Return(e.Binary() as value) | p.Assign(_, e.Binary() as value):
                     asked = self.asked(value, inner, made)
                     inner = inner if asked is None else replace(inner, value=asked)
