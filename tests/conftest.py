@@ -9,8 +9,12 @@ find becomes a case of its own.
 
 from __future__ import annotations
 
+import faulthandler
 import signal
 from collections.abc import Callable, Iterator
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, Final, TextIO
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -27,14 +31,48 @@ settings.register_profile("same", settings.get_profile("fresh"), derandomize=Tru
 settings.load_profile("same")
 
 
+@pytest.hookimpl(trylast=True)  # after pytest's own use of `faulthandler`
 def pytest_configure(config: pytest.Config) -> None:
-    """Keeps the constants in our own modules out of the draws that are the same everywhere.
+    """Keeps the constants in our own modules out of the draws that are the same everywhere, and has
+    a worker that crashes write where.
 
     hypothesis collects them from the modules that are loaded, and which ones are depends on the
     tests that ran before in the same process.
     """
     if settings.default is not None and settings.default.derandomize:
         HypothesisProvider._local_constants = Constants()
+    given = getattr(config, "workerinput", {})
+    if CRASHES in given:
+        config.stash[CRASH] = file = (Path(given[CRASHES]) / given["workerid"]).open("w")
+        faulthandler.enable(file)
+
+
+CRASHES: Final = "crashes"
+CRASH: Final = pytest.StashKey[TextIO]()
+"""The file that a worker writes into if it crashes, open as long as it runs."""
+
+
+MOST: Final = 60
+"""Lines of it that are shown."""
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_configure_node(node: Any) -> None:
+    """Tells a worker where to write if it crashes."""
+    if not hasattr(node.config, CRASHES):
+        node.config.crashes = TemporaryDirectory(prefix="crashes-")
+        node.config.add_cleanup(node.config.crashes.cleanup)
+    node.workerinput[CRASHES] = node.config.crashes.name
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_handlecrashitem(report: pytest.TestReport) -> None:
+    """Tells what ended a worker: the threads of a fault, or only the number of a signal."""
+    node: Any = getattr(report, "node")  # noqa: B009 - set by xdist
+    threads = (Path(node.workerinput[CRASHES]) / node.gateway.id).read_text("utf-8", "replace")
+    own = [line for line in threads.splitlines() if "/_pytest/" not in line]
+    status = node.gateway._io.popen.wait(60)
+    report.longrepr = "\n".join((str(report.longrepr), f"it ended with {status}", *own[:MOST]))
 
 
 # A job in the background of a script has Ctrl+C ignored, and so would have the servers that
