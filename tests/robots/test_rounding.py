@@ -172,12 +172,14 @@ def refused(arm, count: int, *, whole: bool) -> None:
     if not whole:
         return
     findings = solve_program(arm, p, q, configurations).findings
-    told = 0
+    told: dict[str, int] = {}
     for finding in findings:
         assert finding.code in ("RB102", "RB103", "RB107", "RB108", "RB127")
         counted = re.search(r"(\d+) of \d+ targets", finding.where())
-        told += int(counted[1]) if counted else 1
-    assert told == len(p)
+        told[finding.code] = told.get(finding.code, 0) + (int(counted[1]) if counted else 1)
+    # What is at a limit by rounding may have other quadrants than are stated, too.
+    at_limit = told.pop("RB127", 0)
+    assert sum(told.values()) <= len(p) <= sum(told.values()) + at_limit
 
 
 @pytest.mark.parametrize("kind", KINDS)
