@@ -13,10 +13,11 @@ from assistant.cli.presentation import Format
 
 
 class Held(StrEnum):
-    """How a tool is held in a box."""
+    """How a tool is held: in a box, or free, so that only its place is learnt."""
 
     DOWN = "down"
     FORWARD = "forward"
+    FREE = "free"
 
 
 def learn(
@@ -47,7 +48,13 @@ def learn(
             metavar="X,Y,Z", help="Targets in a box of the base, mm, each of them LOW:HIGH."
         ),
     ] = None,
-    tool: Annotated[Held | None, typer.Option(help="How the tool is held in the box.")] = None,
+    tool: Annotated[
+        Held | None,
+        typer.Option(
+            help="How the tool is held in the box; free: only its place is learnt, and the "
+            "posture nearest to the middle of the ranges."
+        ),
+    ] = None,
     turn: Annotated[
         str, typer.Option(metavar="LOW:HIGH", help="Degrees of the held tool about its axis.")
     ] = "0:0",

@@ -36,6 +36,8 @@ FEW_CAMERAS: Final = error(
 BAD_TURN: Final = error(
     "CL528", "`{given}` is no range of turns", "write LOW:HIGH in degrees, the lower first"
 )
+FREE: Final = "free"
+"""How a tool is held of which only the place counts."""
 SHORTEST: Final = 0.5
 LONGEST: Final = 2.0
 """Times the length of a link."""
@@ -88,9 +90,10 @@ def asked(options: Options) -> Asked:
         np.array(points) if points else None,
         dict(_named(text, _between, BAD_RANGE) for text in options.range),
         box,
-        cast("Held", options.tool),
+        cast("Held", "any" if options.tool == FREE else options.tool),
         (low, high),
         () if options.cameras is None else _cameras(options.cameras),
+        options.tool == FREE,
     )
 
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from assistant.learning.maps.experiments import MARKS, Experiment, over_box, over_ranges
-from assistant.learning.maps.extended_map import ExtendedMap, Task
+from assistant.learning.maps.extended_map import TOLD_BY, ExtendedMap, Task
 from assistant.learning.maps.goals import (
     InBox,
     InRanges,
@@ -19,7 +19,6 @@ from assistant.learning.maps.goals import (
 )
 from assistant.learning.maps.rules import BAD_HELD, NO_AXIS, OTHER_TASK, RULE_WITHOUT
 from assistant.learning.maps.seen_arm import seen_arm
-from assistant.learning.maps.training import TOLD_BY
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Refused
 from assistant.robots import Robot
@@ -31,7 +30,8 @@ class Asked:
     """held: joints that stay where they are, degrees. points: (k, 3) mm of the tool on the flange,
     None for as many of `MARKS` as tell the joints. ranges: of joints by name, instead of those
     about home. box: (3, 2) mm, None for wherever the joints bring the tool. cameras: none for a
-    pair that is put up.
+    pair that is put up. free: the orientation of the tool is free; of what the points do not tell,
+    the posture nearest to the middle of the ranges is learnt.
     """
 
     robot: Robot
@@ -42,6 +42,7 @@ class Asked:
     rule: Rule = "any"
     turn: tuple[float, float] = (0.0, 0.0)
     cameras: tuple[Camera, ...] = ()
+    free: bool = False
 
 
 def experiment_of(asked: Asked, net: ExtendedMap | None = None) -> Experiment:
@@ -56,9 +57,11 @@ def experiment_of(asked: Asked, net: ExtendedMap | None = None) -> Experiment:
             raise Refused(finding, exit_status=2)
     moves = tuple(name for name in robot.axes if name not in asked.held)
     rest = _rest(asked)
-    count = 1 if asked.box is not None and asked.rule == "any" else _points_for(len(moves))
+    alone = asked.free or (asked.box is not None and asked.rule == "any")
+    count = 1 if alone else _points_for(len(moves))
     points = np.array(MARKS[:count]) if asked.points is None else asked.points
     arm = seen_arm(robot, asked.cameras, points.tolist(), moves, rest)
+    arm = replace(arm, free=asked.free)
     if asked.rule == "any" and any(asked.turn):
         raise Refused(RULE_WITHOUT(rule="by", what="its turn alone"), exit_status=2)
     if asked.rule != "any" and (asked.box is None or asked.held):

@@ -28,6 +28,8 @@ from assistant.program.arrays import Floats, Rows
 
 AT_RANDOM: Final = 0.1
 """Standard deviation of the numbers in A before anything is learnt, in spreads of both sides."""
+TOLD_BY: Final = {1: 3, 2: 5}
+"""How many joints so many seen points tell; three points tell six."""
 FLATTEST: Final = 0.15
 """Of the largest spread: along axes of less, pictures curve more than they tell."""
 
@@ -100,6 +102,16 @@ class Task:
     def seen(self) -> int:
         """Numbers of a picture."""
         return 2 * len(self.cameras) * self.points
+
+    @property
+    def told(self) -> int:
+        """How many joints the points tell, at most all that move."""
+        return min(TOLD_BY.get(self.points, 6), len(self.axes))
+
+    @property
+    def free(self) -> bool:
+        """True if the points leave joints open: the posture nearest to the middle is learnt."""
+        return self.told < len(self.axes)
 
 
 @dataclass(slots=True, eq=False)

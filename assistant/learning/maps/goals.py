@@ -55,7 +55,7 @@ class InRanges:
     def draw(self, arm: SeenArm, count: int, draw: np.random.Generator) -> Goals:
         joints = _between(draw, self.ranges, count)
         points, turns = arm.tool(joints)
-        return Goals(arm.seen(points), points, turns)
+        return Goals(arm.seen(points), points, None if arm.free else turns)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

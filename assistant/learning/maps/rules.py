@@ -49,8 +49,8 @@ BAD_RANGE: Final = error(
 FEW_POINTS: Final = error(
     "LN009",
     "what is seen of the tool, {points}, does not tell {needed} joints",
-    "name points apart from each other and aside of the last axis: one tells 3, two tell 5, three "
-    "tell 6 joints",
+    "name points apart from each other and aside of the last axis (one tells 3, two tell 5, three "
+    "tell 6 joints), or add `--tool free` to learn only the place, without its orientation",
 )
 BAD_LATTICE: Final = error(
     "LN010",

@@ -30,7 +30,8 @@ class SeenArm:
 
     robot: in whose base the cameras stand. moves: names of the joints that move; the others stay at
     `rest`, (robot's a,), by default its home. points: (k, 3) mm of the tool in the frame of the
-    flange. noise: pixels, one sigma, drawn by `seed`.
+    flange. noise: pixels, one sigma, drawn by `seed`. free: the orientation of the tool is free, so
+    that fewer points than the joints need are enough: only their places are learnt.
     """
 
     robot: Robot
@@ -40,6 +41,7 @@ class SeenArm:
     rest: Floats
     noise: float = 0.0
     seed: int = 0
+    free: bool = False
     _draw: np.random.Generator = field(init=False, repr=False)
 
     def __post_init__(self) -> None:

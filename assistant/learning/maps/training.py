@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from assistant.learning.maps.cooling import Cooling, learning
-from assistant.learning.maps.extended_map import ExtendedMap, begun
+from assistant.learning.maps.extended_map import TOLD_BY, ExtendedMap, begun
 from assistant.learning.maps.goals import Goals, Space
 from assistant.learning.maps.rules import BAD_LATTICE, FEW_POINTS, UNSEEN
 from assistant.learning.maps.seen_arm import SeenArm
@@ -46,8 +46,9 @@ LATTICES: Final[dict[int, tuple[int, ...]]] = {
 """By how many numbers a target is told. That of three is the one of the published experiment."""
 MARKS: Final = (300, 1_000, 3_000, 6_000, 10_000, 20_000, 30_000, 40_000)
 """Steps at which errors are measured."""
-TOLD_BY: Final = {1: 3, 2: 5}
-"""How many joints so many seen points tell; three points tell six."""
+BABBLE: Final = 0.3
+"""Of half the range of a joint, one sigma, times the width of learning, by which a free arm tries
+other movements: they tell which of its joints move what is seen."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,8 +109,9 @@ def _check_told(arm: SeenArm, ranges: Floats) -> None:
     count, needed = len(arm.points), len(arm.moves)
     joints = np.random.default_rng(0).uniform(ranges[:, 0], ranges[:, 1], (SLOPES, needed))
     slopes = slope_of(arm, joints)
-    least = np.linalg.svd(slopes, compute_uv=False)[:, needed - 1 : needed]
-    if needed > TOLD_BY.get(count, 6) or float(np.median(least)) < LEAST_MOVED:
+    told = arm.task.told if arm.free else needed
+    least = np.linalg.svd(slopes, compute_uv=False)[:, told - 1 : told]
+    if told > TOLD_BY.get(count, 6) or float(np.median(least)) < LEAST_MOVED:
         points = f"{count} point" if count == 1 else f"{count} points"
         raise Refused(FEW_POINTS(points=points, needed=needed), exit_status=2)
 
@@ -131,11 +133,17 @@ def train(
     if not len(there):
         raise Refused(UNSEEN(seen=0, total=len(targets)), exit_status=1)
     done, spent = 0, 0.0
+    draw = np.random.default_rng(plan.seed + 6)
     while done < plan.steps:
         began = time.perf_counter()
         rows = np.arange(done, min(done + plan.at_once, plan.steps)) % len(there)
         pace, before = plan.cooling.at(done), net.steps
-        learn(net, there[rows], tried(net, arm, there[rows]), pace)
+        more = (
+            draw.normal(0.0, BABBLE * pace.answer_width, (len(rows), net.axes))
+            if net.task.free
+            else 0.0
+        )
+        learn(net, there[rows], tried(net, arm, there[rows], more), pace)
         done += len(rows)
         spent += time.perf_counter() - began
         if done == plan.steps or any(before < mark <= net.steps for mark in plan.marks):

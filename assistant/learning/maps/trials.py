@@ -31,10 +31,11 @@ class Trials:
     fine_seen: Floats
 
 
-def tried(net: ExtendedMap, arm: Arm, targets: Floats) -> Trials:
+def tried(net: ExtendedMap, arm: Arm, targets: Floats, more: Floats | float = 0.0) -> Trials:
     """Moves the arm to targets (m, d) pixels, each by a coarse and a fine movement.
 
-    Where the arm is out of sight after the coarse one it stays. Raises Refused for an arm that does
+    more: what fine movements go beside it, in angles of the map, for an arm that tries. Where the
+    arm is out of sight after the coarse one it stays. Raises Refused for an arm that does
     not answer pixels (m, d).
     """
     scale = net.scale
@@ -44,7 +45,7 @@ def tried(net: ExtendedMap, arm: Arm, targets: Floats) -> Trials:
     coarse = scale.joints(net.angles[winners] + times(slopes, wanted - net.places[winners]))
     coarse_seen = looked(arm, coarse, targets.shape[1])
     off = np.nan_to_num(wanted - scale.pictures(coarse_seen))
-    fine = scale.joints(scale.angles(coarse) + times(slopes, off))
+    fine = scale.joints(scale.angles(coarse) + times(slopes, off) + more)
     return Trials(winners, coarse, coarse_seen, fine, looked(arm, fine, targets.shape[1]))
 
 
@@ -61,6 +62,10 @@ def learn(net: ExtendedMap, targets: Floats, done: Trials, pace: Pace) -> None:
     turned = scale.angles(done.fine[there]) - scale.angles(done.coarse[there])
     better = np.empty((len(winners), net.answers.shape[1]))
     better[:, :axes] = net.angles[winners] + times(slopes, wanted - first)
+    if net.task.free:
+        better[:, :axes] += (
+            PULL * pace.answer_width * _beside(slopes, -net.angles[winners], net.task.told)
+        )
     size = np.einsum("md,md->m", moved, moved) + max((pace.noise * scale.pixel) ** 2, TINY)
     wrong = (turned - times(slopes, moved)) / size[:, None]
     right = slopes + wrong[:, :, None] * moved[:, None, :]
@@ -71,6 +76,22 @@ def learn(net: ExtendedMap, targets: Floats, done: Trials, pace: Pace) -> None:
     lately = np.where(np.isfinite(before), before + LATELY * (missed - before), missed)
     net.missed[winners] = lately
     np.add.at(net.wins, winners, 1.0)
+
+
+PULL: Final = 0.1
+"""Share of the way to its preferred posture, times the width of learning, that a free arm takes in
+each trial."""
+
+
+def _beside(slopes: Floats, angles: Floats, told: int) -> Floats:
+    """The part of angles (m, a) that moves nothing of what is seen.
+
+    slopes: (m, a, d), of which the `told` strongest directions count: where A is the pseudoinverse
+    of what moves the picture, these are all the movements that are seen.
+    """
+    strong = np.linalg.svd(slopes, full_matrices=False)[0][:, :, :told]
+    seen = np.einsum("mat,mt->ma", strong, np.einsum("mat,ma->mt", strong, angles))
+    return np.asarray(angles - seen)
 
 
 TINY: Final = 1e-12

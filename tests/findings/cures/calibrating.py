@@ -33,7 +33,10 @@ ALL: Final = {"m.csv": MEASURED}
 KNOWN: Final = Truth(ARM, zeros=np.full(6, 0.2), tool=placed((40.0, -25.0, 90.0)))
 TILTED: Final = table(drawn(ARM, 8, tilts=0.2), 60, 8)
 
+LEARN: Final = f"learn {ARM} --point 30,0,60 --steps 20 --lattice 2x2x2 -o map.npz"
+
 CASES: Final = (
+    Case("LN009", LEARN, {}, (f"{LEARN} --tool free",)),
     Case("LN103", CALIBRATE, rows(7), (f"{CALIBRATE} --estimate zeros",), slow=True),
     Case(
         "LN112",

@@ -8,11 +8,26 @@ import numpy as np
 import pytest
 
 from assistant import robots
-from assistant.learning.maps.experiments import MARKS, TIP, five_joints, over_box, three_joints
+from assistant.learning.maps.experiments import (
+    MARKS,
+    TIP,
+    five_joints,
+    over_box,
+    over_ranges,
+    three_joints,
+)
 from assistant.learning.maps.goals import InBox, checked_box, checked_ranges, ranges_about_home
 from assistant.learning.maps.rivals import Calibrated, errors_of, fitted, pictures_of
 from assistant.learning.maps.seen_arm import pair_for, seen_arm, with_length
-from assistant.learning.maps.training import Plan, start_with, train, trained, usual
+from assistant.learning.maps.training import (
+    Plan,
+    measured_goals,
+    start_with,
+    train,
+    trained,
+    usual,
+)
+from assistant.learning.maps.trials import tried
 from assistant.program import rotations
 from assistant.program.diagnostics import Refused
 
@@ -149,3 +164,48 @@ def test_targets_that_are_hidden_are_passed_over() -> None:
     train(net, made.arm, targets, Plan(100, usual(100).cooling))
     assert net.steps == 100
     assert np.isfinite(net.places).all()
+
+
+def test_one_point_in_two_cameras_moves_five_joints_of_a_free_arm() -> None:
+    """Four numbers: the place is reached, and of all postures one near the middle of the ranges."""
+    ranges = np.array([[-40.0, 40.0], [0.0, 40.0], [60.0, 100.0], [20.0, 60.0], [-30.0, 30.0]])
+    arm = replace(seen_arm(RV2AJ, (), [(30.0, 0.0, 60.0)]), free=True)
+    made = over_ranges(arm, ranges)
+    assert made.arm.task.seen == 4 and made.dimensions == 3
+    net = made.start(seed=1)
+    tests = measured_goals(made.arm, made.space, 1)
+    (*_, late) = trained(net, made.arm, made.space, usual(8000, seed=1), tests)
+    assert late.mm < 4.0 and np.isnan(late.degrees)
+    joints = tried(net, made.arm, tests.pixels).fine
+    middle, half = ranges.mean(axis=1), np.ptp(ranges, axis=1) / 2.0
+    nearest = np.tile(middle, (len(joints), 1))
+    for _ in range(40):  # the least squares of postures that hold the point, step by step
+        here, _ = made.arm.tool(nearest)
+        slopes = (
+            np.stack(
+                [
+                    (made.arm.tool(nearest + step)[0] - here)[:, 0] / 1e-3
+                    for step in 1e-3 * np.eye(5)
+                ],
+                axis=-1,
+            )
+            * half
+        )
+        inverse = np.linalg.pinv(slopes, rcond=1e-5)
+        now = (nearest - middle) / half
+        wanted = (tests.points - here)[:, 0] + np.einsum("mra,ma->mr", slopes, now)
+        new = np.einsum("mar,mr->ma", inverse, wanted)
+        nearest = middle + half * (now + 0.5 * (new - now))
+    inside = (np.abs(nearest - middle) < half).all(axis=1)
+    drawn = np.random.default_rng(0).uniform(*ranges.T, joints.shape)
+    off = np.sqrt(((joints - nearest)[inside] ** 2).mean())
+    assert inside.mean() > 0.8
+    assert off < 0.4 * np.sqrt(((drawn - nearest)[inside] ** 2).mean())
+
+
+def test_a_point_of_a_free_arm_must_tell_a_place() -> None:
+    arm = replace(seen_arm(RV2AJ, (), [TIP], ("J1",)), free=True)
+    made = over_ranges(arm, np.array([[-40.0, 40.0]]))
+    assert made.arm.task.told == 1 and not made.arm.task.free
+    still = replace(seen_arm(RV2AJ, (), [TIP], ("J5", "J6")), free=True)
+    assert code(over_ranges(still).start) == "LN009"
