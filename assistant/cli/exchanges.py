@@ -20,6 +20,25 @@ PrefixOption = Annotated[str, typer.Option(help="How the names of the files begi
 TimeoutOption = Annotated[
     float, typer.Option(help="Seconds for an answer without a motion.", min=0.1)
 ]
+PlainOption = Annotated[
+    bool, typer.Option("--plain", help="Plain text files, without numbers and checksums.")
+]
+FilesOption = Annotated[
+    str | None,
+    typer.Option(
+        "--files",
+        help="With --plain: names of the files from the PC, the one that is waited for first.",
+        metavar="POSITION,ORIENTATION,CONFIGURATION",
+    ),
+]
+AnswersOption = Annotated[
+    str | None,
+    typer.Option(
+        "--answers",
+        help="With --plain: names of the files from the robot.",
+        metavar="POSITION,ORIENTATION,CONFIGURATION",
+    ),
+]
 
 
 @exchange.command()
@@ -43,9 +62,12 @@ def module(
     longest: Annotated[
         float, typer.Option(help="Seconds without a request after which it ends.")
     ] = 240.0,
+    plain: PlainOption = False,
+    files: FilesOption = None,
+    answers: AnswersOption = None,
 ) -> None:
     """Write the robot's side: a module that waits for poses, goes there and answers."""
-    from assistant.cli.exchanging import run_module
+    from assistant.cli.exchanging import plain_files, run_module
 
     given = {
         "module": name,
@@ -56,7 +78,8 @@ def module(
         "folder": folder,
     }
     named = {key: value for key, value in given.items() if value is not None}
-    raise typer.Exit(run_module(output, named, prefix, longest, tip, mass, centre))
+    names = plain_files(plain, files, answers, {"--zone": zone is not None})
+    raise typer.Exit(run_module(output, named, prefix, longest, tip, mass, centre, names))
 
 
 @exchange.command()
@@ -64,12 +87,16 @@ def pose(
     cell: CellArgument,
     prefix: PrefixOption = "exchange",
     timeout: TimeoutOption = 10.0,
+    plain: PlainOption = False,
+    files: FilesOption = None,
+    answers: AnswersOption = None,
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Ask the program where the robot is. Nothing moves."""
-    from assistant.cli.exchanging import run_pose
+    from assistant.cli.exchanging import plain_files, run_pose
 
-    raise typer.Exit(run_pose(cell, prefix, timeout, format))
+    names = plain_files(plain, files, answers, {})
+    raise typer.Exit(run_pose(cell, prefix, timeout, names, format))
 
 
 @exchange.command()
@@ -88,13 +115,17 @@ def follow(
     prefix: PrefixOption = "exchange",
     timeout: TimeoutOption = 10.0,
     longest: Annotated[float, typer.Option(help="Seconds for one motion.", min=0.1)] = 240.0,
+    plain: PlainOption = False,
+    files: FilesOption = None,
+    answers: AnswersOption = None,
     yes: YesOption = False,
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Send poses one after the other; the arm goes to each. Asks before; Ctrl-C stops it."""
-    from assistant.cli.exchanging import Options, run_follow
+    from assistant.cli.exchanging import Options, plain_files, run_follow
 
-    options = Options(prefix, timeout, longest, through, record, plot, yes, format)
+    names = plain_files(plain, files, answers, {"--through": through})
+    options = Options(prefix, timeout, longest, through, record, plot, names, yes, format)
     raise typer.Exit(run_follow(cell, trajectory, options))
 
 

@@ -15,7 +15,14 @@ from assistant.cli.presentation import Format, console, print_findings, print_js
 from assistant.program.diagnostics import Refused, Severity, error, warning
 
 if TYPE_CHECKING:
-    from assistant.controllers.abb.exchange import Answer, PoseExchange
+    from assistant.controllers import Programs
+    from assistant.controllers.abb.exchange import (
+        Answer,
+        PlainExchange,
+        PlainFiles,
+        PoseExchange,
+        PoseSender,
+    )
     from assistant.program.geometry import Target
     from assistant.program.path import Path as Poses
     from assistant.program.statements import Motion
@@ -38,6 +45,12 @@ BROKEN_OFF: Final = warning(
 NOT_STOPPED: Final = error(
     "CL264", "{ended}", "press the emergency stop if the arm moves, and look at it"
 )
+NOT_PLAIN: Final = error(
+    "CL266", "a plain exchange has no `{option}`: {reason}", "leave one of both out"
+)
+ONLY_PLAIN: Final = error(
+    "CL267", "`{option}` names files of a plain exchange, and this is none", "add --plain"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,8 +63,56 @@ class Options:
     through: bool
     record: Path | None
     plot: Path | None
+    plain: PlainFiles | None
     yes: bool
     format: Format
+
+
+def plain_files(
+    plain: bool, files: str | None, answers: str | None, others: Mapping[str, bool]
+) -> PlainFiles | None:
+    """The names of a plain exchange, None for the numbered one.
+
+    others: options that the plain one does not have, and whether they are given.
+    """
+    from assistant.controllers.abb.exchange import PlainFiles
+
+    if not plain:
+        for option, given in (("--files", files), ("--answers", answers)):
+            if given is not None:
+                raise Refused(ONLY_PLAIN(option=option), exit_status=2)
+        return None
+    for option, is_given in others.items():
+        if is_given:
+            reason = "the robot stands still at each pose"
+            raise Refused(NOT_PLAIN(option=option, reason=reason), exit_status=2)
+    usual = PlainFiles()
+    return PlainFiles(
+        usual.sent if files is None else _three(files),
+        usual.answers if answers is None else _three(answers),
+    )
+
+
+def _three(given: str) -> tuple[str, str, str]:
+    names = [name.strip() for name in given.split(",")]
+    if len(names) != 3:
+        wanted = "three names: of position, orientation and configuration"
+        raise Refused(BAD_LIST(given=given, wanted=wanted), exit_status=2)
+    return names[0], names[1], names[2]
+
+
+def _sender(
+    programs: Programs,
+    prefix: str,
+    timeout: float,
+    longest: float,
+    plain: PlainFiles | None,
+) -> PoseExchange | PlainExchange:
+    from assistant.controllers.abb.exchange import PlainExchange, PoseExchange
+
+    if plain is None:
+        return PoseExchange(programs, prefix=prefix, timeout=timeout, longest=longest)
+    return PlainExchange(programs, files=plain, prefix=prefix, timeout=timeout, longest=longest)
 
 
 def run_module(
@@ -62,6 +123,7 @@ def run_module(
     tip: str | None,
     mass: float,
     centre: str,
+    plain: PlainFiles | None,
 ) -> int:
     """Prints the module, looks through it as `check` does, and writes it."""
     from assistant import languages
@@ -84,6 +146,7 @@ def run_module(
         prefix=prefix,
         longest=longest,
         tool_data=tool,
+        plain=plain,
     ).text()
     language = languages.get(LANGUAGE)
     tree = language.parse(text)
@@ -101,12 +164,13 @@ def run_module(
     return 0
 
 
-def run_pose(cell: str, prefix: str, timeout: float, format: Format) -> int:
-    from assistant.controllers.abb.exchange import PoseExchange
-
+def run_pose(
+    cell: str, prefix: str, timeout: float, plain: PlainFiles | None, format: Format
+) -> int:
     with reached(cell, "exchange pose") as there:
-        answer = PoseExchange(there.session, prefix=prefix, timeout=timeout).current_pose()
-    _warn(answer.checked, str(there.one.address))
+        exchange = _sender(there.session, prefix, timeout, timeout, plain)
+        answer = exchange.current_pose()
+    _warn(answer.checked if plain is None else None, str(there.one.address))
     if format is Format.JSON:
         print_json({"address": str(there.one.address), **_record(answer)})
     else:
@@ -139,7 +203,6 @@ def run_stop(cell: str, prefix: str, timeout: float, format: Format) -> int:
 
 
 def run_follow(cell: str, trajectory: Path, options: Options) -> int:
-    from assistant.controllers.abb.exchange import PoseExchange
     from assistant.report import figures
 
     if options.plot is not None:
@@ -151,11 +214,8 @@ def run_follow(cell: str, trajectory: Path, options: Options) -> int:
         confirmed(
             there.one, f"moves the arm {how} {len(path)} poses of `{trajectory}`", options.yes
         )
-        exchange = PoseExchange(
-            there.session,
-            prefix=options.prefix,
-            timeout=options.timeout,
-            longest=options.longest,
+        exchange = _sender(
+            there.session, options.prefix, options.timeout, options.longest, options.plain
         )
         try:
             with _told(str(there.one.address), exchange), exchange, _bar(len(path)) as advance:
@@ -173,13 +233,13 @@ def run_follow(cell: str, trajectory: Path, options: Options) -> int:
 
 
 @contextmanager
-def _told(place: str, exchange: PoseExchange) -> Iterator[None]:
+def _told(place: str, exchange: PoseSender) -> Iterator[None]:
     """Says in which state the robot is if the exchange ends otherwise than it should."""
     try:
         yield
     except BaseException:
         if exchange.ended:
-            rule = NOT_STOPPED if exchange.stopped is None else BROKEN_OFF
+            rule = BROKEN_OFF if exchange.stands else NOT_STOPPED
             print_findings([rule(place=place, ended=exchange.ended)])
         raise
 
@@ -258,7 +318,7 @@ def _configurations(path: Poses) -> list[tuple[int, int, int, int]] | None:
     return [(one, four, six, x) for one, four, six, x in rows]
 
 
-def _keep(exchange: PoseExchange, options: Options, name: str) -> None:
+def _keep(exchange: PoseSender, options: Options, name: str) -> None:
     """Writes what was answered, also of an exchange that was broken off."""
     if not len(exchange.recording):
         return
@@ -281,9 +341,11 @@ def _keep(exchange: PoseExchange, options: Options, name: str) -> None:
         say(f"wrote {options.plot}")
 
 
-def _tell(exchange: PoseExchange, place: str, options: Options) -> None:
+def _tell(exchange: PoseSender, place: str, options: Options) -> None:
     """How long the round trips took, and what of them was whose."""
-    parts = ("round_trip", "hand_over", "waiting", "fetching", "motion")
+    parts = ["round_trip", "hand_over", "waiting", "fetching"]
+    if options.plain is None:  # whose files do not tell how long a motion took
+        parts.append("motion")
     taken = {part: float(exchange.recording.column(part)[1:].mean()) for part in parts}
     count = len(exchange.recording) - 1
     if options.format is Format.JSON:
@@ -291,9 +353,12 @@ def _tell(exchange: PoseExchange, place: str, options: Options) -> None:
         return
     say(f"{count} poses; each took {taken['round_trip']:.3f} s on average:")
     say(f"  {taken['hand_over']:.3f} s until the request was there")
-    say(f"  {taken['motion']:.3f} s for the motion, as the controller measured")
-    looking = max(0.0, taken["waiting"] - taken["motion"])
-    say(f"  {looking:.3f} s until both sides had looked for a file")
+    if options.plain is None:
+        say(f"  {taken['motion']:.3f} s for the motion, as the controller measured")
+        looking = max(0.0, taken["waiting"] - taken["motion"])
+        say(f"  {looking:.3f} s until both sides had looked for a file")
+    else:
+        say(f"  {taken['waiting']:.3f} s for the motion, and until both sides had looked for files")
     say(f"  {taken['fetching']:.3f} s to fetch the answer")
 
 

@@ -14,7 +14,8 @@ import pytest
 
 from assistant import languages
 from assistant.cli import main
-from tests.controllers.abb.exchanging import RunningRobot
+from assistant.virtual.irc5 import VirtualIrc5
+from tests.controllers.abb.exchanging import PlainRobot, RunningRobot
 
 
 def run(capsys, *arguments):
@@ -178,3 +179,62 @@ def test_an_interrupt_stops_the_robot_and_says_so(tmp_path):
         assert "CL263" in err and "stands still" in err and "Traceback" not in err
         assert robot.ended() == ("end", "")
         assert record.exists()
+
+
+@pytest.fixture
+def plain(tmp_path, monkeypatch):
+    with VirtualIrc5(tmp_path / "home", rws=None, rwss=None) as controller:
+        monkeypatch.setenv("ROBOT_ASSISTANT_PASSWORD", controller.password)
+        with PlainRobot(controller.folder):
+            yield controller.address
+
+
+def test_poses_go_by_plain_files(capsys, plain, tmp_path):
+    address = plain
+    status, out, _ = run(capsys, "exchange", "pose", address, "--plain")
+    assert status == 0 and out.startswith("x 420.00  y 60.00  z 400.00 mm")
+    table, record = poses(tmp_path / "way.npy"), tmp_path / "way.csv"
+    given = [address, table, "--plain"]
+    status, _, err = run(capsys, "exchange", "follow", *given)
+    assert status == 2 and "CL203" in err
+    status, out, err = run(capsys, "exchange", "follow", *given, "--record", record, "--yes")
+    assert status == 0, err
+    assert re.search(r"4 poses; each took [0-9.]+ s on average", out) and "nan" not in out
+    with record.open() as file:
+        rows = list(csv.DictReader(file))
+    assert [round(float(row["position.z"])) for row in rows] == [400, 395, 390, 385, 380]
+    status, out, err = run(capsys, "exchange", "follow", *given, "--yes", "--format", "json")
+    assert status == 0 and json.loads(out)["poses"] == 4
+
+
+def test_the_plain_module_has_the_names_that_are_given(capsys, tmp_path):
+    file = tmp_path / "px.mod"
+    given = ["--plain", "--files", "a.txt, b.txt,c.txt", "--answers", "d,e,f", "-o", file]
+    status, _, err = run(capsys, "exchange", "module", *given, "--folder", "HOME:/poses")
+    assert status == 0, err
+    text = file.read_text("ascii")
+    assert 'string1:="HOME:/poses/a.txt";' in text and 'string6:="HOME:/poses/d";' in text
+    assert "\\MaxTime:=240;" in text
+
+
+@pytest.mark.parametrize(
+    ("given", "code", "status"),
+    [
+        (["--files", "a,b,c"], "CL267", 2),
+        (["--answers", "a,b,c"], "CL267", 2),
+        (["--plain", "--files", "a,b"], "CL261", 2),
+        (["--plain", "--zone", "z10"], "CL266", 2),
+        (["--plain", "--files", "a,b,a"], "CN515", 1),
+        (["--plain", "--files", "main.mod,b,c"], "CN515", 1),
+        (["--plain", "--tool", "posnow"], "CN515", 1),
+    ],
+)
+def test_what_a_plain_exchange_does_not_have_is_a_finding(capsys, tmp_path, given, code, status):
+    file = tmp_path / "px.mod"
+    found, _, err = run(capsys, "exchange", "module", "-o", file, *given)
+    assert found == status and code in err and "Traceback" not in err
+    assert not file.exists()
+    if code == "CL266":
+        follow = ["ftp://user@127.0.0.1:1", poses(tmp_path / "way.npy"), "--plain", "--through"]
+        found, _, err = run(capsys, "exchange", "follow", *follow, "--yes")
+        assert found == status and code in err

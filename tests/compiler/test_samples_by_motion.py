@@ -60,7 +60,7 @@ def test_a_sample_that_cannot_be_run_by_itself_is_said(name: str) -> None:
     assert NOT_RUN[name] in why
 
 
-UNSAID = {"rapid/pose_exchange.mod", "rapid/guided.mod"}
+UNSAID = {"rapid/pose_exchange.mod", "rapid/plain_exchange.mod", "rapid/guided.mod"}
 """MELFA-BASIC has no such files, and no EGM."""
 
 

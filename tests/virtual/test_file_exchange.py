@@ -14,14 +14,13 @@ import pytest
 
 from assistant import languages, robots
 from assistant.program import rotations
-from assistant.virtual.events import Moved, Run
+from assistant.virtual.events import Run
 from assistant.virtual.irc5 import VirtualIrc5
 from assistant.virtual.motion import Timed
 from assistant.virtual.rapid import TaskProgram, run_tasks
 from assistant.virtual.rapid.controller import Controller
 from assistant.virtual.rapid.disk import Disk
 
-DATA = Path(__file__).parent / "data"
 SAMPLES = Path(__file__).parents[2] / "samples" / "rapid"
 POSES = 35
 TRIES = 5000
@@ -103,39 +102,6 @@ def controller(tmp_path: Path):
         yield served
 
 
-def test_35_poses_are_sent_and_each_is_answered_with_where_the_robot_is(controller) -> None:
-    answers: list[Rows] = []
-    wanted: list[Rows] = []
-
-    def pc() -> None:
-        client = Client(
-            controller,
-            ("orientation.txt", "configuration.txt", "position.txt"),
-            ("selfposition.txt", "selforientation.txt", "selfconfiguration.txt"),
-        )
-        place, turn, configuration = client.received(3)
-        for position, quaternion in targets(place, turn, -1.0):
-            client.send((quaternion, configuration, position))
-            wanted.append([position, quaternion, configuration])
-            answers.append(client.received(3))
-        client.ftp.quit()
-
-    with ThreadPoolExecutor(1) as pool:
-        done = pool.submit(pc)
-        run = exchanged(controller, DATA / "file_exchange.mod")
-        assert (run.ended, run.message) == ("end", "")
-        done.result()
-    assert len(answers) == POSES
-    for asked, told in zip(wanted, answers, strict=True):
-        assert told[0] == pytest.approx(asked[0], abs=0.001)
-        assert rotations.angle_between(told[1], asked[1]) < 0.001
-        assert told[2] == asked[2]
-    moves = [event for event in run.events if isinstance(event, Moved)]
-    assert [move.kind for move in moves] == ["joint", *("linear",) * POSES]
-    assert {move.speed for move in moves[1:]} == {150.0}
-    assert list(controller.folder.iterdir()) == []
-
-
 def test_the_sample_that_exchanges_poses_runs_with_a_client(controller) -> None:
     """Without a configuration, and with both parts of its answer in one file.
 
@@ -165,7 +131,7 @@ def test_the_sample_that_exchanges_poses_runs_with_a_client(controller) -> None:
 
 def test_a_program_that_nobody_sends_a_pose_gives_up(controller) -> None:
     """In the longest time that it waits, of which real time takes as long."""
-    text = (DATA / "file_exchange.mod").read_text(encoding="utf-8").replace("240", "0.05")
+    text = (SAMPLES / "pose_exchange.mod").read_text(encoding="utf-8").replace("240", "0.05")
     program = controller.folder.parent / "short.mod"
     program.write_text(text, encoding="utf-8")
     run = exchanged(controller, program)

@@ -4,7 +4,7 @@ import threading
 
 from assistant import languages, robots
 from assistant.controllers import connect
-from assistant.controllers.abb.exchange import Module, Tool
+from assistant.controllers.abb.exchange import Module, PlainFiles, Tool
 from assistant.virtual.irc5 import VirtualIrc5
 from assistant.virtual.motion import Timed
 from assistant.virtual.rapid import TaskProgram, run_tasks
@@ -71,6 +71,73 @@ class RunningRobot:
     def ended(self):
         """How its program ended."""
         self.thread.join(20)
+        return self.run.ended, self.run.message
+
+    def _runs(self):
+        robot = robots.get(ROBOT)
+        self.run = run_tasks(
+            [TaskProgram(name="T_ROB1", modules=[self.tree])],
+            robot=robot,
+            motion=Timed(robot),
+            pace=self.pace,
+            most_time=600.0,
+            controller=Controller(disk=Disk(self.home, outside=True)),
+        )
+
+
+PLAIN = Module(tool="GRIPPER", tool_data=TOOL, longest=60.0, plain=PlainFiles())
+
+
+class PlainRobot:
+    """A robot whose program exchanges plain files in a folder, which any server may serve.
+
+    text: of its module. begins: whether its program runs. files, folder: of the module.
+    """
+
+    def __init__(self, home, text=None, *, pace=None, begins=True, files=None, folder=""):
+        self.home, self.pace, self.begins = home, pace, begins
+        self.files, self.folder = files or PlainFiles(), home / folder
+        text = PLAIN.text() if text is None else text
+        before, loop, after = text.partition("        WHILE TRUE DO\n")
+        assert loop
+        start = f"        {START.format(tool='GRIPPER')}\n"
+        loop = '        WHILE NOT IsFile("HOME:/end.txt") DO\n'
+        self.tree = languages.get("rapid").parse(before + start + loop + after)
+        assert not self.tree.findings
+        self.run = None
+        self.thread = threading.Thread(target=self._runs, name="robot", daemon=True)
+
+    def __enter__(self):
+        if self.begins:
+            self.begin()
+        return self
+
+    def begin(self):
+        """Starts its program, and waits until that has deleted what was left there."""
+        left = self.folder / self.files.answers[0]  # which it removes last
+        left.touch()
+        self.thread.start()
+        for _ in range(4000):
+            if not left.exists():
+                return
+            threading.Event().wait(0.005)
+        raise AssertionError(f"the program does not start: {self.run}")
+
+    def __exit__(self, *error):
+        if not self.thread.ident:
+            return
+        self.end()
+        assert not self.thread.is_alive()
+
+    def end(self):
+        """Has its program end, and returns how it did."""
+        if self.thread.is_alive():
+            (self.home / "end.txt").touch()
+            for name in reversed(self.files.sent):
+                (self.folder / name).touch()  # an empty file asks, too
+        self.thread.join(20)
+        for file in self.home.rglob("*.txt"):
+            file.unlink()
         return self.run.ended, self.run.message
 
     def _runs(self):

@@ -41,6 +41,11 @@ load = true
 
 CASES: Final = (
     Case(
+        "CL267",
+        "exchange module --files p.txt,q.txt,c.txt -o px.mod",
+        then=("exchange module --files p.txt,q.txt,c.txt -o px.mod --plain",),
+    ),
+    Case(
         "CL203",
         "start cell1 PICK",
         {"assistant.toml": CR, "PICK.prg": PICK},

@@ -11,48 +11,28 @@ from __future__ import annotations
 import random
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from types import TracebackType
 from typing import Final, Self
-
-import numpy as np
-from numpy.typing import ArrayLike
 
 from assistant.controllers import rules as common
 from assistant.controllers.abb.exchange import messages, rules
 from assistant.controllers.abb.exchange.claiming import Claim, Files, HandsOver
 from assistant.controllers.abb.exchange.messages import Answer, Configuration, Word
 from assistant.controllers.abb.exchange.module import file_names
-from assistant.controllers.abb.exchange.recording import FIELDS, Spent, add
+from assistant.controllers.abb.exchange.poses import Check, PoseSender, at, checked_configuration
+from assistant.controllers.abb.exchange.recording import Spent, add
 from assistant.controllers.controller import Programs
-from assistant.controllers.recording import Recording
-from assistant.program import rotations
-from assistant.program.arrays import Floats, reals
-from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
-from assistant.program.path import Kind, Path
 
-Check = Callable[[Floats, Floats], Mapping[int, str]]
-"""Tells of poses (n, 3) mm and (n, 4) which rows, from 0, must not be sent, and why."""
-Progress = Callable[[int, int, Answer], None]
-"""Is told how many poses of how many have been answered, and the last answer."""
-
-UNIT: Final = 1e-3
-"""How far the length of a quaternion may be from 1; it is made a unit one."""
-LARGEST_CONFIGURATION: Final = 99_999_999
-"""cfx of arms that have several digits; cf1, cf4 and cf6 are quarters of a turn."""
-_ROWS: Final = "state positions (n, 3) in mm and quaternions (n, 4)"
-FARTHEST: Final = 100_000.0
-"""mm that a coordinate has at most: beyond, it is no place of a robot."""
-OFF: Final = 1.0
-"""mm and degrees at most between a requested pose and that of a robot that stands there."""
 SETTLE: Final = 1.0
 """Seconds after which an answer that cannot be read stays unreadable: a damaged transfer is read
 again until then."""
 
 
-class PoseExchange:
+class PoseExchange(PoseSender):
     """An exchange with a program that `module.Module` printed and that runs on the controller.
 
     A context manager: entering claims the exchange, so that no other client sends requests in
@@ -75,25 +55,14 @@ class PoseExchange:
         poll: float = 0.01,
         check: Check | None = None,
     ) -> None:
-        self.programs = programs
-        self.recording: Final = Recording(FIELDS)
-        self.spent = Spent()
-        """Where the time of the last round trip went."""
-        self.stopped: Answer | None = None
-        """What the robot answered to a stop."""
-        self.ended = ""
-        """Why the exchange is over and in which state the robot is; "" while it goes on."""
-        self.checked: bool | None = None
-        """True if the answers have checksums, None before the first one."""
+        super().__init__(programs, longest, poll, check)
         self._names = file_names(prefix)
         self._files = Files(programs)
         self._claim = Claim(self._files, prefix)
         self._left: bytes | None = None
-        self._timeout, self._longest, self._poll = timeout, longest, poll
-        self._check = check
+        self._timeout = timeout
         self._number = random.randrange(1, messages.LARGEST_NUMBER // 2)  # noqa: S311 - no secret
         self._in_step = False
-        self._begin = time.monotonic()
 
     def __enter__(self) -> Self:
         self._begin = time.monotonic()
@@ -122,59 +91,13 @@ class PoseExchange:
                 if error is None:
                     raise
 
+    @property
+    def stands(self) -> bool:
+        return self.stopped is not None
+
     def current_pose(self) -> Answer:
         """Where the robot is, once its program has come to look for a request."""
         return self._ask("where", None, None, self._timeout)
-
-    def move_to(
-        self, pose: Pose, *, configuration: Configuration | None = None, through: bool = False
-    ) -> Answer:
-        """Goes to a pose in a line, stands still there and answers with where that is.
-
-        through: does not stand still, but answers as soon as the program goes on, so that a next
-        pose that comes in time is reached through the zone of the module. configuration: None to
-        let the controller take the nearest one. Raises Refused if the pose must not be sent, or
-        the robot does not go there; it stands where it was then.
-        """
-        positions, quaternions = self._checked([pose.position], [pose.quaternion])
-        return self._move(Pose.of(positions[0], quaternions[0]), configuration, through)
-
-    def follow(
-        self,
-        trajectory: Path | tuple[ArrayLike, ArrayLike],
-        *,
-        configurations: Sequence[Configuration] | None = None,
-        through: bool = False,
-        progress: Progress | None = None,
-    ) -> Recording:
-        """Goes to all poses in their order, each once the one before has been answered.
-
-        trajectory: a path of lines, or columns (n, 3) mm and (n, 4). All of them are checked
-        before the first is sent. Returns `recording`, which holds what came before an error too.
-        """
-        if isinstance(trajectory, Path):
-            arcs = np.flatnonzero(np.isin(trajectory.kinds, (Kind.VIA, Kind.END)))
-            if arcs.size:
-                raise Refused(
-                    _bad(int(arcs[0]), "it is a part of an arc", "divide arcs into lines")
-                )
-            trajectory = trajectory.positions, trajectory.quaternions
-        positions, quaternions = self._checked(*trajectory)
-        if configurations is not None and len(configurations) != len(positions):
-            raise Refused(
-                _bad(
-                    min(len(configurations), len(positions)),
-                    f"there are {len(positions)} poses and {len(configurations)} configurations",
-                    "state one for each pose, or none",
-                )
-            )
-        for row in range(len(positions)):
-            configuration = configurations[row] if configurations is not None else None
-            pose = Pose.of(positions[row], quaternions[row])
-            answer = self._move(pose, configuration, through)
-            if progress is not None:
-                progress(row + 1, len(positions), answer)
-        return self.recording
 
     def stop(self) -> Answer | None:
         """Stops the robot where it is and ends its program; None if nothing answered in time.
@@ -208,9 +131,7 @@ class PoseExchange:
 
     def _move(self, pose: Pose, configuration: Configuration | None, through: bool) -> Answer:
         word: Word = "pass" if through else "move"
-        if configuration is not None and not _is_configuration(configuration):
-            reason = f"its configuration is {configuration!r:.60}"
-            raise Refused(_bad(0, reason, "state four whole numbers: cf1, cf4, cf6, cfx"))
+        checked_configuration(configuration)
         if not self._in_step or self._number == messages.LARGEST_NUMBER:
             self.current_pose()  # the robot counts from the number of such a request
         return self._ask(word, pose, configuration, self._longest)
@@ -220,7 +141,7 @@ class PoseExchange:
     ) -> Answer:
         """Sends a request and waits for its own answer; others are left alone."""
         if self.ended:
-            raise Refused(rules.ENDED(place=str(self.programs.address), reason=self.ended))
+            raise Refused(rules.ENDED(place=self._place, reason=self.ended))
         with self._claimed():
             self._number = _next(self._number)
             if not self._in_step:
@@ -234,7 +155,7 @@ class PoseExchange:
         self.checked = answer.checked
         add(self.recording, time.monotonic() - self._begin, answer, self.spent, pose)
         if pose is not None and word == "move":
-            self._compare(answer, pose, configuration)
+            self._compare(number, answer, pose, configuration)
         self._in_step = True
         return answer
 
@@ -261,14 +182,12 @@ class PoseExchange:
             if answer is not None and messages.is_of(answer, number):
                 break
             if self.ended:  # another thread stopped it meanwhile
-                raise Refused(rules.ENDED(place=str(self.programs.address), reason=self.ended))
+                raise Refused(rules.ENDED(place=self._place, reason=self.ended))
             now = time.perf_counter()
             if answer is not None or data in (None, self._left):
                 unread = now
             elif now - (unread or handed) > SETTLE:
-                raise Refused(
-                    rules.BAD_ANSWER(place=str(self.programs.address), number=number, word=word)
-                )
+                raise Refused(rules.BAD_ANSWER(place=self._place, number=number, word=word))
             if now - handed > longest:
                 self._unanswered(number, word, longest)
             if now - handed > self._timeout and not asked_after:
@@ -292,29 +211,6 @@ class PoseExchange:
         """True if the program says that it took the request: it has renamed it."""
         data = self._look("taken")
         return data is not None and data.startswith(b"%d\n" % number)
-
-    def _compare(self, answer: Answer, pose: Pose, configuration: Configuration | None) -> None:
-        """Raises Refused if a robot that has gone to a pose is not at it."""
-        distance = float(np.linalg.norm(np.subtract(answer.pose.position, pose.position)))
-        angle = float(rotations.angle_between(answer.pose.quaternion, pose.quaternion))
-        quarters = 0
-        if configuration is not None:  # at the edge of a quarter the controller tells either
-            pairs = zip(answer.configuration[:3], configuration[:3], strict=True)
-            quarters = max(abs(one - int(other)) for one, other in pairs)
-        if distance <= OFF and angle <= OFF and quarters <= 1:
-            return
-        off = [f"{distance:.1f} mm and {angle:.1f} degrees"]
-        if quarters > 1:
-            off.append(f"and by configuration {answer.configuration} instead of {configuration}")
-        raise Refused(
-            rules.ELSEWHERE(
-                place=str(self.programs.address),
-                number=self._number,
-                distance=" ".join(off),
-                stands=_at(answer.pose),
-                asked=_at(pose),
-            )
-        )
 
     def _forget_unread(self) -> None:
         """Removes an old answer that does not name its request: it would be taken for the next."""
@@ -347,7 +243,7 @@ class PoseExchange:
             state = "it was taken, so that the robot may still move"
         raise Refused(
             rules.NO_ANSWER(
-                place=str(self.programs.address),
+                place=self._place,
                 number=number,
                 word=word,
                 seconds=seconds,
@@ -374,11 +270,11 @@ class PoseExchange:
         still = "it stands" if answer.word != "failed" else "it was"
         raise Refused(
             rules.DECLINED(
-                place=str(self.programs.address),
+                place=self._place,
                 number=number,
                 word=word,
                 reason=reason,
-                state=f"{still} at {_at(answer.pose)}",
+                state=f"{still} at {at(answer.pose)}",
                 cure=cure,
             )
         )
@@ -398,33 +294,6 @@ class PoseExchange:
         if isinstance(error, Refused):
             error.add_note(self.ended)
 
-    def _checked(self, positions: ArrayLike, quaternions: ArrayLike) -> tuple[Floats, Floats]:
-        """Columns of poses that may be sent; raises Refused for the first that must not."""
-        place, turn = _columns(positions, 3), _columns(quaternions, 4)
-        if len(place) != len(turn):
-            reason = f"there are {len(place)} positions and {len(turn)} quaternions"
-            raise Refused(_bad(min(len(place), len(turn)), reason, "state both for each pose"))
-        if not len(place):
-            return place, turn
-        finite = np.isfinite(place).all(axis=1) & np.isfinite(turn).all(axis=1)
-        near = (np.abs(place) <= FARTHEST).all(axis=1)
-        unit = np.abs(np.sqrt((turn * turn).sum(axis=1)) - 1.0) <= UNIT
-        for good, reason, cure in (
-            (finite, "it holds a number that is not finite", "correct the number"),
-            (near, f"it is farther than {FARTHEST:g} mm away", "state positions in mm"),
-            (unit, "its quaternion is not of unit length", "state unit quaternions (w, x, y, z)"),
-        ):
-            bad = np.flatnonzero(~good)
-            if bad.size:
-                raise Refused(_bad(int(bad[0]), reason, cure))
-        turn = rotations.canonical(turn)
-        refused = dict(self._check(place, turn)) if self._check is not None else {}
-        if refused:
-            row = min(refused)
-            more = f" ({len(refused)} poses are refused)" if len(refused) > 1 else ""
-            raise Refused(_bad(row, refused[row] + more, "choose a pose that may be sent"))
-        return place, turn
-
     def _put(self, file: str, data: bytes) -> None:
         self._files.put(self._names[file], data)
 
@@ -438,40 +307,8 @@ class PoseExchange:
         threading.Event().wait(self._poll)
 
 
-def _columns(rows: ArrayLike, width: int) -> Floats:
-    """Rows of so many numbers; raises Refused for others."""
-    try:
-        found = reals(rows)
-    except ValueError as error:
-        raise Refused(_bad(0, f"it is no row of numbers ({error})", _ROWS)) from None
-    if found.size == 0:
-        return found.reshape(0, width)
-    if found.ndim != 2 or found.shape[1] != width:
-        raise Refused(_bad(0, f"its columns are of the shape {found.shape}", _ROWS))
-    return found
-
-
-def _is_configuration(given: Sequence[float]) -> bool:
-    """Whether these are the four whole numbers of a robtarget."""
-    return len(given) == 4 and all(
-        isinstance(one, (int, float, np.integer))
-        and abs(one) <= LARGEST_CONFIGURATION
-        and one == int(one)
-        for one in given
-    )
-
-
 def _next(number: int) -> int:
     return number % messages.LARGEST_NUMBER + 1
-
-
-def _at(pose: Pose) -> str:
-    x, y, z = pose.position
-    return f"({x:g}, {y:g}, {z:g}) mm"
-
-
-def _bad(row: int, reason: str, cure: str) -> Diagnostic:
-    return rules.BAD_POSE(row=row + 1, reason=reason, cure=cure)
 
 
 def _said(refused: Refused) -> str:

@@ -1,4 +1,4 @@
-"""The RAPID side of the exchange, printed from `templates/pose_exchange.mod`.
+"""The RAPID side of the exchange, printed from a template: one for each protocol.
 
 Names are checked to be RAPID names, so that no text of a user becomes a statement. Whether tool,
 work object, speed and zone are there is for the controller, or for the checks of a program.
@@ -14,11 +14,13 @@ from functools import cache
 from typing import Final
 
 from assistant.controllers.abb.exchange import rules
+from assistant.controllers.abb.files import TEXTS
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.resources import resource
 
 LANGUAGE: Final = "rapid"
 TEMPLATE: Final = "pose_exchange.mod"
+PLAIN: Final = "plain_exchange.mod"
 FILES: Final = ("request", "taken", "answer", "stop", "stopped")
 LONGEST_NAME: Final = 32
 LONGEST_FOLDER: Final = 40
@@ -47,6 +49,52 @@ class Tool:
     centre: tuple[float, float, float] = (0.0, 0.0, 50.0)
 
 
+@dataclass(frozen=True, slots=True)
+class PlainFiles:
+    """Names of the files of the plain protocol: position, orientation, configuration each.
+
+    sent: from the PC. A program that waits for one of them only waits for the first, which
+    therefore is put there last. answers: from the robot.
+    """
+
+    sent: tuple[str, str, str] = ("position.txt", "orientation.txt", "configuration.txt")
+    answers: tuple[str, str, str] = (
+        "selfposition.txt",
+        "selforientation.txt",
+        "selfconfiguration.txt",
+    )
+
+    def __post_init__(self) -> None:
+        """Raise Refused for names that are not safe on every disk, or not six."""
+        names = (*self.sent, *self.answers)
+        for name in names:
+            reason = _no_file(name, names)
+            if reason:
+                raise Refused(
+                    rules.BAD_NAME(
+                        given=name,
+                        what="name of a file",
+                        reason=reason,
+                        wanted="six names such as `position.txt`, each another one",
+                    )
+                )
+
+
+def _no_file(name: str, names: Sequence[str]) -> str:
+    """Why a name cannot be that of a file of the plain protocol."""
+    if len(names) != 6:
+        return f"there are {len(names)} names instead of six"
+    if re.fullmatch(r"[A-Za-z][A-Za-z0-9_-]*(\.[A-Za-z0-9]+)?", name) is None:
+        return "it must be safe on every disk"
+    if len(name) > LONGEST_NAME:
+        return f"it has more than {LONGEST_NAME} characters"
+    if name.lower().endswith((*TEXTS, ".new")):
+        return "files with this suffix are programs or are not complete yet"
+    if [other.lower() for other in names].count(name.lower()) > 1:
+        return "two files have it"
+    return ""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Module:
     """What the module is to say.
@@ -54,7 +102,8 @@ class Module:
     tool, work_object, speed, zone: names on the controller. tool_data: declares the tool in the
     module. folder, prefix: of the files on the controller. longest: seconds without a request
     after which the program ends. poll: seconds after which it looks for a request again.
-    look: seconds after which it looks whether it shall stop.
+    look: seconds after which it looks whether it shall stop. plain: names of the files of the plain
+    protocol, which then is that of the module; poses are reached without a zone there.
     """
 
     module: str = "PoseExchange"
@@ -68,6 +117,7 @@ class Module:
     longest: float = 240.0
     poll: float = LEAST_POLL
     look: float = 0.2
+    plain: PlainFiles | None = None
 
     def text(self) -> str:
         """The module; raises Refused with all that is wrong."""
@@ -84,7 +134,9 @@ class Module:
         )
         folder = self.folder.rstrip("/")
         files = {file: f"{folder}/{name}" for file, name in file_names(self.prefix).items()}
-        return environment.from_string(_template()).render(
+        return environment.from_string(_text_of(self._template)).render(
+            folder=folder,
+            plain=self.plain,
             module=self.module,
             tool=self.tool,
             work_object=self.work_object,
@@ -98,11 +150,15 @@ class Module:
             **files,
         )
 
+    @property
+    def _template(self) -> str:
+        return TEMPLATE if self.plain is None else PLAIN
+
     def _wrong_names(self) -> list[Diagnostic]:
         found = []
         for what in ("module", "tool", "work_object", "speed", "zone"):
             given = getattr(self, what)
-            reason = _no_name(given)
+            reason = _no_name(given, self._template)
             if reason:
                 found.append(
                     rules.BAD_NAME(
@@ -164,27 +220,27 @@ def file_names(prefix: str) -> dict[str, str]:
     return {file: f"{prefix}_{file}.txt" for file in FILES}
 
 
-def _no_name(given: str) -> str:
-    """Why a text is no RAPID name."""
+def _no_name(given: str, template: str) -> str:
+    """Why a text is no RAPID name that the module can hold."""
     if re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", given) is None:
         return "it is no name of ASCII letters, digits and `_`"
     if len(given) > LONGEST_NAME:
         return f"it has more than {LONGEST_NAME} characters"
     if RESERVED.fullmatch(given.lower()):
         return "the word is reserved"
-    if given.lower() != "fine" and given.lower() in _own_words():
+    if given.lower() != "fine" and given.lower() in _own_words(template):
         return "the module uses the word itself"
     return ""
 
 
-def _template() -> str:
-    return resource("templates", TEMPLATE).read_text(encoding="utf-8")
+def _text_of(template: str) -> str:
+    return resource("templates", template).read_text(encoding="utf-8")
 
 
 @cache
-def _own_words() -> frozenset[str]:
-    """Words of the template in lower case, names that it declares and calls among them."""
-    text = re.sub(r"\{[{%].*?[%}]\}|!.*", "", _template())
+def _own_words(template: str) -> frozenset[str]:
+    """Words of a template in lower case, names that it declares and calls among them."""
+    text = re.sub(r"\{[{%].*?[%}]\}|!.*", "", _text_of(template))
     return frozenset(word.lower() for word in re.findall(r"[A-Za-z]\w*", text))
 
 

@@ -52,6 +52,11 @@ BAD_ANSWER: Final = error(
     "may have carried it out",
     "look at the robot, and at what else writes into the folder of the exchange",
 )
+STALE: Final = error(
+    "CN522",
+    "`{name}` of an earlier question or answer cannot be deleted; nothing was sent",
+    "delete the file, and give the user the grant to write to the controller's disks",
+)
 
 REASONS: Final = {
     "unreadable": ("it could not read the pose", "send finite numbers and a unit quaternion"),

@@ -1,0 +1,221 @@
+"""Poses that an exchange sends: checked before, sent one by one, compared with where they led."""
+
+from __future__ import annotations
+
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from assistant.controllers.abb.exchange import rules
+from assistant.controllers.abb.exchange.messages import Answer, Configuration
+from assistant.controllers.abb.exchange.recording import FIELDS, Spent
+from assistant.controllers.controller import Programs
+from assistant.controllers.recording import Recording
+from assistant.program import rotations
+from assistant.program.arrays import Floats, reals
+from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.geometry import Pose
+from assistant.program.path import Kind, Path
+
+Check = Callable[[Floats, Floats], Mapping[int, str]]
+"""Tells of poses (n, 3) mm and (n, 4) which rows, from 0, must not be sent, and why."""
+Progress = Callable[[int, int, Answer], None]
+"""Is told how many poses of how many have been answered, and the last answer."""
+
+UNIT: Final = 1e-3
+"""How far the length of a quaternion may be from 1; it is made a unit one."""
+LARGEST_CONFIGURATION: Final = 99_999_999
+"""cfx of arms that have several digits; cf1, cf4 and cf6 are quarters of a turn."""
+_ROWS: Final = "state positions (n, 3) in mm and quaternions (n, 4)"
+FARTHEST: Final = 100_000.0
+"""mm that a coordinate has at most: beyond, it is no place of a robot."""
+OFF: Final = 1.0
+"""mm and degrees at most between a requested pose and that of a robot that stands there."""
+
+
+class PoseSender(ABC):
+    """What both protocols have in common: poses are checked, sent, answered and recorded.
+
+    programs: an open session. longest: seconds for one motion. poll: seconds after which an answer
+    is looked for again. check: asked before poses are sent.
+    """
+
+    def __init__(
+        self, programs: Programs, longest: float, poll: float, check: Check | None
+    ) -> None:
+        self.programs = programs
+        self.recording: Final = Recording(FIELDS)
+        self.spent = Spent()
+        """Where the time of the last round trip went."""
+        self.stopped: Answer | None = None
+        """What the robot answered to a stop."""
+        self.ended = ""
+        """Why the exchange is over and in which state the robot is; "" while it goes on."""
+        self.checked: bool | None = None
+        """True if the answers have checksums, None where that is not known."""
+        self._longest, self._poll = longest, poll
+        self._check = check
+        self._begin = time.monotonic()
+
+    @property
+    def _place(self) -> str:
+        return str(self.programs.address)
+
+    @property
+    @abstractmethod
+    def stands(self) -> bool:
+        """True if it is known that the robot stands, of an exchange that has ended."""
+
+    @abstractmethod
+    def current_pose(self) -> Answer:
+        """Where the robot is, once its program has come to look for a request."""
+
+    @abstractmethod
+    def _move(self, pose: Pose, configuration: Configuration | None, through: bool) -> Answer:
+        """Send a pose that was checked, and wait for its answer."""
+
+    def move_to(
+        self, pose: Pose, *, configuration: Configuration | None = None, through: bool = False
+    ) -> Answer:
+        """Goes to a pose in a line, stands still there and answers with where that is.
+
+        through: does not stand still, but answers as soon as the program goes on, so that a next
+        pose that comes in time is reached through the zone of the module. configuration: None to
+        let the controller take the nearest one. Raises Refused if the pose must not be sent, or
+        the robot does not go there; it stands where it was then.
+        """
+        positions, quaternions = checked([pose.position], [pose.quaternion], self._check)
+        return self._move(Pose.of(positions[0], quaternions[0]), configuration, through)
+
+    def follow(
+        self,
+        trajectory: Path | tuple[ArrayLike, ArrayLike],
+        *,
+        configurations: Sequence[Configuration] | None = None,
+        through: bool = False,
+        progress: Progress | None = None,
+    ) -> Recording:
+        """Goes to all poses in their order, each once the one before has been answered.
+
+        trajectory: a path of lines, or columns (n, 3) mm and (n, 4). All of them are checked
+        before the first is sent. Returns `recording`, which holds what came before an error too.
+        """
+        if isinstance(trajectory, Path):
+            arcs = np.flatnonzero(np.isin(trajectory.kinds, (Kind.VIA, Kind.END)))
+            if arcs.size:
+                raise Refused(bad(int(arcs[0]), "it is a part of an arc", "divide arcs into lines"))
+            columns: tuple[ArrayLike, ArrayLike] = trajectory.positions, trajectory.quaternions
+        else:
+            columns = trajectory
+        positions, quaternions = checked(columns[0], columns[1], self._check)
+        if configurations is not None and len(configurations) != len(positions):
+            raise Refused(
+                bad(
+                    min(len(configurations), len(positions)),
+                    f"there are {len(positions)} poses and {len(configurations)} configurations",
+                    "state one for each pose, or none",
+                )
+            )
+        for row in range(len(positions)):
+            configuration = configurations[row] if configurations is not None else None
+            pose = Pose.of(positions[row], quaternions[row])
+            answer = self._move(pose, configuration, through)
+            if progress is not None:
+                progress(row + 1, len(positions), answer)
+        return self.recording
+
+    def _compare(
+        self, number: int, answer: Answer, pose: Pose, configuration: Configuration | None
+    ) -> None:
+        """Raises Refused if a robot that has gone to a pose is not at it."""
+        distance = float(np.linalg.norm(np.subtract(answer.pose.position, pose.position)))
+        angle = float(rotations.angle_between(answer.pose.quaternion, pose.quaternion))
+        quarters = 0
+        if configuration is not None:  # at the edge of a quarter the controller tells either
+            pairs = zip(answer.configuration[:3], configuration[:3], strict=True)
+            quarters = max(abs(one - int(other)) for one, other in pairs)
+        if distance <= OFF and angle <= OFF and quarters <= 1:
+            return
+        off = [f"{distance:.1f} mm and {angle:.1f} degrees"]
+        if quarters > 1:
+            off.append(f"and by configuration {answer.configuration} instead of {configuration}")
+        raise Refused(
+            rules.ELSEWHERE(
+                place=self._place,
+                number=number,
+                distance=" ".join(off),
+                stands=at(answer.pose),
+                asked=at(pose),
+            )
+        )
+
+
+def checked(
+    positions: ArrayLike, quaternions: ArrayLike, check: Check | None
+) -> tuple[Floats, Floats]:
+    """Columns of poses that may be sent; raises Refused for the first that must not."""
+    place, turn = _columns(positions, 3), _columns(quaternions, 4)
+    if len(place) != len(turn):
+        reason = f"there are {len(place)} positions and {len(turn)} quaternions"
+        raise Refused(bad(min(len(place), len(turn)), reason, "state both for each pose"))
+    if not len(place):
+        return place, turn
+    finite = np.isfinite(place).all(axis=1) & np.isfinite(turn).all(axis=1)
+    near = (np.abs(place) <= FARTHEST).all(axis=1)
+    unit = np.abs(np.sqrt((turn * turn).sum(axis=1)) - 1.0) <= UNIT
+    for good, reason, cure in (
+        (finite, "it holds a number that is not finite", "correct the number"),
+        (near, f"it is farther than {FARTHEST:g} mm away", "state positions in mm"),
+        (unit, "its quaternion is not of unit length", "state unit quaternions (w, x, y, z)"),
+    ):
+        wrong = np.flatnonzero(~good)
+        if wrong.size:
+            raise Refused(bad(int(wrong[0]), reason, cure))
+    turn = rotations.canonical(turn)
+    refused = dict(check(place, turn)) if check is not None else {}
+    if refused:
+        row = min(refused)
+        more = f" ({len(refused)} poses are refused)" if len(refused) > 1 else ""
+        raise Refused(bad(row, refused[row] + more, "choose a pose that may be sent"))
+    return place, turn
+
+
+def checked_configuration(given: Configuration | None) -> None:
+    """Raise Refused for one that is stated and is not the four whole numbers of a robtarget."""
+    if given is None:
+        return
+    whole = len(given) == 4 and all(
+        isinstance(one, (int, float, np.integer))
+        and abs(one) <= LARGEST_CONFIGURATION
+        and one == int(one)
+        for one in given
+    )
+    if not whole:
+        reason = f"its configuration is {given!r:.60}"
+        raise Refused(bad(0, reason, "state four whole numbers: cf1, cf4, cf6, cfx"))
+
+
+def _columns(rows: ArrayLike, width: int) -> Floats:
+    """Rows of so many numbers; raises Refused for others."""
+    try:
+        found = reals(rows)
+    except ValueError as error:
+        raise Refused(bad(0, f"it is no row of numbers ({error})", _ROWS)) from None
+    if found.size == 0:
+        return found.reshape(0, width)
+    if found.ndim != 2 or found.shape[1] != width:
+        raise Refused(bad(0, f"its columns are of the shape {found.shape}", _ROWS))
+    return found
+
+
+def at(pose: Pose) -> str:
+    x, y, z = pose.position
+    return f"({x:g}, {y:g}, {z:g}) mm"
+
+
+def bad(row: int, reason: str, cure: str) -> Diagnostic:
+    return rules.BAD_POSE(row=row + 1, reason=reason, cure=cure)
