@@ -116,6 +116,33 @@ def run_put(cell: str, files: Sequence[Path], replace: bool, format: Format) -> 
     return 0
 
 
+def run_rm(cell: str, names: Sequence[str], yes: bool, format: Format) -> int:
+    """Deletes programs; all of them are looked at before the first one goes."""
+    from assistant.deploy.removing import check_removable, found_there, unseen
+
+    with reached(cell, "rm") as there:
+        address = there.one.address
+        found = found_there(there.session, names)
+        missing = [NO_PROGRAM(name=name, address=address) for name, one in found.items() if not one]
+        wanted = list(dict.fromkeys(one for one in found.values() if one))
+        check_removable(there.session, [name for name, one in found.items() if not one])
+        if missing:
+            raise Refused(*missing)
+        check_removable(there.session, wanted)
+        for finding in unseen(there.session, wanted):
+            note(str(address), finding)
+        listed = ", ".join(f"`{name}`" for name in wanted)
+        confirmed(there.one, f"deletes {listed}, which nothing brings back", yes)
+        for name in wanted:
+            there.session.remove(name)
+    if format is Format.JSON:
+        print_json({"address": str(address), "deleted": wanted})
+    else:
+        for name in wanted:
+            say(f"`{name}` is no more on {there.one.name}")
+    return 0
+
+
 def run_backup(cell: str, folder: Path, format: Format) -> int:
     if folder.exists():
         raise Refused(FOLDER_THERE(path=str(folder), folder=folder), exit_status=2)

@@ -66,6 +66,18 @@ def put(
     raise typer.Exit(run_put(cell, files, replace, format))
 
 
+def rm(
+    cell: CellArgument,
+    names: Annotated[list[str], typer.Argument(help="Programs or other files, as `ls` lists.")],
+    yes: YesOption = False,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Delete programs on a controller that nothing there has loaded. Asks before."""
+    from assistant.cli.copying import run_rm
+
+    raise typer.Exit(run_rm(cell, names, yes, format))
+
+
 def backup(
     cell: CellArgument,
     folder: Annotated[Path, typer.Argument(help="A folder that is not there yet.")],
@@ -305,7 +317,7 @@ def teach(
 
 
 COMMANDS: Final[tuple[Callable[..., None], ...]] = (
-    *(ls, get, put, backup, restore, monitor, log),
+    *(ls, get, put, rm, backup, restore, monitor, log),
     *(inputs, outputs, parameters, variables, reset, stop, teach),
 )
 """In the order of the help; those that move an arm are in `on_arms.py`."""

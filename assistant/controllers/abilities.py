@@ -38,6 +38,9 @@ class Disk(Protocol):
     def release(self, name: str) -> None:
         """Removes an empty folder; nothing happens if there is none."""
 
+    def is_folder(self, name: str) -> bool:
+        """True if there is a folder of that name beside the programs."""
+
     def clear_rests(self, known: Rests) -> None:
         """Deletes what transfers that were cut left beside files."""
 

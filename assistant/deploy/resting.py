@@ -7,7 +7,7 @@ from pathlib import Path as FilePath
 from typing import Final
 
 from assistant import languages
-from assistant.controllers import Controller
+from assistant.controllers import Controller, Programs
 from assistant.controllers.states import TaskState
 from assistant.deploy import rules
 from assistant.deploy.journal import Entry
@@ -56,6 +56,12 @@ def tasks(site: Site) -> tuple[TaskState, ...]:
     return site.controller.state().tasks
 
 
+def with_called(controller: Programs, language: str, program: str) -> set[str]:
+    """Names without suffix, in lower case, of a program of lines and all that it calls."""
+    there = {stem(name): name for name in controller.names()}
+    return _with_called(controller, language, program, there)
+
+
 def _of_memory(
     site: Site, entries: Iterable[Entry], running: Iterable[TaskState]
 ) -> list[Diagnostic]:
@@ -75,38 +81,41 @@ def _of_slots(
     site: Site, entries: Iterable[Entry], running: Iterable[TaskState]
 ) -> list[Diagnostic]:
     users: dict[str, str] = {}
-    there = {_stem(name): name for name in site.controller.names()} if running else {}
+    there = {stem(name): name for name in site.controller.names()} if running else {}
     for task in running:
-        for stem in _with_called(site, task.program, there):
-            users.setdefault(stem, task.program)
+        for used in _with_called(site.controller, site.language, task.program, there):
+            users.setdefault(used, task.program)
     found = []
     for entry in entries:
-        stem = _stem(entry.name)
-        if stem in users:
-            user = users[stem]
-            reason = "it is running" if _stem(user) == stem else f"`{user}` runs, which uses it"
+        used = stem(entry.name)
+        if used in users:
+            user = users[used]
+            reason = "it is running" if stem(user) == used else f"`{user}` runs, which uses it"
             found.append(rules.RUNNING(place=entry.name, name=entry.name, reason=reason))
     return found
 
 
-def _with_called(site: Site, program: str, there: Mapping[str, str]) -> set[str]:
+def _with_called(
+    controller: Programs, language: str, program: str, there: Mapping[str, str]
+) -> set[str]:
     """A program and all that it calls, or runs beside it, as far as they can be read.
 
     A name that a program works out is not seen.
     """
-    spoken = languages.get(site.language)
+    spoken = languages.get(language)
     open_ones, found = [program], set[str]()
     while open_ones and len(found) < MOST_PROGRAMS:
-        stem = _stem(open_ones.pop())
-        if stem in found:
+        used = stem(open_ones.pop())
+        if used in found:
             continue
-        found.add(stem)
-        data = site.controller.read(there[stem]) if stem in there else None
+        found.add(used)
+        data = controller.read(there[used]) if used in there else None
         if data is not None:
             tree = spoken.parse(decode(data, None, (*spoken.encodings, "latin-1")))
             open_ones += (*spoken.called_files(tree), *spoken.companions(tree))
     return found
 
 
-def _stem(name: str) -> str:
+def stem(name: str) -> str:
+    """A program's name without suffix, in lower case."""
     return FilePath(name).stem.lower()

@@ -95,6 +95,22 @@ RUNNING = error(
     "`{name}` is not replaced while it may be in use: {reason}; nothing was changed",
     "stop the program, and deploy again",
 )
+IN_USE = error(
+    "DP237",
+    "`{name}` is not deleted: {reason}; nothing was changed",
+    "stop the program, load another one in its place, and delete it then",
+)
+IS_FOLDER = error(
+    "DP238",
+    "`{name}` is a folder, and only files are deleted; nothing was changed",
+    "name a file; a file inside is reached by an address with the folder, as "
+    "`ftp://user@host/HOME:/parts`",
+)
+LOADED_UNSEEN = warning(
+    "DP239",
+    "over this connection it cannot be seen whether `{name}` is loaded or runs",
+    "delete programs over Robot Web Services (`rws://`, `rwss://`), which refuses that",
+)
 ANOTHER = error(
     "DP207",
     "it is another controller than the plan was made for; nothing was changed",

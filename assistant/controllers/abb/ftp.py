@@ -83,6 +83,18 @@ class Ftp(FtpSession):
             with self.during(f"removing the folder `{name}`", f"`{name}` is still there"):
                 self.session.rmd(name)
 
+    def is_folder(self, name: str) -> bool:
+        """True if there is a folder of that name: the session can enter it."""
+        checked_name(name)
+        with self.during(f"looking for `{name}`", "nothing was changed by that"):
+            home = self.session.pwd()
+            try:
+                self.session.cwd(name)
+            except ftplib.error_perm:
+                return False
+            self.session.cwd(home)
+        return True
+
     def look(self, name: str) -> bytes | None:
         """A file without asking first whether it is there; None if it cannot be read now."""
         checked_name(name)

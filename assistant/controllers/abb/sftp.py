@@ -151,6 +151,15 @@ class Sftp(FileSession):
             ):
                 files.rmdir(name)
 
+    def is_folder(self, name: str) -> bool:
+        """True if there is a folder of that name."""
+        checked_name(name)
+        with self._during(f"looking for `{name}`", UNTOUCHED) as (files, _):
+            try:
+                return stat.S_ISDIR(files.stat(name).st_mode or 0)
+            except FileNotFoundError:
+                return False
+
     def fetch_folder(self, folder: str, into: str | FilePath) -> tuple[str, ...]:
         """Fetches a whole folder into a new one, which appears when all is there; its files.
 

@@ -44,6 +44,14 @@ def test_files_go_there_and_come_back(server):
     assert (client.name_for("out/seam 1.mod"), client.stored(b"x")) == ("seam 1.mod", b"x")
 
 
+def test_folders_are_told_from_files(server):
+    with server.client() as client:
+        client.write("seam.mod", b"one")
+        client.claim("parts")
+        assert client.is_folder("parts")
+        assert not client.is_folder("seam.mod") and not client.is_folder("none")
+
+
 def test_a_server_that_never_replaces_by_renaming(tmp_path):
     with SftpServer(tmp_path, replaces=False) as server, server.client() as client:
         for data in (b"one", b"two"):

@@ -108,6 +108,11 @@ class Rws(RapidFiles):
     def release(self, name: str) -> None:
         self.remove(name)
 
+    def is_folder(self, name: str) -> bool:
+        """True if there is a folder of that name."""
+        found = self._files.listing(self.address.folder)
+        return any(one.folder and one.name.lower() == name.lower() for one in found)
+
     def clear_rests(self, known: Rests) -> None:
         self._files.clear_rests(self.address.folder, known)
 
