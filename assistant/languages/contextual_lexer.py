@@ -17,14 +17,15 @@ Found = tuple[str, int, int]
 """A terminal of the grammar, STRANGE for none, and the offsets that it stands between."""
 Row = Mapping[str | None, Any]
 """What the tables do with each terminal at a place."""
+_WORD: Final = "[A-Za-z][A-Za-z0-9_]*+"
 _SECOND: Final = re.compile(r"[ \t]*+([A-Za-z]+)(?![A-Za-z0-9_])")
 
 
 class ContextualLexer:
     """Finds words by the patterns of the grammar, in upper or lower case.
 
-    plain: terminals that are told by how they begin, NAME the first of them. keywords: words in
-    upper case → the terminals that each may be; the first that has room is meant. firm: words that
+    plain: terminals that are told by how they begin, tried after a word. keywords: words in upper
+    case → the terminals that each may be; the first that has room is meant. firm: words that
     are no names even where there is no room for them. longer: by word or mark, the terminals that
     may begin with it. joined: terminals of marks with no blank before them. instead: terminals that
     are meant in place of others where they fit. special: by the first two letters, in upper
@@ -45,7 +46,9 @@ class ContextualLexer:
     ) -> None:
         terminals = {t.name: t.regexp for t in grammar.terminals.values()}
         listed = "|".join(f"(?P<{name}>{terminals[name]})" for name in plain)
-        self._next = re.compile(rf"[ \t\f]*+(?:{listed}|(?P<MARK>.))", re.IGNORECASE)
+        self._next = re.compile(
+            rf"[ \t\f]*+(?:(?P<NAME>{_WORD})|{listed}|(?P<MARK>.))", re.IGNORECASE
+        )
         self._longer = {
             begin: [(name, re.compile(terminals[name], re.IGNORECASE)) for name in names]
             for begin, names in longer.items()

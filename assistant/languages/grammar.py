@@ -2,17 +2,20 @@
 
 Working them out takes longer than all else that is done with a small program. So they are kept
 where Python keeps the bytecode of the package, since who can write there can change the program as
-well, and lark is only loaded where the grammar has changed or nothing can be kept.
+well. Readers load lark only where the grammar has changed or nothing can be kept; the proof parses
+with lark itself, whose parser is kept in the same place.
 """
 
 from __future__ import annotations
 
 import json
+import marshal
 import os
 import re
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import cache
 from itertools import chain
 from typing import TYPE_CHECKING, Any, Final
 
@@ -58,6 +61,8 @@ class Grammar:
         found: dict[str, tuple[str, ...]] = {}
         for name, terminal in self.terminals.items():
             pattern = terminal.pattern.removesuffix(r"\b")
+            if pattern.startswith("(?:"):
+                pattern = pattern[3:-1]
             if _WORDS.fullmatch(pattern):
                 for word in pattern.split("|"):
                     found[word] = (*found.get(word, ()), name)
@@ -83,14 +88,14 @@ def load(name: str, starts: tuple[str, ...]) -> Grammar:
             kept = json.loads(place.read_bytes())
             if kept["of"] == [FORM, text, *starts]:
                 return _unpacked(kept)
-    packed = _packed(lark(text, starts), starts)
+    packed = _packed(_treeless(text, starts), starts)
     if place is not None:
-        _keep(place, json.dumps({"of": [FORM, text, *starts], **packed}))
+        _keep(place, json.dumps({"of": [FORM, text, *starts], **packed}).encode())
     return _unpacked(packed)
 
 
-def lark(text: str, starts: tuple[str, ...]) -> Lark:
-    """The parser that lark makes of a grammar."""
+def lark(text: str, starts: tuple[str, ...], **options: Any) -> Lark:
+    """The parser that lark makes of a grammar. options: more of lark's own."""
     from lark import Lark
 
     return Lark(
@@ -98,16 +103,65 @@ def lark(text: str, starts: tuple[str, ...]) -> Lark:
         parser="lalr",
         lexer="contextual",
         start=list(starts),
-        propagate_positions=True,
         maybe_placeholders=True,
+        **{"propagate_positions": True, **options},
     )
 
 
-def _keep(place: Path, text: str) -> None:
+@cache
+def acceptor(name: str, starts: tuple[str, ...]) -> Lark:
+    """Return lark's own parser for a grammar file, which accepts a text or raises.
+
+    It builds no trees, since nobody asks for them.
+    """
+    import lark as package
+    from lark.grammar import Rule
+    from lark.lexer import TerminalDef
+
+    text = read_grammar(name)
+    of = [FORM, package.__version__, text, *starts]
+    place = kept_place(name, ".lark")
+    if place is not None:
+        with suppress(OSError, EOFError, ValueError, TypeError, LookupError, AttributeError):
+            kept = marshal.loads(place.read_bytes())  # noqa: S302  # beside bytecode, which it is
+            if kept["of"] == of:
+                kept["data"]["options"]["tree_class"] = _no_tree
+                return package.Lark.load(kept)
+    made = _treeless(text, starts)
+    if place is not None:
+        data, memo = made.memo_serialize([TerminalDef, Rule])
+        data["options"]["tree_class"] = None
+        _keep(place, marshal.dumps({"of": of, "data": data, "memo": memo}))
+    return made
+
+
+@cache
+def _treeless(text: str, starts: tuple[str, ...]) -> Lark:
+    """The parser of a grammar, worked out anew, at most once a process: it takes a while."""
+    return lark(text, starts, propagate_positions=False, tree_class=_no_tree)
+
+
+class _Nothing:
+    """Stands for every tree."""
+
+    @property
+    def children(self) -> list[Any]:
+        """A new list each time: lark adds to it."""
+        return []
+
+
+_NOTHING: Final = _Nothing()
+
+
+def _no_tree(*_: Any) -> _Nothing:
+    return _NOTHING
+
+
+def _keep(place: Path, data: bytes) -> None:
     """Writes a file as a whole or not at all; where it cannot be written, nothing is kept."""
     written = place.with_suffix(f".{os.getpid()}")
     with suppress(OSError):
-        written.write_text(text, "utf-8")
+        written.write_bytes(data)
         written.replace(place)
 
 

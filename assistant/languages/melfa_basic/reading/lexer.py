@@ -6,14 +6,8 @@ import re
 from typing import Final
 
 from assistant.languages.contextual_lexer import ContextualLexer
-from assistant.languages.melfa_basic.reading.grammar import grammar, keywords
+from assistant.languages.melfa_basic.reading.grammar import firm, grammar, keywords
 
-_FIRM: Final = frozenset(
-    {"IF", "THEN", "ELSE", "ELSEIF", "ENDIF", "FOR", "TO", "NEXT", "WHILE", "WEND", "SELECT"}
-    | {"CASE", "GOTO", "GOSUB", "CALLP", "AND", "OR", "XOR", "NOT", "MOD", "WTH", "WTHIF"}
-    | {"DEF", "FUNCTION", "FEND", "MOV", "MVS", "MVR"}
-)
-"""Words that are no names even where there is no room for them."""
 _SPECIAL: Final = {
     "FN": ("FN_NAME", re.compile(r"FN.+")),
     "MX": ("COMMAND", re.compile(r"MXT(?=[0-9]+\Z)")),
@@ -25,8 +19,8 @@ def lexer() -> ContextualLexer:
     return ContextualLexer(
         grammar(),
         {**keywords(), "END IF": keywords()["ENDIF"]},
-        plain=("NAME", "NUMBER", "STRING", "COMMENT", "COMPARISON", "SHIFT", "SIGN", "TIMES"),
-        firm=_FIRM,
+        plain=("NUMBER", "STRING", "COMMENT", "COMPARISON", "SHIFT", "SIGN", "TIMES"),
+        firm=firm(),
         longer={
             "(": ("POSITION", "EMPTY"),
             "*": ("LABEL",),
