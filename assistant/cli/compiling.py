@@ -15,6 +15,7 @@ from assistant.cli.keeping import write_kept
 from assistant.cli.presentation import (
     FindingFormat,
     FramesAs,
+    GrammarAs,
     console,
     print_findings,
     print_for_programs,
@@ -79,6 +80,7 @@ def run_compile(
     output: str,
     most_targets: int | None,
     frames: FramesAs,
+    grammar: GrammarAs,
     from_language: str | None,
     from_robot: str | None,
     format: FindingFormat,
@@ -152,6 +154,7 @@ def run_compile(
                 from_robot=one.from_robot,
                 most_targets=one.most_targets,
                 frames=frames.value,
+                grammar=grammar.value,
                 entry=one.entry,
                 called=called,
                 main=main,
@@ -337,6 +340,7 @@ def _answer(
                     "targets": comparison.targets,
                     "position_mm": comparison.position,
                     "angle_deg": comparison.angle,
+                    "grammar": (parsed := compiled.proof.grammar) and parsed.record(),
                 },
                 "motion": None if compiled.motion is None else compiled.motion.record(),
             }

@@ -12,6 +12,7 @@ from assistant.cli.presentation import (
     FindingFormat,
     Format,
     FramesAs,
+    GrammarAs,
     TranslationFormat,
     answer_as,
 )
@@ -120,6 +121,10 @@ MarkOption = Annotated[
 FramesOption = Annotated[
     FramesAs,
     typer.Option(help="Work objects in MELFA-BASIC: as Base, or as factors of the targets."),
+]
+GrammarOption = Annotated[
+    GrammarAs,
+    typer.Option(help="Text of over 20,000 lines that lark parses in the proof: samples, or all."),
 ]
 ReportOption = Annotated[
     Path | None, typer.Option(help="Write the report as well: .html, .md, .json, or text.")

@@ -79,6 +79,13 @@ class FramesAs(enum.StrEnum):
     PRODUCT = "product"
 
 
+class GrammarAs(enum.StrEnum):
+    """How much of a long text lark parses in a proof."""
+
+    SAMPLES = "samples"
+    FULL = "full"
+
+
 MOST_EXPLAINED: Final = 8
 """Codes that the last line below findings names."""
 STYLES = {Severity.ERROR: "bold red", Severity.WARNING: "yellow", Severity.INFO: "cyan"}

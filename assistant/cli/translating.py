@@ -22,6 +22,7 @@ from assistant.cli.pages import Asked, stem_of, write_page
 from assistant.cli.presentation import (
     FindingFormat,
     FramesAs,
+    GrammarAs,
     TranslationFormat,
     print_findings,
     print_for_programs,
@@ -58,6 +59,7 @@ class Options:
     process: Path | None
     cell: Path | None = None
     frames: FramesAs
+    grammar: GrammarAs
     from_language: str | None
     draft: bool
     entry: str | None
@@ -230,6 +232,7 @@ def _translated(task: Task, options: Options) -> Translated:
         process=options.process,
         cell=options.cell,
         frames=options.frames.value,
+        grammar=options.grammar.value,
         language=options.from_language,
         draft=options.draft,
         entry=options.entry,

@@ -55,6 +55,7 @@ if TYPE_CHECKING:
     from assistant.languages.answers import (
         Conversion,
         Frames,
+        Sampling,
     )
     from assistant.robots import Robot
     from assistant.sources.placements import Placing
@@ -157,6 +158,7 @@ def compile(
     from_robot: str | Robot | None = None,
     most_targets: int | None = None,
     frames: Frames = "base",
+    grammar: Sampling = "samples",
     entry: str | None = None,
     called: str | None = None,
     main: bool | None = None,
@@ -173,6 +175,7 @@ def compile(
     arm that a vendor program was written for. most_targets: of one unit, for controllers that take
     less.
     frames: how a language without work objects says them, see `Language.with_frames`.
+    grammar: `full` has the proof parse texts of more than 20,000 lines completely with lark.
     entry: the procedure that the program begins with, where it is not the one that its source
     says. called: the name that others call the program by; main: False for none that runs all of
     it; instead of what the process file says of them. proving: how a proof by motion is sought,
@@ -180,7 +183,7 @@ def compile(
     are seen are taken from, if `cell` does not say it. Raises Unreadable or
     Refused for input that cannot be used at all.
     """
-    target = language_of(language).with_frames(frames)
+    target = language_of(language).with_frames(frames).with_sampling(grammar)
     if most_targets is not None and most_targets < LEAST_TARGETS:
         raise Refused(TOO_FEW(most=most_targets, least=LEAST_TARGETS), exit_status=2)
     stands = cell if isinstance(cell, InCell) else replace(in_cell(cell, robot), seeing=seeing)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from assistant.languages.lark_parsing import Parsed, parse
 from assistant.program.comparison import Comparison, Tolerance, compare
 from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, error, has_errors
 from assistant.program.program import Program
@@ -32,17 +33,25 @@ REFUSED_THERE = error(
     "correct the source ({cure}); nothing was written",
 )
 
+NOT_IN_GRAMMAR = error(
+    "CO108",
+    "the text that was emitted does not follow the grammar of {language}: {reason}",
+    "nothing was written; report this with the input",
+)
+
 
 @dataclass(frozen=True, slots=True)
 class Proof:
     """What was compared, and the findings if it did not hold.
 
-    lifted: what the text that was read back says, None if it could not be read.
+    lifted: what the text that was read back says, None if it could not be read. grammar: what lark
+    parsed of the text, None if the language has no grammar for it.
     """
 
     comparison: Comparison | None
     findings: tuple[Diagnostic, ...] = ()
     lifted: Program | None = None
+    grammar: Parsed | None = None
 
     @property
     def holds(self) -> bool:
@@ -53,9 +62,10 @@ class Proof:
         if self.comparison is None or not self.holds:
             return "not proven"
         c = self.comparison
+        parsed = "" if self.grammar is None else f"; grammar: {self.grammar}"
         return (
             f"proven: {c.statements:,} statements and {c.targets:,} targets read back, "
-            f"largest deviation {c.position:.6f} mm, {c.angle:.6f} degrees"
+            f"largest deviation {c.position:.6f} mm, {c.angle:.6f} degrees{parsed}"
         )
 
 
@@ -66,7 +76,7 @@ def prove(
     robot: Robot | None = None,
     compared: Callable[[Sequence[Any]], tuple[Program, Program]] | None = None,
 ) -> Proof:
-    """Reads the files back from their bytes and compares them with the program.
+    """Reads the files back from their bytes, parses them with lark, and compares them.
 
     program: as the language adapted it. compared: gives it and what the trees say in one
     spelling, where that is more than what lifting them gives. The findings of a proof that does
@@ -76,18 +86,21 @@ def prove(
     findings = [finding for tree in trees for finding in tree.findings]
     if has_errors(findings):
         return Proof(None, (*_reasons(NOT_READ_BACK, findings), *findings))
+    parsed = parse(language, trees, NOT_IN_GRAMMAR, language.sampling)
+    if parsed is not None and parsed.refused:
+        return Proof(None, parsed.refused, grammar=parsed)
     findings += language.check(trees)
     try:
         lifted = language.lift(trees, robot)
         if has_errors(findings):
-            return Proof(None, (*_reasons(REFUSED_THERE, findings), *findings), lifted)
+            return Proof(None, (*_reasons(REFUSED_THERE, findings), *findings), lifted, parsed)
         expected, actual = compared(trees) if compared else (program, lifted)
     except Refused as refused:
         reasons = [
             NOT_READ_BACK(reason=f.message, about=f.about, missed=f.missing)
             for f in refused.findings
         ]
-        return Proof(None, tuple(reasons))
+        return Proof(None, tuple(reasons), grammar=parsed)
     precision = language.precision
     tolerance = Tolerance(precision.position, precision.angle, precision.number)
     with within(COMPARING, None, expected.size()):
@@ -96,7 +109,7 @@ def prove(
         SAYS_OTHERWISE(message=m.message, about=m.about, span=None if compared else m.span)
         for m in comparison.mismatches
     ]
-    return Proof(comparison, (*otherwise, *findings), lifted)
+    return Proof(comparison, (*otherwise, *findings), lifted, parsed)
 
 
 def _reasons(rule: Rule, findings: Sequence[Diagnostic]) -> list[Diagnostic]:

@@ -43,6 +43,7 @@ from assistant.sources.sights import NOTHING_SEEN, Seeing
 if TYPE_CHECKING:
     from assistant.languages.answers import (
         Frames,
+        Sampling,
     )
     from assistant.program.wanted import Wanted
     from assistant.robots import Robot
@@ -150,6 +151,7 @@ def translate(
     language: str | None = None,
     most_targets: int | None = None,
     frames: Frames = "base",
+    grammar: Sampling = "samples",
     draft: bool = False,
     entry: str | None = None,
     proving: Proving | None = None,
@@ -162,14 +164,19 @@ def translate(
     yet: what it does not say is in `wanting` of the answer; nothing is given out that touches its
     bodies, if it has any. language: of the source, if neither
     suffix nor text tell.
-    frames: how a language without work objects says them, see `Language.with_frames`. draft: gives
-    files also if some statements cannot be said: each stands as a comment behind a stop.
+    frames: how a language without work objects says them, see `Language.with_frames`.
+    grammar: `full` has the proof parse texts of more than 20,000 lines completely with lark.
+    draft: gives files also if some statements cannot be said: each stands as a comment behind a
+    stop.
     entry: the procedure that the program begins with, where the source has no `main`. proving: how
     a proof by motion is sought, None for none; nothing is given out that lacks one then. seeing:
     where frames that are seen are taken from.
     Raises Unreadable or Refused for what cannot be read at all.
     """
-    target, stands = language_of(to).with_frames(frames), in_cell(cell, robot, values=True)
+    target, stands = (
+        language_of(to).with_frames(frames).with_sampling(grammar),
+        in_cell(cell, robot, values=True),
+    )
     arms = replace(stands, seeing=seeing).arms(robot_of(from_robot))
     loaded = source
     if not isinstance(loaded, Loaded):

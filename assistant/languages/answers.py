@@ -122,5 +122,7 @@ class Adapted:
     wanting: tuple[Diagnostic, ...] = ()
 
 
+Sampling = Literal["samples", "full"]
+"""How much of a long text lark parses in a proof."""
 Frames = Literal["base", "product"]
 """How a language without work objects says what frame a target is in."""

@@ -19,11 +19,13 @@ from assistant.languages.answers import (
     Frames,
     Part,
     Precision,
+    Sampling,
     Setting,
     T,
 )
 from assistant.languages.budgeted import budgeted
 from assistant.languages.tasks import Loading, Surroundings
+from assistant.program.arrays import Rows
 from assistant.program.diagnostics import Diagnostic, Refused, Severity
 from assistant.program.effects import Effect, KeptKind, unknown
 from assistant.program.lines import lines_of
@@ -31,6 +33,8 @@ from assistant.program.program import Origin, Program
 from assistant.program.text import SourceText, decode, encode, read_bytes
 
 if TYPE_CHECKING:
+    from lark import Lark
+
     from assistant.program.editing import Editable
     from assistant.program.wanted import Supplied, Wanted, WantedKind
     from assistant.robots import Robot
@@ -73,6 +77,8 @@ class Language(abc.ABC, Generic[T]):
     """Whether others call a program by the name of its file, and see nothing else of it."""
     steps: bool = False
     """Whether its lines have step numbers."""
+    sampling: Sampling = "samples"
+    """How much of a long text lark parses in a proof."""
     older: tuple[str, ...] = ()
     """Names of the languages whose programs a controller of this one takes as well."""
 
@@ -114,6 +120,23 @@ class Language(abc.ABC, Generic[T]):
 
         Raises Refused for what reaches the budget of reading, as other stages do with theirs.
         """
+
+    def by_lark(self) -> Lark | None:
+        """Lark's own parser for complete texts (`start`); None if no grammar describes them."""
+        return None
+
+    def with_sampling(self, sampling: Sampling) -> Self:
+        """The language whose proofs parse samples of a long text with lark, or all of it."""
+        made = copy(self)
+        made.sampling = sampling
+        return made
+
+    def runs(self, tree: T) -> Iterator[Rows]:  # noqa: ARG002
+        """(n, 2) where each row is in the text, for each run of like rows of a tree.
+
+        A text stays one of the language if some rows of a run are taken out, but not all.
+        """
+        yield from ()
 
     def mended(self, tree: T) -> T | None:  # noqa: ARG002
         """The tree of what a broken text certainly means, its findings as warnings; None else."""

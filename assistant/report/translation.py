@@ -145,6 +145,7 @@ def record(one: Translated) -> dict[str, Any]:
             "targets": comparison.targets,
             "position_mm": comparison.position,
             "angle_deg": comparison.angle,
+            "grammar": (parsed := translation.proof.grammar) and parsed.record(),
         },
         "motion": None if translation.motion is None else translation.motion.record(),
     }

@@ -33,10 +33,13 @@ from assistant.program.text import SourceText
 if TYPE_CHECKING:
     from pathlib import Path as FilePath
 
+    from lark import Lark
+
     from assistant.languages.melfa_basic.reading.editing import EditableMelfaBasic
     from assistant.languages.melfa_basic.tree import syntax
     from assistant.languages.melfa_basic.tree.syntax import File
     from assistant.languages.tasks import Configured, Texts
+    from assistant.program.arrays import Rows
     from assistant.program.wanted import Supplied, Wanted, WantedKind
     from assistant.robots import Robot
 
@@ -135,6 +138,20 @@ class MelfaBasic(Language["File"]):
         from assistant.languages.melfa_basic.reading.parser import parse
 
         return parse(source, self.name)
+
+    def by_lark(self) -> Lark:
+        from assistant.languages.melfa_basic.reading.grammar import by_lark
+
+        return by_lark()
+
+    def runs(self, tree: File) -> Iterator[Rows]:
+        from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
+
+        for item in tree.items:
+            if not isinstance(item, MoveRows | PositionRows):
+                continue
+            if item.span is not None and item.places is not None:
+                yield item.places + item.span.start
 
     def mended(self, tree: File) -> File | None:
         from assistant.languages.melfa_basic.reading.recovery.certain import mended

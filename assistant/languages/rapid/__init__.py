@@ -23,9 +23,12 @@ from assistant.program.program import Program
 from assistant.program.text import SourceText
 
 if TYPE_CHECKING:
+    from lark import Lark
+
     from assistant.languages.rapid.reading.editing import EditableRapid
     from assistant.languages.rapid.tree import syntax
     from assistant.languages.rapid.tree.syntax import File
+    from assistant.program.arrays import Rows
     from assistant.program.wanted import Supplied, Wanted
     from assistant.robots import Robot
 
@@ -77,6 +80,19 @@ class Rapid(Language["File"]):
         from assistant.languages.rapid.reading.parser import parse
 
         return parse(source)
+
+    def by_lark(self) -> Lark:
+        from assistant.languages.rapid.reading.grammar import by_lark
+
+        return by_lark()
+
+    def runs(self, tree: File) -> Iterator[Rows]:
+        from assistant.languages.rapid.tree.syntax import RunNode
+        from assistant.languages.rapid.tree.walk import nodes
+
+        for node in nodes(tree.parts):
+            if isinstance(node, RunNode) and node.lines is not None:
+                yield node.lines
 
     def render(self, tree: File) -> str:
         if tree.origin is None:

@@ -1,0 +1,150 @@
+"""Texts parsed by lark itself, with the grammar of their language: a second reader for the proof.
+
+It shares the grammar file with the reader of the language, but not the driver of the tables, the
+words or the columns. Texts of up to WHOLE lines are parsed completely. Of longer ones rows of long
+runs of like lines are left out by default, so that what remains is still a complete text.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from assistant.languages.answers import Sampling
+from assistant.program.arrays import Rows
+from assistant.program.diagnostics import Diagnostic, Rule, Span
+from assistant.program.lines import with_line_feeds
+from assistant.program.system.budgets import READING, within
+from assistant.program.text import SourceText
+from assistant.program.without_gc import uncollected
+
+if TYPE_CHECKING:
+    from lark import Lark
+
+    from assistant.languages.language import Language
+
+WHOLE: Final = 20_000
+"""Lines of a text that is parsed completely in any case."""
+WINDOW: Final = 100
+"""Most rows of a sample of a run."""
+ENDS_EARLY: Final = "the text ends where more is expected"
+
+
+@dataclass(frozen=True, slots=True)
+class Parsed:
+    """What lark has parsed of some texts.
+
+    lines: parsed, of a total. refused: why and where the grammar refuses a text.
+    """
+
+    lines: int = 0
+    total: int = 0
+    refused: tuple[Diagnostic, ...] = ()
+
+    def record(self) -> dict[str, int]:
+        """The numbers as plain data."""
+        return {"lines": self.lines, "of": self.total}
+
+    def __str__(self) -> str:
+        of = "" if self.lines == self.total else f" of {self.total:,}"
+        return f"{self.lines:,}{of} line{'s' * (self.total != 1)} parsed"
+
+
+@uncollected()
+def parse(
+    language: Language[Any], trees: Iterable[Any], refusal: Rule, sampling: Sampling
+) -> Parsed | None:
+    """Parse the texts that trees were read from; None if the language has no grammar for lark.
+
+    refusal: rule for a text that the grammar refuses, which names the language and a reason.
+    """
+    parser = language.by_lark()
+    if parser is None:
+        return None
+    lines = total = 0
+    refused: list[Diagnostic] = []
+    for tree in trees:
+        source: SourceText = tree.source
+        count = lines_of(source)
+        left_out: Sequence[tuple[int, int, int]] = ()
+        if sampling == "samples" and count > WHOLE:
+            left_out = between_samples(list(language.runs(tree)))
+        total += count
+        lines += count - sum(rows for _, _, rows in left_out)
+        with within(READING, source.path, len(source.text)):
+            wrong = _refused(parser, with_line_feeds(source.text), left_out)
+        if wrong is not None:
+            at, reason = wrong
+            end = min(at + 1, len(source.text))
+            span = Span(min(at, end), end)
+            refused.append(source.finding(refusal, span, language=language.title, reason=reason))
+    return Parsed(lines, total, tuple(refused))
+
+
+def lines_of(source: SourceText) -> int:
+    """Lines of a text; nothing after the last line end is not one."""
+    last = source.line_count
+    return last - (not source.line_text(last))
+
+
+def between_samples(runs: Sequence[Rows]) -> list[tuple[int, int, int]]:
+    """Return what to leave out of a text: begin, end and number of rows of each piece.
+
+    runs: (n, 2) where each row of a run of like lines begins and ends, for each run. The first rows
+    of each run stay, the last ones, and windows between them: up to WHOLE rows of ends and as many
+    of windows.
+    """
+    if not runs:
+        return []
+    window = max(1, min(WINDOW, WHOLE // (2 * len(runs))))
+    rows = sum(map(len, runs))
+    stride = max(2 * window, -(-rows * window // WHOLE))
+    pieces: list[tuple[int, int, int]] = []
+    for run in runs:
+        last = len(run) - window
+        starts = np.append(np.arange(0, max(last - window, 0), stride), last)
+        for first, following in zip(starts[:-1] + window, starts[1:], strict=True):
+            if first < following:
+                pieces.append((int(run[first, 0]), int(run[following, 0]), int(following - first)))
+    return pieces
+
+
+def _refused(
+    parser: Lark, text: str, left_out: Sequence[tuple[int, int, int]]
+) -> tuple[int, str] | None:
+    """Where in a text lark meets what does not fit, and what that is; None for a sound text."""
+    from lark import UnexpectedInput, UnexpectedToken
+
+    short, shifts = _without(text, left_out)
+    try:
+        parser.parse(short, start="start")
+    except UnexpectedInput as error:
+        ended = isinstance(error, UnexpectedToken) and error.token.type == "$END"
+        at = error.pos_in_stream
+        if ended or at is None:
+            at, reason = len(short), ENDS_EARLY
+        else:
+            found = error.token if isinstance(error, UnexpectedToken) else short[at]
+            reason = f"`{found}` is not expected there"
+        return at + sum(shift for begin, shift in shifts if begin <= at), reason
+    return None
+
+
+def _without(
+    text: str, left_out: Sequence[tuple[int, int, int]]
+) -> tuple[str, list[tuple[int, int]]]:
+    """A text without some pieces, and from which offsets in it on how much is missing."""
+    if not left_out:
+        return text, []
+    pieces: list[str] = []
+    shifts: list[tuple[int, int]] = []
+    at = length = 0
+    for begin, end, _ in left_out:
+        pieces.append(text[at:begin])
+        length += begin - at
+        shifts.append((length, end - begin))
+        at = end
+    return "".join([*pieces, text[at:]]), shifts
