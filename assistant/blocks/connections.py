@@ -141,13 +141,14 @@ class Operator:
         while (job := self._jobs.get()) is not None:
             statements, goal, done = job
             try:
-                for number, statement in enumerate(statements, 1):
-                    self._asking = True
-                    if self._alone and number == len(statements):
-                        self.session.execute_while(statement, goal, lambda: self._held)
-                    else:
-                        self.session.execute(statement, wait=True)
-                    self._asking = False
+                with self.session.scratch() as task:
+                    for number, statement in enumerate(statements, 1):
+                        self._asking = True
+                        if self._alone and number == len(statements):
+                            self.session.execute_while(statement, goal, lambda: self._held, task)
+                        else:
+                            self.session.execute(statement, wait=True, task=task)
+                        self._asking = False
                 done.set_result(self.session.position())
             except Exception as error:  # noqa: BLE001 - it is the block's, which raises it
                 self._asking = False
@@ -160,7 +161,8 @@ def operated(
 ) -> Connection[Operator]:
     """A CR controller whose arm blocks move statement by statement, over its controller link.
 
-    address: of the controller, or its name in the project. override: percent of the speed. servo:
+    address: of the controller, or its name in the project. override: percent of the speed
+    meanwhile. servo:
     whether the servos are switched on before and off after. timeout: seconds of the longest move.
     """
 
@@ -170,6 +172,7 @@ def operated(
         if not isinstance(session, Cr):
             raise Refused(NO_STATEMENTS(name=name, address=session.address), exit_status=2)
         with session, ending() as last:
+            last.callback(session.set_override, session.state().override or override)
             session.set_override(override)
             if servo:
                 last.callback(session.motors, False)

@@ -7,8 +7,8 @@ every way out.
 from __future__ import annotations
 
 import socket
-from collections.abc import Callable, Mapping
-from contextlib import closing
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
@@ -252,7 +252,6 @@ def _mxt(session: Programs, led: Led, wishes: Wishes, progress: Progress) -> Don
 
     on_network(session, wishes)
     controller, host = _operated(session), session.address.host
-    install_mxt(controller, wishes)
     joints = led.numbered(led.joints, 0.0)
     sliding = tuple(
         place + 1 for place, slides in zip(led.places, led.sliding, strict=True) if slides
@@ -266,36 +265,46 @@ def _mxt(session: Programs, led: Led, wishes: Wishes, progress: Progress) -> Don
         sliding=sliding,
         settings=Settings(opening=OPENING),
     )
-    controller.load(MXT_PROGRAM)
-    controller.start()
-    try:
-        with mxt:
-            report = mxt.follow(
-                Trajectory.of_joints(joints, led.seconds),
-                end=True,
-                watch=lambda now: progress(max(0.0, now.row) / max(1, now.rows)),
-            )
-    except BaseException:
-        controller.stop()
-        raise
+    with mxt_installed(controller, wishes):
+        controller.load(MXT_PROGRAM)
+        controller.start()
+        try:
+            with mxt:
+                report = mxt.follow(
+                    Trajectory.of_joints(joints, led.seconds),
+                    end=True,
+                    watch=lambda now: progress(max(0.0, now.row) / max(1, now.rows)),
+                )
+        except BaseException:
+            controller.stop()
+            raise
     return Done(str(report), report.columns, report.findings)
 
 
-def install_mxt(controller: Controller, wishes: Wishes) -> None:
-    """Writes the program that waits for packets of this computer, if it is not there."""
+@contextmanager
+def mxt_installed(controller: Controller, wishes: Wishes) -> Iterator[None]:
+    """With the program that waits for packets of this computer; the controller is as it was then.
+
+    A program of its name stays if it has the same steps, whatever values its variables have.
+    Raises Refused for another one, unless it may be replaced.
+    """
+    from assistant.controllers.mitsubishi.helpers import borrowed
     from assistant.controllers.mitsubishi.mxt.program import program
 
     text = program(_own_address(controller.address.host)).encode("ascii")
-    _install(controller, MXT_PROGRAM, text, wishes.replace)
+    with borrowed(controller, (MXT_PROGRAM,)):
+        there = controller.read(MXT_PROGRAM)
+        if there is None or steps_of(controller, there) != steps_of(controller, text):
+            if there is not None and not wishes.replace:
+                place = str(controller.address)
+                raise Refused(rules.OTHER_PROGRAM(place=place, name=MXT_PROGRAM))
+            controller.write(MXT_PROGRAM, text)
+        yield
 
 
-def _install(controller: Controller, name: str, text: bytes, replace: bool) -> None:
-    there = controller.read(name)
-    if there is not None and controller.stored(there) == controller.stored(text):
-        return
-    if there is not None and not replace:
-        raise Refused(rules.OTHER_PROGRAM(place=str(controller.address), name=name))
-    controller.write(name, text)
+def steps_of(controller: Controller, program: bytes) -> list[bytes]:
+    """The lines of a program without its variables, which get other values as it runs."""
+    return [line for line in controller.stored(program).splitlines() if line[:1].isdigit()]
 
 
 def _own_address(host: str) -> str:

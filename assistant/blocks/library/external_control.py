@@ -28,7 +28,7 @@ from assistant.controllers import connect
 from assistant.controllers.controller import Controller
 from assistant.controllers.cyclic import Report, Settings, Timing
 from assistant.controllers.cyclic.space import braked
-from assistant.controllers.following import MXT_PROGRAM, Wishes, install_mxt, on_network
+from assistant.controllers.following import Wishes, on_network
 from assistant.controllers.leading import cycles
 from assistant.controllers.leading.cycles import CyclicCarrier
 from assistant.program.arrays import Floats
@@ -96,8 +96,8 @@ def by_mxt(
 ) -> Connection[Led]:
     """An arm of a CR controller by real-time external control; else as `by_egm`.
 
-    The program that waits for its packets is installed and started. servo: whether the servos are
-    switched on before and off after. timeout: seconds to wait for an answer of the controller.
+    The program that waits for its packets is on the controller meanwhile. servo: whether the servos
+    are switched on before and off after. timeout: seconds to wait for an answer of the controller.
     """
 
     @contextmanager
@@ -108,7 +108,6 @@ def by_mxt(
             raise Refused(NOT_OPERATED(name=name, address=session.address), exit_status=2)
         on_network(session, wanted)
         with session, ending() as last:
-            install_mxt(session, wanted)
             if servo:
                 last.callback(session.motors, False)
                 session.motors(True)
@@ -119,8 +118,8 @@ def by_mxt(
                     session.stop()
 
             last.callback(stop_what_failed)
-            made = (session, MXT_PROGRAM, guard.arm(), wanted.port, wanted.cycle)
-            led = Led(guard, last.enter_context(cycles.by_mxt(*made)))
+            carrier = cycles.by_mxt(session, guard.arm(), wanted)
+            led = Led(guard, last.enter_context(carrier))
             yield led
 
     return Connection(name, opening, moves=True)

@@ -12,7 +12,7 @@ from typing import Final
 
 from assistant.controllers.controller import Controller, JogsJoints, Programs
 from assistant.controllers.following import MODES as FOLLOWING
-from assistant.controllers.following import MXT_PROGRAM, Check, Wishes, install_mxt, lines_of
+from assistant.controllers.following import Check, Wishes, lines_of
 from assistant.controllers.leading.carrier import Arm, Carrier
 from assistant.controllers.rules import NOT_HERE
 from assistant.program.arrays import Floats
@@ -66,8 +66,7 @@ def _mxt(session: Programs, arm: Arm, wishes: Wishes, near: Floats) -> Carrier: 
     from assistant.controllers.leading.cycles import by_mxt
 
     assert isinstance(session, Controller)
-    install_mxt(session, wishes)
-    return by_mxt(session, MXT_PROGRAM, arm, wishes.port, wishes.cycle)
+    return by_mxt(session, arm, wishes)
 
 
 def _egm(session: Programs, arm: Arm, wishes: Wishes, near: Floats) -> Carrier:  # noqa: ARG001

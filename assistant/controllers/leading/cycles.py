@@ -11,6 +11,7 @@ import numpy as np
 
 from assistant.controllers.controller import Controller
 from assistant.controllers.cyclic import Leading, Limits, Settings
+from assistant.controllers.following import MXT_PROGRAM, Wishes, mxt_installed
 from assistant.controllers.leading.carrier import Arm
 from assistant.program.arrays import Floats
 
@@ -106,10 +107,8 @@ def by_egm(
     return CyclicCarrier(arm, made)
 
 
-def by_mxt(
-    controller: Controller, name: str, arm: Arm, port: int | None, cycle: float | None
-) -> CyclicCarrier:
-    """name: of the program that waits for packets, which is on the controller and is started."""
+def by_mxt(controller: Controller, arm: Arm, wishes: Wishes) -> CyclicCarrier:
+    """The program that waits for packets is on the controller while it is led, and runs there."""
     from assistant.controllers.mitsubishi.mxt import client
 
     def made(limits: Limits, opening: ExitStack) -> Leading:
@@ -118,14 +117,15 @@ def by_mxt(
         )
         mxt = client.Mxt(
             controller.address.host,
-            port=port or client.PORT,
+            port=wishes.port or client.PORT,
             limits=limits,
-            cycle=cycle or client.CYCLES["CR750"],
+            cycle=wishes.cycle or client.CYCLES["CR750"],
             axes=len(limits.speeds),
             sliding=sliding,
             settings=Settings(opening=OPENING),
         )
-        controller.load(name)
+        opening.enter_context(mxt_installed(controller, wishes))
+        controller.load(MXT_PROGRAM)
         controller.start()
         opening.push(lambda kind, *_: controller.stop() if kind is not None else None)
         opening.enter_context(mxt)

@@ -20,6 +20,7 @@ from typing import Final
 
 from assistant.controllers import folders
 from assistant.controllers.mitsubishi import listing, parameters, programs, state, variables
+from assistant.controllers.mitsubishi.helpers import SCRATCH
 from assistant.controllers.mitsubishi.kept_back import SECRET
 from assistant.controllers.mitsubishi.session import Session
 
@@ -43,7 +44,7 @@ def backup(session: Session, folder: str | FilePath) -> tuple[str, ...]:
         if others:
             text = "".join(f"{name}\n" for name in others)
             folders.put(place, NOT_KEPT, text.encode())
-        for name in (entry.name for entry in there):
+        for name in (entry.name for entry in there if entry.name != SCRATCH):
             folders.put(place, program_file(name), programs.listed(session, name))
             _put_lines(place, variable_file(name), variables.of_program(session, name))
         _put_lines(place, EXTERNALS, variables.externals(session))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path as FilePath
 from typing import Final, Self
 
@@ -11,6 +12,7 @@ from assistant.controllers.address import Address
 from assistant.controllers.mitsubishi import (
     backup,
     error_log,
+    helpers,
     jogging,
     listing,
     operating,
@@ -200,12 +202,19 @@ class Cr:
 
     def execute(self, statement: str, *, wait: bool = False, task: str = "") -> None:
         """Has the controller execute one statement, which may move the arm."""
-        slot = operating.slot_of(self.session, task)
+        slot = operating.slot_of(self.session, task, edit=True)
         operating.execute(self.session, statement, wait_for_end=wait, slot=slot)
 
-    def execute_while(self, statement: str, goal: jogging.Goal, held: Held) -> None:
+    def execute_while(self, statement: str, goal: jogging.Goal, held: Held, task: str = "") -> None:
         """Has it execute one that moves the arm to a goal; stops it once that is not held."""
-        jogging.execute_while(self.session, statement, goal, held)
+        slot = operating.slot_of(self.session, task, edit=True)
+        jogging.execute_while(self.session, statement, goal, held, slot)
+
+    @contextmanager
+    def scratch(self) -> Iterator[str]:
+        """The task in which statements have variables that no program keeps; see `execute`."""
+        with helpers.scratch(self.session, "executing statements") as slot:
+            yield str(slot)
 
     def backup(self, folder: FilePath) -> tuple[str, ...]:
         return backup.backup(self.session, folder)

@@ -1,8 +1,9 @@
 """Moving an arm of a CR controller to a place worked out here, and no further: by hand, or told.
 
 JOG of the link moves for as long as it is repeated. Here the target is worked out from where the
-arm stands, put into a variable and moved to by Mov, as other clients do (`PCOSIROP`, `JCOSIROP`):
-whatever becomes of the line, the arm goes there at most. The way is one of the joints (Mov).
+arm stands, put into a variable and moved to by Mov: whatever becomes of the line, the arm goes
+there at most. The way is one of the joints (Mov). The variable belongs to a program of the edit
+slot that is never saved, so nothing of it stays (`helpers.scratch`).
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import math
 import re
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import Final
 
@@ -19,6 +20,7 @@ from assistant.controllers import rules
 from assistant.controllers.abilities import Held
 from assistant.controllers.mitsubishi import operating, position, values
 from assistant.controllers.mitsubishi.answers import BARE
+from assistant.controllers.mitsubishi.helpers import scratch
 from assistant.controllers.mitsubishi.position import Shown
 from assistant.controllers.mitsubishi.session import UNCHANGED, Session
 from assistant.controllers.mitsubishi.state import SERVO, faults, run_bits, running
@@ -41,7 +43,9 @@ NEAR: Final = 0.06
 """mm and degrees that the arm may be off: places are shown with two decimals."""
 MOST_SECONDS: Final = 120.0
 SERVOS_OFF, DURING_RUN = 2000, 5640
-JOINT, POSE = "JCOSIROP", "PCOSIROP"
+OUT_OF_REACH: Final = frozenset({2600, 2601, 2602, 2603, 2800, 2801, 2802, 2803})
+"""Errors of positions that a motion cannot have."""
+JOINT, POSE = "JGOAL", "PGOAL"
 ABOUT: Final = {"A": "X", "B": "Y", "C": "Z"}
 
 
@@ -89,7 +93,7 @@ def jog(session: Session, asked: Jog, check: Check | None, held: Held = always) 
         _go(session, asked.speed, name, value, goal, doing, held)
 
 
-def execute_while(session: Session, statement: str, goal: Goal, held: Held) -> None:
+def execute_while(session: Session, statement: str, goal: Goal, held: Held, slot: int = 1) -> None:
     """Has a statement move the arm to a goal, and comes back when it stands there.
 
     For lines with room for one: they stay free for the stop, which goes out once it is not held.
@@ -100,7 +104,7 @@ def execute_while(session: Session, statement: str, goal: Goal, held: Held) -> N
             shown = position.pose(session).values
             goal = Goal(pose={n: v for n, v in goal.pose.items() if shown.get(n) is not None})
         with _stopping(session):
-            operating.execute(session, statement, wait_for_end=False)
+            operating.execute(session, statement, wait_for_end=False, slot=slot)
             _arrive(session, goal, doing, held)
 
 
@@ -140,14 +144,15 @@ def _go(
     held: Held = always,
 ) -> None:
     """Moves to a variable that is given a value, and comes back when the arm stands there."""
-    session.ask(f"EXECJOVRD {speed:g}", doing=doing, shape=BARE)
-    session.ask(f"EXEC{name}={value}", doing=doing, shape=BARE)
-    if not held():
-        raise _not_there(session, doing, 0.0, "nothing has moved")
-    with _stopping(session):
-        state = "the arm may have begun to move"
-        session.ask(f"EXECMOV {name}", doing=doing, state=state, shape=BARE)
-        _arrive(session, goal, doing, held)
+    with _acknowledged(session), scratch(session, doing) as slot:
+        session.ask(f"EXECJOVRD {speed:g}", doing=doing, slot=slot, shape=BARE)
+        session.ask(f"EXEC{name}={value}", doing=doing, slot=slot, shape=BARE)
+        if not held():
+            raise _not_there(session, doing, 0.0, "nothing has moved")
+        with _stopping(session):
+            state = "the arm may have begun to move"
+            session.ask(f"EXECMOV {name}", doing=doing, state=state, slot=slot, shape=BARE)
+            _arrive(session, goal, doing, held)
 
 
 def _sensible(asked: Jog, axis: str) -> None:
@@ -248,6 +253,26 @@ def _pose(session: Session, asked: Jog, axis: str, axes: Shown, place: Shown) ->
     return here | {"A": a, "B": b, "C": c}
 
 
+class _Alarmed(Refused):
+    """A motion that an error of the controller ended."""
+
+
+@contextmanager
+def _acknowledged(session: Session) -> Iterator[None]:
+    """A goal that the arm cannot get to is an error there, which is acknowledged: it is told here.
+
+    Any other error stays: somebody has to look at it.
+    """
+    try:
+        yield
+    except _Alarmed:
+        if session.connected:
+            with suppress(Refused):
+                if {fault.number for fault in faults(session)} <= OUT_OF_REACH:
+                    session.ask("RSTALRM", doing="acknowledging the error", shape=BARE)
+        raise
+
+
 @contextmanager
 def _stopping(session: Session) -> Iterator[None]:
     """A motion that is stopped if it does not come to its own end."""
@@ -281,7 +306,7 @@ def _arrive(session: Session, goal: Goal, doing: str, held: Held) -> None:
             raise _not_there(session, doing, time.monotonic() - began, state)
         for fault in faults(session):
             if fault.level == "error":
-                raise Refused(session.alarm(fault.number, doing, "the arm has been stopped"))
+                raise _Alarmed(session.alarm(fault.number, doing, "the arm has been stopped"))
         still = still + 1 if off == before else 0
         before = off
         if still >= STILL or time.monotonic() > end:

@@ -29,11 +29,15 @@ SERVO_TIME: Final = 10.0
 MOST_PERCENT: Final = 100
 
 
-def slot_of(session: Session, task: str) -> int:
-    """The slot of a task's name, 1 for ""; raises Refused."""
+def slot_of(session: Session, task: str, *, edit: bool = False) -> int:
+    """The slot of a task's name, 1 for ""; raises Refused.
+
+    edit: whether it may be the edit slot.
+    """
     if not task:
         return 1
-    if task.isascii() and task.isdigit() and 1 <= int(task) <= session.about.slots:
+    last = session.edit_slot if edit else session.about.slots
+    if task.isascii() and task.isdigit() and 1 <= int(task) <= last:
         return int(task)
     raise values.bad(task, "a task", "tasks of this controller are slots", "the number of a slot")
 

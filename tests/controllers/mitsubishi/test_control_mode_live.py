@@ -108,7 +108,7 @@ def test_a_measurement_goes_on_by_itself_and_ends_with_its_client():
                 assert controller.state().running
                 assert measuring.status.feedback.values[2] == pytest.approx(90, abs=0.01)
             assert not controller.state().running
-        assert controller.names() == ("MEASURE",)
+        assert controller.names() == ()
 
 
 @pytest.mark.slow

@@ -5,12 +5,15 @@ The program MEASURE runs in slot 2, whatever the controller does in slot 1 meanw
 
 from __future__ import annotations
 
+from types import TracebackType
 from typing import Final, Self
 
 from assistant.controllers.controller import Controller
 from assistant.controllers.mitsubishi.control_mode import programs
 from assistant.controllers.mitsubishi.control_mode.status import STOPPING, Streaming
 from assistant.controllers.mitsubishi.data_link import DataLink
+from assistant.controllers.mitsubishi.helpers import Before
+from assistant.program.diagnostics import Refused
 
 TASK: Final = "2"
 
@@ -18,9 +21,10 @@ TASK: Final = "2"
 class Measuring(Streaming):
     """A context manager: entering starts the program and the stream, leaving ends both.
 
-    controller: is connected; the program is installed and started through it. None: it runs there
-    already, in a slot that always runs. line: what leads to COM2 of the program. silence: seconds
-    without a status that are an error. replace: another program of its name on the controller.
+    controller: is connected; the program is installed and started through it, and deleted
+    afterwards if it was not there. None: it runs there already, in a slot that always runs. line:
+    what leads to COM2 of the program. silence: seconds without a status that are an error. replace:
+    another program of its name on the controller.
     """
 
     def __init__(
@@ -34,29 +38,43 @@ class Measuring(Streaming):
     ) -> None:
         super().__init__(line, silence, timeout)
         self._controller, self._replace = controller, replace
+        self._before: Before | None = None
 
     def __enter__(self) -> Self:
         self._anew()
         self._stream.link.prepare()
-        if self._controller is not None:
-            programs.install(self._controller, (programs.MEASURE,), replace=self._replace)
-            self._controller.load(programs.MEASURE, task=TASK)
-            self._controller.start(TASK)
         try:
+            if self._controller is not None:
+                self._before = Before.of(self._controller, (programs.MEASURE,))
+                programs.install(self._controller, (programs.MEASURE,), replace=self._replace)
+                self._controller.load(programs.MEASURE, task=TASK)
+                self._controller.start(TASK)
             self._stream.link.open()
             self._stream.start()
             self._stream.first()
         except BaseException:
-            self._end()
+            self._end(failed=True)
             raise
         return self
 
-    def __exit__(self, *error: object) -> None:
-        self._end()
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._end(failed=error is not None)
 
-    def _end(self) -> None:
+    def _end(self, *, failed: bool) -> None:
         """A program that is not told so ends by itself within 2 s."""
         try:
             self._stream.stop(STOPPING, again=True)
         finally:
             self._stream.close()
+        if self._before is not None:
+            before, self._before = self._before, None
+            try:
+                before.put_back()
+            except Refused:
+                if not failed:
+                    raise

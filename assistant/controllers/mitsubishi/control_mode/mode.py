@@ -26,6 +26,7 @@ from assistant.controllers.mitsubishi.control_mode.status import (
     link_to,
 )
 from assistant.controllers.mitsubishi.data_link import DataLink, Joints, rules
+from assistant.controllers.mitsubishi.helpers import Before
 from assistant.controllers.rules import Lost
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Refused
@@ -43,14 +44,14 @@ LOOK: Final = 0.1
 class ControlMode(Streaming):
     """A context manager: entering starts the programs and the status stream, leaving stops them.
 
-    controller: is connected; the programs are installed and started through it. None: somebody
-    else starts them. control_line, status_line: what leads to COM1 and COM2 of the programs, a
-    target of `DataLink` or a link that is not open yet. limits: (k, 2) lowest and highest degrees
-    of each axis. most_step: degrees that an axis may turn between two points, and from where it
-    stands to the first one. ahead: points that are sent before the controller takes them.
-    silence: seconds without a status that stop it.
-    timeout: seconds in which an arm that is to move does. replace: other programs of the names of
-    ours on the controller.
+    controller: is connected; the programs are installed and started through it, and it is as it was
+    afterwards. None: somebody else starts them. control_line, status_line: what leads to COM1 and
+    COM2 of the programs, a target of `DataLink` or a link that is not open yet.
+    limits: (k, 2) lowest and highest degrees of each axis. most_step: degrees that an axis may turn
+    between two points, and from where it stands to the first one. ahead: points that are sent
+    before the controller takes them. silence: seconds without a status that stop it. timeout:
+    seconds in which an arm that is to move does. replace: other programs of the names of ours on
+    the controller.
     """
 
     def __init__(
@@ -78,17 +79,16 @@ class ControlMode(Streaming):
         self._last: Floats | None = None
         """The point that was sent last, None before the first."""
         self._started = self._stopped = False
+        self._before: Before | None = None
 
     def __enter__(self) -> Self:
         self._anew()
         self._started = self._stopped = False
+        self._before = None
         try:
             self._begin()
         except BaseException as error:
-            try:
-                state = self.stop()
-            finally:
-                self._close()
+            state = self._end(error)
             if self._started and isinstance(error, Refused):
                 raise self._with(error, state) from None
             raise
@@ -101,10 +101,7 @@ class ControlMode(Streaming):
         trace: TracebackType | None,
     ) -> None:
         """Raises Refused if the programs could not be stopped, unless there is an error already."""
-        try:
-            state = self.stop()
-        finally:
-            self._close()
+        state = self._end(error)
         if state != STOPPED and error is None:
             raise Lost(rules.NOT_ENDED(place=self._stream.link.target, state=state))
 
@@ -165,6 +162,7 @@ class ControlMode(Streaming):
         self._stream.link.prepare()
         if self.controller is not None:
             programs.check_idle(self.controller)
+            self._before = Before.of(self.controller, programs.NAMES, programs.SHARED)
             programs.install(self.controller, replace=self._replace)
             self.controller.load(programs.FIRST)
             self._started = True
@@ -174,6 +172,20 @@ class ControlMode(Streaming):
         self._started = True
         self._stream.start()
         self._sent, self._last = self.status.taken, None
+
+    def _end(self, error: BaseException | None) -> str:
+        """Stops, closes the lines, and puts the controller back; in words, how the programs are."""
+        try:
+            state = self.stop()
+        finally:
+            self._close()
+        if self._before is not None and state == STOPPED:
+            try:
+                self._before.put_back()
+            except Refused:
+                if error is None:
+                    raise
+        return state
 
     def _close(self) -> None:
         self._stream.close()
