@@ -7,12 +7,12 @@ import sys
 import numpy as np
 import pytest
 
-from assistant.cell.collision.continuous import Way, clear, hits
+from assistant.cell.collision.continuous import Way, clear, hits, leasts
 from assistant.cell.collision.model import Model
 from assistant.cell.scene import Body, Part, Placed, Scene
 from assistant.cell.shapes import Box, Capsule, Sphere
 from assistant.program import rotations
-from assistant.program.arrays import Floats
+from assistant.program.arrays import Floats, Rows, Truths
 from assistant.program.geometry import Pose
 from tests.cell.gantry import TURN, gantry, joints
 
@@ -115,3 +115,20 @@ def test_two_robots_meet() -> None:
     contact = model.contact(hit.joints, hit.pair)
     assert {contact.one, contact.other} == {"hammer", "anvil"}
     assert abs(contact.points[0][0] - 250.0) < 1.0
+
+
+def test_joints_that_jump_are_no_endless_search() -> None:
+    """What is passed over in no time at all may have been met."""
+    post, ball = Part(Capsule(10.0, 2000.0)), Part(Sphere(20.0))
+    bodies = (Body("post", (post,)), Body("ball", (ball,), parent="flange"))
+    model = Model(Scene(bodies, (gantry(),)))
+    ends = joints(np.array([[-300.0, 0.0, 0.0], [300.0, 0.0, 0.0]]))
+
+    def jumping(_: Rows, part: Floats) -> tuple[Floats, Truths]:
+        return ends[(part > 0.3).astype(int)], np.ones(len(part), dtype=bool)
+
+    way = Way(ends, np.zeros((1, ends.shape[1])), jumping)
+    (hit,) = hits(model, way)
+    assert abs(hit.at - 0.3) < 1e-6
+    (least,) = leasts(model, way, np.array([50.0]), np.array([0]))
+    assert least.bound <= 0.0 < least.distance

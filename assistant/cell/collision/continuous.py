@@ -22,6 +22,8 @@ from assistant.program.arrays import Floats, Rows, Truths
 
 RESOLUTION: Final = 0.1
 """mm that anything moves in the shortest part: what comes that near counts as touching."""
+SHORTEST: Final = 2.0**-30
+"""Of a stretch, a part that is halved no more: joints that differ at its ends all the same jump."""
 TOGETHER: Final = 500_000
 """Stretches times pairs that are looked at together: each takes some hundred bytes at most."""
 LONGEST: Final = 65536
@@ -209,6 +211,7 @@ class _Chunk:
             least = (at_low + at_high - whole) / 2.0 - off
             close = least <= limit[pair]
             small = (whole <= resolution) & ((2.0 * off <= resolution) | fixed)
+            small |= parts.size <= SHORTEST
             found, on = np.flatnonzero(close & small), np.flatnonzero(close & ~small)
             out += self._found(parts, which[found], pair[found])
             which, pair, at_low, at_high = which[on], pair[on], at_low[on], at_high[on]
@@ -243,6 +246,7 @@ class _Chunk:
             open_ = (least < best[job] - FINEST) & (least <= limit[pair])
             small = (whole <= FINEST) & (2.0 * off <= FINEST)
             small |= fixed & (whole <= np.maximum(FINEST, off))  # halves would be no surer
+            small |= parts.size <= SHORTEST
             if done > MOST:  # contacts are found all the same, but not how deep they are
                 small |= (least > 0.0) | (best[job] <= 0.0)
             ends, on = np.flatnonzero(open_ & small), np.flatnonzero(open_ & ~small)
