@@ -22,8 +22,10 @@ if TYPE_CHECKING:
     from assistant.compiler import compile, load, translate
     from assistant.controllers import connect
     from assistant.program.diagnostics import Refused
+    from assistant.program.geometry import Pose
 
 _LAZY: Final = {
+    "Pose": ("assistant.program.geometry", "Pose"),
     "Refused": ("assistant.program.diagnostics", "Refused"),
     "check": ("assistant.api.checking", "check"),
     "compile": ("assistant.compiler", "compile"),
@@ -42,6 +44,7 @@ _LAZY: Final = {
 """Public names, imported when first used so that the command line starts fast."""
 
 __all__ = [
+    "Pose",
     "Refused",
     "__version__",
     "check",

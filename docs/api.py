@@ -37,6 +37,7 @@ CLASSES: Final = (
     "assistant.program.diagnostics.Diagnostic",
     "assistant.program.diagnostics.Refused",
     "assistant.program.program.Program",
+    "assistant.program.geometry.Pose",
 )
 """What they give."""
 MODULES: Final = {
@@ -82,8 +83,9 @@ def _class(name: str, kind: type) -> str:
 
 
 def _members(kind: type) -> Iterator[tuple[str, Any]]:
-    """Properties and methods of the class itself that say what they are for."""
+    """Properties, methods and static methods of the class itself that say what they are for."""
     for name, value in vars(kind).items():
+        value = value.__func__ if isinstance(value, staticmethod) else value
         told = isinstance(value, property) or inspect.isfunction(value)
         if told and not name.startswith("_") and value.__doc__:
             yield name, value

@@ -7,20 +7,27 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from assistant.program import rotations
-from assistant.program.arrays import Floats
+from assistant.program.arrays import Floats, reals
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 
 UNUSED_AXIS: Final = float("nan")
 """An external axis that a target does not name (9E9 in RAPID, absent in MELFA-BASIC)."""
+ROUNDING: Final = 1e-5
+"""Deviation from a rotation that a matrix of rounded numbers may have."""
 
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """Position in mm and orientation as a unit quaternion (w, x, y, z)."""
+    """Position in mm and orientation as a unit quaternion (w, x, y, z).
+
+    `first @ second` composes two poses: `second`, given in the frame of `first`, in the frame
+    that `first` is given in.
+    """
 
     position: Vector = (0.0, 0.0, 0.0)
     quaternion: Quaternion = (1.0, 0.0, 0.0, 0.0)
@@ -40,6 +47,7 @@ class Pose:
         return Pose(moved, _canonical(turned))
 
     def inverse(self) -> Pose:
+        """Return the pose that composes with this one to the identity."""
         w, x, y, z = self.quaternion
         back = w, -x, -y, -z
         a, b, c = _turned(back, self.position)
@@ -54,11 +62,87 @@ class Pose:
         """Moved along its own axes (mm); negative z backs off along the tool."""
         return self @ Pose((x, y, z))
 
+    @property
+    def rotation(self) -> Floats:
+        """Rotation matrix (3, 3) of the orientation; its columns are the axes of this frame.
+
+        Raises ValueError if the quaternion is zero or not finite.
+        """
+        return rotations.to_matrix(_unit(self.quaternion))
+
+    @property
+    def matrix(self) -> Floats:
+        """Homogeneous matrix (4, 4): the rotation, and the position in mm in the last column.
+
+        Raises ValueError as `rotation` does.
+        """
+        made = np.eye(4)
+        made[:3, :3] = self.rotation
+        made[:3, 3] = self.position
+        return made
+
+    @staticmethod
+    def of_matrix(matrix: ArrayLike, position: ArrayLike | None = None) -> Pose:
+        """Return the pose of a homogeneous matrix (4, 4), or of a rotation matrix (3, 3).
+
+        position: (3,) in mm, of a rotation matrix; without it the pose is at the origin. The
+        quaternion is of unit length, its first part that is not zero positive. The matrix may be
+        a rotation up to 1e-5, as numbers of six decimals are.
+
+        Raises ValueError for another shape, numbers that are not finite, a matrix that scales,
+        shears or mirrors, a last row other than 0 0 0 1, and a position beside a (4, 4).
+        """
+        given = reals(matrix)
+        if given.shape not in ((3, 3), (4, 4)) or not np.isfinite(given).all():
+            raise ValueError("a pose is a matrix (4, 4) or (3, 3) of finite numbers")
+        if given.shape == (4, 4):
+            if position is not None:
+                raise ValueError("the matrix (4, 4) already holds a position")
+            if not np.allclose(given[3], (0.0, 0.0, 0.0, 1.0), rtol=0.0, atol=ROUNDING):
+                raise ValueError("the last row of the matrix is not 0 0 0 1")
+        turn = given[:3, :3]
+        if (
+            not np.allclose(turn @ turn.T, np.eye(3), rtol=0.0, atol=ROUNDING)
+            or np.linalg.det(turn) < 0.0
+        ):
+            raise ValueError("the matrix is not a rotation: it scales, shears or mirrors")
+        if len(given) == 4:
+            place = given[:3, 3]
+        else:
+            place = reals((0.0, 0.0, 0.0) if position is None else position)
+        if place.shape != (3,) or not np.isfinite(place).all():
+            raise ValueError("a position is three finite numbers in mm")
+        return Pose.of(place, rotations.from_matrix(turn))
+
+    def interpolate(self, end: Pose, part: float) -> Pose:
+        """Return the pose at a part, 0 to 1, of the straight motion from this pose to `end`.
+
+        The position moves along the line, the orientation by the shorter turn at an even rate
+        (slerp); 0 gives this pose and 1 gives `end`. Half a turn has two shorter turns: which of
+        them is taken is then not stated.
+
+        Raises ValueError for a part that is not from 0 to 1, and as `rotation` does.
+        """
+        if not 0.0 <= part <= 1.0:
+            raise ValueError(f"a part is from 0 to 1, not {part}")
+        first, last = np.array(self.position), np.array(end.position)
+        turned = rotations.between(_unit(self.quaternion), _unit(end.quaternion), part)
+        return Pose.of((1.0 - part) * first + part * last, rotations.canonical(turned))
+
     @staticmethod
     def of(position: Floats, quaternion: Floats) -> Pose:
+        """Return the pose of a position (3,) in mm and a unit quaternion (4,), as they are."""
         x, y, z = (float(v) + 0.0 for v in position)
         q1, q2, q3, q4 = (float(v) + 0.0 for v in quaternion)
         return Pose((x, y, z), (q1, q2, q3, q4))
+
+
+def _unit(quaternion: Quaternion) -> Floats:
+    """Unit length (4,); raises ValueError for what is not a rotation."""
+    length = math.hypot(*quaternion)
+    if not (math.isfinite(length) and length > 0.0):
+        raise ValueError(f"{quaternion} is not a quaternion of a rotation")
+    return rotations.canonical(quaternion)
 
 
 # What `rotations` does with columns, to the bit, for one pose: programs that run compose millions,

@@ -97,3 +97,64 @@ def test_joint_targets_know_missing_joints() -> None:
     assert five != JointTarget((1.0, 2.0, 3.0, 4.0, 5.0, 6.0))
     assert five != JointTarget((1.0, 2.0, 3.0))
     assert five != 5
+
+
+@given(poses())
+def test_a_matrix_is_that_of_the_columns_and_comes_back(pose: Pose) -> None:
+    np.testing.assert_allclose(pose.matrix, matrix(pose), atol=1e-12)
+    np.testing.assert_allclose(pose.rotation, matrix(pose)[:3, :3], atol=1e-12)
+    for back in (Pose.of_matrix(pose.matrix), Pose.of_matrix(pose.rotation, pose.position)):
+        assert back.position == pose.position
+        assert rotations.angle_between(back.quaternion, pose.quaternion) < 1e-6
+    assert Pose.of_matrix(pose.rotation.round(6).tolist()).position == (0.0, 0.0, 0.0)
+
+
+SHEAR = [[1, 0.1, 0], [0, 1, 0], [0, 0, 1]]
+
+
+@pytest.mark.parametrize(
+    ("given", "position", "said"),
+    [
+        (np.eye(2), None, "a matrix"),
+        (np.eye(4)[None], None, "a matrix"),
+        ("a pose", None, "could not convert"),
+        (np.full((3, 3), np.nan), None, "finite"),
+        (2.0 * np.eye(3), None, "scales"),
+        (SHEAR, None, "shears"),
+        (np.diag([1.0, 1.0, -1.0]), None, "mirrors"),
+        (np.eye(4) + np.eye(4, k=-1) * [0, 0, 1, 0], None, "last row"),
+        (np.eye(4), (1.0, 2.0, 3.0), "already holds"),
+        (np.eye(3), (1.0, 2.0), "three finite numbers"),
+        (np.eye(3), (1.0, 2.0, np.inf), "three finite numbers"),
+    ],
+)
+def test_what_is_no_matrix_of_a_pose_is_refused(given, position, said: str) -> None:
+    with pytest.raises(ValueError, match=said):
+        Pose.of_matrix(given, position)
+
+
+@given(poses(), poses())
+def test_the_parts_of_a_straight_motion_are_even(start: Pose, end: Pose) -> None:
+    assert rotations.angle_between(start.interpolate(end, 0.0).quaternion, start.quaternion) < 1e-6
+    assert start.interpolate(end, 1.0).position == pytest.approx(end.position)
+    whole = rotations.angle_between(start.quaternion, end.quaternion)
+    for part in (0.25, 0.5, 1.0):
+        there = start.interpolate(end, part)
+        along = np.subtract(there.position, start.position)
+        assert along == pytest.approx(part * np.subtract(end.position, start.position), abs=1e-9)
+        turned = rotations.angle_between(start.quaternion, there.quaternion)
+        assert turned == pytest.approx(part * whole, abs=1e-5)
+
+
+@pytest.mark.parametrize("part", [-0.01, 1.01, math.nan, math.inf])
+def test_a_part_of_a_motion_is_from_0_to_1(part: float) -> None:
+    with pytest.raises(ValueError, match="from 0 to 1"):
+        IDENTITY.interpolate(IDENTITY, part)
+
+
+@pytest.mark.parametrize("quaternion", [(0.0, 0.0, 0.0, 0.0), (math.nan, 0.0, 0.0, 0.0)])
+def test_a_pose_without_an_orientation_has_no_matrix(quaternion) -> None:
+    nowhere = Pose(quaternion=quaternion)
+    for asked in (lambda: nowhere.matrix, lambda: IDENTITY.interpolate(nowhere, 0.5)):
+        with pytest.raises(ValueError, match="not a quaternion"):
+            asked()

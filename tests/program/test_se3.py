@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 
+from assistant.program.geometry import Pose
 from assistant.program.se3 import columns_of, pose_of, se3_of
 
 spatialmath = pytest.importorskip("spatialmath")
@@ -52,3 +55,20 @@ def test_what_is_no_pose_is_refused(given):
 def test_the_unit_is_never_guessed():
     with pytest.raises(KeyError):
         columns_of(SE3(), unit="cm")
+
+
+def test_a_pose_has_the_matrices_of_spatialmath():
+    for one in some():
+        pose = Pose.of_matrix(one.A)
+        assert abs(np.dot(pose.quaternion, UnitQuaternion(one.R).A)) == pytest.approx(1.0)
+        assert pose.rotation == pytest.approx(UnitQuaternion(pose.quaternion).R, abs=1e-12)
+        assert pose.matrix == pytest.approx(one.A, abs=1e-12)
+        assert Pose.of_matrix(one.R, one.t) == pose
+
+
+def test_a_pose_on_the_way_is_that_of_spatialmath():
+    for start, end in itertools.pairwise(some()):
+        first, last = Pose.of_matrix(start.A), Pose.of_matrix(end.A)
+        for part in (0.0, 0.3, 0.5, 1.0):
+            theirs = start.interp(end, part, shortest=True).A
+            assert first.interpolate(last, part).matrix == pytest.approx(theirs, abs=1e-9)

@@ -79,3 +79,17 @@ def test_the_taught_sample_is_reached_by_the_robot_it_names() -> None:
     assert np.abs(joints[:, whole[0], 4]).min() > SINGULAR
     home = np.array(program.joint_targets["home"].joints)
     assert ((robot.limits[:, 0] <= home) & (home <= robot.limits[:, 1])).all()
+
+
+def test_the_positioning_experiment_is_a_cartesian_trajectory_of_the_toolbox(path: Path) -> None:
+    """`ctraj` from the first to the last pose, in metres, gives every row as it was rounded."""
+    toolbox = pytest.importorskip("roboticstoolbox")
+    from spatialmath import SE3, UnitQuaternion
+
+    start = SE3(0.25, -0.08, 0.3) * SE3.RPY(180, 0, 60, unit="deg")
+    end = SE3(0.3, 0.08, 0.24) * SE3.RPY(180, 0, 150, unit="deg")
+    poses = toolbox.ctraj(start, end, 35)
+    assert np.abs(1000.0 * poses.t - path.positions).max() < 0.0006  # mm, of three decimals
+    turns = np.array([UnitQuaternion(one).A for one in poses])
+    alike = np.abs(np.einsum("ij,ij->i", turns, path.quaternions))
+    assert np.abs(alike - 1.0).max() < 1e-8
