@@ -11,9 +11,11 @@ unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: demo test test-slow sweep fuzz bench speed lint format pins audit sbom wheel viewer editor vscode vsix clean
 
+# The demo computes its poses with the toolbox, and does without it where it cannot be installed.
 .venv/demo: pyproject.toml
 	$(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --editable '.[plot,virtual,rws]'
+	$(BIN)/python -m pip install --quiet --editable '.[plot,virtual,rws,toolbox]' || \
+	  $(BIN)/python -m pip install --quiet --editable '.[plot,virtual,rws]'
 	touch $@
 
 # What tests and lint need, by its hashes.

@@ -44,6 +44,7 @@ EXCEPTIONS: Final = {
     ("checks/clearances.py", "clear"): "apart",
     ("cli/app.py", "rapid"): "help: what the program is for",
     ("cli/app.py", "melfa"): "help: what the program is for",
+    ("cli/demo_cells.py", "j_curr"): "what the second program on its virtual controller sends",
     ("cli/looking.py", "reset"): "the name of our own command",
     ("cli/options.py", "melfa"): "help: whose frames the option is about",
     ("editing/answers.py", "function"): "a sort of word",

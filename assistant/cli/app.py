@@ -28,7 +28,7 @@ from assistant.cli.gateways import gateway
 from assistant.cli.learning_commands import learn
 from assistant.cli.object_commands import objects, see
 from assistant.cli.options import FormatOption, complete_robot
-from assistant.cli.presentation import Format, answer_as
+from assistant.cli.presentation import Format, LengthUnit, answer_as
 from assistant.cli.reaching import reach
 from assistant.cli.studios import studio
 from assistant.cli.virtual_commands import virtual
@@ -155,8 +155,11 @@ def demo(
     output: Annotated[
         Path, typer.Option("--output", "-o", help="Folder for what it makes.")
     ] = Path("out/demo"),
+    unit: Annotated[
+        LengthUnit, typer.Option(help="Unit of the positions that are drawn.")
+    ] = LengthUnit.MM,
 ) -> None:
     """A drawing and a trajectory to programs on two embedded virtual controllers, with a report."""
     from assistant.cli.demo import run_demo
 
-    raise typer.Exit(run_demo(output))
+    raise typer.Exit(run_demo(output, unit.value))

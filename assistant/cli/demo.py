@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from assistant.cli.compiling import working
+from assistant.cli.demo_cells import ABB, MITSUBISHI, Cell, cells
 from assistant.cli.presentation import print_findings, say
 from assistant.program.diagnostics import Refused, Severity
 from assistant.resources import resource
@@ -17,72 +17,150 @@ from assistant.resources import resource
 if TYPE_CHECKING:
     from assistant.cell.scene import Scene
     from assistant.compiler import Compiled
-    from assistant.controllers import Programs
+    from assistant.program.program import Program
+    from assistant.program.se3 import Unit
+    from assistant.report.points import Poses
     from assistant.view.sheets import Sheet
 
-SOURCES: Final = ("plate.dxf", "positioning.csv")
-ROBOTS: Final = ("irb1200-7-0.7", "rv-2aj")
-"""Each has its virtual controller."""
-IN_CELL: Final = ("plate.dxf", "irb1200-7-0.7")
+DRAWING: Final = "plate.dxf"
+TRAJECTORY: Final = "positioning.csv"
+"""What is taken where `ctraj` is not installed."""
+POSES: Final = 35
+TOOL: Final = "GRIPPER"
+ROBOTS: Final = (ABB, MITSUBISHI)
+IN_CELL: Final = (DRAWING, ABB)
 """What is shown in the cell of `CELL`."""
 CELL: Final = "stand.toml"
 REPORT: Final = "report.html"
 
 
-def run_demo(output: Path) -> int:
+@dataclass(frozen=True, slots=True)
+class Source:
+    """What a program is made of.
+
+    name: that is shown. given: what is compiled. played: whether the arms follow it.
+    """
+
+    name: str
+    given: Path | Program
+    played: bool = False
+
+
+def run_demo(output: Path, unit: Unit) -> int:
     from assistant.cli.pages import Asked, write_page
 
     sheets: list[Sheet] = []
     with ExitStack() as stack:
-        controllers = _controllers(stack)
-        for name in SOURCES:
-            sheets += _sheets(output, Path(str(resource("samples", name))), controllers)
+        there = cells(stack)
+        for source in (Source(DRAWING, _sample(DRAWING)), trajectory()):
+            sheets += _sheets(output, source, there, unit)
     with working("drawing the page"):
         (report,), _ = write_page(Asked(output / REPORT), sheets, (), "demo")
     say(f"to be looked at in a browser: {report}")
     return 0
 
 
-def _controllers(stack: ExitStack) -> Mapping[str, Programs]:
-    """A client of a running virtual controller for each robot; both are empty at first."""
-    from assistant.controllers import connect
-    from assistant.virtual.cr import VirtualCr
-    from assistant.virtual.irc5 import VirtualIrc5
-
-    home = stack.enter_context(tempfile.TemporaryDirectory(prefix="robot-assistant-home-"))
-    irc5 = stack.enter_context(VirtualIrc5(home))
-    cr = stack.enter_context(VirtualCr("rv-2aj"))
-    return {
-        "irb1200-7-0.7": connect(irc5.address, password=irc5.password),
-        "rv-2aj": connect(cr.address),
-    }
+def _sample(name: str) -> Path:
+    return Path(str(resource("samples", name)))
 
 
-def _sheets(output: Path, source: Path, controllers: Mapping[str, Programs]) -> Iterator[Sheet]:
-    """A source for each robot, as it is installed there, with a plot of it."""
+def trajectory() -> Source:
+    """A Cartesian trajectory of the Robotics Toolbox; without it, its poses in a table."""
+    import assistant
+    from assistant.robots.arms.toolbox import library
+
+    try:
+        with working("loading roboticstoolbox"):
+            toolbox = library("computing the trajectory with `ctraj`")
+    except Refused as refused:
+        (missing,) = refused.findings
+        say(f"{missing.message}: the demo takes it from {TRAJECTORY}; {missing.cure}")
+        return Source(TRAJECTORY, _sample(TRAJECTORY), played=True)
+    from spatialmath import SE3
+
+    start = SE3(0.25, -0.08, 0.3) * SE3.RPY(180, 0, 60, unit="deg")
+    end = SE3(0.3, 0.08, 0.24) * SE3.RPY(180, 0, 150, unit="deg")
+    say(f"ctraj of roboticstoolbox {toolbox.__version__}: {POSES} poses between two SE3")
+    program = assistant.from_poses(
+        toolbox.ctraj(start, end, POSES),
+        unit="m",
+        name=Path(TRAJECTORY).stem,
+        speed=150,
+        blend=100,
+        tool=TOOL,
+        process=_sample("positioning.process.toml"),
+    )
+    return Source(f"{program.name} by ctraj", program, played=True)
+
+
+def _sheets(output: Path, source: Source, there: Mapping[str, Cell], unit: Unit) -> Iterator[Sheet]:
+    """A source for each robot, as it is installed and played there, with a plot of it."""
     from assistant import robots
     from assistant.cli.sheets import compiled_sheet, lines_of_drawing
-    from assistant.program.system.writing import write_files
-    from assistant.report import plots
     from assistant.report.track import track
 
-    drawn = lines_of_drawing(str(source), None, None)
+    given = source.given
+    drawn = lines_of_drawing(str(given), None, None) if isinstance(given, Path) else ()
+    passed: dict[str, Poses] = {}
     for robot in ROBOTS:
         compiled = _compiled(source, robot)
-        installed = _installed(output, compiled, controllers[robot])
-        if robot == ROBOTS[0]:
-            way = track(compiled.program)
-            plot = plots.pose_plot(way, f"{source.name}: the TCP over its way")
-            (png,) = write_files({f"{source.stem}.png": plot}, output)
-            say(f"  plot: {png}")
+        notes = [_installed(output, compiled, there[robot])]
+        if source.played:
+            passed[robot], note = _played(compiled, there[robot])
+            notes.append(note)
+        elif robot == ROBOTS[0]:
+            from assistant.report import plots
+
+            title = f"{source.name}: the TCP over its way"
+            _drawn(output, source, plots.pose_plot(track(compiled.program), title, unit))
         scene = _scene(robot) if (source.name, robot) == IN_CELL else None
         found = (
-            replace(one, path=source.name if one.path == str(source) else one.path)
+            replace(one, path=source.name if one.path == str(given) else one.path)
             for one in compiled.found
         )  # of a file that somebody else installed
         compiled = replace(compiled, found=tuple(found))
         sheet = compiled_sheet(source.name, compiled, scene, robots.get(robot), drawn)
-        yield replace(sheet, notes=(*sheet.notes, installed))
+        yield replace(sheet, notes=(*sheet.notes, *notes))
+    if passed:
+        from assistant.report.points import point_plot
+
+        title = f"{source.name}: the TCP at its {POSES} points"
+        _drawn(output, source, point_plot(_points(compiled), passed, title, unit=unit))
+
+
+def _drawn(output: Path, source: Source, plot: bytes) -> None:
+    from assistant.program.system.writing import write_files
+
+    given = source.given
+    stem = given.stem if isinstance(given, Path) else given.name
+    (png,) = write_files({f"{stem}.png": plot}, output)
+    say(f"  plot: {png}")
+
+
+def _points(compiled: Compiled) -> Poses:
+    """The points of a program, in the order of its statements."""
+    from assistant.report.points import Poses
+    from assistant.report.track import track
+
+    way = track(compiled.program)
+    return Poses(way.positions, way.quaternions)
+
+
+def _played(compiled: Compiled, cell: Cell) -> tuple[Poses, str]:
+    """Where the arm passed the points as the program ran there, and how near to them, in a line."""
+    from assistant.report.points import passed
+
+    tool = compiled.program.tools[TOOL]
+    name = cell.programs.name_for(next(iter(compiled.files)))
+    with working(f"playing {name} on the virtual controller"):
+        seen = cell.seen(name, tool.tip)
+    points = _points(compiled)
+    there = passed(points, seen)
+    apart, turned = points.deviation(there)
+    near = f"within {apart:.2f} mm and {turned:.2f} degrees"
+    note = f"played: {len(points)} points passed {near}, by {len(seen)} looks at the arm"
+    say(f"  {note}")
+    return there, note
 
 
 def _scene(robot: str) -> Scene | None:
@@ -98,13 +176,13 @@ def _scene(robot: str) -> Scene | None:
         return None
 
 
-def _compiled(source: Path, robot: str) -> Compiled:
+def _compiled(source: Source, robot: str) -> Compiled:
     from assistant import robots
     from assistant.compiler import compile
 
     language = robots.get(robot).languages[0]
     with working(f"compiling {source.name} for {robot}"):
-        compiled = compile(source, language=language, robot=robot)
+        compiled = compile(source.given, language=language, robot=robot)
     asked = (f for f in compiled.findings if f.severity is not Severity.INFO)
     print_findings(f.within(source.name) for f in asked)
     say(f"{source.name} for {robot}: {compiled.proof.line()}")
@@ -113,7 +191,7 @@ def _compiled(source: Path, robot: str) -> Compiled:
     return compiled
 
 
-def _installed(output: Path, compiled: Compiled, controller: Programs) -> str:
+def _installed(output: Path, compiled: Compiled, cell: Cell) -> str:
     """Installs a program on a controller; what was done, in a line."""
     from assistant import deploy
     from assistant.program.system.writing import write_files
@@ -121,7 +199,7 @@ def _installed(output: Path, compiled: Compiled, controller: Programs) -> str:
     paths = write_files(compiled.files, output)
     say(f"  written: {', '.join(str(path) for path in paths)}")
     history = output / "deployments"
-    done = deploy.deploy(deploy.plan(paths, controller, history=history), history=history)
+    done = deploy.deploy(deploy.plan(paths, cell.programs, history=history), history=history)
     if not done.ok:
         raise Refused(*done.findings)
     say(f"  {done.summary}")

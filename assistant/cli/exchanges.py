@@ -9,7 +9,7 @@ import typer
 
 from assistant.cli.on_controllers import CellArgument, YesOption
 from assistant.cli.options import FormatOption
-from assistant.cli.presentation import Format
+from assistant.cli.presentation import Format, LengthUnit
 
 exchange: Final = typer.Typer(
     help="Exchange poses with a running program, by files on the controller.",
@@ -112,6 +112,9 @@ def follow(
     plot: Annotated[
         Path | None, typer.Option(help="Draw what was answered.", metavar="FILE.png|svg")
     ] = None,
+    plot_unit: Annotated[
+        LengthUnit, typer.Option("--plot-unit", help="Unit of the positions that are drawn.")
+    ] = LengthUnit.MM,
     prefix: PrefixOption = "exchange",
     timeout: TimeoutOption = 10.0,
     longest: Annotated[float, typer.Option(help="Seconds for one motion.", min=0.1)] = 240.0,
@@ -125,7 +128,9 @@ def follow(
     from assistant.cli.exchanging import Options, plain_files, run_follow
 
     names = plain_files(plain, files, answers, {"--through": through})
-    options = Options(prefix, timeout, longest, through, record, plot, names, yes, format)
+    options = Options(
+        prefix, timeout, longest, through, record, plot, plot_unit.value, names, yes, format
+    )
     raise typer.Exit(run_follow(cell, trajectory, options))
 
 

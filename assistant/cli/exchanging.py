@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     )
     from assistant.program.geometry import Target
     from assistant.program.path import Path as Poses
+    from assistant.program.se3 import Unit
     from assistant.program.statements import Motion
 
 BAD_LIST: Final = error("CL261", "`{given}` is not {wanted}", "write numbers with commas between")
@@ -63,6 +64,7 @@ class Options:
     through: bool
     record: Path | None
     plot: Path | None
+    plot_unit: Unit
     plain: PlainFiles | None
     yes: bool
     format: Format
@@ -336,6 +338,7 @@ def _keep(exchange: PoseSender, options: Options, name: str) -> None:
             column("quaternion"),
             f"{name}: the TCP over the time",
             figures.format_of(options.plot.name),
+            options.plot_unit,
         )
         write_files({options.plot.name: picture}, options.plot.parent)
         say(f"wrote {options.plot}")

@@ -27,6 +27,13 @@ class Format(enum.StrEnum):
     JSON = "json"
 
 
+class LengthUnit(enum.StrEnum):
+    """Of positions that are drawn."""
+
+    MM = "mm"
+    M = "m"
+
+
 class FindingFormat(enum.StrEnum):
     """How a command that finds things answers."""
 

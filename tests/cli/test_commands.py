@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -12,6 +13,7 @@ import pytest
 
 from assistant import __version__
 from assistant.cli import main
+from assistant.cli.demo import trajectory
 from assistant.program import pseudo
 from assistant.virtual.cr import VirtualCr
 from assistant.virtual.irc5 import VirtualIrc5
@@ -227,9 +229,15 @@ def test_deploying_to_nobody_is_no_success(capsys, tmp_path):
     assert "CN" in done.stderr
 
 
-def test_the_demo_leaves_programs_plots_and_a_report(capsys, tmp_path):
-    status, out, _ = run(capsys, "demo", "-o", tmp_path)
+PLAYED = re.compile(r"  played: 35 points passed within \S+ mm and \S+ degrees, by \d+ looks")
+
+
+def test_the_demo_leaves_programs_plots_and_a_report(capsys, tmp_path, monkeypatch):
+    monkeypatch.setattr("assistant.cli.demo_cells.RATE", 10.0)
+    status, out, _ = run(capsys, "demo", "-o", tmp_path, "--unit", "m")
     assert status == 0
+    assert re.search(r"^ctraj of roboticstoolbox .*: 35 poses between two SE3$", out, re.M)
+    assert len(PLAYED.findall(out)) == 2
     assert out.count("proven: ") == 4
     assert out.count("1 installed and verified") == 4
     for name in ("positioning.mod", "POSITIONING.prg", "plate.mod", "PLATE.prg"):
@@ -241,7 +249,25 @@ def test_the_demo_leaves_programs_plots_and_a_report(capsys, tmp_path):
     assert "MoveJ positioning_1,v150,z100,GRIPPER" in page
     assert 'src="http' not in page
     assert page.count('"1 installed and verified') == 4
+    assert page.count('"played: 35 points passed') == 2
     assert '"name":"arm.J6"' in page.replace("robot.J6", "arm.J6")
+
+
+def test_without_the_toolbox_the_demo_tells_what_installs_it(capsys, monkeypatch):
+    monkeypatch.setitem(sys.modules, "roboticstoolbox", None)
+    source = trajectory()
+    assert source.name == "positioning.csv" and source.given.is_file()
+    (line,) = capsys.readouterr().out.splitlines()
+    assert "pip install 'robot-assistant[toolbox]'" in line and "positioning.csv" in line
+
+
+@pytest.mark.slow
+def test_the_demo_runs_without_the_toolbox(capsys, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "roboticstoolbox", None)
+    status, out, _ = run(capsys, "demo", "-o", tmp_path)
+    assert status == 0 and "pip install 'robot-assistant[toolbox]'" in out
+    assert len(PLAYED.findall(out)) == 2
+    assert (tmp_path / "positioning.png").read_bytes().startswith(b"\x89PNG")
 
 
 REFUSED = (

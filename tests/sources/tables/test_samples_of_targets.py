@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import re
+import subprocess
+import sys
 from pathlib import Path as FilePath
 
 import numpy as np
@@ -93,3 +97,22 @@ def test_the_positioning_experiment_is_a_cartesian_trajectory_of_the_toolbox(pat
     turns = np.array([UnitQuaternion(one).A for one in poses])
     alike = np.abs(np.einsum("ij,ij->i", turns, path.quaternions))
     assert np.abs(alike - 1.0).max() < 1e-8
+
+
+def test_the_sample_of_a_trajectory_writes_both_programs_and_a_plot(tmp_path: FilePath) -> None:
+    pytest.importorskip("roboticstoolbox")
+    done = subprocess.run(
+        [sys.executable, str(SAMPLES / "python" / "trajectory.py"), "positioning.png"],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(SAMPLES.parent)},
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    assert done.returncode == 0, done.stderr
+    near = re.findall(r"(\S+) passes within (\S+) mm and (\S+) degrees", done.stdout)
+    assert [robot for robot, *_ in near] == ["irb1200-7-0.7", "rv-2aj"]
+    assert all(float(apart) < 1.0 and float(turned) < 1.0 for _, apart, turned in near)
+    assert "MoveL" in (tmp_path / "positioning.mod").read_text("ascii")
+    assert "MVS" in (tmp_path / "POSITIONING.prg").read_text("ascii")
+    assert (tmp_path / "positioning.png").read_bytes().startswith(b"\x89PNG")
