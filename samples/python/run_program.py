@@ -29,16 +29,15 @@ SQUARE = b"""10 ' Round a square of 20 mm, 20 mm lower, and back
 140 PNEXT.Y=PNEXT.Y-20
 150 MVS PNEXT
 160 MVS PSTART
-170 M_01=1
-180 END
+170 END
 """
-TELL = b"""10 ' Where the arm is, until the other program has ended
-20 M_01=0
+TELL = b"""10 ' Where the arm is, until the other program has ended, by an error too
+20 WAIT M_RUN(1)=1
 30 OPEN "COM2:" AS #1
 40 *NEXT1
 50 PRINT #1,P_CURR,"|",J_CURR
 60 DLY 0.05
-70 IF M_01=0 THEN *NEXT1
+70 IF M_RUN(1)=1 THEN *NEXT1
 80 PRINT #1,"END"
 90 CLOSE #1
 100 END
@@ -53,6 +52,13 @@ def heard(link):
         print(
             "at", *(f"{value:.2f}" for value in position.values[:3]), f"J1 {joints.values[0]:.2f}"
         )
+
+
+def ended(controller):
+    """Acknowledges the error that the program ended with, if any, and raises it."""
+    for fault in controller.state().faults:
+        controller.reset()
+        raise SystemExit(f"the program ended with error {fault.number}: {fault.text}") from None
 
 
 def main():
@@ -89,6 +95,10 @@ def main():
                 print(f"{sample.seconds:.1f} s at {x:.2f} {y:.2f} {z:.2f}")
                 if not sample.state.running:
                     break
+            ended(controller)
+        except Refused:
+            ended(controller)  # which says more than that no answer comes
+            raise
         finally:
             controller.stop()
             controller.motors(False)

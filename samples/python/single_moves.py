@@ -46,6 +46,9 @@ def main():
                 controller.execute(f"P99={target}")
                 controller.execute("MVS P99", wait=True)
                 print("stands at", controller.position().text)
+        except Refused:
+            controller.reset()  # the error of this move: nothing is left behind
+            raise
         finally:
             controller.motors(False)
 

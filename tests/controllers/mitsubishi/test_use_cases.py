@@ -4,18 +4,20 @@ import csv
 import os
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import pytest
 
+from assistant.controllers import connect
 from assistant.virtual.cr import VirtualCr
 from assistant.virtual.cr.mxt_process import MxtProcess
 
 SAMPLES = Path(__file__).parents[3] / "samples" / "python"
 
 
-def sample(folder, name, *arguments):
-    done = subprocess.run(
+def started(folder, name, *arguments):
+    return subprocess.run(
         [sys.executable, str(SAMPLES / name), *map(str, arguments), "--yes"],
         cwd=folder,
         env={**os.environ, "PYTHONPATH": str(SAMPLES.parents[1])},
@@ -23,6 +25,10 @@ def sample(folder, name, *arguments):
         text=True,
         timeout=60,
     )
+
+
+def sample(folder, name, *arguments):
+    done = started(folder, name, *arguments)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -137,6 +143,48 @@ def test_what_a_sample_is_refused_is_one_sentence(name, tmp_path):
     )
     assert done.returncode == 1 and done.stderr.count("\n") == 1, done.stderr
     assert done.stderr.startswith("CN")
+
+
+STRETCHED = ("J99=(0,90,0,0,0,0)", "MOV J99")
+"""From where nothing straight below is in reach."""
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["single_moves.py", *[pytest.param(n, marks=pytest.mark.slow) for n in ("run_program.py", "")]],
+)
+def test_a_refused_move_leaves_no_error_on_the_controller(name, tmp_path):
+    """Without a name: the program, with its feedback by data link."""
+    with controller(pace=20.0) as virtual:
+        with connect(virtual.address) as session:
+            session.motors(True)
+            for line in STRETCHED:
+                session.execute(line, wait=line.startswith("MOV"))
+            session.motors(False)
+        status = ["--status", line_of(virtual.data_ports["COM2:"])] if not name else []
+        done = started(tmp_path, name or "run_program.py", virtual.address, *status)
+        assert done.returncode == 1 and done.stderr.count("\n") == 1, done.stderr
+        assert "2602" in done.stderr
+        with connect(virtual.address) as session:
+            state = session.state()
+    assert not state.faults and not state.running and not state.motors
+
+
+@pytest.mark.slow
+def test_a_program_that_ends_by_an_error_is_reported_and_cleared(tmp_path):
+    """It starts, and stops by an error on its way; the feedback ends with it."""
+    with controller(pace=1.0) as virtual:
+        status = line_of(virtual.data_ports["COM2:"])
+        alarm = threading.Timer(3.0, virtual.alarm, (2600,))
+        alarm.start()
+        slow = (SAMPLES / "run_program.py").read_text("utf-8").replace("OVRD 50", "OVRD 5")
+        (tmp_path / "slow.py").write_text(slow, "utf-8")
+        done = started(tmp_path, tmp_path / "slow.py", virtual.address, "--status", status)
+        alarm.join()
+        assert done.returncode == 1 and done.stderr.count("\n") == 1, done.stderr
+        assert "2600" in done.stderr
+        with connect(virtual.address) as session:
+            assert not session.state().faults
 
 
 SLOW = [
