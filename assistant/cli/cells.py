@@ -34,7 +34,10 @@ def client_of(one: Named, timeout: float | None = None) -> Programs:
     from assistant.controllers import connect
 
     _tell_clear_text(one)
-    return connect(one, ask=_ask if sys.stdin.isatty() else None, timeout=timeout)
+    client = connect(one, ask=_ask if sys.stdin.isatty() else None, timeout=timeout)
+    if hasattr(client, "tell"):
+        client.tell = lambda finding: note(str(one.address), finding)
+    return client
 
 
 def _tell_clear_text(one: Named) -> None:

@@ -96,6 +96,23 @@ NO_FOLDER = error(
     "{address} has no folder `{folder}`: {reply}; nothing was changed by that",
     "write the folder into the address, as in `ftp://user@host/HOME:/parts`",
 )
+FOUND_FOLDER = info(
+    "CN223",
+    "{address} has no `{wanted}` where the login begins; `{folder}` is taken for it",
+    "write the folder into the address to have it entered at once",
+)
+LOGIN_FOLDER = warning(
+    "CN224",
+    "{address} has neither `HOME:` nor another folder of that name; `{folder}`, where the login "
+    "begins, is taken for it",
+    "write the folder of the programs into the address, as in `ftp://user@host/parts`",
+)
+SEVERAL_FOLDERS = error(
+    "CN225",
+    "{address} has no `HOME:`, but several systems with a folder of that name: {listed}; nothing "
+    "was changed by that",
+    "write the folder of the system that runs into the address: `ftp://user@host/{first}`",
+)
 LOST = error(
     "CN204",
     "the connection was lost while {doing}: {reason}; {state}",

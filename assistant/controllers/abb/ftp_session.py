@@ -15,14 +15,14 @@ from pathlib import Path as FilePath
 from typing import Final, NoReturn, Self
 
 from assistant.controllers import rules
-from assistant.controllers.abb import trust
+from assistant.controllers.abb import ftp_home, trust
 from assistant.controllers.abb.files import FileSession
 from assistant.controllers.abb.ftp_lines import BYTES, Lines, TlsLines, cut, decoded, shown_by
 from assistant.controllers.address import Address
 from assistant.controllers.credentials import Credentials
 from assistant.controllers.os_errors_in_words import reason_of
 from assistant.controllers.pace import Pace
-from assistant.program.diagnostics import Refused
+from assistant.program.diagnostics import Diagnostic, Refused
 
 RATE: Final = 50_000.0
 """Bytes a second that a server is granted for looking through a file before it answers."""
@@ -52,6 +52,8 @@ class FtpSession(FileSession):
     ) -> None:
         super().__init__(address, credentials, timeout=timeout, certificate=certificate)
         self._ftp: Lines | None = None
+        self.tell: Callable[[Diagnostic], None] = lambda _: None
+        """Called with a finding where the folder of the programs was looked for."""
 
     def __enter__(self) -> Self:
         """Connects, logs in and goes to the folder of the address."""
@@ -164,17 +166,7 @@ class FtpSession(FileSession):
 
     def _enter_folder(self, ftp: Lines) -> None:
         try:
-            ftp.cwd(self.address.folder)
-        except ftplib.error_perm as error:
-            raise Refused(
-                rules.NO_FOLDER(
-                    place=str(self.address),
-                    address=self.address,
-                    folder=self.address.folder,
-                    reply=self.said(error),
-                ),
-                exit_status=2,
-            ) from None
+            ftp_home.enter(self, ftp)
         except FAILURES as error:
             self._unreachable(error)
 

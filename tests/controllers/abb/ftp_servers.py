@@ -118,11 +118,12 @@ def vsftpd(root, certificate=None):
 
 
 @contextlib.contextmanager
-def proftpd(root, certificate=None):
+def proftpd(root, certificate=None, begins=""):
+    """begins: folder below the root in which a session begins."""
     config, users = root.parent / "proftpd.conf", root.parent / "users"
     port, name = free_port(), getpass.getuser()
     hashed = crypted(PASSWORD)
-    users.write_text(f"user:{hashed}:{os.getuid()}:{os.getgid()}::{root}:/bin/sh\n")
+    users.write_text(f"user:{hashed}:{os.getuid()}:{os.getgid()}::{root / begins}:/bin/sh\n")
     users.chmod(0o600)
     root.parent.chmod(0o755)
     config.write_text(
