@@ -1,8 +1,9 @@
 """Texts parsed by lark itself, with the grammar of their language: a second reader for the proof.
 
 It shares the grammar file with the reader of the language, but not the driver of the tables, the
-words or the columns. Texts of up to WHOLE lines are parsed completely. Of longer ones rows of long
-runs of like lines are left out by default, so that what remains is still a complete text.
+words or the columns. Files of up to WHOLE lines are parsed completely, up to MOST lines in all. Of
+longer and further ones rows of long runs of like lines are left out by default, so that what
+remains is still a complete text.
 """
 
 from __future__ import annotations
@@ -28,6 +29,8 @@ if TYPE_CHECKING:
 
 WHOLE: Final = 20_000
 """Lines of a text that is parsed completely in any case."""
+MOST: Final = 100_000
+"""Lines of the files of one program, from which on further files are parsed in samples as well."""
 WINDOW: Final = 100
 """Most rows of a sample of a run."""
 ENDS_EARLY: Final = "the text ends where more is expected"
@@ -66,14 +69,17 @@ def parse(
         return None
     lines = total = 0
     refused: list[Diagnostic] = []
+    sources: list[tuple[SourceText, list[Rows]]] = []
     for tree in trees:
-        source: SourceText = tree.source
-        count = lines_of(source)
-        left_out: Sequence[tuple[int, int, int]] = ()
-        if sampling == "samples" and count > WHOLE:
-            left_out = between_samples(list(language.runs(tree)))
+        count = lines_of(tree.source)
         total += count
-        lines += count - sum(rows for _, _, rows in left_out)
+        in_samples = sampling == "samples" and (count > WHOLE or total > MOST)
+        sources.append((tree.source, list(language.runs(tree)) if in_samples else []))
+    lines = total
+    spacing = Spacing.of([run for _, runs in sources for run in runs])
+    for source, runs in sources:
+        left_out = between_samples(runs, spacing)
+        lines -= sum(rows for _, _, rows in left_out)
         with within(READING, source.path, len(source.text)):
             wrong = _refused(parser, with_line_feeds(source.text), left_out)
         if wrong is not None:
@@ -90,18 +96,27 @@ def lines_of(source: SourceText) -> int:
     return last - (not source.line_text(last))
 
 
-def between_samples(runs: Sequence[Rows]) -> list[tuple[int, int, int]]:
+@dataclass(frozen=True, slots=True)
+class Spacing:
+    """Rows of a sample, and rows from the begin of one to that of the next."""
+
+    window: int
+    stride: int
+
+    @staticmethod
+    def of(runs: Sequence[Rows]) -> Spacing:
+        """Up to WHOLE rows at the ends of all these runs, and as many between them."""
+        window = max(1, min(WINDOW, WHOLE // (2 * max(len(runs), 1))))
+        return Spacing(window, max(2 * window, -(-sum(map(len, runs)) * window // WHOLE)))
+
+
+def between_samples(runs: Sequence[Rows], spacing: Spacing) -> list[tuple[int, int, int]]:
     """Return what to leave out of a text: begin, end and number of rows of each piece.
 
     runs: (n, 2) where each row of a run of like lines begins and ends, for each run. The first rows
-    of each run stay, the last ones, and windows between them: up to WHOLE rows of ends and as many
-    of windows.
+    of each run stay, the last ones, and windows between them.
     """
-    if not runs:
-        return []
-    window = max(1, min(WINDOW, WHOLE // (2 * len(runs))))
-    rows = sum(map(len, runs))
-    stride = max(2 * window, -(-rows * window // WHOLE))
+    window, stride = spacing.window, spacing.stride
     pieces: list[tuple[int, int, int]] = []
     for run in runs:
         last = len(run) - window

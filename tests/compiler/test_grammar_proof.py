@@ -14,7 +14,7 @@ from assistant import languages
 from assistant.compiler import compile
 from assistant.compiler.proof import NOT_IN_GRAMMAR, prove
 from assistant.languages import lark_parsing
-from assistant.languages.lark_parsing import WHOLE, WINDOW, Parsed, between_samples
+from assistant.languages.lark_parsing import WHOLE, WINDOW, Parsed, Spacing, between_samples
 from assistant.languages.rapid import Rapid
 from assistant.program.text import SourceText
 
@@ -110,6 +110,21 @@ def test_20000_lines_are_parsed_completely() -> None:
 
 
 @pytest.mark.usefixtures("short")
+def test_many_files_are_parsed_completely_up_to_a_sum(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(lark_parsing, "MOST", 2 * SHORT)
+    known = languages.get("rapid")
+    trees = [known.parse(SourceText(moves(SHORT - 4), f"{n}.mod")) for n in range(6)]
+    first = lark_parsing.parse(known, trees[:2], NOT_IN_GRAMMAR, "samples")
+    assert first == Parsed(2 * SHORT, 2 * SHORT)
+    found = lark_parsing.parse(known, trees, NOT_IN_GRAMMAR, "samples")
+    assert found is not None
+    assert found.total == 6 * SHORT
+    assert 2 * SHORT < found.lines < 5 * SHORT
+    every = lark_parsing.parse(known, trees, NOT_IN_GRAMMAR, "full")
+    assert every == Parsed(6 * SHORT, 6 * SHORT)
+
+
+@pytest.mark.usefixtures("short")
 @pytest.mark.parametrize("sampling", ["samples", "full"])
 def test_what_is_refused_after_rows_that_were_left_out_has_its_line(sampling: str) -> None:
     (found,) = parsed("rapid", moves(2000, "    WaitTime 1 2;\n"), sampling).refused
@@ -129,7 +144,7 @@ def test_samples_hold_the_ends_of_each_run_and_windows_between_them(sizes: list[
         starts = at + 10 * np.arange(size)
         runs.append(np.stack([starts, starts + 9], axis=1))
         at += 10 * size + 5
-    left_out = between_samples(runs)
+    left_out = between_samples(runs, Spacing.of(runs))
     assert sum(sizes) - sum(rows for _, _, rows in left_out) <= 2 * WHOLE + WINDOW
     assert all(first[1] <= then[0] for first, then in pairwise(left_out))
     begins = {begin for begin, _, _ in left_out}
