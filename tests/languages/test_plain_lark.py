@@ -110,7 +110,7 @@ def same_trees(language: str, text: str) -> bool:
     if language == "rapid":
         header, parts = node_of(tree, RapidNodes(text, int, ()))
         read = parse_rapid(text, runs=False)
-        return everything((header, parts)) == everything((read.header, read.parts))
+        return bool(everything((header, parts)) == everything((read.header, read.parts)))
     rows = [row_of(row) for row in tree.children]
     if not text or text.endswith("\n"):
         rows.pop()
@@ -159,7 +159,7 @@ def test_plain_lark_reads_the_identity_fixtures_as_the_reader_does(language: str
 # ---------------------------------------------------------------------------- what is emitted
 
 
-SOURCES: Final = {
+SOURCES: Final[dict[str, dict[str, str | None]]] = {
     "rapid": dict.fromkeys(["taught.toml", "positioning.csv", "plate.dxf"], "irb1200-7-0.7"),
     "melfa": {"positioning.csv": "rv-4frl", "melfa/MULTITASK.prg": None, "plate.dxf": "rv-2aj"},
 }
