@@ -146,7 +146,7 @@ def test_the_pseudo_programs_of_a_page_are_exact(page, text):
 
 LIMITS = "[melfa-basic]"
 SETTINGS = dict.fromkeys(("[severity]", "[rapid]", LIMITS), "assistant.toml")
-OF_PROJECTS = ("[controllers", "[programs", "[targets", "[deploy")
+OF_PROJECTS = ("[controllers", "[programs", "[targets", "[deploy", "[style")
 SETTINGS |= dict.fromkeys(OF_PROJECTS, "assistant.toml")
 SETTINGS["[tool."] = "pyproject.toml"
 """How the settings of a project begin, and the file that they are in."""

@@ -26,6 +26,7 @@ from assistant.compiler.proof import SAYS_OTHERWISE, Proof, prove
 from assistant.compiler.scenes import InCell, in_cell
 from assistant.compiler.seen_frames import with_known
 from assistant.compiler.source_map import Places, at_moves
+from assistant.compiler.style import PLAIN, Style, blamed, in_style, style_beside, without_comments
 from assistant.compiler.travelling import travelled, travels
 from assistant.compiler.turning import has_free_turns, with_turns
 from assistant.compiler.uncalled import is_of, without_uncalled
@@ -164,6 +165,7 @@ def compile(
     main: bool | None = None,
     proving: Proving | None = None,
     seeing: Seeing = NOTHING_SEEN,
+    style: Style | None = None,
 ) -> Compiled:
     """The source as a program of the language, read back and compared before it is given out.
 
@@ -180,7 +182,8 @@ def compile(
     says. called: the name that others call the program by; main: False for none that runs all of
     it; instead of what the process file says of them. proving: how a proof by motion is sought,
     None for none; nothing is given out that lacks one that was asked for. seeing: where frames that
-    are seen are taken from, if `cell` does not say it. Raises Unreadable or
+    are seen are taken from, if `cell` does not say it. style: of what is written, None for that of
+    the project that the source is in. Raises Unreadable or
     Refused for input that cannot be used at all.
     """
     target = language_of(language).with_frames(frames).with_sampling(grammar)
@@ -209,11 +212,14 @@ def compile(
     if located:
         raise Refused(*located)
     program, sights = with_known(program, arms)
-    compiled = compile_program(program, Places(program, loaded.text), target, arms, most_targets)
+    path = None if isinstance(source, Program | Loaded) else str(source)
+    if style is None:
+        style = style_beside(program, loaded.text, None if path is None else FilePath(path))
+    places = Places(program, loaded.text)
+    compiled = compile_program(program, places, target, arms, most_targets, style)
     begun = entry if program.interface is None or program.origin is not None else None
     compiled = proven_by_motion(compiled, arms, proving, begun)
     about = () if isinstance(cell, InCell) else stands.findings
-    path = None if isinstance(source, Program | Loaded) else str(source)
     found = (*loaded.findings, *about, *sights, *compiled.found)
     return replace(compiled, found=found, path=path)
 
@@ -237,15 +243,16 @@ def proven_by_motion(
     return replace(compiled, motion=motion, files=files, found=found)
 
 
-@staged(COMPILING, lambda source, *_: source.size())
+@staged(COMPILING, lambda source, *_, **__: source.size())
 def compile_program(
     source: Program,
     places: Places,
     target: Language[Any],
     arms: Arms,
     most_targets: int | None = None,
+    style: Style = PLAIN,
 ) -> Compiled:
-    """A program, with the spans of its places, in the target language."""
+    """A program, with the spans of its places, in the target language and a style."""
     program = source
     findings = list(check(program))
     arm = arms.robot or known_robot(program.robot)
@@ -322,11 +329,23 @@ def compile_program(
         return replace(compiled, found=tuple(findings), wanting=adapted.wanting)
     units = dict.fromkeys([None, *(p.unit for p in program.procedures)])
     with within(PRINTING, None, program.size()):
-        files = {
-            target.file_name(program, unit): target.encode(target.built(adapted, arm, unit))
+        plain = {
+            (unit, target.file_name(program, unit)): target.encode(target.built(adapted, arm, unit))
             for unit in units
         }
-    proof = prove(target, program, files, arm)
+    styled = {
+        name: in_style(data, target, style, program, unit) for (unit, name), data in plain.items()
+    }
+    files = {name: one.data for name, one in styled.items()}
+    framed = any(one.lines for one in styled.values())
+    proof = prove(target, program, files, arm, plainly=without_comments if framed else None)
+    if framed and not proof.holds:
+        unframed = {name: data for (_, name), data in plain.items()}
+        alone_proof = prove(target, program, unframed, arm)
+        if alone_proof.holds:
+            findings += blamed(proof.findings, styled)
+            return replace(compiled, found=tuple(findings))
+        proof = alone_proof
     own = () if proof.holds else _own_faults(program.origin)
     findings += own or dict.fromkeys(_explained(proof, program))
     kept = files if proof.holds else {}

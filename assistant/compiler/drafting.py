@@ -16,6 +16,7 @@ import numpy as np
 from assistant.compiler.arms import Arms
 from assistant.compiler.compiling import Compiled, compile_program, told
 from assistant.compiler.source_map import Places, Trace
+from assistant.compiler.style import PLAIN, Style
 from assistant.compiler.uncalled import NOT_CALLED
 from assistant.languages.language import Language
 from assistant.program import expressions as e
@@ -52,6 +53,7 @@ def draft(
     target: Language[Any],
     arms: Arms,
     most_targets: int | None = None,
+    style: Style = PLAIN,
 ) -> tuple[Compiled, tuple[Diagnostic, ...]]:
     """The program without what it cannot say there, and what only then is found of the source.
 
@@ -77,7 +79,7 @@ def draft(
             program = _without(program, spans - out, names, places)
             out |= spans
         short = _without_uncalled(program, uncalled)
-        compiled = compile_program(short, places, target, arms, most_targets)
+        compiled = compile_program(short, places, target, arms, most_targets, style)
         missing = declared - _declared_names(program)
         errors = (f for f in compiled.found if f.severity is Severity.ERROR and f.line is None)
         later += [_for_want(finding, missing) for finding in errors]

@@ -75,12 +75,14 @@ def prove(
     files: Mapping[str, bytes],
     robot: Robot | None = None,
     compared: Callable[[Sequence[Any]], tuple[Program, Program]] | None = None,
+    plainly: Callable[[Program], Program] | None = None,
 ) -> Proof:
     """Reads the files back from their bytes, parses them with lark, and compares them.
 
     program: as the language adapted it. compared: gives it and what the trees say in one
-    spelling, where that is more than what lifting them gives. The findings of a proof that does
-    not hold name the place in the program.
+    spelling, where that is more than what lifting them gives. plainly: what
+    of both is compared, None for all of them. The findings of a proof that does not hold name the
+    place in the program.
     """
     trees = [language.parse(language.decode(data, name)) for name, data in files.items()]
     findings = [finding for tree in trees for finding in tree.findings]
@@ -101,6 +103,8 @@ def prove(
             for f in refused.findings
         ]
         return Proof(None, tuple(reasons), grammar=parsed)
+    if plainly is not None:
+        expected, actual = plainly(expected), plainly(actual)
     precision = language.precision
     tolerance = Tolerance(precision.position, precision.angle, precision.number)
     with within(COMPARING, None, expected.size()):

@@ -27,6 +27,7 @@ from assistant.compiler.proof import Proof
 from assistant.compiler.scenes import in_cell
 from assistant.compiler.seen_frames import with_known
 from assistant.compiler.source_map import Place, Places, Trace
+from assistant.compiler.style import style_beside
 from assistant.compiler.unsaid import lose
 from assistant.lazy import pictured
 from assistant.program import statements as p
@@ -191,11 +192,12 @@ def translate(
     places = Places(program)
     arms = standing(program, in_arms(loaded, arms))
     program, sights = with_known(program, arms)
-    compiled = compile_program(program, places, target, arms, most_targets)
+    style = style_beside(program, loaded.text, None)
+    compiled = compile_program(program, places, target, arms, most_targets, style)
     written, later = compiled, tuple[Diagnostic, ...]()
     if not compiled.ok:
         with within(DRAFTING, None, program.size()):
-            drawn, later = drafted(compiled, target, arms, most_targets)
+            drawn, later = drafted(compiled, target, arms, most_targets, style)
         written = drawn if draft else compiled
     else:
         sought = None if loaded.wanting else proving

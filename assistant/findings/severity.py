@@ -23,7 +23,15 @@ from assistant.program.diagnostics import (
     has_errors,
     warning,
 )
-from assistant.sources.project import CONTROLLERS, DEPLOY, PROGRAMS, TARGETS, Project, project_of
+from assistant.sources.project import (
+    CONTROLLERS,
+    DEPLOY,
+    PROGRAMS,
+    STYLE,
+    TARGETS,
+    Project,
+    project_of,
+)
 
 TABLE: Final = "severity"
 OFF: Final = "off"
@@ -135,7 +143,7 @@ class _Page:
 def _tables() -> set[str]:
     """Other tables of a project's file: of languages, controllers, programs and deployments."""
     of_languages = {language.table for language in map(languages.get, languages.names())} - {""}
-    return {*of_languages, CONTROLLERS, PROGRAMS, TARGETS, DEPLOY}
+    return {*of_languages, CONTROLLERS, PROGRAMS, TARGETS, DEPLOY, STYLE}
 
 
 def adjusted(findings: Iterable[Diagnostic], severities: Severities) -> list[Diagnostic]:

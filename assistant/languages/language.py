@@ -35,6 +35,7 @@ from assistant.program.text import SourceText, decode, encode, read_bytes
 if TYPE_CHECKING:
     from lark import Lark
 
+    from assistant.languages.texts.outline import Outline
     from assistant.program.editing import Editable
     from assistant.program.wanted import Supplied, Wanted, WantedKind
     from assistant.robots import Robot
@@ -232,6 +233,10 @@ class Language(abc.ABC, Generic[T]):
         Idempotent. A finding tells of each effect that is lost. arm: that will run it.
         """
         return Adapted(program)
+
+    def outline(self) -> Outline | None:
+        """How templates divide its new programs; None for a language without templates."""
+        return None
 
     def with_frames(self, frames: Frames) -> Self:  # noqa: ARG002
         """The language with frames written in a way; itself where it has work objects.

@@ -130,7 +130,14 @@ def _without_secret(finding: Diagnostic) -> Diagnostic:
 def tables() -> tuple[str, ...]:
     """The tables that a project's file may have."""
     of_languages = {language.table for language in map(languages.get, languages.names())} - {""}
-    own = (stated.CONTROLLERS, stated.PROGRAMS, stated.TARGETS, stated.DEPLOY, "severity")
+    own = (
+        stated.CONTROLLERS,
+        stated.PROGRAMS,
+        stated.TARGETS,
+        stated.DEPLOY,
+        stated.STYLE,
+        "severity",
+    )
     return (*own, *sorted(of_languages))
 
 

@@ -14,6 +14,7 @@ from assistant.compiler.arms import robot_of
 from assistant.compiler.loading import language_of, load, read_trees
 from assistant.compiler.motion import Proving
 from assistant.compiler.scenes import in_cell
+from assistant.compiler.style import style_of
 from assistant.compiler.together import together
 from assistant.findings.project_severities import settle
 from assistant.languages import Tree
@@ -224,6 +225,7 @@ def _compiled(order: Order, name: str) -> Made:
         called=recipe.called,
         main=recipe.main,
         proving=Proving(script=script, seed=recipe.seed) if recipe.prove else None,
+        style=style_of(order.folder),
     )
     files = compiled.files if compiled.ok else {}
     proof = tuple(compiled.proof_lines())

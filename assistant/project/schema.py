@@ -13,8 +13,9 @@ from assistant.languages.answers import (
     Choice,
     Setting,
 )
-from assistant.project.tables import CONTROLLER, DEPLOYING, NAME, PROGRAM, TARGET, Key
+from assistant.project.tables import CONTROLLER, DEPLOYING, NAME, PROGRAM, STYLE, TARGET, Key
 from assistant.sources.project import CONTROLLERS, DEPLOY, PROGRAMS, TARGETS
+from assistant.sources.project import STYLE as STYLE_TABLE
 
 FILE: Final = "assistant.schema.json"
 DRAFT: Final = "http://json-schema.org/draft-07/schema#"
@@ -39,6 +40,7 @@ def schema() -> Schema:
             PROGRAMS: _named(NAME.pattern, _table(PROGRAM, "source")),
             TARGETS: _named(NAME.pattern, _table(TARGET, "programs")),
             DEPLOY: _table(DEPLOYING),
+            STYLE_TABLE: _table(STYLE),
             TABLE: {"type": "object", "additionalProperties": {"enum": list(LEVELS)}},
             **of_languages,
         },

@@ -10,6 +10,9 @@ programs = ["plate", "hand/seam.mod"]
 task = "T_ROB1"                   # that modules are loaded in; default the first one
 load = true                       # also modules that are not loaded yet
 
+[style]                           # what stands around the statements, see compiler/style.py
+template = "style"
+
 [deploy]
 parallel = 4                      # controllers at a time
 canary = "cell1"                  # the target that goes first, alone
@@ -23,6 +26,7 @@ from dataclasses import dataclass
 from typing import Any, Final, get_args
 
 from assistant import languages
+from assistant.compiler.style import KEYS
 from assistant.controllers.named import LONGEST_TIMEOUT, keys
 from assistant.languages.answers import (
     Frames,
@@ -136,6 +140,12 @@ FORMS: Final[Mapping[str, tuple[Mapping[str, object], str]]] = {
 DEPLOYING: Final[Mapping[str, Key]] = {
     "parallel": _whole(1, MOST_AT_ONCE, "Controllers at a time."),
     "canary": _text("Target that goes first, alone; the others follow if it goes well."),
+}
+STYLE: Final[Mapping[str, Key]] = {
+    "template": Key(KEYS["template"], TEXT, "Folder with the templates of written programs."),
+    "project": Key(KEYS["project"], TEXT, "Name of the project, for templates."),
+    "author": Key(KEYS["author"], TEXT, "Who is responsible for the programs, for templates."),
+    "revision": Key(KEYS["revision"], TEXT, "Revision of the programs, for templates."),
 }
 CONTROLLER: Final[Mapping[str, Key]] = {
     name: Key(read, *FORMS[name]) for name, read in keys().items()

@@ -30,6 +30,8 @@ TARGETS: Final = "targets"
 """Which programs go to which controller."""
 DEPLOY: Final = "deploy"
 """How they are brought there."""
+STYLE: Final = "style"
+"""What stands around the statements of written programs."""
 DOUBTFUL: Final = re.compile(r":.*[@%]|//[^/\s]*:(?![0-9]{1,5}(?:[/?#\s\"'`]|$))", re.DOTALL)
 """What may be an address with a password, well written or not."""
 SECRET: Final = re.compile(r"\bpass|\bpwd|secret|token", re.IGNORECASE)

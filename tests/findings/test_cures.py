@@ -22,6 +22,7 @@ from tests.findings.cures import (
     seeing,
     shaping,
     standing,
+    styling,
     tables,
 )
 from tests.findings.cures.case import Bench, Case, follow
@@ -35,7 +36,7 @@ SENTENCES = {"robot-assistant itself failed"}
 MODULES = (
     *(drawings, following, cells, programs, tables, controllers),
     *(placing, shaping, standing, keeping, seeing, calibrating),
-    leading,
+    *(leading, styling),
 )
 CASES: tuple[Case, ...] = tuple(one for module in MODULES for one in module.CASES)
 

@@ -12,11 +12,17 @@ from assistant.languages.answers import (
     Choice,
 )
 from assistant.project.schema import schema, schema_text
-from assistant.project.tables import CONTROLLER, DEPLOYING, PROGRAM, TARGET
+from assistant.project.tables import CONTROLLER, DEPLOYING, PROGRAM, STYLE, TARGET
 from assistant.resources import resource
 from assistant.sources.process.values import Wrong
 
-TABLES = {"controllers": CONTROLLER, "programs": PROGRAM, "targets": TARGET, "deploy": DEPLOYING}
+TABLES = {
+    "controllers": CONTROLLER,
+    "programs": PROGRAM,
+    "targets": TARGET,
+    "deploy": DEPLOYING,
+    "style": STYLE,
+}
 VALUES = (
     *("", " ", "x", "T_ROB1", "1x", "a b", "mm", "rapid", "melfa-basic-5", "base", "irb", "Base"),
     *(True, False, 0, 1, 9, 10, 256, 257, 2**31, 10**8, -1, 0.5, 3599.5, 3600.5),
@@ -49,6 +55,7 @@ def test_it_knows_the_keys_of_all_tables():
         "programs": properties["programs"]["additionalProperties"],
         "targets": properties["targets"]["additionalProperties"],
         "deploy": properties["deploy"],
+        "style": properties["style"],
     }
     for name, keys in TABLES.items():
         assert set(of[name]["properties"]) == set(keys)

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from assistant.languages.melfa_basic.tree import syntax
     from assistant.languages.melfa_basic.tree.syntax import File
     from assistant.languages.tasks import Configured, Texts
+    from assistant.languages.texts.outline import Outline
     from assistant.program.arrays import Rows
     from assistant.program.wanted import Supplied, Wanted, WantedKind
     from assistant.robots import Robot
@@ -98,6 +99,11 @@ class MelfaBasic(Language["File"]):
         self.name, self.title = name, self.dialect.title
         level = self.dialect.level
         self.older = tuple(key for key, other in DIALECTS.items() if other.level < level)
+
+    def outline(self) -> Outline:
+        from assistant.languages.melfa_basic.text.outline import OUTLINE
+
+        return OUTLINE
 
     def with_frames(self, frames: Frames) -> MelfaBasic:
         made = copy(self)

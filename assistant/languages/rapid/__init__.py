@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from assistant.languages.rapid.reading.editing import EditableRapid
     from assistant.languages.rapid.tree import syntax
     from assistant.languages.rapid.tree.syntax import File
+    from assistant.languages.texts.outline import Outline
     from assistant.program.arrays import Rows
     from assistant.program.wanted import Supplied, Wanted
     from assistant.robots import Robot
@@ -111,6 +112,11 @@ class Rapid(Language["File"]):
         from assistant.languages.rapid.text.layout.lines import lay_out
 
         return lay_out(text)
+
+    def outline(self) -> Outline:
+        from assistant.languages.rapid.text.outline import OUTLINE
+
+        return OUTLINE
 
     def editable(self) -> EditableRapid:
         from assistant.languages.rapid.reading.editing import EditableRapid

@@ -112,6 +112,7 @@ COMPILING: Final = Stage("compiling", "points", 30, 15000, 1024, 500000)
 ADAPTING: Final = Stage("adapting", "points", 10, 10000, 1024, 500000)
 BUILDING: Final = Stage("building", "points", 10, 500, 512, 5000)
 PRINTING: Final = Stage("printing", "points", 10, 500, 512, 5000)
+TEMPLATE: Final = Stage("filling in the template", "bytes", 5, 60, 256, 2000)
 COMPARING: Final = Stage("comparing", "points", 10, 500, 512, 5000)
 DRAFTING: Final = Stage("leaving out what cannot be said", "points", 60, 60000, 1024, 500000)
 REPORTING: Final = Stage("reporting", "points", 10, 500, 512, 10000)
@@ -120,7 +121,18 @@ RUNNING: Final = Stage("running", "statements", 30, 1000, 1024, 5000)
 STAGES: Final = (
     *(READING, CHECKING, LIFTING, LAYING_OUT, STORED),
     *(TABLE, DRAWING, INSERTING, CONTOURS, AROUND, MEANING),
-    *(SOLVING, TIMING, COMPILING, ADAPTING, BUILDING, PRINTING, COMPARING, DRAFTING, REPORTING),
+    *(
+        SOLVING,
+        TIMING,
+        COMPILING,
+        ADAPTING,
+        BUILDING,
+        PRINTING,
+        TEMPLATE,
+        COMPARING,
+        DRAFTING,
+        REPORTING,
+    ),
     RUNNING,
 )
 """What each needs was measured with inputs of 1,000 to 1,000,000 units; here is 5 to 10 times that.

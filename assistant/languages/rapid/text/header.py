@@ -86,6 +86,11 @@ def header_lines(
     return lines
 
 
+def is_item(text: str) -> bool:
+    """True if a comment states something about the program."""
+    return _ITEM.fullmatch(text.strip()) is not None
+
+
 def _signal(name: str, signal: Signal) -> str:
     number = f" {signal.number}" if signal.number is not None else ""
     bits = f" x{signal.bits}" if signal.bits != 1 else ""

@@ -1,0 +1,338 @@
+"""The style of written programs: a template for what stands around their statements.
+
+    [style]                       # in assistant.toml
+    template = "style"            # folder with rapid/module.mod.j2 or melfa/program.prg.j2
+    project = "Line 3, station 2"
+    author = "Process engineering"
+    revision = "B"
+
+A template writes comments, the lines of a module, and where each section of the text is. Statements
+come from the printer of the language alone, and the whole is read back.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cache
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Any, Final
+
+from assistant.compiler.templates import PRIVATE, at_line, filled, section, section_on, shown
+from assistant.program.diagnostics import Diagnostic, Refused, error
+from assistant.program.letters import in_ascii
+from assistant.program.lines import one_line
+from assistant.program.program import Program
+from assistant.program.rewriting import map_bodies
+from assistant.program.statements import Comment
+from assistant.program.system.budgets import SETTINGS_FILE
+from assistant.program.text import SourceText, decode, encode, is_file, is_folder, read_bytes
+from assistant.resources import resource
+from assistant.sources.process import values as kinds
+from assistant.sources.process.table import Page, Table
+from assistant.sources.project import STYLE, project_of
+
+if TYPE_CHECKING:
+    from assistant.languages import Language
+    from assistant.languages.texts.outline import Outline
+
+NOT_A_COMMENT: Final = error(
+    "CO611",
+    "the template writes `{text}`, which is no comment: statements come from the program alone",
+    "begin the line with `{mark}`, or remove it",
+)
+LEFT_OUT: Final = error(
+    "CO612",
+    "the template leaves `{name}` out, so the program would lose it",
+    "write {example} on a line of its own",
+)
+TWICE: Final = error("CO613", "the template writes `{name}` twice", "remove one of the two lines")
+NOT_ALONE: Final = error(
+    "CO614",
+    "the template writes `{text}`: a section is not alone on its line, or was changed",
+    "write the section on a line of its own, as `{{{{ header }}}}`",
+)
+OUT_OF_ORDER: Final = error(
+    "CO615",
+    "`{name}` is below `{other}`, where {language} does not read it",
+    "move it above `{other}`",
+)
+READ_AS_ITEM: Final = error(
+    "CO616",
+    "the comment `{text}` would be read as a statement about the program",
+    "write something before it, such as a word",
+)
+NOT_WRITABLE: Final = error(
+    "CO617",
+    "the template writes `{character}`, which is not in ASCII",
+    "write it in ASCII; values such as `{{{{ author }}}}` are converted",
+)
+CHANGED: Final = error(
+    "CO618",
+    "with what the template writes, the program is read back as another: {reason}",
+    "correct or remove the line; the program without the template is proven",
+)
+NO_TEMPLATE: Final = error(
+    "CO619",
+    "`{folder}` holds no template",
+    "write {files} there, or name another folder of the project",
+)
+
+LONGEST: Final = 120
+"""Characters of a value in a comment."""
+TEXTS: Final = ("project", "author", "revision")
+"""Values that a project gives its templates."""
+KEYS: Final[Mapping[str, Callable[[Any], Any]]] = dict.fromkeys(("template", *TEXTS), kinds.text)
+
+
+@dataclass(frozen=True, slots=True)
+class Style:
+    """folder: with the templates of a project, None for those of this package alone."""
+
+    folder: FilePath | None = None
+    values: Mapping[str, str] = field(default_factory=dict)
+
+    def template(self, outline: Outline) -> tuple[SourceText, bool]:
+        """The template for a language, and whether it is the project's; raises Refused."""
+        if self.folder is None:
+            return _default(outline.template), False
+        file = self.folder / outline.template
+        try:
+            file.open("rb").close()  # also what is not there yet is an input of a build
+        except FileNotFoundError:
+            return _default(outline.template), False
+        except OSError:
+            pass  # told by `read_bytes`
+        data = read_bytes(file, allow_empty=True, most=SETTINGS_FILE)
+        source = decode(data, _shown_path(file), ("utf-8-sig", "utf-8"))
+        return replace(source, text=source.text.replace("\r\n", "\n")), True
+
+
+def _shown_path(file: FilePath) -> str:
+    here = FilePath.cwd()
+    return str(file.relative_to(here)) if file.is_relative_to(here) else str(file)
+
+
+@cache
+def _default(name: str) -> SourceText:
+    return SourceText(resource("templates", name).read_text(encoding="utf-8"), f"templates/{name}")
+
+
+PLAIN: Final = Style()
+
+
+def style_of(folder: FilePath) -> Style:
+    """The style of the project of a folder; raises Unreadable and Refused (exit status 2)."""
+    project = project_of(folder.absolute())
+    content = project.content if project is not None else None
+    if project is None or not isinstance(content, Mapping) or STYLE not in content:
+        return PLAIN
+    page = Page(project.source, project.spans)
+    given = Table(page, project.table, content).table(STYLE)
+    read = given.read(KEYS)
+    at = FilePath(project.source.path or "").absolute().parent
+    where = None
+    if "template" in read:
+        where = _folder(at, given, read["template"])
+    if page.findings:
+        raise Refused(*page.findings, exit_status=2)
+    return Style(where, {key: read[key] for key in TEXTS if key in read})
+
+
+def _folder(at: FilePath, table: Table, text: str) -> FilePath | None:
+    """The folder of templates, None with a finding if there is none."""
+    from assistant import languages
+
+    outlines = (languages.get(name).outline() for name in languages.names())
+    files = list(dict.fromkeys(one.template for one in outlines if one is not None))
+    folder = (at / text.replace("\\", "/")).resolve()
+    inside = "\0" not in text and folder.is_relative_to(at.resolve())
+    if inside and is_folder(folder) and any(is_file(folder / one) for one in files):
+        return folder
+    named = " or ".join(f"`{one}`" for one in files)
+    table.say(NO_TEMPLATE, "template", folder=kinds.shown(text), files=named)
+    return None
+
+
+def style_beside(program: Program, text: SourceText | None, path: FilePath | None) -> Style:
+    """The style of the project that the source of a program is in."""
+    if path is None:
+        trees = program.origin.trees if program.origin is not None else ()
+        texts = [text, *(tree.source for tree in trees)]
+        found = next((one.path for one in texts if one is not None and one.path), None)
+        path = None if found is None else FilePath(found)
+    return PLAIN if path is None else style_of(path.absolute().parent)
+
+
+# ------------------------------------------------------------------------------ programs
+
+
+@dataclass(frozen=True, slots=True)
+class Styled:
+    """A file in its style.
+
+    lines: of the file that the template wrote → those of the template; empty for the default one,
+    which adds none.
+    """
+
+    data: bytes
+    template: SourceText
+    lines: Mapping[int, int] = field(default_factory=dict)
+
+
+def in_style(
+    data: bytes, language: Language[Any], style: Style, program: Program, unit: str | None
+) -> Styled:
+    """The text of a unit with the frame that the style has for it; raises Refused."""
+    outline = language.outline()
+    if outline is None:
+        return Styled(data, SourceText(""))
+    template, own = style.template(outline)
+    source = language.decode(data)
+    text = source.text
+    sections = dict(outline.sections(text))
+    name = outline.name(text)
+    known = {key: section(key, sections[key]) for key in sections}
+    for key, (whole, _) in outline.within.items():
+        known[key] = section(key, sections[whole])
+    stated = {
+        "name": name or unit or program.name,
+        "program": program.name,
+        "unit": unit or "",
+        "robot": program.robot or "",
+        "language": language.title,
+        **{key: style.values.get(key, "") for key in TEXTS},
+    }
+    written = filled(template, {**{k: in_comment(v) for k, v in stated.items()}, **known})
+    if own:
+        _check(written, template, language, outline, name)
+    for key, (whole, part) in outline.within.items():
+        sections[key] = part(sections[whole])
+    return _assembled(written, sections, source, language, template, own)
+
+
+def in_comment(value: str) -> str:
+    """A value as a comment can hold it: one line of ASCII, and not a long one."""
+    plain = in_ascii(one_line(value))
+    plain = "".join(c if " " <= c <= "~" else " " for c in plain)
+    return " ".join(plain.split())[:LONGEST].strip()
+
+
+def _check(
+    written: Sequence[tuple[int, str]],
+    template: SourceText,
+    language: Language[Any],
+    outline: Outline,
+    name: str,
+) -> None:
+    """Raises Refused where a template writes anything but comments, its frame and each section."""
+    found: list[Diagnostic] = []
+    seen: dict[str, int] = {}
+    last = ""
+
+    def say(at: int, *rule: Any, **fields: Any) -> None:
+        found.append(at_line(template, at, *rule, **fields))
+
+    for at, line in written:
+        if not line.strip():
+            continue
+        part = section_on(line) or _frame(line, outline, name)
+        if part is not None and part in outline.rank:
+            if part in seen:
+                say(at, TWICE, name=part)
+            elif last and outline.rank[part] < outline.rank[last]:
+                say(at, OUT_OF_ORDER, name=part, other=last, language=language.title)
+            else:
+                last = part
+            seen.setdefault(part, at)
+        elif PRIVATE.search(line):
+            say(at, NOT_ALONE, text=shown(line))
+        else:
+            comment = line.strip().removeprefix(language.comment_mark)
+            odd = next((c for c in line if not " " <= c <= "~"), None)
+            if not line.strip().startswith(language.comment_mark):
+                say(at, NOT_A_COMMENT, text=line.strip(), mark=language.comment_mark)
+            elif outline.item(comment):
+                say(at, READ_AS_ITEM, text=comment.strip())
+            elif odd is not None:
+                say(at, NOT_WRITABLE, character=odd if odd.isprintable() else f"\\x{ord(odd):02x}")
+            elif _beyond(last, outline):
+                say(at, OUT_OF_ORDER, name=line.strip(), other=last, language=language.title)
+    whole = max(outline.complete, key=lambda parts: len(seen.keys() & set(parts)))
+    for part in whole:
+        if part not in seen:
+            example = f"`{part}`" if part in outline.frame else f"`{{{{ {part} }}}}`"
+            if part in outline.frame and "{name}" in outline.frame[part]:
+                example = f"`{part} {{{{ name }}}}`"
+            say(len(template.text.split("\n")), LEFT_OUT, name=part, example=example)
+    for part, at in seen.items():
+        if part not in whole:
+            say(at, TWICE, name=part)
+    if found:
+        raise Refused(*found)
+
+
+def _beyond(last: str, outline: Outline) -> bool:
+    """True below the section of a language that ends what can be commented on."""
+    return bool(last and outline.ends) and outline.rank[last] >= outline.rank[outline.ends]
+
+
+def _frame(line: str, outline: Outline, name: str) -> str | None:
+    for part, pattern in outline.frame.items():
+        if re.fullmatch(pattern.replace("{name}", re.escape(name)), line.strip()):
+            return part
+    return None
+
+
+def _assembled(
+    written: Sequence[tuple[int, str]],
+    sections: Mapping[str, str],
+    source: SourceText,
+    language: Language[Any],
+    template: SourceText,
+    own: bool,
+) -> Styled:
+    outline = language.outline()
+    newline = "\r\n" if "\r\n" in source.text else "\n"
+    pieces: list[str] = []
+    lines: dict[int, int] = {}
+    number = 1
+    for at, line in written:
+        part = section_on(line)
+        if part is not None:
+            pieces.append(sections[part])
+            number += sections[part].count("\n")
+        elif line or outline is None or outline.blank:
+            pieces.append(line + newline)
+            lines[number] = at
+            number += 1
+    text = "".join(pieces)
+    numbering = outline.numbered(language.name) if outline is not None and lines else None
+    if numbering is not None:
+        text = newline.join([*numbering(text.removesuffix(newline).split(newline)), ""])
+    return Styled(encode(replace(source, text=text)), template, lines if own else {})
+
+
+# ------------------------------------------------------------------------------ the proof
+
+
+def without_comments(program: Program) -> Program:
+    """A program without its comments, which a template adds to and nothing else does."""
+
+    def body(statements: Sequence[Any]) -> tuple[Any, ...]:
+        kept = (one for one in statements if not isinstance(one, Comment))
+        return tuple(map_bodies(one, body) for one in kept)
+
+    procedures = tuple(replace(one, body=body(one.body)) for one in program.procedures)
+    return replace(program, comments=(), procedures=procedures)
+
+
+def blamed(findings: Sequence[Diagnostic], files: Mapping[str, Styled]) -> list[Diagnostic]:
+    """What is wrong with a text that is sound without its template, at lines of the template."""
+    found: dict[Diagnostic, None] = {}
+    for finding in findings:
+        styled = files.get(finding.path or "") or next(iter(files.values()))
+        line = styled.lines.get(finding.line or 0, 1)
+        found[at_line(styled.template, line, CHANGED, reason=finding.message)] = None
+    return list(found)

@@ -1,0 +1,70 @@
+"""Sections of an emitted program: heading, code and positions."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from functools import partial
+from typing import Final
+
+from assistant.languages.melfa_basic.tables.dialects import DIALECTS, Dialect
+from assistant.languages.melfa_basic.text.header import END, MARK
+from assistant.languages.texts.outline import Numbering, Outline
+
+_HEADING: Final = re.compile(rf"(?:(?:[0-9]+ )?'.*\n)*?(?:[0-9]+ )?' {END}\r?\n")
+_MARK: Final = re.compile(rf"^(?:[0-9]+ )?' {MARK}melfa", re.MULTILINE)
+_POSITIONS: Final = re.compile(r"^(?![0-9])", re.MULTILINE)
+_NUMBER: Final = re.compile(r"[0-9]+ ")
+
+
+def sections(text: str) -> Mapping[str, str]:
+    """The comments of the heading, the code, and the values of positions below it."""
+    heading = _HEADING.match(text)
+    below = heading.end() if heading else 0
+    positions = _POSITIONS.search(text, below)
+    first = positions.start() if positions else len(text)
+    return {"header": text[:below], "code": text[below:first], "positions": text[first:]}
+
+
+def _own(text: str) -> int:
+    """Where the heading begins below the comments of a program."""
+    mark = _MARK.search(text)
+    return mark.start() if mark else len(text)
+
+
+def numbered(dialect: Dialect, lines: Sequence[str]) -> list[str]:
+    """The lines with steps counted anew: jumps of emitted programs name labels.
+
+    A comment that has no number yet gets one; values of positions have none.
+    """
+    made, step = [], 0
+    for line in lines:
+        match = _NUMBER.match(line)
+        if match is None and not line.startswith("'"):
+            made.append(line)
+            continue
+        step += dialect.step
+        made.append(f"{step} {line[match.end() :] if match else line}")
+    return made
+
+
+def _numbering(name: str) -> Numbering | None:
+    return partial(numbered, DIALECTS[name])
+
+
+OUTLINE: Final = Outline(
+    template="melfa/program.prg.j2",
+    sections=sections,
+    within={
+        "comments": ("header", lambda text: text[: _own(text)]),
+        "heading": ("header", lambda text: text[_own(text) :]),
+    },
+    name=lambda _: "",
+    rank={"comments": 0, "header": 1, "heading": 1, "code": 2, "positions": 3},
+    complete=(("header", "code", "positions"), ("comments", "heading", "code", "positions")),
+    item=lambda text: text.strip().startswith(MARK.strip()),
+    frame={},
+    numbered=_numbering,
+    blank=False,
+    ends="header",
+)

@@ -1,0 +1,64 @@
+"""Sections of an emitted module."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Final
+
+from assistant.languages.rapid.text.header import is_item
+from assistant.languages.texts.outline import Outline
+
+_COMMENT: Final = re.compile(r"(?: *!.*\n)*")
+_ROUTINE: Final = re.compile(
+    r"^(?:\r?\n)?    (?:LOCAL )?(?:(?:PROC|FUNC \w+) \w+\(|TRAP )", re.MULTILINE
+)
+_TARGET: Final = re.compile(
+    r"^    (?:(?:LOCAL|TASK) )?CONST (?:robtarget|jointtarget) .*;\r?\n", re.MULTILINE
+)
+_END: Final = "ENDMODULE"
+
+
+def sections(text: str) -> Mapping[str, str]:
+    """The lines between `MODULE` and `ENDMODULE`: opening comments, declarations, routines."""
+    start, end = text.index("\n") + 1, text.rindex(_END)
+    comments = _COMMENT.match(text, start, end)
+    below = comments.end() if comments else start
+    routine = _ROUTINE.search(text, below, end)
+    first = routine.start() if routine else end
+    return {
+        "header": text[start:below],
+        "declarations": text[below:first],
+        "routines": text[first:end],
+    }
+
+
+def _name(text: str) -> str:
+    found = re.match(r"MODULE (\w+)", text)
+    return found[1] if found else ""
+
+
+OUTLINE: Final = Outline(
+    template="rapid/module.mod.j2",
+    sections=sections,
+    within={
+        "data": ("declarations", lambda text: _TARGET.sub("", text)),
+        "targets": ("declarations", lambda text: "".join(_TARGET.findall(text))),
+    },
+    name=_name,
+    rank={"MODULE": 0, "header": 1, "declarations": 2, "data": 2, "targets": 2, "routines": 3}
+    | {_END: 4},
+    complete=(
+        ("MODULE", "header", "declarations", "routines", _END),
+        ("MODULE", "header", "data", "targets", "routines", _END),
+    ),
+    item=is_item,
+    frame={
+        # A system module has no `main`; the other attributes change nothing that the program does.
+        "MODULE": r"MODULE {name} ?(?:\( ?(?:NOSTEPIN|VIEWONLY|READONLY|NOVIEW)"
+        r"(?: ?, ?(?:NOSTEPIN|VIEWONLY|READONLY|NOVIEW))* ?\))?",
+        _END: _END,
+    },
+    numbered=lambda _: None,
+    blank=True,
+)
