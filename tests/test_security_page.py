@@ -12,6 +12,7 @@ from assistant.cli.app import app
 PAGE = (Path(__file__).parent.parent / "docs" / "security.md").read_text("utf-8")
 ROW = re.compile(r"^\| `([a-z0-9 ]+)` \| (.*) \| (.*) \| (yes|no) \|$", re.M)
 TALKS = {"deploy", "plan", "verify", "rollback", "gateway", "answer", "view", "studio"}
+TALKS |= {"explore wander", "explore manual", "explore running"}
 """Commands that reach controllers without being given one as an argument, or a line of one."""
 
 ASKS_ON_ITS_PAGE = {"studio"}

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
+from assistant.cli.on_arms import complete_leading
+from assistant.cli.on_controllers import YesOption
 from assistant.cli.options import (
     AccelerationOption,
     EntryOption,
@@ -20,6 +22,7 @@ from assistant.cli.options import (
 from assistant.cli.presentation import Format
 
 if TYPE_CHECKING:
+    from assistant.cli.exploring_arms import Live
     from assistant.compiler.exploring import Asked
 
 explore: Final = typer.Typer(
@@ -27,9 +30,6 @@ explore: Final = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode=None,
 )
-CellArgument = Annotated[
-    Path, typer.Argument(metavar="CELL", help="File of the cell, with the robot.")
-]
 CellOption = Annotated[Path, typer.Option("--cell", help="File of the cell, with the robot.")]
 ChartOption = Annotated[
     Path, typer.Option("--chart", "-c", help="The chart, .npz; one that is there is gone on with.")
@@ -46,6 +46,32 @@ ThinnerOption = Annotated[
     float,
     typer.Option(help="mm by which the bodies of the robot are rounder than it is, at most."),
 ]
+ControllerArgument = Annotated[
+    str, typer.Argument(help="Name of a controller of the project, or its address.")
+]
+ContactOption = Annotated[
+    str | None,
+    typer.Option(help="Input of the controller that is not 0 in contact.", metavar="SIGNAL"),
+]
+KeyOption = Annotated[
+    bool, typer.Option("--key", help="Each key that is pressed is a contact; q ends it.")
+]
+CameraOption = Annotated[
+    Path | None,
+    typer.Option(
+        help="File of cameras: a picture that is not as the first one is a contact.",
+        metavar="CAMERAS.toml",
+    ),
+]
+RegionOption = Annotated[
+    str | None,
+    typer.Option(help="Of the pictures, in pixels.", metavar="LEFT,TOP,RIGHT,BOTTOM"),
+]
+SecondsOption = Annotated[float | None, typer.Option(help="After which it ends.", min=0.0)]
+LogOption = Annotated[
+    Path | None,
+    typer.Option(help="Write joints, poses and contacts, for `recorded`.", metavar="FILE.csv"),
+]
 HiddenOption = Annotated[
     Path | None,
     typer.Option(help="Cell file of what is really there: contacts with that end a run."),
@@ -54,7 +80,13 @@ HiddenOption = Annotated[
 
 @explore.command()
 def wander(
-    scene: CellArgument,
+    where: Annotated[
+        str,
+        typer.Argument(
+            metavar="CELL|CONTROLLER",
+            help="File of a cell, in which nothing moves; or with --cell the controller of an arm.",
+        ),
+    ],
     chart: ChartOption,
     hidden: HiddenOption = None,
     runs: Annotated[int, typer.Option(help="Random moves, a run each.", min=1)] = 50,
@@ -65,13 +97,113 @@ def wander(
     robot: RobotOption = None,
     size: SizeOption = None,
     thinner: ThinnerOption = 0.0,
+    cell: Annotated[
+        Path | None,
+        typer.Option("--cell", help="File of the cell of an arm that really moves."),
+    ] = None,
+    contact: ContactOption = None,
+    key: KeyOption = False,
+    camera: CameraOption = None,
+    region: RegionOption = None,
+    range: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="JOINT=LOW:HIGH", help="Degrees between which a joint may move; repeatable."
+        ),
+    ] = None,
+    box: Annotated[
+        str | None,
+        typer.Option(metavar="X,Y,Z", help="Box of the base for the flange, mm, each LOW:HIGH."),
+    ] = None,
+    speed: Annotated[float, typer.Option(help="mm/s of the flange, at most 250.")] = 50.0,
+    by: Annotated[
+        str, typer.Option(help="Way to lead the arm: see `servo`.", autocompletion=complete_leading)
+    ] = "jog",
+    port: Annotated[
+        int | None, typer.Option(help="UDP port of the way; default the usual one.", min=1)
+    ] = None,
+    lines: Annotated[
+        list[str] | None,
+        typer.Option("--line", help="HOST:PORT or serial port of a line; repeatable, in order."),
+    ] = None,
+    replace: Annotated[
+        bool, typer.Option("--replace", help="Our programs replace others of their names.")
+    ] = False,
+    seconds: SecondsOption = None,
+    log: LogOption = None,
+    yes: YesOption = False,
     format: FormatOption = Format.TEXT,
 ) -> None:
-    """Move at random in a cell, up to each contact, on this computer. Nothing moves."""
-    from assistant.cli.exploring import run_wander
+    """Move at random up to each contact: on this computer, or with --cell a real or virtual arm."""
+    from assistant.cli.exploring import check_still, run_wander
+    from assistant.cli.exploring_arms import Bounds, run_wander_arm
+    from assistant.controllers.following import Wishes
 
-    asked = _asked(scene, chart, robot, size, thinner)
-    raise typer.Exit(run_wander(asked, hidden, runs, seed, format))
+    if cell is None:
+        moved = {"--contact": contact, "--key": key, "--camera": camera, "--log": log}
+        check_still(where, moved | {"--range": range, "--box": box, "--seconds": seconds})
+        asked = _asked(Path(where), chart, robot, size, thinner)
+        raise typer.Exit(run_wander(asked, hidden, runs, seed, format))
+    if hidden is not None:
+        check_still(where, {"--hidden": hidden}, moves=True)
+    asked = _asked(cell, chart, robot, size, thinner)
+    wishes = Wishes(port, tuple(lines or ()), None, replace)
+    bounds = Bounds(range or (), box, speed, by, wishes)
+    live = _live(contact, key, camera, region, seconds, log, yes, format)
+    raise typer.Exit(run_wander_arm(where, asked, bounds, live, runs, seed))
+
+
+@explore.command()
+def manual(
+    controller: ControllerArgument,
+    cell: CellOption,
+    chart: ChartOption,
+    contact: ContactOption = None,
+    key: KeyOption = False,
+    camera: CameraOption = None,
+    region: RegionOption = None,
+    robot: RobotOption = None,
+    size: SizeOption = None,
+    thinner: ThinnerOption = 0.0,
+    seconds: SecondsOption = None,
+    log: LogOption = None,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Learn while you jog or lead an arm by hand, until Ctrl-C. This moves nothing."""
+    from assistant.cli.exploring_arms import run_manual
+
+    asked = _asked(cell, chart, robot, size, thinner)
+    live = _live(contact, key, camera, region, seconds, log, False, format)
+    raise typer.Exit(run_manual(controller, asked, live))
+
+
+@explore.command()
+def running(
+    controller: ControllerArgument,
+    cell: CellOption,
+    chart: ChartOption,
+    program: Annotated[
+        str | None, typer.Option(help="Program of the controller; default what is loaded.")
+    ] = None,
+    contact: ContactOption = None,
+    key: KeyOption = False,
+    camera: CameraOption = None,
+    region: RegionOption = None,
+    override: Annotated[int, typer.Option(help="Percent of its speed.")] = 10,
+    robot: RobotOption = None,
+    size: SizeOption = None,
+    thinner: ThinnerOption = 0.0,
+    seconds: SecondsOption = None,
+    log: LogOption = None,
+    yes: YesOption = False,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Start a program and learn while it moves the arm; a contact stops it. Asks before."""
+    from assistant.cli.exploring_arms import run_running
+
+    asked = _asked(cell, chart, robot, size, thinner)
+    live = _live(contact, key, camera, region, seconds, log, yes, format)
+    raise typer.Exit(run_running(controller, program, asked, live, override))
 
 
 @explore.command()
@@ -167,6 +299,21 @@ def compare(
     from assistant.cli.exploring import run_charts_compared
 
     raise typer.Exit(run_charts_compared(old, new, format))
+
+
+def _live(
+    signal: str | None,
+    key: bool,
+    camera: Path | None,
+    region: str | None,
+    seconds: float | None,
+    log: Path | None,
+    yes: bool,
+    format: Format,
+) -> Live:
+    from assistant.cli.exploring_arms import Contact, Live
+
+    return Live(Contact(signal, key, camera, region), seconds, log, yes, format)
 
 
 def _asked(cell: Path, chart: Path, robot: str | None, size: float | None, thinner: float) -> Asked:

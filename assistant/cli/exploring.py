@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -19,7 +19,28 @@ if TYPE_CHECKING:
 
 NO_CHART_NAME: Final = error("CL280", "a chart is not written as `{name}`", "end its name in .npz")
 NO_UNTIL: Final = error("CL281", "--until is {value:g}", "write seconds above 0")
+ONLY_MOVED: Final = error(
+    "CL288",
+    "{what} for an arm that moves, and no cell file says what the arm is",
+    "name the controller, and add --cell with the file of its cell",
+)
+ONLY_STILL: Final = error(
+    "CL289",
+    "`{option}` is for a cell in which nothing moves, and --cell moves an arm",
+    "leave out one of them",
+)
 SUFFIX: Final = ".npz"
+
+
+def check_still(where: str, given: Mapping[str, object], *, moves: bool = False) -> None:
+    """Raises Refused for options that are not for what wanders. moves: an arm, no cell file."""
+    option = next((name for name, value in given.items() if value), None)
+    if option is None and (moves or Path(where).suffix or Path(where).exists()):
+        return
+    if moves:
+        raise Refused(ONLY_STILL(option=option), exit_status=2)
+    what = f"`{option}` is" if option else f"`{where}` is no cell file, and a controller is"
+    raise Refused(ONLY_MOVED(what=what), exit_status=2)
 
 
 def run_wander(
@@ -28,7 +49,7 @@ def run_wander(
     from assistant.compiler.exploring import wandered
 
     with working("exploring"):
-        begun = _ready(asked, [] if hidden is None else [str(hidden)])
+        begun = prepared(asked, [] if hidden is None else [str(hidden)])
         found = wandered(begun, hidden, runs, seed)
     return _told(begun, found, "runs", format)
 
@@ -39,7 +60,7 @@ def run_recorded(
     from assistant.compiler.exploring import recorded
 
     with working("reading what was recorded"):
-        begun = _ready(asked, [str(path) for path in recordings])
+        begun = prepared(asked, [str(path) for path in recordings])
         found = recorded(begun, recordings, contact)
     return _told(begun, found, "runs of each recording", format)
 
@@ -61,7 +82,7 @@ def run_program(
     if until is not None and not until > 0.0:
         raise Refused(NO_UNTIL(value=until), exit_status=2)
     with working(f"going through {source}"):
-        begun = _ready(asked, [source, *([] if hidden is None else [str(hidden)])])
+        begun = prepared(asked, [source, *([] if hidden is None else [str(hidden)])])
         explorer = begun.explorer
         named = None if asked.robot is None else explorer.placed.robot
         scene = replace(explorer.scene, runs=asked.robot)
@@ -78,7 +99,7 @@ def run_program(
     return _told(begun, found, "runs", format)
 
 
-def _ready(asked: Asked, read: Sequence[str]) -> Ready:
+def prepared(asked: Asked, read: Sequence[str]) -> Ready:
     """Raises Refused for a chart that would not be one, or would be written over what is read."""
     from assistant.compiler.exploring import ready
 
@@ -94,15 +115,31 @@ def _check_name(path: Path) -> None:
 
 def _told(begun: Ready, found: Explored, what: str, format: Format) -> int:
     from assistant.cell.exploration.map_file import save
+
+    save(found.occupancy, begun.asked.chart)
+    return report(Done(found, what, [begun.asked.chart]), format)
+
+
+@dataclass(frozen=True, slots=True)
+class Done:
+    """What came of exploring. what: the runs that it counts. written: files."""
+
+    found: Explored
+    what: str
+    written: Sequence[Path]
+
+
+def report(done: Done, format: Format) -> int:
+    """Prints what is known now."""
     from assistant.findings.formats import finding_record
 
-    path = begun.asked.chart
-    save(found.occupancy, path)
+    found, what = done.found, done.what
     if format is Format.JSON:
         rows = [dict(zip(("runs", "new", "litres"), row, strict=True)) for row in found.runs]
         findings = [finding_record(one) for one in found.findings]
         answer = {"explored": rows, "contacts": found.contacts, "chart": _record(found.occupancy)}
-        print_json(answer | {"findings": findings, "written": [str(path)]})
+        written = [str(path) for path in done.written]
+        print_json(answer | {"findings": findings, "written": written})
         return 0
     print_findings(found.findings, explained=True)
     say(f"{what:>24} {'new cells':>12} {'litres free':>12}")
@@ -114,7 +151,7 @@ def _told(begun: Ready, found: Explored, what: str, format: Format) -> int:
         say(f"contacts: {found.contacts}{where}")
     for line in _lines(found.occupancy):
         say(line)
-    say(f"wrote {path}")
+    say(f"wrote {', '.join(str(path) for path in done.written)}")
     return 0
 
 

@@ -14,6 +14,7 @@ from assistant.program.diagnostics import Refused, Rule, error
 if TYPE_CHECKING:
     from assistant.learning.maps.asked import Asked
     from assistant.learning.maps.goals import Rule as Held
+    from assistant.program.arrays import Floats
     from assistant.vision.cameras.camera import Camera
 
 BAD_RANGE: Final = error(
@@ -77,10 +78,7 @@ def asked(options: Options) -> Asked:
     points = [_numbers(text, ",", 3, BAD_POINT) for text in options.point]
     box = None
     if options.box is not None:
-        sides = options.box.split(",")
-        if len(sides) != 3:
-            raise Refused(BAD_BOX(given=options.box), exit_status=2)
-        box = np.array([_numbers(side, ":", 2, BAD_BOX, options.box) for side in sides])
+        box = box_of(options.box)
     low, high = _numbers(options.turn, ":", 2, BAD_TURN)
     if not -360.0 <= low <= high <= 360.0:
         raise Refused(BAD_TURN(given=options.turn), exit_status=2)
@@ -88,13 +86,28 @@ def asked(options: Options) -> Asked:
         robot,
         dict(_named(text, _factor, BAD_HOLD) for text in options.hold),
         np.array(points) if points else None,
-        dict(_named(text, _between, BAD_RANGE) for text in options.range),
+        dict(map(range_of, options.range)),
         box,
         cast("Held", "any" if options.tool == FREE else options.tool),
         (low, high),
         () if options.cameras is None else _cameras(options.cameras),
         options.tool == FREE,
     )
+
+
+def box_of(text: str) -> Floats:
+    """(3, 2) mm; raises Refused."""
+    import numpy as np
+
+    sides = text.split(",")
+    if len(sides) != 3:
+        raise Refused(BAD_BOX(given=text), exit_status=2)
+    return np.array([_numbers(side, ":", 2, BAD_BOX, text) for side in sides])
+
+
+def range_of(text: str) -> tuple[str, tuple[float, float]]:
+    """A joint with its lower and upper end; raises Refused."""
+    return _named(text, _between, BAD_RANGE)
 
 
 def _cameras(file: Path) -> tuple[Camera, ...]:

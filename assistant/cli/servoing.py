@@ -63,8 +63,8 @@ def run_servo(cell: str, task: Path, options: Options) -> int:
         session: Programs = there.controller if mode.operates else there.session
         mode.check(session, options.wishes)
         setting = set_up(file, rig, robot)
-        near = _near(session, robot)
-        carrier = mode.make(session, setting.guard.arm(), options.wishes, near)
+        begin = near(session, robot)
+        carrier = mode.make(session, setting.guard.arm(), options.wishes, begin)
         with ExitStack() as open_:
             eyes = open_.enter_context(eyes_of(setting, carrier.joints))
             names = ", ".join(camera.name for camera in setting.cameras)
@@ -89,16 +89,21 @@ def run_servo(cell: str, task: Path, options: Options) -> int:
 
 
 def _mode(options: Options) -> Mode:
-    from assistant.controllers.leading import MODES
-
-    if options.by not in MODES:
-        raise Refused(NO_WAY(by=options.by, known=", ".join(MODES)), exit_status=2)
     if options.log is not None and options.log.suffix.lower() not in WRITERS:
         raise Refused(NO_RECORDING(name=options.log), exit_status=2)
-    return MODES[options.by]
+    return way(options.by)
 
 
-def _near(session: Programs, robot: Robot) -> Floats:
+def way(by: str) -> Mode:
+    """The way to lead an arm of a name; raises Refused."""
+    from assistant.controllers.leading import MODES
+
+    if by not in MODES:
+        raise Refused(NO_WAY(by=by, known=", ".join(MODES)), exit_status=2)
+    return MODES[by]
+
+
+def near(session: Programs, robot: Robot) -> Floats:
     """Joints near to which the arm is, where the controller tells them."""
     from assistant.compiler.teaching import own_joints
     from assistant.controllers import Controller

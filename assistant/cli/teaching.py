@@ -114,7 +114,7 @@ def _moments(
     if options.now:
         yield lambda: True
         return
-    with _keys() as pressed:
+    with keys() as pressed:
         if options.on is None:
             yield lambda: _key(pressed, None) is True
             return
@@ -167,7 +167,7 @@ def _key(pressed: Callable[[float | None], bytes], seconds: float | None) -> boo
 
 
 @contextmanager
-def _keys() -> Iterator[Callable[[float | None], bytes]]:
+def keys() -> Iterator[Callable[[float | None], bytes]]:
     """Single keys of the terminal, or characters of an input that is none; Ctrl-C stays Ctrl-C.
 
     They are waited for so many seconds, b"" if none came. The end of the input is a key, too.

@@ -30,6 +30,11 @@ NO_REFUSAL = error(
     "`{text}` is no command with the number of an error",
     "write them as SRVON=5600",
 )
+NO_CONTACT = error(
+    "CL105",
+    "contacts of the arm need the number of an input and a cell",
+    "add `--contact 10 --cell cell.toml`, with an input of the controller and the file of its cell",
+)
 NO_SIGNAL = error(
     "CL102",
     "`{text}` is no signal",
@@ -123,15 +128,26 @@ def run_cr(
     serial: bool | str,
     framing: Literal["plain", "procedural", "data link"],
     pace: float,
+    contact: str | None,
+    cell: Path | None,
     log: bool,
 ) -> None:
-    """refused: commands with the numbers that they are answered with, as SRVON=5600."""
+    """refused: commands with the numbers that they are answered with, as SRVON=5600.
+
+    contact: the input that is on while the arm touches something of the cell.
+    """
     from assistant.compiler.arms import robot_of
+    from assistant.compiler.exploring import touching
     from assistant.languages import get
-    from assistant.virtual.cr import VirtualCr
+    from assistant.virtual.cr import Contact, VirtualCr
 
     arm = robot_of(robot)
     assert arm is not None
+    felt = None
+    if contact is not None or cell is not None:
+        if contact is None or cell is None or not re.fullmatch(r"\d{1,5}", contact, re.ASCII):
+            raise Refused(NO_CONTACT(), exit_status=2)
+        felt = Contact(str(int(contact)), touching(cell, arm.name))
     faults.errors = dict(map(_refusal, refused))
     try:
         controller = VirtualCr(
@@ -145,6 +161,7 @@ def run_cr(
             pace=pace,
             faults=faults,
             report=_report if log else None,
+            contact=felt,
         )
     except (ValueError, OSError) as error:
         raise Refused(NOT_STARTED(place=robot, reason=error), exit_status=2) from None

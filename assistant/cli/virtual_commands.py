@@ -125,6 +125,13 @@ def virtual_cr(
         list[str] | None,
         typer.Option(help="A command it refuses, with the error, as SRVON=5600; repeatable."),
     ] = None,
+    contact: Annotated[
+        str | None,
+        typer.Option(help="Input that is on while the arm touches something of --cell."),
+    ] = None,
+    cell: Annotated[
+        Path | None, typer.Option("--cell", help="File of the cell that the arm is in.")
+    ] = None,
     log: Annotated[bool, typer.Option("--log", help="Print each command and answer.")] = False,
 ) -> None:
     """A virtual CR controller: controller link, data link, programs that run in real time."""
@@ -143,5 +150,7 @@ def virtual_cr(
         serial=True if serial == "pty" else serial or False,
         framing=FRAMINGS[framing],
         pace=pace,
+        contact=contact,
+        cell=cell,
         log=log,
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from assistant.cell.exploration.explorer import Explorer
     from assistant.cell.exploration.occupancy import Occupancy
     from assistant.cell.scene import Scene
+    from assistant.program.arrays import Floats
     from assistant.program.program import Program
     from assistant.robots.timing import Simulation
     from assistant.robots.timing.state import History
@@ -124,6 +125,32 @@ def hidden_scene(begun: Ready, hidden: FilePath | None) -> Scene:
     return scene
 
 
+def touching(cell: FilePath, robot: str) -> Callable[[Floats], bool]:
+    """Joints (a,) of a robot → True if it touches something in a cell, itself among it.
+
+    robot: its name in the catalogue; other robots of the cell are at home. Raises Refused if the
+    cell has no such robot.
+    """
+    from assistant.cell.collision.model import Model
+    from assistant.cell.exploration.rules import NO_ROBOT
+    from assistant.cell.reading.cell_file import read_scene
+
+    scene, _ = read_scene(cell, explored=False)
+    names = [placed.robot.name for placed in scene.robots]
+    if robot not in names:
+        raise Refused(NO_ROBOT(name=robot, names=", ".join(names) or "none"), exit_status=2)
+    model, number = Model(scene), names.index(robot)
+    columns = model.carriers.columns[number]
+    home = np.concatenate([placed.robot.home for placed in scene.robots])
+
+    def touches(joints: Floats) -> bool:
+        row = home.copy()
+        row[columns] = joints
+        return bool(model.nearest(row[None])[0][0] <= 0.0)
+
+    return touches
+
+
 def wandered(begun: Ready, hidden: FilePath | None, moves: int, seed: int | None) -> Explored:
     """Random moves, each up to the first contact that the hidden scene tells of.
 
@@ -160,14 +187,28 @@ def recorded(begun: Ready, recordings: Sequence[FilePath], contact: str | None) 
     for path in recordings:
         recording = read_recording(path, explorer.placed.robot, contact)
         found += recording.findings
-        new = 0
-        for run in recording.runs:
-            joints = np.tile(explorer.home, (len(run), 1))
-            joints[:, explorer.filler.columns] = run
-            new += explorer.gone(joints)
+        new = _gone(explorer, recording.runs)
         contacts += recording.contacts
         rows.append((len(recording.runs), new, explorer.occupancy.litres))
     return Explored(explorer.occupancy, tuple(rows), contacts, contacts, tuple(found))
+
+
+def learnt(begun: Ready, runs: Sequence[Floats], contacts: int) -> Explored:
+    """What runs of joints (n, a) without contact tell, that were recorded while the arm moved."""
+    explorer = begun.explorer
+    new = _gone(explorer, runs)
+    rows = ((len(runs), new, explorer.occupancy.litres),)
+    return Explored(explorer.occupancy, rows, contacts, contacts, begun.findings)
+
+
+def _gone(explorer: Explorer, runs: Sequence[Floats]) -> int:
+    """Cells that were not free before runs of joints (n, a) of the explorer's robot."""
+    new = 0
+    for run in runs:
+        joints = np.tile(explorer.home, (len(run), 1))
+        joints[:, explorer.filler.columns] = run
+        new += explorer.gone(joints)
+    return new
 
 
 def one_way(program: Program, simulation: Simulation) -> None:

@@ -82,6 +82,14 @@ def read_recording(path: str | FilePath, robot: Robot, contact: str | None = Non
     return Recorded(tuple(_runs(rows, left | ~there)), contacts, tuple(findings))
 
 
+def clear_runs(times: Floats, rows: Floats, touching: Truths) -> tuple[Floats, ...]:
+    """Rows (n, a) that follow each other without contact, but for those that a late signal doubts.
+
+    times: (n,) seconds, ascending. touching: (n,) rows in contact.
+    """
+    return tuple(_runs(rows, _left(times, touching)))
+
+
 def _runs(rows: Floats, left: Truths) -> Iterator[Floats]:
     """Rows that follow each other, without those that are left out."""
     edges = np.flatnonzero(np.diff(np.concatenate([[True], left, [True]])))

@@ -16,6 +16,7 @@ from assistant.cell.exploration.rules import NOT_CLEAR
 from assistant.cell.scene import Placed, Scene
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Refused
+from assistant.robots import Robot
 
 TRIES: Final = 6
 """Places that are drawn for each move; the one that tells most of new space is gone to."""
@@ -56,11 +57,7 @@ def wander(
     the robot itself among it. Raises Refused for a start that is in contact.
     """
     draw = np.random.default_rng(seed)
-    columns = explorer.filler.columns
-    robot = explorer.placed.robot
-    low, high = np.clip(robot.limits if within is None else within, -360.0, 360.0).T
-    if robot.sliding.any():
-        low[robot.sliding], high[robot.sliding] = robot.limits[robot.sliding].T
+    ranges = ranges_of(explorer.placed.robot, within)
     known = Model(explorer.scene)
     at = np.array(explorer.home if start is None else start, dtype=np.float64)
     if indicated(at[None]) is not None or known.nearest(at[None])[0][0] <= 0.0:
@@ -68,9 +65,8 @@ def wander(
     new = contacts = placeless = 0
     for _ in range(moves):
         targets = np.tile(at, (max(tries, 1), 1))
-        targets[:, columns] = draw.uniform(low, high, (len(targets), len(low)))
-        scores = [explorer.occupancy.new_in(explorer.fills(row[None])) for row in targets]
-        rows = _way(explorer, known, at, targets[int(np.argmax(scores))])
+        targets[:, explorer.filler.columns] = drawn_in(ranges, len(targets), draw)
+        rows = way_to(explorer, known, at, best_of(explorer, targets))
         found = indicated(rows)
         clear, touch = (rows, None) if found is None else (rows[: found[0]], found[1])
         new += explorer.gone(clear, touch)
@@ -83,7 +79,26 @@ def wander(
     return Wandered(moves, contacts, placeless, new, at)
 
 
-def _way(explorer: Explorer, known: Model, at: Floats, target: Floats) -> Floats:
+def ranges_of(robot: Robot, within: Floats | None = None) -> Floats:
+    """(a, 2) between which targets are drawn: a turn at most where an axis has no limits."""
+    ranges = np.clip(robot.limits if within is None else within, -360.0, 360.0)
+    if within is None:
+        ranges[robot.sliding] = robot.limits[robot.sliding]
+    return ranges
+
+
+def drawn_in(ranges: Floats, count: int, draw: np.random.Generator) -> Floats:
+    """(count, a) between ranges (a, 2)."""
+    return draw.uniform(ranges[:, 0], ranges[:, 1], (count, len(ranges)))
+
+
+def best_of(explorer: Explorer, targets: Floats) -> Floats:
+    """(j,) that of targets (n, j) at which the robot fills most cells that are not free yet."""
+    scores = [explorer.occupancy.new_in(explorer.fills(row[None])) for row in targets]
+    return np.asarray(targets[int(np.argmax(scores))])
+
+
+def way_to(explorer: Explorer, known: Model, at: Floats, target: Floats) -> Floats:
     """Rows of joints to a target, or to before what is known to be touched on the way."""
     step = target - at
     moved = float((np.abs(step) @ explorer.filler.lever()).max(initial=0.0))

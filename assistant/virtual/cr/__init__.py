@@ -6,5 +6,6 @@ with VirtualCr("rv-2aj") as controller:
 
 from assistant.virtual.cr.controller import VirtualCr
 from assistant.virtual.cr.faults import Faults
+from assistant.virtual.cr.powered import Contact
 
-__all__ = ["Faults", "VirtualCr"]
+__all__ = ["Contact", "Faults", "VirtualCr"]

@@ -25,7 +25,7 @@ from assistant.virtual.cr.error_log import level_of
 from assistant.virtual.cr.faults import Faults
 from assistant.virtual.cr.framing import MOST_BYTES
 from assistant.virtual.cr.ports import SerialPort, SocketPort
-from assistant.virtual.cr.powered import Equipment
+from assistant.virtual.cr.powered import Contact, Equipment
 from assistant.virtual.cr.real_time import RealTime
 from assistant.virtual.cr.state import SUFFIXES, CrSession, CrState
 from assistant.virtual.cr.store import CAPACITY, CrRefusal, CrStore
@@ -64,7 +64,8 @@ class VirtualCr:
     UDP, of real-time control and of the monitor (MONMODE), 0 for any that are free. lines: what
     programs open beside the lines of the data link. commands: plug-ins of the interpreter.
     lock_step: its time stands at 0 and passes only as far as `advance` lets it, with servos that
-    are on at once; packets of real-time control go by real time all the same.
+    are on at once; packets of real-time control go by real time all the same. contact: an input
+    that is on while the arm touches something.
     """
 
     def __init__(
@@ -91,6 +92,7 @@ class VirtualCr:
         lines: Mapping[str, Line] | None = None,
         commands: Commands | None = None,
         lock_step: bool = False,
+        contact: Contact | None = None,
     ) -> None:
         from assistant import robots
 
@@ -101,7 +103,9 @@ class VirtualCr:
         store = CrStore(FilePath(folder) if folder else None, capacity=capacity)
         ready = 0.0 if lock_step else servo_time
         self.state = CrState(arm, spoken, store, clock, servo_time=ready, report=report)
-        self._equipment = Equipment(pace, dict(lines or {}), commands, lock_step=lock_step)
+        self._equipment = Equipment(
+            pace, dict(lines or {}), commands, lock_step=lock_step, contact=contact
+        )
         self._first_port = data_port
         self._data: DataLines | None = None
         self._real_time = RealTime(self.state, host, mxt_port, monitor_port)

@@ -11,6 +11,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final, Protocol, TypeVar
 
+import numpy as np
+
 from assistant.virtual.cr import cells
 from assistant.virtual.cr.arm import CrArm
 from assistant.virtual.cr.direct import UNKNOWN, DirectCommands, number_of
@@ -26,6 +28,7 @@ from assistant.virtual.melfa.stops import Failed, Unknown
 from assistant.virtual.melfa.world import STEP_TIME
 
 if TYPE_CHECKING:
+    from assistant.program.arrays import Floats
     from assistant.robots import Robot
     from assistant.virtual.melfa.lines import Line
     from assistant.virtual.melfa.plugins import Commands
@@ -50,11 +53,25 @@ class Told(Protocol):
     def hand_moved(self, hand: int, opens: bool) -> None: ...
 
 
+FEELING: Final = 0.02
+"""Real seconds between two looks whether the arm touches something."""
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """What tells a controller of contacts. signal: the input that is on in contact. touching: True
+    if the arm touches something at joints (a,).
+    """
+
+    signal: str
+    touching: Callable[[Floats], bool]
+
+
 @dataclass(slots=True)
 class Equipment:
     """What programs meet beside the controller itself. rate: simulated seconds for each real one.
     lock_step: time passes only as far as it is let. lines, commands, options: see
-    `melfa.Controller`.
+    `melfa.Controller`. contact: sets an input while the arm touches something.
     """
 
     rate: float = 1.0
@@ -62,6 +79,7 @@ class Equipment:
     commands: Commands | None = None
     options: Options = field(default_factory=Options)
     lock_step: bool = False
+    contact: Contact | None = None
 
 
 class Powered:
@@ -149,7 +167,26 @@ class Powered:
         self.stepping = Stepping(self.controller)
         kernel.watch = self.stepping.watch
         self._board.outputs.listeners.append(self._switched)
+        if self._equipment.contact is not None:
+            self._look_for_contact(kernel)
         return kernel
+
+    def _look_for_contact(self, kernel: Kernel) -> None:
+        self._feel()
+        later = kernel.now + FEELING * self._equipment.rate
+        kernel.at(later, lambda: self._look_for_contact(kernel))
+
+    def feel(self) -> None:
+        """Has the input of contacts be what it is now."""
+        if self._equipment.contact is not None:
+            self.do(self._feel)
+
+    def _feel(self) -> None:
+        contact = self._equipment.contact
+        if contact is not None:
+            there = self.arm.where()[1]
+            joints = np.array([there[place] for place in self.robot.places])
+            self._board.inputs.set(contact.signal, float(contact.touching(joints)))
 
     # -------------------------------------------------------------------------- programs
 

@@ -19,6 +19,7 @@ SHOWN_HANDS: Final = 8
 
 
 def _inputs(session: CrSession, argument: str) -> str:
+    session.state.machinery.feel()
     return _word(session.state.board.inputs, argument)
 
 

@@ -46,7 +46,7 @@ class Live:
         for camera in cameras:
             if not sources.get(camera.name):
                 raise Refused(rules.NO_SOURCE(camera=camera.name), exit_status=2)
-        self._readers = [_Reader(camera, sources[camera.name], folder) for camera in cameras]
+        self._readers = [Reader(camera, sources[camera.name], folder) for camera in cameras]
         self._open = ExitStack()
         self._number = -1
 
@@ -93,7 +93,7 @@ class Live:
         }
 
 
-class _Reader:
+class Reader:
     """The newest frame of a camera, and how it ended."""
 
     def __init__(self, camera: Camera, source: str, folder: FilePath) -> None:

@@ -22,7 +22,20 @@ FILES: Final = {
     "assistant.toml": f'{NAMED}robot = "rv-2aj"\n',
 }
 
+WANDER: Final = "explore wander cell1 --chart c.npz"
+ARM: Final = {**FILES, "cell.toml": '[robots.arm]\nrobot = "rv-2aj"\n'}
+MOVED: Final = f"{WANDER} --cell cell.toml"
+
 CASES: Final = (
+    Case("CL288", WANDER, ARM, (MOVED,), others=("CL282",)),
+    Case("CL282", MOVED, ARM, (f"{MOVED} --range J1=-40:40",), others=("CL283",)),
+    Case(
+        "CL283",
+        f"{MOVED} --range J1=-40:40",
+        ARM,
+        (f"{MOVED} --range J1=-40:40 --contact 10",),
+        others=("CL203",),
+    ),
     Case(
         "CL531",
         SERVO,

@@ -1,0 +1,410 @@
+"""`explore` with an arm that moves: at random, by hand, or by a program; and what was recorded."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from assistant.cli.cells import reached, robot_of_cell
+from assistant.cli.compiling import keep_sources
+from assistant.cli.confirming import confirmed
+from assistant.cli.exploring import Done, prepared, report
+from assistant.cli.learning_words import box_of, range_of
+from assistant.cli.moving import BEGINNING, moving
+from assistant.cli.presentation import Format, say
+from assistant.cli.teaching import ENDS, keys
+from assistant.program.diagnostics import Refused, error
+from assistant.program.system.ending import by_hand
+
+if TYPE_CHECKING:
+    from assistant.compiler.exploring import Asked, Ready
+    from assistant.controllers import Controller
+    from assistant.controllers.following import Wishes
+    from assistant.program.arrays import Floats
+    from assistant.robots import Robot
+    from assistant.vision.exploring.contacts import AnyOf, Contacts, Region
+    from assistant.vision.exploring.moving import Log, Wanderer
+    from assistant.vision.servoing.bounds import Guard
+
+NO_BOUNDS: Final = error(
+    "CL282",
+    "nothing says where the arm may move, so it does not",
+    "add --range JOINT=LOW:HIGH for joints, or --box X,Y,Z, each of them LOW:HIGH, for the flange",
+)
+NO_CONTACT: Final = error(
+    "CL283",
+    "nothing tells of contacts, so the arm does not move",
+    "add --contact with an input of the controller, --key, or --camera",
+)
+OTHER_ARM: Final = error(
+    "CL284",
+    "{name} moves a {one}, and `{arm}` of {cell} is a {other}",
+    "name the cell file of that arm, or the arm with --robot",
+)
+NO_LOG: Final = error(
+    "CL285", "joints are not written as `{name}`", "end its name in .csv, and not in a folder"
+)
+BAD_REGION: Final = error(
+    "CL286", "`{given}` is no region of a picture", "write LEFT,TOP,RIGHT,BOTTOM in pixels"
+)
+NO_SPEED: Final = error(
+    "CL287",
+    "--speed is {value:g}",
+    "write mm/s from 0.1 to {most:g}",
+)
+NO_RANGE: Final = error(
+    "CL290",
+    "{axis} cannot move between {low:g} and {high:g}: a {robot} has it between {least:g} and "
+    "{most:g}",
+    "write a lower and a higher value inside these limits",
+)
+FASTEST: Final = 250.0
+"""mm/s, as of manual reduced speed."""
+PART: Final = 0.1
+"""Of the full speed of each axis, at most."""
+TURNING: Final = 30.0
+"""Degrees/s of the flange."""
+SLOWLY: Final = 10
+"""Percent of its speed at which a program runs, where nobody says another override."""
+UNMOVED: Final = frozenset({"VS221", "CK456"})
+"""What it ends with before the first move."""
+LOOKS: Final = 0.05
+"""Seconds between two looks at an arm that others move."""
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """What tells of contacts. signal: an input. key: of the operator. cameras: a file of cameras,
+    whose pictures change in a region.
+    """
+
+    signal: str | None = None
+    key: bool = False
+    cameras: Path | None = None
+    region: str | None = None
+
+    @property
+    def is_told(self) -> bool:
+        return self.signal is not None or self.key or self.cameras is not None
+
+
+@dataclass(frozen=True, slots=True)
+class Live:
+    """How an arm is moved and recorded. speed: mm/s. seconds: None for as long as it takes."""
+
+    contact: Contact
+    seconds: float | None
+    log: Path | None
+    yes: bool
+    format: Format
+
+
+@dataclass(frozen=True, slots=True)
+class Bounds:
+    """The words of --range and --box. by: a way to lead an arm."""
+
+    ranges: Sequence[str]
+    box: str | None
+    speed: float
+    by: str
+    wishes: Wishes
+
+
+def run_wander_arm(
+    cell: str, asked: Asked, bounds: Bounds, live: Live, runs: int, seed: int | None
+) -> int:
+    """Moves an arm at random; the chart and the log are written however it ends."""
+    from assistant.cli.servoing import near, way
+    from assistant.vision.exploring.moving import Wanderer, log_of
+    from assistant.vision.servoing.bounds import Bounds as Limits
+    from assistant.vision.servoing.bounds import Guard
+
+    mode = way(bounds.by)
+    if not bounds.ranges and bounds.box is None:
+        raise Refused(NO_BOUNDS(), exit_status=2)
+    if not live.contact.is_told:
+        raise Refused(NO_CONTACT(), exit_status=2)
+    if not 0.1 <= bounds.speed <= FASTEST:
+        raise Refused(NO_SPEED(value=bounds.speed, most=FASTEST), exit_status=2)
+    begun = _prepared(asked, live)
+    explorer, robot = begun.explorer, begun.explorer.placed.robot
+    ranges, box = _ranges(bounds.ranges, robot), None
+    if bounds.box is not None:
+        sides = box_of(bounds.box)
+        box = (tuple(sides[:, 0].tolist()), tuple(sides[:, 1].tolist()))
+    guard = Guard(robot, Limits(bounds.speed, TURNING, PART, box=box))
+    with moving(cell, "explore") as motion, ExitStack() as open_:
+        there = motion.cell
+        _check_arm(begun, there.one.name, robot_of_cell(there.one))
+        session = there.controller if mode.operates else there.session
+        mode.check(session, bounds.wishes)
+        carrier = mode.make(session, guard.arm(), bounds.wishes, near(session, robot))
+        contacts, ended = open_.enter_context(
+            _contacts(live.contact, begun, lambda: there.controller, carrier.joints)
+        )
+        what = f"moves the arm at random, {runs} times, {_bounds(bounds)}"
+        confirmed(there.one, f"{what}, at {bounds.speed:g} mm/s at most, {mode.title}", live.yes)
+        log = log_of(guard)
+        wanderer = Wanderer(
+            explorer,
+            carrier,
+            guard,
+            contacts,
+            log,
+            ranges,
+            np.inf if live.seconds is None else live.seconds,
+            explorer.occupancy.runs if seed is None else seed,
+            ended,
+            _progress(live, runs),
+        )
+        motion.began = True
+        done: Done | None = None
+        try:
+            open_.enter_context(carrier)
+            wanderer.check()
+            wanderer.wander(runs)
+        except Refused as refused:
+            codes = {finding.code for finding in refused.findings}
+            motion.began = not codes <= UNMOVED | mode.unbegun
+            raise
+        finally:
+            if log.rows:
+                done = _saved(begun, log, live)
+    assert done is not None
+    return _told(done, wanderer, live)
+
+
+def run_manual(cell: str, asked: Asked, live: Live) -> int:
+    """Records an arm that the operator moves, until the time is over, q, or Ctrl-C."""
+    begun = _prepared(asked, live)
+    with reached(cell, "explore") as there, ExitStack() as open_:
+        controller = there.controller
+        _check_arm(begun, there.one.name, robot_of_cell(there.one))
+        watched = _Watched(begun, controller)
+        contacts, ended = open_.enter_context(
+            _contacts(live.contact, begun, lambda: controller, watched.joints)
+        )
+        if live.format is Format.TEXT:
+            ends = "q or Ctrl-C ends it" if live.contact.key else "Ctrl-C ends it"
+            say(f"{there.one.name}: move the arm by hand, slowly; {ends}")
+            sys.stdout.flush()
+        try:
+            while not watched.is_over(live.seconds) and not ended():
+                watched.look(contacts)
+        except KeyboardInterrupt as caught:
+            if not by_hand(caught):
+                raise
+        finally:
+            done = _saved(begun, watched.log, live)
+    return report(done, live.format)
+
+
+def run_running(cell: str, program: str | None, asked: Asked, live: Live, override: int) -> int:
+    """Records an arm while a program moves it; a contact stops the program. 1 if one did."""
+    from assistant.cli.moving import NO_OVERRIDE
+
+    if not 1 <= override <= 100:
+        raise Refused(NO_OVERRIDE(value=override), exit_status=2)
+    if not live.contact.is_told:
+        raise Refused(NO_CONTACT(), exit_status=2)
+    begun = _prepared(asked, live)
+    with moving(cell, "explore") as motion, ExitStack() as open_:
+        there = motion.cell
+        controller = there.controller
+        _check_arm(begun, there.one.name, robot_of_cell(there.one))
+        watched = _Watched(begun, controller)
+        contacts, ended = open_.enter_context(
+            _contacts(live.contact, begun, lambda: controller, watched.joints)
+        )
+        what = f"starts `{program}`" if program else "starts what is loaded"
+        confirmed(there.one, f"{what} at {override} %: the arm moves as the program says", live.yes)
+        before = controller.state().override
+        controller.set_override(override)
+        if program:
+            controller.load(program)
+        motion.began = True
+        try:
+            if not watched.look(contacts):
+                controller.start()
+                began, stops = time.monotonic(), False
+                while not stops and not watched.is_over(live.seconds):
+                    stops = watched.look(contacts) or ended()
+                    runs = controller.state().running
+                    if not runs and time.monotonic() > began + BEGINNING:
+                        break
+                controller.stop()
+        finally:
+            done = _saved(begun, watched.log, live)
+            if before is not None:
+                controller.set_override(before)
+    status = report(done, live.format)
+    return 1 if watched.log.contacts else status
+
+
+class _Watched:
+    """Looks at an arm that others move. log: where it was."""
+
+    def __init__(self, begun: Ready, controller: Controller) -> None:
+        from assistant.vision.exploring.moving import log_of
+        from assistant.vision.servoing.bounds import Bounds as Limits
+        from assistant.vision.servoing.bounds import Guard
+
+        self.guard: Guard = Guard(begun.explorer.placed.robot, Limits())
+        self.log: Log = log_of(self.guard)
+        self._controller, self._began = controller, time.monotonic()
+
+    def joints(self) -> Floats:
+        from assistant.compiler.teaching import own_joints
+
+        return np.array(own_joints(self._controller.position(), self.guard.robot))
+
+    def is_over(self, seconds: float | None) -> bool:
+        return seconds is not None and time.monotonic() - self._began > seconds
+
+    def look(self, contacts: AnyOf) -> bool:
+        """A row of the log; True if the arm is in contact."""
+        time.sleep(LOOKS)
+        touching, joints = contacts.touching(), self.joints()
+        self.log.note(time.monotonic() - self._began, joints, touching, self.guard.robot)
+        return touching
+
+
+def _prepared(asked: Asked, live: Live) -> Ready:
+    if live.log is not None:
+        if live.log.suffix.lower() != ".csv" or live.log.is_dir():
+            raise Refused(NO_LOG(name=live.log), exit_status=2)
+        read = [asked.cell, *([live.contact.cameras] if live.contact.cameras else [])]
+        keep_sources([str(path) for path in read], [live.log])
+    return prepared(asked, [])
+
+
+def _check_arm(begun: Ready, name: str, robot: Robot | None) -> None:
+    """Raises Refused if the project says that the controller moves another arm than the cell."""
+    placed = begun.explorer.placed
+    if robot is not None and robot.name != placed.robot.name:
+        finding = OTHER_ARM(
+            name=name,
+            one=robot.title,
+            arm=placed.name,
+            cell=begun.asked.cell,
+            other=placed.robot.title,
+        )
+        raise Refused(finding, exit_status=2)
+
+
+def _ranges(texts: Sequence[str], robot: Robot) -> Floats | None:
+    """(a, 2) of --range, the limits of other joints; None without any."""
+    from assistant.learning.maps.rules import NO_AXIS
+
+    if not texts:
+        return None
+    ranges = np.clip(robot.limits, -360.0, 360.0)
+    ranges[robot.sliding] = robot.limits[robot.sliding]
+    for axis, (low, high) in map(range_of, texts):
+        if axis not in robot.axes:
+            known = ", ".join(robot.axes)
+            raise Refused(NO_AXIS(robot=robot.title, axis=axis, known=known), exit_status=2)
+        at = robot.axes.index(axis)
+        least, most = robot.limits[at].tolist()
+        if not least <= low < high <= most:
+            ends = {"least": least, "most": most}
+            finding = NO_RANGE(axis=axis, low=low, high=high, robot=robot.title, **ends)
+            raise Refused(finding, exit_status=2)
+        ranges[at] = low, high
+    return ranges
+
+
+def _bounds(bounds: Bounds) -> str:
+    parts = [*bounds.ranges, *([] if bounds.box is None else [f"the flange in {bounds.box}"])]
+    return f"within {', '.join(parts)}"
+
+
+@contextmanager
+def _contacts(
+    contact: Contact,
+    begun: Ready,
+    controller: Callable[[], Controller],
+    joints: Callable[[], Floats],
+) -> Iterator[tuple[AnyOf, Callable[[], bool]]]:
+    """What tells of contacts, and whether the operator ends it."""
+    from assistant.vision.exploring.contacts import AKey, AnInput, AnyOf
+
+    each: list[Contacts] = []
+    with ExitStack() as open_:
+        if contact.signal is not None:
+            each.append(AnInput(controller(), contact.signal))
+            each[-1].touching()  # an input that is not there is refused before anybody is asked
+        key: AKey | None = None
+        if contact.key:
+            key = AKey(open_.enter_context(keys()), ENDS)
+            each.append(key)
+        if contact.cameras is not None:
+            each += _cameras(contact, begun, joints, open_)
+        yield AnyOf(each), lambda: key is not None and key.ended
+
+
+def _cameras(
+    contact: Contact, begun: Ready, joints: Callable[[], Floats], open_: ExitStack
+) -> Iterator[Contacts]:
+    from assistant.vision.cameras.camera_file import read_cameras
+    from assistant.vision.exploring.contacts import seen
+    from assistant.vision.servoing.rules import NO_SOURCE
+
+    assert contact.cameras is not None
+    rig, name = read_cameras(contact.cameras), begun.explorer.placed.name
+    for camera in rig.cameras.values():
+        source = rig.sources.get(camera.name, "")
+        if not source:
+            raise Refused(NO_SOURCE(camera=camera.name), exit_status=2)
+        yield open_.enter_context(
+            seen(camera, source, rig.folder, _region(contact.region), lambda: {name: joints()})
+        )
+
+
+def _region(text: str | None) -> Region | None:
+    if text is None:
+        return None
+    parts = [part.strip() for part in text.split(",")]
+    if len(parts) != 4 or not all(part.isascii() and part.isdigit() for part in parts):
+        raise Refused(BAD_REGION(given=text), exit_status=2)
+    left, top, right, bottom = (int(part[:6]) for part in parts)
+    return left, top, right, bottom
+
+
+def _progress(live: Live, runs: int) -> Callable[[int, int, float], None]:
+    def told(move: int, contacts: int, litres: float) -> None:
+        if live.format is Format.TEXT:
+            say(f"move {move} of {runs}: {litres:.1f} l free, contacts: {contacts}")
+            sys.stdout.flush()
+
+    return told
+
+
+def _saved(begun: Ready, log: Log, live: Live) -> Done:
+    """Learns from what was recorded, writes chart and log."""
+    from assistant.cell.exploration.map_file import save
+    from assistant.compiler.exploring import learnt, ready
+
+    found = learnt(ready(begun.asked), log.clear(), log.contacts)
+    save(found.occupancy, begun.asked.chart)
+    written = [begun.asked.chart]
+    if live.log is not None:
+        log.recording.save(live.log)
+        written.append(live.log)
+    return Done(found, "runs without contact", written)
+
+
+def _told(done: Done, wanderer: Wanderer, live: Live) -> int:
+    from assistant.cli.presentation import print_findings
+    from assistant.vision.exploring.rules import NO_LONGER
+
+    if live.seconds is not None and wanderer.is_over:
+        print_findings([NO_LONGER(moves=wanderer.moves)])
+    return report(done, live.format)

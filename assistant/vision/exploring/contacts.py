@@ -1,0 +1,157 @@
+"""What tells of contacts of an arm: an input, a key, or a camera."""
+
+from __future__ import annotations
+
+import itertools
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path as FilePath
+from typing import Final, Protocol
+
+import numpy as np
+
+from assistant.cell.reading.cell_file import read_scene
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Refused
+from assistant.vision.cameras.camera import Camera
+from assistant.vision.cameras.drawing import Picture, draw, things_of
+from assistant.vision.cameras.standing import in_world
+from assistant.vision.exploring import rules
+from assistant.vision.servoing.live import Reader
+
+GREY: Final = 30
+"""Levels by which a pixel differs that is not noise."""
+SHARE: Final = 0.01
+"""Of the pixels of a region, from which a difference is a contact."""
+PATIENCE: Final = 2.0
+"""Seconds that a picture may take."""
+Region = tuple[int, int, int, int]
+"""Left, top, right, bottom in pixels; right and bottom are outside."""
+
+
+class Contacts(Protocol):
+    def touching(self) -> bool:
+        """True if the arm is in contact now; raises Refused if that is not known."""
+
+
+class Reads(Protocol):
+    """A controller whose inputs can be read."""
+
+    def inputs(self, names: Sequence[str]) -> dict[str, float]: ...
+
+
+@dataclass(frozen=True, slots=True)
+class AnInput:
+    """An input of the controller that is not 0 in contact."""
+
+    controller: Reads
+    name: str
+
+    def touching(self) -> bool:
+        return self.controller.inputs([self.name])[self.name] != 0.0
+
+
+@dataclass(slots=True)
+class AKey:
+    """A key of the operator: each press is a contact. pressed: keys that came meanwhile.
+
+    ended: q was pressed, or no more keys can come.
+    """
+
+    pressed: Callable[[float | None], bytes]
+    ends: bytes
+    ended: bool = False
+
+    def touching(self) -> bool:
+        touched = False
+        while not self.ended and (key := self.pressed(0.0)):
+            self.ended = key in self.ends
+            touched = touched or not self.ended
+        return touched
+
+
+@dataclass(slots=True)
+class Pictures:
+    """A camera: a region of its picture differs from the first one. picture: the newest one."""
+
+    picture: Callable[[], Picture]
+    region: Region
+    first: Floats = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.first = self._grey()
+
+    def touching(self) -> bool:
+        return self.difference() > SHARE
+
+    def difference(self) -> float:
+        """Share of the pixels of the region that are not as they were."""
+        return float((np.abs(self._grey() - self.first) > GREY).mean())
+
+    def _grey(self) -> Floats:
+        left, top, right, bottom = self.region
+        return np.asarray(self.picture()[top:bottom, left:right].mean(axis=2, dtype=np.float64))
+
+
+@dataclass(slots=True)
+class AnyOf:
+    """Several of them; each is asked, as keys are gone once they are read."""
+
+    each: Sequence[Contacts]
+
+    def touching(self) -> bool:
+        asked = [one.touching() for one in self.each]
+        return any(asked)
+
+
+@contextmanager
+def seen(
+    camera: Camera,
+    source: str,
+    folder: FilePath,
+    region: Region | None,
+    joints: Callable[[], Mapping[str, Floats]],
+) -> Iterator[Pictures]:
+    """A camera as contacts. region: None for all of its picture. joints: of robots by name, to draw
+    a cell at them where the source is its file.
+
+    Raises Refused for a region outside of the picture, and for a camera that gives none.
+    """
+    width, height = camera.lens.size
+    wanted = (0, 0, width, height) if region is None else region
+    left, top, right, bottom = wanted
+    if not (0 <= left < right <= width and 0 <= top < bottom <= height):
+        size = f"{width} × {height}"
+        finding = rules.BAD_REGION(region=wanted, camera=camera.name, size=size)
+        raise Refused(finding, exit_status=2)
+    if source.lower().endswith(".toml"):
+        yield Pictures(_drawn(camera, folder / source, joints), wanted)
+        return
+    reader = Reader(camera, source, folder)
+
+    def newest() -> Picture:
+        now = time.monotonic()
+        frame = reader.newest(now, now + PATIENCE)
+        if frame is None:
+            raise Refused(rules.NO_PICTURE(camera=camera.name, seconds=PATIENCE), exit_status=1)
+        return frame.picture
+
+    with reader.running():
+        yield Pictures(newest, wanted)
+
+
+def _drawn(
+    camera: Camera, cell: FilePath, joints: Callable[[], Mapping[str, Floats]]
+) -> Callable[[], Picture]:
+    """Pictures of a cell whose robots stand where they are now; each has noise of its own."""
+    scene, _ = read_scene(cell, explored=False)
+    numbers = itertools.count()
+
+    def picture() -> Picture:
+        now = joints()
+        stands = in_world(camera, scene, now)
+        return draw(stands, things_of(scene, now), seed=next(numbers))
+
+    return picture

@@ -1,0 +1,267 @@
+"""An arm that moves at random, each move up to the first contact, and back the way it came."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+
+from assistant.cell.collision.model import Model
+from assistant.cell.exploration.explorer import Explorer
+from assistant.cell.exploration.filling import STEP
+from assistant.cell.exploration.recordings import clear_runs
+from assistant.cell.exploration.rules import NOT_CLEAR
+from assistant.cell.exploration.wandering import best_of, drawn_in, ranges_of, way_to
+from assistant.controllers.leading.carrier import Carrier
+from assistant.controllers.recording import Recording
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Refused
+from assistant.robots import Robot
+from assistant.vision.exploring import rules
+from assistant.vision.exploring.contacts import Contacts
+from assistant.vision.servoing.bounds import Guard
+from assistant.vision.servoing.interaction import flange_of
+from assistant.vision.servoing.synthetic import Clock
+
+TRIES: Final = 6
+"""Postures that are drawn for each move; the one that tells most of new space is gone to."""
+DRAWN: Final = 2000
+"""Postures among which those with the flange in the box are looked for."""
+BACK: Final = 3.0
+"""Steps that it goes back from a contact at least."""
+AHEAD: Final = 0.3
+"""Seconds in which a motion that is led cycle by cycle would get to its target."""
+LONGEST: Final = 0.2
+"""Seconds of a step at most, however long what tells of contacts takes."""
+THERE: Final = 0.1
+"""Steps that are left of a move that has ended."""
+RESTING: Final = 2.0
+"""Seconds in which a motion that is led cycle by cycle must come to rest."""
+STANDS: Final = 0.02
+"""Degrees or mm between two looks at an arm that stands."""
+LOOK: Final = 0.1
+
+
+@dataclass(slots=True, eq=False)
+class Log:
+    """Where the arm was, when, and whether it was in contact: as `explore recorded` reads it."""
+
+    recording: Recording
+    rows: list[tuple[float, Floats, bool]] = field(default_factory=list)
+
+    def note(self, seconds: float, joints: Floats, touching: bool, robot: Robot) -> None:
+        """A row, with the flange in the base beside the joints (a,)."""
+        flange = flange_of(robot, joints)
+        self.rows.append((seconds, np.array(joints), touching))
+        pose = (*flange.position, *flange.quaternion)
+        self.recording.add(seconds, *joints.tolist(), *pose, float(touching))
+
+    @property
+    def contacts(self) -> int:
+        """How often a contact began."""
+        touching = np.array([False, *(row[2] for row in self.rows)])
+        return int((np.diff(touching.astype(np.int8)) == 1).sum())
+
+    def clear(self, since: int = 0) -> tuple[Floats, ...]:
+        """Rows from one on that follow each other without contact, see `clear_runs`."""
+        rows = self.rows[since:]
+        if not rows:
+            return ()
+        times, joints, touching = zip(*rows, strict=True)
+        return clear_runs(np.array(times), np.array(joints), np.array(touching))
+
+
+def log_of(guard: Guard) -> Log:
+    axes = zip(guard.robot.axes, guard.robot.units, strict=True)
+    names = [f"{axis.lower()}_{'mm' if unit == 'mm' else 'deg'}" for axis, unit in axes]
+    pose = ("x_mm", "y_mm", "z_mm", "q_w", "q_x", "q_y", "q_z")
+    fields: dict[str, tuple[str, ...]] = dict.fromkeys(("seconds", *names, *pose, "contact"), ())
+    return Log(Recording(fields))
+
+
+@dataclass(slots=True, eq=False)
+class Wanderer:
+    """explorer: with what is known so far, and a copy of its own of it while it moves. carrier: is
+    entered. guard: keeps speeds, limits and box. ranges: (a, 2) of the joints, None for their
+    limits. seconds: after which no other move begins. ended: True if the operator ends it.
+    told: is called after each move with its number, contacts so far and litres free.
+    """
+
+    explorer: Explorer
+    carrier: Carrier
+    guard: Guard
+    contacts: Contacts
+    log: Log
+    ranges: Floats | None = None
+    seconds: float = np.inf
+    seed: int = 0
+    ended: Callable[[], bool] = lambda: False
+    told: Callable[[int, int, float], None] = lambda *_: None
+    clock: Clock = field(default_factory=Clock)
+    moves: int = 0
+    _began: float = 0.0
+    _lever: Floats = field(init=False)
+    """(a, i) mm that a body moves at most for a degree (mm) of each joint."""
+
+    def __post_init__(self) -> None:
+        filler = self.explorer.filler
+        self._lever = filler.lever()[filler.columns]
+
+    def check(self) -> None:
+        """Raises Refused where the arm stands outside of its bounds, or in contact; no motion."""
+        joints = self.carrier.joints()
+        what = self.guard.outside(joints) or self._outside(joints)
+        if what:
+            raise Refused(rules.NO_START(what=what), exit_status=2)
+        if self.contacts.touching():
+            raise Refused(NOT_CLEAR(), exit_status=2)
+
+    def wander(self, moves: int) -> None:
+        """Random moves, each up to the first contact. Raises Refused; the arm stands by then."""
+        self._began = self.clock()
+        draw = np.random.default_rng(self.seed)
+        known = Model(self.explorer.scene)
+        self._note(self.contacts.touching())
+        try:
+            while self.moves < moves and not self.ended() and not self.is_over:
+                since = len(self.log.rows) - 1
+                self._move(known, draw)
+                for row in self.log.clear(since):
+                    self.explorer.gone(self._all(row))
+                self.moves += 1
+                self.told(self.moves, self.log.contacts, self.explorer.occupancy.litres)
+        except BaseException:
+            self.carrier.rest()
+            raise
+
+    # ---------------------------------------------------------------------------- a move
+
+    def _move(self, known: Model, draw: np.random.Generator) -> None:
+        here = self.carrier.joints()
+        target = best_of(self.explorer, self._all(self._targets(draw)))
+        rows = way_to(self.explorer, known, self._all(here[None])[0], target)
+        way = rows[:, self.explorer.filler.columns]
+        inside = [not self._outside(row) and not self.guard.outside(row) for row in way[1:]]
+        end = way[inside.index(False) if False in inside else len(inside)]
+        if self._go(end, stops=True):
+            self._go_back()
+
+    def _targets(self, draw: np.random.Generator) -> Floats:
+        """(n, a) postures in the ranges and in the box."""
+        robot = self.guard.robot
+        ranges = ranges_of(robot, self.ranges)
+        if self.guard.bounds.box is None:
+            return drawn_in(ranges, TRIES, draw)
+        drawn = drawn_in(ranges, DRAWN, draw)
+        low, high = np.array(self.guard.bounds.box)
+        places = robot.fk(drawn)[0]
+        found = drawn[((places >= low) & (places <= high)).all(axis=1)][:TRIES]
+        if not len(found):
+            raise Refused(rules.EMPTY_BOX(count=DRAWN), exit_status=1)
+        return np.asarray(found)
+
+    def _go(self, end: Floats, *, stops: bool) -> bool:
+        """Moves straight in the joints to an end; True if a contact ended it, which `stops` says.
+
+        Without `stops` it goes on in contact, until that has ended.
+        """
+        velocity, before = np.zeros(len(end)), self.clock()
+        while True:
+            now = self.clock()
+            seconds = float(np.clip(now - before, self.carrier.period, LONGEST))
+            before = now
+            at = self.carrier.told()
+            left = end - at
+            steps = self._steps(left)
+            if steps < THERE:
+                self._rest()
+                return self._note(self.contacts.touching()) and stops
+            if self.carrier.waits:
+                self.carrier.move(at + left / max(steps, 1.0), seconds)
+            else:
+                wanted = left / max(AHEAD, 2.0 * seconds)
+                velocity = self.guard.limited(wanted, velocity, at, seconds)
+                self.carrier.move(at + velocity * seconds, seconds)
+                self.clock.wait(max(self.carrier.period - (self.clock() - now), 0.0))
+            touching = self._note(self.contacts.touching())
+            if stops and (touching or self.ended()):
+                self._rest()
+                return touching
+            if not stops and not touching:
+                self._rest()
+                return False
+            if not self.carrier.waits and np.abs(velocity).max() <= 0.0 and self.guard.barred:
+                self._rest()
+                return False
+
+    def _go_back(self) -> None:
+        """Goes the way back that it came, as far as the contact is over, and a little more.
+
+        Raises Refused if it is not at the begin of the way.
+        """
+        gone = 0.0
+        rows = [row[1] for row in self.log.rows]
+        way = [self.carrier.joints()]
+        for row in reversed(rows):
+            if self._steps(row - way[-1]) >= 1.0:
+                way.append(row)
+        way.append(rows[0])
+        for here, there in itertools.pairwise(way):
+            gone += self._steps(there - here)
+            self._go(there, stops=False)
+            if gone >= BACK and not self.log.rows[-1][2]:
+                return
+        if self.log.rows[-1][2]:
+            back = gone * STEP * self.explorer.filler.size
+            raise Refused(rules.STILL_TOUCHING(back=back), exit_status=1)
+
+    def _rest(self) -> None:
+        """The arm stands."""
+        self.carrier.rest()
+        if self.carrier.waits:
+            return
+        end, before = self.clock() + RESTING, self.carrier.joints()
+        while self.clock() < end:
+            self.clock.wait(LOOK)
+            now = self.carrier.joints()
+            self._note(self.contacts.touching())
+            if np.abs(now - before).max() <= STANDS:
+                return
+            before = now
+
+    # ------------------------------------------------------------------------------- parts
+
+    def _note(self, touching: bool) -> bool:
+        joints = self.carrier.joints()
+        self.log.note(self.clock() - self._began, joints, touching, self.guard.robot)
+        return touching
+
+    def _steps(self, left: Floats) -> float:
+        """How often the farthest that any body moves goes into a step, half a cell of the chart."""
+        moved = np.abs(left) @ self._lever
+        return float(moved.max(initial=0.0)) / (STEP * self.explorer.filler.size)
+
+    def _all(self, rows: Floats) -> Floats:
+        """(n, j) joints of all robots, the others at home."""
+        out = np.tile(self.explorer.home, (len(rows), 1))
+        out[:, self.explorer.filler.columns] = rows
+        return out
+
+    def _outside(self, joints: Floats) -> str:
+        if self.ranges is None:
+            return ""
+        off = np.maximum(self.ranges[:, 0] - joints, joints - self.ranges[:, 1])
+        worst = int(np.argmax(off))
+        if off[worst] <= STANDS:
+            return ""
+        low, high = self.ranges[worst]
+        axis = self.guard.robot.axes[worst]
+        return f"{axis} is at {joints[worst]:.2f}, not between {low:g} and {high:g}"
+
+    @property
+    def is_over(self) -> bool:
+        """True if the time is over."""
+        return self.clock() - self._began > self.seconds

@@ -1,0 +1,38 @@
+"""The findings of an arm that explores the space about it by moving."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from assistant.program.diagnostics import error, warning
+
+STILL_TOUCHING: Final = error(
+    "VS220",
+    "the contact did not end on the way back, {back:.0f} mm long; the arm has been stopped",
+    "free the arm by hand, and look what tells of the contact",
+)
+NO_START: Final = error(
+    "VS221",
+    "the arm explores only inside of its bounds, and {what}",
+    "bring it into them, or state wider ones",
+)
+EMPTY_BOX: Final = error(
+    "VS222",
+    "none of {count:,} random postures has the flange in the box, so that there is nowhere to go",
+    "move the box to where the arm gets, or make it larger",
+)
+NO_PICTURE: Final = error(
+    "VS223",
+    "no picture of camera `{camera}` came within {seconds:g} s, so that contacts are not seen",
+    "look at the camera, and begin again",
+)
+BAD_REGION: Final = error(
+    "VS224",
+    "the region {region} is not in the picture of camera `{camera}`, which is {size}",
+    "write LEFT,TOP,RIGHT,BOTTOM in pixels of that picture",
+)
+NO_LONGER: Final = warning(
+    "VS225",
+    "the time is over after {moves} moves",
+    "explore again with the same chart, which goes on from there",
+)
