@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import io
 import json
+import math
 import shutil
 import socket
 import threading
@@ -18,6 +19,7 @@ from assistant.controllers import Controller, Programs, connect, folders
 from assistant.controllers.abb import ftp_folders
 from assistant.controllers.abb.egm import messages as egm
 from assistant.controllers.abb.exchange import messages as exchange
+from assistant.controllers.abb.exchange import plain
 from assistant.controllers.abb.ftp import Ftp
 from assistant.controllers.abb.rws import answers as rws
 from assistant.controllers.mitsubishi import answers as link
@@ -206,6 +208,14 @@ def exchange_answer(data: bytes) -> None:
         exchange.is_of(answer, 1)
 
 
+def plain_answer(data: bytes) -> None:
+    texts = [*data.split(b"|"), b"", b"", b""][:3]
+    answer = plain.parse(1, texts)
+    if answer is not None:
+        numbers = (*answer.pose.position, *answer.pose.quaternion)
+        promise(all(map(math.isfinite, numbers)), "an answer is of finite numbers", numbers)
+
+
 def parameters(data: bytes) -> None:
     with refusing():
         parameter_files.kinds([file("input.PRM", data)])
@@ -330,6 +340,10 @@ def _exchange() -> Iterable[bytes]:
     return [b"1\nok\n[1,2,3]\n[1,0,0,0]\n[0,0,0,0]\n[9E9,9E9,9E9,9E9,9E9,9E9]\n0\nEND 1\n"]
 
 
+def _plain() -> Iterable[bytes]:
+    return [b"[1,2,3]\n|[1,0,0,0]\n|[0,0,0,0]\n", b"1\n2\n3\n|0.5 0.5 0.5 0.5\n|0,-1,0,1\n"]
+
+
 def _parameters() -> Iterable[bytes]:
     return [b'#"MELFA";MEXTL,"6,R,0,-9999,9999"\r\nRLNG,"1,I"\r\n', b"; a\r\nA,1\r\n"]
 
@@ -344,6 +358,7 @@ TARGETS: Final = (
     Target("mxt-packet", mxt_packet, _packets),
     Target("data-link", record_line, _records),
     Target("exchange", exchange_answer, _exchange),
+    Target("plain-exchange", plain_answer, _plain),
     Target("parameter-file", parameters, _parameters),
     Target("backup", backed_up, _backup),
     Target("archive", archive, _archive),

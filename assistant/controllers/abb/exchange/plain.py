@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from types import TracebackType
 from typing import Final, Self
@@ -199,7 +199,7 @@ class PlainExchange(PoseSender):
             if taken and there.issuperset(name.lower() for name in self._names.answers):
                 for name in self._names.answers:
                     found[name] = self._files.look(name) or b""
-                answer = _read(self._number, [found[name] for name in self._names.answers])
+                answer = parse(self._number, [found[name] for name in self._names.answers])
                 if answer is not None:
                     break
                 unread = unread or looking
@@ -291,7 +291,7 @@ def _row(values: tuple[float, ...], decimals: int) -> bytes:
     return f"[{','.join(f'{value + 0.0:.{decimals}f}' for value in values)}]\n".encode("ascii")
 
 
-def _read(number: int, texts: list[bytes]) -> Answer | None:
+def parse(number: int, texts: Sequence[bytes]) -> Answer | None:
     """The answer that three files are, None if one is not whole or holds something else."""
     rows = [_values(text, count) for text, count in zip(texts, (3, 4, 4), strict=True)]
     place, turn, configuration = rows
@@ -313,7 +313,7 @@ def _values(text: bytes, count: int) -> tuple[float, ...] | None:
     if len(text) > LONGEST or not text.endswith(b"\n"):
         return None
     line = text.decode("latin-1").strip()
-    if line.startswith("[") != line.endswith("]"):
+    if line.startswith("[") != line.endswith("]") or "_" in line:
         return None
     try:
         values = tuple(map(float, line.strip("[]").replace(",", " ").split()))

@@ -10,7 +10,8 @@ BAD_POSE: Final = error("CN511", "pose {row} cannot be sent: {reason}; none was 
 NO_ANSWER: Final = error(
     "CN512",
     "no answer to request {number} (`{word}`) within {seconds:g} s: {state}",
-    "start the module that `robot-assistant exchange module` writes, from its first line",
+    "start the module that `robot-assistant exchange module` writes, with --plain for plain files, "
+    "from its first line",
 )
 DECLINED: Final = error(
     "CN513", "the robot did not carry out request {number} (`{word}`): {reason}; {state}", "{cure}"
