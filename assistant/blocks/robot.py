@@ -61,7 +61,10 @@ class JointMovJoint(_Move, SampledBlock):
 
 
 class JointMovCart(_Move, SampledBlock):
-    """To a pose (X, Y, Z in mm, A, B, C in degrees), by the joints; as `JointMovJoint` else.
+    """To a pose, by the joints; as `JointMovJoint` else.
+
+    A pose is six numbers, X, Y, Z in mm and A, B, C in degrees as the controller shows them (A and
+    B of an arm of five axes), or seven, x, y, z in mm and a unit quaternion w, x, y, z.
 
     :param clock: at whose ticks it steps
     :type clock: Clock
@@ -90,7 +93,7 @@ class LinMovJoint(_Move, SampledBlock):
 
 
 class LinMovCart(_Move, SampledBlock):
-    """To a pose (X, Y, Z in mm, A, B, C in degrees), on a line; as `JointMovJoint` else.
+    """To a pose of six or seven numbers, as of `JointMovCart`, on a line.
 
     :param clock: at whose ticks it steps
     :type clock: Clock
@@ -105,7 +108,7 @@ class LinMovCart(_Move, SampledBlock):
 
 
 class CircularMov(_Move, SampledBlock):
-    """To a pose, on an arc by way of another one; as `JointMovJoint` else.
+    """To a pose, on an arc by way of another one, each as of `JointMovCart`.
 
     :param clock: at whose ticks it steps
     :type clock: Clock
@@ -167,7 +170,10 @@ class RelJoint(OfKind, Stepped, SampledBlock):
 
 
 class RelCart(OfKind, Stepped, SampledBlock):
-    """On by a step of the tool (mm, and a turn in degrees about x, y, z); as `RelJoint` else.
+    """On by a step of the tool; as `RelJoint` else.
+
+    A step is six numbers, x, y, z in mm and a turn about x, y, z in degrees, or seven, x, y, z in
+    mm and the turn as a unit quaternion w, x, y, z.
 
     :param clock: at whose ticks it steps
     :type clock: Clock

@@ -48,3 +48,13 @@ BEHIND = error(
     "the arm does not come after: {count} steps of the model have not gone out to it",
     "make fewer or smaller steps, and look whether its controller lets it move",
 )
+NO_TURN = error(
+    "BL211",
+    "the quaternion of block `{block}` is {length:.4g} long, which is not a rotation",
+    "give w, x, y, z of a unit quaternion",
+)
+FIVE_AXES = error(
+    "BL212",
+    "the quaternion of block `{block}` has no A and B on the five axes of {robot}: {reason}",
+    "give a tool axis in the vertical plane through axis 1 and the position, or X, Y, Z, A, B, C",
+)

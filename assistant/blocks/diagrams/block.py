@@ -14,11 +14,26 @@ from assistant.program.arrays import Floats
 
 @dataclass(frozen=True, slots=True)
 class Port:
-    """name: of the signal. size: numbers that it has. unit: `deg`, `mm`, `mm/s`, "" for none."""
+    """name: of the signal. size: numbers that it has. unit: `deg`, `mm`, `mm/s`, "" for none.
+
+    also: other sizes that an input takes. means: the numbers of each size, for messages.
+    """
 
     name: str
     size: int = 1
     unit: str = ""
+    also: tuple[int, ...] = ()
+    means: str = ""
+
+    @property
+    def wanted(self) -> str:
+        """The sizes that it takes, with the numbers that they are."""
+        sizes = " or ".join(map(str, (self.size, *self.also)))
+        return f"{sizes}: {self.means}" if self.means else sizes
+
+    def takes(self, size: int) -> bool:
+        """True if signals of that size fit the input."""
+        return size == self.size or size in self.also
 
 
 class Block:

@@ -124,8 +124,8 @@ def _unlike(start: Place, end: Place) -> Diagnostic | None:
     """What does not fit between two ports."""
     one, other = start[0].outputs[start[1]], end[0].inputs[end[1]]
     given, wanted = f"{start[0].name}.{one.name}", f"{end[0].name}.{other.name}"
-    if one.size != other.size:
-        return rules.OTHER_SIZE(start=given, end=wanted, given=one.size, wanted=other.size)
+    if not other.takes(one.size):
+        return rules.OTHER_SIZE(start=given, end=wanted, given=one.size, wanted=other.wanted)
     if one.unit != other.unit and one.unit and other.unit:
         return rules.OTHER_UNIT(start=given, end=wanted, given=one.unit, wanted=other.unit)
     return None

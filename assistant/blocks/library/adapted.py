@@ -47,9 +47,10 @@ class Adapted:
     def _given(self, values: Sequence[Any]) -> list[Floats]:
         ports = self._inner.inputs
         arrays = [np.atleast_1d(np.asarray(value, dtype=np.float64)).ravel() for value in values]
-        wrong = [p.name for p, a in zip(ports, arrays, strict=True) if a.shape != (p.size,)]
-        if wrong:
-            raise ValueError(f"`{self._inner.name}` is given another size at {', '.join(wrong)}")
+        for port, array in zip(ports, arrays, strict=True):
+            if not port.takes(array.size):
+                named = f"`{self._inner.name}.{port.name}`"
+                raise ValueError(f"{named} takes {port.wanted}, not {array.size} numbers")
         return arrays
 
     def _shown(self, values: Sequence[Floats]) -> list[Any]:

@@ -21,6 +21,7 @@ from assistant.blocks.leading import Leader, Measures
 from assistant.blocks.library.arrays import at_least_0, joints_port, pose_port
 from assistant.blocks.library.connected import Connected
 from assistant.blocks.library.kinematics import jacobian, tool_pose
+from assistant.blocks.library.poses import step, step_port
 from assistant.blocks.rules import NO_JOINTS, NO_NUMBERS, OUT_OF_LIMITS, TOO_FAR, TOO_FAST
 from assistant.program import rotations
 from assistant.program.arrays import Floats
@@ -114,6 +115,9 @@ class Relative(Connected[Leader]):
             return
         if not np.isfinite(by).all():
             raise Refused(NO_NUMBERS(block=self.name))
+        by = step(self.name, by)
+        if not by.any():
+            return
         joints = self.stepped(self.share.told, by)
         self._check(joints, seconds)
         joints = np.clip(joints, *self.share.arm.limits.T)
@@ -168,7 +172,10 @@ class RelJoint(Relative):
 
 
 class RelCart(Relative):
-    """by: x, y, z in mm and a turn about x, y, z in degrees, in the base or in the tool's frame.
+    """by: a step of six or seven numbers, in the base or in the tool's frame.
+
+    Six: x, y, z in mm and a turn about x, y, z in degrees, the vector along the axis of the turn.
+    Seven: x, y, z in mm and the turn as a unit quaternion w, x, y, z; 1, 0, 0, 0 turns nothing.
 
     The turn is about the place of the tool. An arm of fewer than six axes goes to the place, and
     turns as near to what is wanted as it can. most: mm and degrees of a step; see `RelJoint`.
@@ -185,7 +192,7 @@ class RelCart(Relative):
         most: tuple[float, float] = (20.0, 5.0),
         period: float | None = None,
     ) -> None:
-        super().__init__(name, connection, robot, Port("by", 6), period)
+        super().__init__(name, connection, robot, step_port("by"), period)
         self.tool, self.in_tool = tool, in_tool
         self.most = at_least_0("mm", most[0]), at_least_0("degrees", most[1])
 

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from assistant.blocks.connections import Connection, Operator
 from assistant.blocks.diagrams.block import Port
 from assistant.blocks.library.connected import Connected
+from assistant.blocks.library.poses import pose_port, shown
 from assistant.blocks.rules import NO_NUMBERS, OUT_OF_LIMITS
 from assistant.controllers.mitsubishi import single_moves
 from assistant.controllers.mitsubishi.jogging import Goal
@@ -36,6 +37,10 @@ class Move(Connected[Operator]):
     than the last that it moved to. Targets that come while it is busy are not waited for: the one
     that is there when it is free again is next. `joints` are those of J1 to J6 when it last stood,
     0 for one that the arm lacks, and NaN before the first move.
+
+    A target is six joints in degrees (`…Joint`), or a pose (`…Cart` and CircularMov): six numbers
+    X, Y, Z in mm and A, B, C in degrees, as the controller shows them, where an arm of five axes
+    has A and B only; or seven, x, y, z in mm and a unit quaternion w, x, y, z.
     """
 
     ways: ClassVar[tuple[str, ...]] = ("target",)
@@ -49,8 +54,9 @@ class Move(Connected[Operator]):
         *,
         period: float | None = None,
     ) -> None:
-        unit = "deg" if self.of_joints else ""
-        ports = [Port(way, NUMBERED, unit) for way in self.ways]
+        ports = [
+            Port(way, NUMBERED, "deg") if self.of_joints else pose_port(way) for way in self.ways
+        ]
         outputs = [Port("busy"), Port("done"), Port("joints", NUMBERED, "deg")]
         super().__init__(name, connection, [*ports, Port("start")], outputs, period)
         self.robot, self.moves = robot, connection.name
@@ -81,14 +87,24 @@ class Move(Connected[Operator]):
             return
         if not np.isfinite(wanted).all():
             raise Refused(NO_NUMBERS(block=self.name))
+        ways = given[:-1]
         if self.of_joints:
             self._check(wanted)
+        else:
+            ways = self._six(ways)
         self._last = wanted
-        self._under_way = self.share.carry_out(self.statements(given[:-1]), self._goal(given[-2]))
+        self._under_way = self.share.carry_out(self.statements(ways), self._goal(ways[-1]))
 
     def statements(self, ways: Sequence[Floats]) -> Sequence[str]:
         """What the controller carries out, one after the other. ways: as its inputs are."""
         raise NotImplementedError
+
+    def _six(self, ways: Sequence[Floats]) -> Sequence[Floats]:
+        """Poses of six numbers; the controller is asked for its posture where one has seven."""
+        if all(len(way) == NUMBERED for way in ways):
+            return ways
+        posture = self._posture()
+        return [shown(self.name, self.robot, way, posture) for way in ways]
 
     def _goal(self, target: Floats) -> Goal:
         if self.of_joints:
@@ -120,7 +136,7 @@ class JointMovJoint(Move):
 
 
 class JointMovCart(Move):
-    """To a pose, by the joints."""
+    """To a pose of six numbers (X, Y, Z, A, B, C) or seven (quaternion), by the joints."""
 
     def statements(self, ways: Sequence[Floats]) -> Sequence[str]:
         return single_moves.to_pose(ways[0], self._posture())
@@ -136,14 +152,14 @@ class LinMovJoint(Move):
 
 
 class LinMovCart(Move):
-    """To a pose, on a line."""
+    """To a pose of six numbers (X, Y, Z, A, B, C) or seven (quaternion), on a line."""
 
     def statements(self, ways: Sequence[Floats]) -> Sequence[str]:
         return single_moves.line_to_pose(ways[0], self._posture())
 
 
 class CircularMov(Move):
-    """To a pose, on an arc by way of another one."""
+    """To a pose, on an arc by way of another one; each as `LinMovCart` takes it."""
 
     ways = ("via", "target")
 

@@ -24,6 +24,7 @@ from assistant.blocks.library.external_control import ExternalControl
 from assistant.blocks.library.kinematics import tool_pose
 from assistant.blocks.library.leading import Relative, RelCart, RelJoint, Status
 from assistant.blocks.library.moving import JointMovJoint
+from assistant.blocks.library.poses import step
 from assistant.blocks.library.sources import Constant, Table
 from assistant.blocks.lock_step import LockStep
 from assistant.controllers import connect
@@ -169,6 +170,8 @@ REFUSED: Final[dict[str, tuple[str, Any, dict[str, Any], Any]]] = {
     "too fast": ("BL208", RelJoint, {"most": 90.0}, [[0.0] * 5, FAST]),
     "outside its limits": ("BL202", RelJoint, {"most": 360.0}, [[-200.0, 0.0, 0.0, 0.0, 0.0]]),
     "out of reach": ("BL209", RelCart, {"most": (900.0, 5.0)}, [[0.0, 0.0, 800.0, 0.0, 0.0, 0.0]]),
+    "turned too far by a quaternion": ("BL207", RelCart, {}, [[0, 0, 0, 0.9, -0.4358899, 0, 0]]),
+    "no turn": ("BL211", RelCart, {}, [[0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0]]),
     "no numbers": ("BL203", RelJoint, {}, [[np.nan, 0.0, 0.0, 0.0, 0.0]]),
 }
 
@@ -255,6 +258,19 @@ def test_a_step_of_the_tool_is_exact_for_six_axes_in_either_frame() -> None:
         order = (start[3:], turn) if in_tool else (turn, start[3:])
         assert found[:3] == pytest.approx(start[:3] + way, abs=1e-6)
         assert rotations.angle_between(found[3:], rotations.multiply(*order)) < 1e-6
+
+
+def test_a_step_of_seven_numbers_is_that_of_six() -> None:
+    vector = np.array([1.0, -2.0, 1.5])
+    angle = float(np.linalg.norm(vector))
+    half = math.radians(angle) / 2.0
+    turn = [math.cos(half), *(math.sin(half) * vector / angle)]
+    for sign in (1.0, -1.0):
+        seven = np.array([5.0, -8.0, 3.0, *(sign * part for part in turn)])
+        assert step("rel", seven) == pytest.approx([5.0, -8.0, 3.0, *vector])
+    assert step("rel", np.array([0.0, 0.0, 2.0, 1.0, 0.0, 0.0, 0.0])).tolist() == [0, 0, 2, 0, 0, 0]
+    with pytest.raises(Refused, match="BL211"):
+        step("rel", np.array([0.0, 0.0, 2.0, 2.0, 0.0, 0.0, 0.0]))
 
 
 @pytest.mark.slow

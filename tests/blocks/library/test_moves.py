@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -22,10 +23,14 @@ from assistant.blocks.library.moving import (
     LinMovJoint,
     Move,
 )
+from assistant.blocks.library.poses import shown
 from assistant.blocks.library.sources import Constant, Table
 from assistant.controllers import connect
 from assistant.controllers.controller import Controller
+from assistant.program import rotations
 from assistant.program.diagnostics import Refused
+from assistant.program.geometry import Pose
+from assistant.robots import Robot
 from assistant.virtual.cr import VirtualCr
 from assistant.virtual.events import Moved
 
@@ -51,7 +56,7 @@ def moved(
     for way, rows in zip(kind.ways, ways, strict=True):
         held = np.repeat(np.array(rows, dtype=float), 2, axis=0)
         at = np.column_stack([times, np.append(times[1:], 1e3) - 1e-3]).ravel()
-        source = diagram.add(Table(way, at, held, port=Port("value", 6)))
+        source = diagram.add(Table(way, at, held, port=Port("value", held.shape[1])))
         diagram.wire((source, "value"), (block, way))
     diagram.wire(diagram.add(Constant("on", 1.0)), (block, "start"))
     ended: list[float] = []
@@ -224,3 +229,92 @@ def test_no_arm_goes_on_behind_a_run_on_a_line_that_takes_no_other_or_is_lost(li
             assert not session.state().running
         assert tuple(cell.state.machinery.joints()) == tuple(there)
         assert connection.users == 0
+
+
+def with_quaternion(pose: Sequence[float]) -> list[float]:
+    """The pose (7,) of X, Y, Z, A, B, C of the arm, by its own controller's reading of them."""
+    made = pose_of_values(tuple(map(float, pose)), ARM)
+    return [*made.position, *made.quaternion]
+
+
+def pose_of_values(values: tuple[float, ...], robot: Robot) -> Pose:
+    """For five axes R = Rz(azimuth)·Ry(B)·Rz(A - azimuth·cos B), written out with matrices."""
+    x, y, z, a, b, c = values
+    if not robot.five_axis:
+        return Pose.of_matrix(turn("z", c) @ turn("y", b) @ turn("x", a), (x, y, z))
+    azimuth = math.degrees(math.atan2(y, x))
+    roll = a - azimuth * math.cos(math.radians(b))
+    return Pose.of_matrix(turn("z", azimuth) @ turn("y", b) @ turn("z", roll), (x, y, z))
+
+
+def turn(axis: str, degrees: float) -> np.ndarray:
+    c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+    matrices = {
+        "x": [[1, 0, 0], [0, c, -s], [0, s, c]],
+        "y": [[c, 0, s], [0, 1, 0], [-s, 0, c]],
+        "z": [[c, -s, 0], [s, c, 0], [0, 0, 1]],
+    }
+    return np.array(matrices[axis])
+
+
+FORWARD = [300, 100, 350, 20, 120, 0]
+
+
+def test_seven_numbers_go_where_the_six_of_the_controller_go(cell: VirtualCr) -> None:
+    moved(cell.address, JointMovCart, [[OUT, FORWARD]])
+    six = commanded(cell)
+    moved(cell.address, LinMovCart, [[with_quaternion(OUT), with_quaternion(FORWARD)]])
+    seven = commanded(cell)[len(six) :]
+    assert len(six) == len(seven) == 2
+    for one, other in zip(six, seven, strict=True):
+        assert one.flange is not None and other.flange is not None
+        assert one.flange.position == pytest.approx(other.flange.position, abs=0.02)
+        assert rotations.angle_between(one.flange.quaternion, other.flange.quaternion) < 0.02
+
+
+@pytest.mark.slow
+def test_an_arc_takes_one_pose_of_each_form(cell: VirtualCr) -> None:
+    moved(cell.address, JointMovCart, [[OUT]])
+    moved(cell.address, CircularMov, [[with_quaternion(BESIDE)], [with_quaternion(BACK)]])
+    arc = commanded(cell)[-1]
+    assert arc.kind == "circular" and arc.via is not None and arc.flange is not None
+    assert arc.via.position == pytest.approx(BESIDE[:3], abs=0.02)
+    assert arc.flange.position == pytest.approx(BACK[:3], abs=0.02)
+
+
+def test_an_arm_of_six_axes_has_a_b_and_c() -> None:
+    six, angles = robots.get("rv-4frl"), (400.0, 100.0, 300.0, 170.0, 20.0, -30.0)
+    made = pose_of_values(angles, six)
+    found = shown("move", six, np.array([*made.position, *made.quaternion]), "7,0)")
+    assert found == pytest.approx(angles)
+    assert shown("move", six, np.array(angles), "7,0)").tolist() == list(angles)
+
+
+@pytest.mark.parametrize(
+    ("pose", "posture", "code"),
+    [
+        ([360, 0, 300, 0, 0, 0, 0], "6,0)", "BL211"),
+        ([360, 0, 300, 0, 0, 2, 0], "6,0)", "BL211"),
+        ([360, 0, 300, 0, math.nan, 1, 0], "6,0)", "BL203"),
+        ([360, 0, 300, 0.9659258, 0.2588190, 0, 0], "6,0)", "BL212"),  # tilted to the side
+        (with_quaternion(FORWARD), "2,0)", "BL212"),  # over its back, not vertical
+    ],
+)
+def test_a_quaternion_that_is_no_turn_of_the_arm_is_refused(pose, posture: str, code: str) -> None:
+    with pytest.raises(Refused) as caught:
+        shown("move", ARM, np.array(pose, dtype=float), posture)
+    assert [one.code for one in caught.value.findings] == [code]
+
+
+def test_a_vertical_tool_is_told_over_the_back_too() -> None:
+    found = shown("move", ARM, np.array(with_quaternion(OUT)), "2,0)")
+    assert found[:3].tolist() == OUT[:3] and abs(found[4]) == pytest.approx(180)
+
+
+def test_another_size_is_refused_with_the_numbers_that_are_wanted() -> None:
+    diagram = Diagram()
+    block = diagram.add(LinMovCart("move", operated("cell", "melfa://127.0.0.1:9"), ARM))
+    source = diagram.add(Table("way", [0.0], [[1.0] * 5], port=Port("value", 5)))
+    diagram.wire((source, "value"), (block, "target"))
+    with pytest.raises(Refused, match="6 or 7: X, Y, Z in mm and A, B, C in degrees"):
+        diagram.plan()

@@ -1,0 +1,78 @@
+"""Poses that blocks take in two forms: six numbers, as a controller shows them, and seven."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from assistant.blocks.diagrams.block import Port
+from assistant.blocks.rules import FIVE_AXES, NO_NUMBERS, NO_TURN
+from assistant.program import rotations
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Refused
+from assistant.robots.robot import Robot
+
+POSE: Final = 7
+"""x, y, z in mm and a unit quaternion w, x, y, z."""
+SHOWN: Final = "X, Y, Z in mm and A, B, C in degrees (A, B of five axes), or x, y, z and w, x, y, z"
+STEP: Final = "x, y, z in mm and a turn about x, y, z in degrees, or x, y, z and w, x, y, z"
+LENGTH: Final = 1e-3
+"""Deviation of a quaternion from unit length that is taken for rounding."""
+MISS: Final = 0.1
+"""Degrees that a turn may be off what five axes reach, and a tool off the vertical."""
+FRONT: Final = 4
+"""Bit of the first flag of a posture: the arm reaches forward, not over its back."""
+
+
+def pose_port(name: str) -> Port:
+    """An input for a pose as a controller shows it, or with a quaternion."""
+    return Port(name, 6, also=(POSE,), means=SHOWN)
+
+
+def step_port(name: str) -> Port:
+    """An input for a step of the tool, its turn as a vector or as a quaternion."""
+    return Port(name, 6, also=(POSE,), means=STEP)
+
+
+def shown(block: str, robot: Robot, pose: Floats, posture: str) -> Floats:
+    """Return X, Y, Z, A, B, C (6,) of a pose (6,) or (7,); raises Refused, naming the block.
+
+    R = Rz(C)·Ry(B)·Rx(A); an arm of five axes has A and B only (`robots.arms.five_axis`).
+    posture: how the arm is bent, as its controller writes it behind a pose.
+    """
+    if len(pose) != POSE:
+        return pose
+    turn = _turn(block, pose)
+    if not robot.five_axis:
+        return np.concatenate([pose[:3], rotations.to_euler(turn)[::-1]])
+    from assistant.robots.arms import five_axis
+
+    place, turns = pose[None, :3], turn[None]
+    ab = five_axis.to_ab(place, turns)[0]
+    miss = float(five_axis.miss(place, turns)[0])
+    reason = ""
+    if miss > MISS:
+        reason = f"the tool is {miss:.2f} degrees off what they reach there"
+    elif not int(posture.split(",")[0]) & FRONT and min(abs(ab[1]), 180.0 - abs(ab[1])) > MISS:
+        reason = "the arm reaches over its back with a tool that is not vertical"
+    if reason:
+        raise Refused(FIVE_AXES(block=block, robot=robot.name, reason=reason))
+    return np.concatenate([pose[:3], ab, [0.0]])
+
+
+def step(block: str, by: Floats) -> Floats:
+    """Return a step (6,), its turn as a vector in degrees, of (6,) or (7,); raises Refused."""
+    if len(by) != POSE:
+        return by
+    turn = rotations.turns(np.array([1.0, 0.0, 0.0, 0.0]), _turn(block, by))
+    return np.concatenate([by[:3], np.degrees(turn)])
+
+
+def _turn(block: str, pose: Floats) -> Floats:
+    if not np.isfinite(pose).all():
+        raise Refused(NO_NUMBERS(block=block))
+    length = float(np.linalg.norm(pose[3:]))
+    if abs(length - 1.0) > LENGTH:
+        raise Refused(NO_TURN(block=block, length=length))
+    return rotations.canonical(pose[3:])
