@@ -87,7 +87,7 @@ class Round:
 
     def moved(self, matrix: Floats) -> Round:
         base, rest = point(matrix, self.base), direction(matrix, [self.u, self.v, self.along])
-        check_places(base, rest)
+        check_places(base, *rest)
         u, v, along = rest
         return Round(base, u, v, along, self.even and not skews(matrix), self.left)
 
