@@ -124,7 +124,7 @@ FramesOption = Annotated[
 ]
 GrammarOption = Annotated[
     GrammarAs,
-    typer.Option(help="Text of over 20,000 lines that lark parses in the proof: samples, or all."),
+    typer.Option(help="What lark parses of a program of over 20,000 lines: samples, or all."),
 ]
 ReportOption = Annotated[
     Path | None, typer.Option(help="Write the report as well: .html, .md, .json, or text.")

@@ -177,7 +177,7 @@ def compile(
     arm that a vendor program was written for. most_targets: of one unit, for controllers that take
     less.
     frames: how a language without work objects says them, see `Language.with_frames`.
-    grammar: `full` has the proof parse texts of more than 20,000 lines completely with lark.
+    grammar: `full` has the proof parse programs of more than 20,000 lines completely with lark.
     entry: the procedure that the program begins with, where it is not the one that its source
     says. called: the name that others call the program by; main: False for none that runs all of
     it; instead of what the process file says of them. proving: how a proof by motion is sought,

@@ -166,7 +166,7 @@ def translate(
     bodies, if it has any. language: of the source, if neither
     suffix nor text tell.
     frames: how a language without work objects says them, see `Language.with_frames`.
-    grammar: `full` has the proof parse texts of more than 20,000 lines completely with lark.
+    grammar: `full` has the proof parse programs of more than 20,000 lines completely with lark.
     draft: gives files also if some statements cannot be said: each stands as a comment behind a
     stop.
     entry: the procedure that the program begins with, where the source has no `main`. proving: how

@@ -1,9 +1,9 @@
 """Texts parsed by lark itself, with the grammar of their language: a second reader for the proof.
 
 It shares the grammar file with the reader of the language, but not the driver of the tables, the
-words or the columns. Files of up to WHOLE lines are parsed completely, up to MOST lines in all. Of
-longer and further ones rows of long runs of like lines are left out by default, so that what
-remains is still a complete text.
+words or the columns. The files of a program of up to WHOLE lines are parsed completely. Of a longer
+one rows of long runs of like lines are left out by default, so that what remains of each file is
+still a complete text.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ if TYPE_CHECKING:
     from assistant.languages.language import Language
 
 WHOLE: Final = 20_000
-"""Lines of a text that is parsed completely in any case."""
-MOST: Final = 100_000
-"""Lines of the files of one program, from which on further files are parsed in samples as well."""
+"""Lines of a program, all of its files together, that is parsed completely in any case."""
+SAMPLED: Final = 2_000
+"""Rows at the ends of all runs of a longer one that are parsed at most, as many between them."""
 WINDOW: Final = 100
 """Most rows of a sample of a run."""
 ENDS_EARLY: Final = "the text ends where more is expected"
@@ -67,15 +67,11 @@ def parse(
     parser = language.by_lark()
     if parser is None:
         return None
-    lines = total = 0
+    given = list(trees)
+    lines = total = sum(lines_of(tree.source) for tree in given)
+    in_samples = sampling == "samples" and total > WHOLE
+    sources = [(tree.source, list(language.runs(tree)) if in_samples else []) for tree in given]
     refused: list[Diagnostic] = []
-    sources: list[tuple[SourceText, list[Rows]]] = []
-    for tree in trees:
-        count = lines_of(tree.source)
-        total += count
-        in_samples = sampling == "samples" and (count > WHOLE or total > MOST)
-        sources.append((tree.source, list(language.runs(tree)) if in_samples else []))
-    lines = total
     spacing = Spacing.of([run for _, runs in sources for run in runs])
     for source, runs in sources:
         left_out = between_samples(runs, spacing)
@@ -105,9 +101,9 @@ class Spacing:
 
     @staticmethod
     def of(runs: Sequence[Rows]) -> Spacing:
-        """Up to WHOLE rows at the ends of all these runs, and as many between them."""
-        window = max(1, min(WINDOW, WHOLE // (2 * max(len(runs), 1))))
-        return Spacing(window, max(2 * window, -(-sum(map(len, runs)) * window // WHOLE)))
+        """Up to SAMPLED rows at the ends of all these runs, and as many between them."""
+        window = max(1, min(WINDOW, SAMPLED // (2 * max(len(runs), 1))))
+        return Spacing(window, max(2 * window, -(-sum(map(len, runs)) * window // SAMPLED)))
 
 
 def between_samples(runs: Sequence[Rows], spacing: Spacing) -> list[tuple[int, int, int]]:
