@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -15,11 +15,13 @@ from assistant.program.diagnostics import Refused, error
 
 if TYPE_CHECKING:
     from assistant.cli.learning_words import Options
+    from assistant.learning.maps.asked import Asked
     from assistant.learning.maps.experiments import Experiment
     from assistant.learning.maps.extended_map import ExtendedMap
     from assistant.learning.maps.goals import Goals
     from assistant.learning.maps.seen_arm import SeenArm
     from assistant.learning.maps.training import Errors, Plan
+    from assistant.program.arrays import Floats
     from assistant.report.learned_map import Stage
 
 NO_MAP_NAME: Final = error("CL520", "a map is not written as `{name}`", "end its name in .npz")
@@ -28,6 +30,13 @@ NO_CURVE_NAME: Final = error(
     "a curve is not written as `{name}`",
     "end its name in .csv, .png or .svg, and not in that of the picture",
 )
+NO_BOX: Final = error(
+    "CL299", "a box says where targets are, and recordings have their own", "leave one of them out"
+)
+HELD_WITHIN: Final = 0.5
+"""Degrees (mm) that a held joint may be off in a recording."""
+WIDER: Final = 0.5
+"""Degrees (mm) by which ranges are wider than where the arm was."""
 STAGES: Final = 4
 """Columns of the picture of the lattice."""
 MOST_LEFT: Final = 0.02
@@ -49,17 +58,26 @@ def run_learn(options: Options, outputs: Outputs) -> int:
     from assistant.cli.learning_words import asked, longer
     from assistant.learning.maps.asked import experiment_of
     from assistant.learning.maps.map_file import load, save
-    from assistant.learning.maps.training import measured_goals, trained
+    from assistant.learning.maps.recorded import split, train_recorded
+    from assistant.learning.maps.training import errors, measured_goals, trained
 
     _check_names(options, outputs)
     known = None if options.go_on is None else load(options.go_on)
-    made = experiment_of(asked(options), known)
+    wanted = asked(options)
+    rows = _recorded(wanted, options)
+    if rows is not None:
+        wanted = _about(wanted, rows, known)
+    made = experiment_of(wanted, known)
     arm = made.arm
     for name, factor in longer(options.longer):
         arm = arm.longer(name, factor)
     arm = arm.noisy(options.noise, options.seed)
     net = _begun(made, options) if known is None else known
-    tests, begun = measured_goals(arm, made.space, options.seed), net.steps
+    if rows is None:
+        tests = measured_goals(arm, made.space, options.seed)
+    else:
+        rows, tests = split(arm, rows[:, arm.columns])
+    begun = net.steps
     stages: list[Stage] = []
     curve: list[Errors] = []
 
@@ -69,10 +87,14 @@ def run_learn(options: Options, outputs: Outputs) -> int:
         rate = (found.steps - begun) / found.seconds if found.seconds else 0.0
         _tell(options, _row(f"{found.steps:>9,} {rate:>9,.0f}", found))
 
-    for line in _head(net, arm, tests):
+    for line in _head(net, arm, tests, recorded=rows is not None):
         _tell(options, line)
     watch(_now(net, arm, tests))
-    trained(net, arm, made.space, _plan(net, options), tests, watch)
+    if rows is None:
+        trained(net, arm, made.space, _plan(net, options), tests, watch)
+    else:
+        looks = lambda seconds: watch(errors(net, arm, tests, seconds))  # noqa: E731
+        train_recorded(net, rows, arm(rows), _plan(net, options), looks)
     beside = dict(_beside(made, net, arm, tests, options))
     for name, found in beside.items():
         _tell(options, _row(f"{name:>19}", found))
@@ -80,6 +102,45 @@ def run_learn(options: Options, outputs: Outputs) -> int:
     save(net, outputs.map, files)
     _end(net, curve, beside, tests, [outputs.map, *files], options)
     return 0
+
+
+def _recorded(asked: Asked, options: Options) -> Floats | None:
+    """(n, j) joints of recordings at which held joints stay; None without any recording."""
+    import numpy as np
+
+    from assistant.cell.exploration.recordings import read_recording
+
+    if not options.recorded:
+        return None
+    if options.box is not None:
+        raise Refused(NO_BOX(), exit_status=2)
+    robot = asked.robot
+    runs: list[Floats] = []
+    for path in options.recorded:
+        recording = read_recording(path, robot)
+        print_findings(recording.findings)
+        runs += recording.runs
+    rows = np.concatenate([np.zeros((0, len(robot.axes))), *runs])
+    for axis, value in asked.held.items():
+        if axis in robot.axes:
+            rows = rows[np.abs(rows[:, robot.axes.index(axis)] - value) <= HELD_WITHIN]
+    return np.asarray(rows)
+
+
+def _about(asked: Asked, rows: Floats, net: ExtendedMap | None) -> Asked:
+    """The same in ranges where the arm was, but for those that are stated or learnt already."""
+    import numpy as np
+
+    if net is not None or not len(rows):
+        return asked
+    low, high = rows.min(axis=0) - WIDER, rows.max(axis=0) + WIDER
+    ends = np.clip(np.stack([low, high]), *asked.robot.limits.T)
+    found = {
+        axis: (float(ends[0, i]), float(ends[1, i]))
+        for i, axis in enumerate(asked.robot.axes)
+        if axis not in asked.held
+    }
+    return replace(asked, ranges=found | dict(asked.ranges))
 
 
 def _now(net: ExtendedMap, arm: SeenArm, tests: Goals) -> Errors:
@@ -95,10 +156,10 @@ def _tell(options: Options, line: str) -> None:
         sys.stdout.flush()
 
 
-def _head(net: ExtendedMap, arm: SeenArm, tests: Goals) -> Iterator[str]:
+def _head(net: ExtendedMap, arm: SeenArm, tests: Goals, *, recorded: bool) -> Iterator[str]:
     from assistant.learning.maps.training import TESTS
 
-    share = 1.0 - len(tests.pixels) / TESTS
+    share = 0.0 if recorded else 1.0 - len(tests.pixels) / TESTS
     hidden = f", {share:.0%} of them hidden" if share else ""
     yield (
         f"{arm.robot.title}: {', '.join(arm.moves)}; {net.units:,} units, {net.task.seen} numbers "
@@ -144,6 +205,7 @@ def _check_names(options: Options, outputs: Outputs) -> None:
     if curve is not None and (same or curve.suffix.lower() not in {".csv", ".png", ".svg"}):
         raise Refused(NO_CURVE_NAME(name=outputs.curve), exit_status=2)
     read = [str(one) for one in (options.cameras, Path(options.robot)) if one is not None]
+    read += [str(one) for one in options.recorded]
     keep_sources(read, [one for one in (outputs.map, outputs.picture, outputs.curve) if one])
 
 

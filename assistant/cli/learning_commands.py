@@ -86,6 +86,13 @@ def learn(
             help="Link that is longer than the robot file says; repeatable.",
         ),
     ] = None,
+    recorded: Annotated[
+        list[Path] | None,
+        typer.Option(
+            help="Learn from where an arm was: log of `explore`, `servo` or `monitor`; repeatable.",
+            metavar="LOG.csv",
+        ),
+    ] = None,
     picture: Annotated[
         Path | None, typer.Option(help="Draw the lattice at several stages, .png or .svg.")
     ] = None,
@@ -104,6 +111,6 @@ def learn(
     held = "any" if tool is None else tool.value
     options = Options(
         *(robot, steps, hold or (), range or (), box, held, turn, point or (), cameras),
-        *(lattice, noise, seed, go_on, longer or (), rivals, format),
+        *(lattice, noise, seed, go_on, longer or (), rivals, format, recorded or ()),
     )
     raise typer.Exit(run_learn(options, Outputs(output, picture, curve)))

@@ -65,6 +65,7 @@ class Options:
     longer: Sequence[str]
     rivals: bool
     format: Format
+    recorded: Sequence[Path] = ()
 
 
 def asked(options: Options) -> Asked:

@@ -48,7 +48,8 @@ class Recorded:
 def read_recording(path: str | FilePath, robot: Robot, contact: str | None = None) -> Recorded:
     """The joints of a CSV file that `monitor --log`, `follow --log` or `simulate` has written.
 
-    Its columns are `j1_deg` …, `_mm` of axes that slide, with or without `_` before them.
+    Its columns are `j1_deg` …, `_mm` of axes that slide, with or without `_` before them, or
+    `joints.J1` … as `servo --log` writes them.
     contact: the column of an input that is not 0 in contact. Raises Unreadable for no text,
     Refused, with a finding, for a table that lacks joints, or holds those of another arm.
     """
@@ -104,7 +105,9 @@ def _columns(
     plain = [name.strip().lower().removeprefix("_") for name in header]
     found: dict[str, int] = {}
     for axis in robot.axes:
-        form = re.compile(rf"{re.escape(axis.lower())}_({'|'.join(AXIS_UNITS)})")
+        form = re.compile(
+            rf"{re.escape(axis.lower())}_({'|'.join(AXIS_UNITS)})|joints\.{re.escape(axis.lower())}"
+        )
         for number, name in enumerate(plain):
             if form.fullmatch(name):
                 found.setdefault(axis, number)

@@ -84,6 +84,11 @@ BAD_BOX: Final = error(
 )
 NO_AXIS: Final = error("LN016", "{robot} has no joint `{axis}`", "choose among {known}")
 NO_LENGTH: Final = error("LN017", "{robot} has no length `{name}`", "choose among {known}")
+FEW_ROWS: Final = error(
+    "LN023",
+    "the recordings have {count} rows in which the arm moved, and {least} are needed",
+    "record more of them, in all of the space that is to be learnt",
+)
 RULE_WITHOUT: Final = error(
     "LN018",
     "no tool is held {rule} {what}",

@@ -89,3 +89,10 @@ def test_a_motion_over_time_is_a_recording(tmp_path: Path) -> None:
     rows = ["0,1,2,3,4,5,9,9,9,9,9", "0.01,2,2,3,4,5,9,9,9,9,9"]
     found = read_recording(log(tmp_path, rows, header), ROBOT)
     assert np.concatenate(found.runs).tolist() == [[1, 2, 3, 4, 5], [2, 2, 3, 4, 5]]
+
+
+def test_joints_are_read_from_the_log_of_servoing(tmp_path: Path) -> None:
+    names = ("seconds", *(f"{what}.J{n}" for what in ("joints", "told") for n in (1, 2, 3, 5, 6)))
+    rows = [",".join(["0.1", "1", "2", "90", "4", "5", *"99999"])] * 2
+    found = read_recording(log(tmp_path, rows, ",".join(names) + "\n"), ROBOT)
+    assert found.runs[0].tolist() == [[1.0, 2.0, 90.0, 4.0, 5.0]] * 2

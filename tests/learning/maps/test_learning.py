@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -17,10 +18,12 @@ from assistant.learning.maps.experiments import (
     three_joints,
 )
 from assistant.learning.maps.goals import InBox, checked_box, checked_ranges, ranges_about_home
+from assistant.learning.maps.recorded import split, train_recorded
 from assistant.learning.maps.rivals import Calibrated, errors_of, fitted, pictures_of
 from assistant.learning.maps.seen_arm import pair_for, seen_arm, with_length
 from assistant.learning.maps.training import (
     Plan,
+    errors,
     measured_goals,
     start_with,
     train,
@@ -209,3 +212,17 @@ def test_a_point_of_a_free_arm_must_tell_a_place() -> None:
     assert made.arm.task.told == 1 and not made.arm.task.free
     still = replace(seen_arm(RV2AJ, (), [TIP], ("J5", "J6")), free=True)
     assert code(over_ranges(still).start) == "LN009"
+
+
+def test_recorded_moves_teach_five_joints() -> None:
+    made = five_joints()
+    ends = np.random.default_rng(0).uniform(*made.ranges.T, (80, 5))
+    moves = [np.linspace(a, b, 25) for a, b in itertools.pairwise(ends)]
+    rows, tests = split(made.arm, np.concatenate(moves))
+    net = start_with((4, 5, 4, 4, 4), made.arm, made.space, made.ranges, 1)
+    train_recorded(net, rows, made.arm(rows), usual(6000, marks=()))
+    found = errors(net, made.arm, tests)
+    assert found.mm < 2.0 and found.degrees < 1.0
+    assert net.steps == 6000 and np.isfinite(net.missed[net.wins > 0]).all()
+    assert code(split, made.arm, np.concatenate(moves)[:50]) == "LN023"
+    assert code(split, made.arm, np.tile(ends[0], (500, 1))) == "LN023"
