@@ -23,7 +23,7 @@ ABB: Final = "irb1200-7-0.7"
 MITSUBISHI: Final = "rv-2aj"
 RATE: Final = 2.0
 """Simulated seconds for each real one."""
-INTERVAL: Final = 0.02
+INTERVAL: Final = 0.01
 """Seconds between two looks at an arm."""
 STATUS: Final = b"""10 WAIT M_RUN(1)=1
 20 OPEN "COM2:" AS #1
@@ -68,7 +68,7 @@ def cells(stack: ExitStack) -> Mapping[str, Cell]:
     from assistant.virtual.irc5 import VirtualIrc5
 
     home = stack.enter_context(tempfile.TemporaryDirectory(prefix="robot-assistant-home-"))
-    irc5 = stack.enter_context(VirtualIrc5(home, rate=RATE))
+    irc5 = stack.enter_context(VirtualIrc5(home, rate=RATE / 2.0))  # it is seen more seldom
     cr = stack.enter_context(VirtualCr(MITSUBISHI, pace=RATE))
 
     def play_rapid(name: str) -> Floats:
