@@ -166,6 +166,7 @@ def test_an_arm_that_is_moved_by_hand_is_recorded(capsys, cell) -> None:
     assert json.loads(out)["chart"]["free"] > 0 and len(rows_of("log.csv")) > 3
 
 
+@pytest.mark.slow
 def test_a_program_runs_and_a_contact_stops_it(capsys, cell) -> None:
     lines = ["10 SPD 100", "20 JA=(31,20,80,0,40,0)", "30 MOV JA", "40 JB=(0,0,90,0,90,0)"]
     text = "\n".join([*lines, "50 MOV JB", "60 GOTO 30"])
