@@ -122,6 +122,15 @@ def output(text: str, folder: Path, forks: Forks) -> str:
     return done.stdout
 
 
+FILE = re.compile(r"`((?:tests|samples)/[\w./-]*)`")
+
+
+def test_what_the_page_about_the_papers_names_is_there() -> None:
+    named = FILE.findall((PROJECT / "docs" / "papers.md").read_text("utf-8"))
+    assert len(named) > 30
+    assert [name for name in named if not (PROJECT / name).exists()] == []
+
+
 LINK = re.compile(r"\]\((?!https?:)([^)#\s]*)(?:#([^)\s]*))?\)")
 
 
