@@ -5,9 +5,10 @@ from __future__ import annotations
 import os
 import re
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Container, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 from assistant.cli.presentation import say
 from assistant.controllers.credentials import PASSWORD
@@ -15,8 +16,10 @@ from assistant.program.diagnostics import Refused, error
 from assistant.program.system.ending import by_hand, held, wait_for_end
 
 if TYPE_CHECKING:
+    from assistant.robots import Robot
     from assistant.virtual.cr import Faults, VirtualCr
     from assistant.virtual.irc5 import Signal, VirtualIrc5
+    from assistant.virtual.melfa.lines import Line
 
 NOT_STARTED = error(
     "CL101",
@@ -127,6 +130,7 @@ def run_cr(
     mxt_port: int,
     serial: bool | str,
     framing: Literal["plain", "procedural", "data link"],
+    lines: Sequence[str],
     pace: float,
     contact: str | None,
     cell: Path | None,
@@ -134,12 +138,13 @@ def run_cr(
 ) -> None:
     """refused: commands with the numbers that they are answered with, as SRVON=5600.
 
-    contact: the input that is on while the arm touches something of the cell.
+    contact: the input that is on while the arm touches something of the cell. lines: what lines of
+    programs lead to, as COM1=10003.
     """
+    from assistant.cli.outside import lines_of
     from assistant.compiler.arms import robot_of
     from assistant.compiler.exploring import touching
-    from assistant.languages import get
-    from assistant.virtual.cr import Contact, VirtualCr
+    from assistant.virtual.cr import Contact
 
     arm = robot_of(robot)
     assert arm is not None
@@ -149,24 +154,60 @@ def run_cr(
             raise Refused(NO_CONTACT(), exit_status=2)
         felt = Contact(str(int(contact)), touching(cell, arm.name))
     faults.errors = dict(map(_refusal, refused))
-    try:
-        controller = VirtualCr(
-            arm.name,
+    with ExitStack() as open_:
+        made = {}
+        for name, target in lines_of(lines).items():
+            made[f"{name.rstrip(':').upper()}:"] = open_.enter_context(_line(name, target))
+        _serve_cr(
+            arm,
+            [f"line {name} leads to {target}" for name, target in lines_of(lines).items()],
             port=port,
             folder=folder,
             data_port=data_port,
             mxt_port=mxt_port,
             serial=serial,
             framing=framing,
+            lines=made,
             pace=pace,
             faults=faults,
             report=_report if log else None,
             contact=felt,
         )
+
+
+@contextmanager
+def _line(name: str, target: str) -> Iterator[Line]:
+    """What a line leads to, until the controller ends; raises Refused."""
+    from assistant.virtual.melfa.lines import line_to
+
+    try:
+        line, leave = line_to(target)
+    except OSError as error:
+        reason = f"{name} cannot lead to {target}: {error.strerror or error}"
+        raise Refused(NOT_STARTED(reason=reason), exit_status=2) from None
+    try:
+        yield line
+    finally:
+        leave()
+
+
+def _serve_cr(arm: Robot, told: Sequence[str], **options: Any) -> None:
+    """told: said once it listens. options: of `VirtualCr`."""
+    from assistant.languages import get
+    from assistant.virtual.cr import VirtualCr
+
+    try:
+        controller = VirtualCr(arm.name, **options)
     except (ValueError, OSError) as error:
-        raise Refused(NOT_STARTED(place=robot, reason=error), exit_status=2) from None
+        raise Refused(NOT_STARTED(place=arm.name, reason=error), exit_status=2) from None
     about = f"{arm.title}, {get(controller.state.language).title}"
-    _run(controller, about, None, _lines)
+
+    def tell(running: VirtualCr) -> None:
+        _lines(running, options["lines"])
+        for text in told:
+            say(text)
+
+    _run(controller, about, None, tell)
 
 
 def _refusal(text: str) -> tuple[str, int]:
@@ -176,12 +217,14 @@ def _refusal(text: str) -> tuple[str, int]:
     return command, int(number)
 
 
-def _lines(controller: VirtualCr) -> None:
+def _lines(controller: VirtualCr, others: Container[str]) -> None:
+    """others: lines that lead elsewhere."""
     if controller.has_serial:
         is_link = controller.state.parameters["CPRC232"] != ("2",)
         say(f"serial line at {controller.serial_address if is_link else controller.serial_path}")
     for name, (host, port) in controller.data_ports.items():
-        say(f"data link {name} at {host}:{port}")
+        if name not in others:
+            say(f"data link {name} at {host}:{port}")
     say(f"real-time control at UDP port {controller.mxt_port}, while a program waits for it")
 
 

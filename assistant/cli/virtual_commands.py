@@ -116,6 +116,14 @@ def virtual_cr(
         typer.Option(help="A serial port to serve too, or `pty` to make a line.", metavar="PORT"),
     ] = None,
     framing: Annotated[Framing, typer.Option(help="Of the serial line.")] = Framing.PLAIN,
+    line: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=TARGET",
+            help="What a line of its programs leads to, as COM1=10003: a port for others to call,"
+            " the HOST:PORT of a server, or the path of a serial port; repeatable.",
+        ),
+    ] = None,
     pace: Annotated[float, typer.Option(help="Simulated seconds for each real one.", min=0.01)] = 1,
     delay: Annotated[float, typer.Option(help="Seconds before each answer.", min=0.0)] = 0.0,
     broken: Annotated[
@@ -149,6 +157,7 @@ def virtual_cr(
         mxt_port=mxt_port,
         serial=True if serial == "pty" else serial or False,
         framing=FRAMINGS[framing],
+        lines=line or [],
         pace=pace,
         contact=contact,
         cell=cell,

@@ -29,7 +29,8 @@ from assistant.virtual.kernel.script import Given
 FAILED: Final = error(
     "VC211",
     "the controller stops here: {message}",
-    "correct the statement or the data that it uses, and run it again",
+    "correct the statement or the data that it uses, or connect the line that it opens (--line "
+    "COM1=10003), and run it again",
 )
 UNKNOWN: Final = error(
     "VC212",

@@ -113,4 +113,5 @@ def test_a_port_that_is_none(tmp_path: object) -> None:
 
 def test_a_line_that_leads_nowhere() -> None:
     done = run('1 Open "COM1:" As #1\n2 End')
-    assert done.ended == "unknown" and "COM1:" in done.message
+    assert done.ended == "error"
+    assert "error 3140" in done.message and "COM1:" in done.message

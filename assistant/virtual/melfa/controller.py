@@ -23,7 +23,7 @@ from assistant.virtual.melfa.memory import OWN_ARRAY, OWN_ELEMENTS, Memory, Plac
 from assistant.virtual.melfa.options import Options
 from assistant.virtual.melfa.plugins import by_name
 from assistant.virtual.melfa.slots import Slot
-from assistant.virtual.melfa.stops import Failed, Unknown
+from assistant.virtual.melfa.stops import Failed
 from assistant.virtual.melfa.world import World
 
 if TYPE_CHECKING:
@@ -133,7 +133,7 @@ class Controller:
         """A communication line by what `Open` calls it; what stands behind its colon may miss."""
         found = self.lines.get(name) or self.lines.get(name.partition(":")[0] + ":")
         if found is None:
-            raise Unknown(f"the line {name}, which leads nowhere here")
+            raise Failed(3140, f"nothing is connected to the line {name}")
         return found
 
     def uses(self, line: Line) -> bool:

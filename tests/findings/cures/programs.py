@@ -195,6 +195,12 @@ CASES: Final = (
         change={"s.toml": AT_ONCE},
     ),
     Case(
+        "VC211",
+        "run a.prg --from melfa-basic-5",
+        {"a.prg": 'Open "COM1:" As #1\nPrint #1,"HI"\nClose #1\nEnd\n'},
+        ("run a.prg --from melfa-basic-5 --line COM1=10047",),
+    ),
+    Case(
         "VC212",
         "run a.mod",
         {"a.mod": rapid("WaitTime 1;", "Else_where;")},

@@ -543,7 +543,7 @@ def test_an_example_is_judged_alone(code: str, kind: str, number: int) -> None:
 
 ELSEWHERE: Final = {
     "they are about a file, a list of files or a program as a whole": """
-        MB001 MB110 MB114 MB115 MB118 MB122 MB123 MB142 MB143 MB401 MB707 MB710
+        MB001 MB110 MB114 MB115 MB118 MB122 MB123 MB142 MB143 MB148 MB149 MB401 MB707 MB710
         RA104 RA105 RA106 RA107 RA211 RA212 RA213 RA235""",
     "only a translation, a draft or a way back reports them": "MB2.. MB501 RA3..",
     "they are about labels, subroutines, blocks, jumps and loops, which no run holds": """

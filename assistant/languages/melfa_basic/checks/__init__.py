@@ -67,6 +67,8 @@ CHECKS: Final[tuple[Check[Look], ...]] = (
     Check(programs.missing),
     Check(programs.recursion),
     Check(programs.mechanisms, Needs.ORDER),
+    Check(programs.started_early, Needs.ORDER),
+    Check(programs.last_values, Needs.ORDER),
     Check(programs.interrupts, Needs.ORDER),
     Check(programs.files, Needs.ORDER),
     Check(unused.unused, Needs.WHOLE, advice=True),

@@ -72,6 +72,18 @@ CALLED_TOO_DEEP: Final = error(
 CALLS_ITSELF: Final = error(
     "MB143", "the program calls itself: {chain}; `CallP` knows no recursion", "write a loop"
 )
+READ_BEFORE_SET: Final = warning(
+    "MB148",
+    "`{program}`, which starts here in slot {slot}, reads `{name}` in line {reading}, but {setter} "
+    "may set it only afterwards: it finds 0, or what the last run left there",
+    "set `{name}` before the line that starts `{program}`",
+)
+LAST_VALUE: Final = info(
+    "MB149",
+    "`{name}` is read here before this program has set it, and {program} sets it in another slot: "
+    "until then it is 0, or what the last run left there",
+    "set `{name}` before the line that starts {program}",
+)
 LOOP_VARIABLE: Final = info(
     "MB144",
     "the variable `{name}` of the loop is changed inside it",
