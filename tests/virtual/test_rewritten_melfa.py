@@ -66,6 +66,77 @@ def test_programs_with_odd_jumps_do_the_same(level: int) -> None:
     assert tally.counts["equal"] == 2
 
 
+POSES = """\
+P1=(400,0,450,180,0,180)(7,0)
+P2=(380,60,430,180,0,180)(7,0)
+P3=(400,120,450,180,0,180)(7,0)
+"""
+AROUND_LOOPS = {
+    "a jump from behind a loop to lines above the subroutine": """\
+GoSub *TWO
+GoSub *ONE
+End
+*ONE
+Mvs P1
+M1=M1+1
+If M1<3 Then GoSub *TWO
+Return
+*TWO
+M2=0
+While M2<2
+M2=M2+1
+Mvs P2,-10
+WEnd
+Mvs P3
+If M_In(39)=1 Then GoTo *ONE
+Return
+""",
+    "the same with a loop over numbers": """\
+GoSub *TWO
+GoSub *ONE
+End
+*ONE
+Mvs P1
+Return
+*TWO
+For M2=1 To 2
+Mvs P2,-10
+Next M2
+Mvs P3
+M1=M1+1
+If M1<3 Then GoTo *ONE
+Return
+""",
+    "a loop that runs into the subroutine that jumps back to it": """\
+GoSub *TWO
+GoSub *TWO
+End
+*BACK
+M2=0
+While M2<2
+M2=M2+1
+Mvs P2,-10
+WEnd
+' then again
+*TWO
+Mvs P3
+M1=M1+1
+If M1=2 Then GoTo *BACK
+Return
+""",
+}
+"""Subroutines whose lines are parted or shared, about loops that control leaves at their head."""
+
+
+@pytest.mark.parametrize("name", AROUND_LOOPS)
+def test_subroutines_in_parts_keep_what_follows_their_loops(name: str) -> None:
+    lines = f"M1=0\n{AROUND_LOOPS[name]}".splitlines()
+    text = "".join(f"{k} {line}\n" for k, line in enumerate(lines, start=1)) + POSES
+    tally = tally_of(5, [(name, text)])
+    assert tally.kept == []
+    assert tally.counts["equal"] == 1, tally.reasons
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", [program, odd])
 @pytest.mark.parametrize("level", LEVELS)

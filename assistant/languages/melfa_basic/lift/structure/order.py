@@ -168,11 +168,7 @@ class _Separating:
         names = self._names(part, start, copied)
         made: list[s.Entry] = []
         first = 0 if start is None else part.index(start)
-        above = (
-            first
-            and part[first - 1] in self.graph.after
-            and start in (self.graph.after[part[first - 1]])
-        )
+        above = first and self._runs_into(part[first - 1], part[first])
         if start is not None and above:  # lines of its own run into its first one
             label = self.code[start].label
             assert label is not None
@@ -196,7 +192,12 @@ class _Separating:
         return made
 
     def _runs_on(self, at: int) -> bool:
-        return at + 1 in self.graph.after[at] or self.blocks.around.get(at) is not None
+        """Whether control comes from a line, or from the loop that it ends, to the next one."""
+        return goes_on_above(self.code, at + 1) or self.blocks.around.get(at) is not None
+
+    def _runs_into(self, above: int, at: int) -> bool:
+        between = range(above + 1, at)
+        return self._runs_on(above) and all(is_note(self.code[k]) for k in between)
 
     def _at_end(self, at: int) -> bool:
         """True if control runs on from the last line of the file, which ends the program."""
