@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import cache
@@ -100,7 +100,7 @@ def with_lark(spoken: Spoken) -> Any:
     prepare = written(spoken, targets)
 
     def prepared(n: int) -> list[FilePath]:
-        TREES[spoken.room]()
+        trees_of(spoken.room)
         return list(prepare(n))
 
     return prepared
@@ -164,7 +164,7 @@ def lark_alone(spoken: Spoken) -> Callable[[list[FilePath]], None]:
 
     def read(files: list[FilePath]) -> None:
         language = languages.get(spoken.name)
-        trees = TREES[spoken.room]()
+        trees = trees_of(spoken.room)
         kept = [trees(language.read(file).text) for file in files]
         assert kept
 
@@ -172,42 +172,11 @@ def lark_alone(spoken: Spoken) -> Callable[[list[FilePath]], None]:
 
 
 @cache
-def rapid_trees() -> Callable[[str], Any]:
-    """Lark with the grammar of RAPID, which reads a module at once."""
+def trees_of(room: str) -> Callable[[str], Any]:
+    """Lark with the grammar of a language, which reads a program at once."""
     options = {"lexer": "contextual", "maybe_placeholders": True, "propagate_positions": True}
-    parser = Lark(read_grammar("rapid.lark"), start="start", parser="lalr", **options)
+    parser = Lark(read_grammar(f"{room}.lark"), start="start", parser="lalr", **options)
     return lambda text: parser.parse(text, start="start")
-
-
-@cache
-def melfa_basic_trees() -> Callable[[str], Any]:
-    """Lark with the grammar of MELFA-BASIC, which reads a line at a time.
-
-    Its words become patterns of whole words, those of `vocabulary` with them, since lark has no
-    lexer of ours to tell them from names. Step numbers are cut off, as they are before ours.
-    """
-    vocabulary = import_module("assistant.languages.melfa_basic.tables.vocabulary")
-    text = _LISTED.sub("", read_grammar("melfa_basic.lark"))
-    text = _WORD.sub(lambda found: _whole(found[1], found[2].split("|")), text)
-    for terminal in ("MOTION", "COMMAND"):
-        text += _whole(terminal, vocabulary.words(terminal.lower())) + "\n"
-    parser = Lark(text, start="line", parser="lalr", lexer="contextual", maybe_placeholders=True)
-    lines = re.compile(r"(?:[0-9]+ )?(.*[^\r\n])")
-    return lambda source: [parser.parse(line) for line in lines.findall(source)]
-
-
-_LISTED: Final = re.compile(r"^%declare .*$", re.MULTILINE)
-_WORD: Final = re.compile(r'^(_?[A-Z]+): ["/](#?[a-z]+(?:[ |][a-z]+)*)["/]i$', re.MULTILINE)
-
-
-def _whole(terminal: str, words: Sequence[str]) -> str:
-    """A terminal for these words, before any name."""
-    listed = "|".join(sorted(map(str.lower, words), key=len, reverse=True))
-    return f"{terminal}.1: /(?:{listed})(?![a-z0-9_])/i"
-
-
-TREES: Final = {"rapid": rapid_trees, "melfa_basic": melfa_basic_trees}
-"""Room → what makes, once, what gives lark's own trees of a text."""
 
 
 # ------------------------------------------------------------------------------- cases

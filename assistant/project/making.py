@@ -27,6 +27,7 @@ from assistant.project.layout import Place, Recipe
 from assistant.project.workers import at_once
 from assistant.sources import PROCESS_SUFFIX, READERS
 from assistant.sources.process.values import listed
+from assistant.sources.project import FILES
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +88,8 @@ def make(order: Order) -> Made:
     name = shown_path(order.recipe.source)
     with watched(order.folder) as opened:
         made = _made(order, name)
-    inputs = digests(order.folder, opened | set(_asked_for(order)))
+    # What the project's own file says of the style is in the digest of what is wanted.
+    inputs = digests(order.folder, (opened | set(_asked_for(order))) - set(FILES))
     found = settle([finding.within(name) for finding in made.findings]).left
     files = {} if has_errors(found) else made.files
     return replace(made, inputs=inputs, findings=found, files=files)

@@ -103,6 +103,7 @@ HARMLESS = {
     "blocks/running_bdsim.py": "what bdsim printed, for people",
     "controllers/cyclic/process.py": "what our own process wrote",
     "controllers/mitsubishi/control_mode/programs.py": "bytes, which end at CR and LF only",
+    "controllers/following.py": "bytes, which end at CR and LF only",
     "controllers/os_errors_in_words.py": "words of an error, for people",
     "languages/abouts.py": "a table of the package",
     "languages/melfa_basic/reading/recovery/mistakes.py": "a table of the package",

@@ -388,9 +388,17 @@ def test_others_open_it_only_by_tls_and_with_the_token(folder: Path) -> None:
         origin = {"Origin": f"https://{parts.netloc}"}
         with connect(line, ssl=pinned, additional_headers=origin) as opened:
             assert json.loads(opened.recv(10.0))["kind"] == "window"
-        plain = {"Origin": f"http://{parts.netloc}"}
-        with pytest.raises(InvalidStatus), connect(line, ssl=pinned, additional_headers=plain):
-            pass
+        upgrade = {
+            "Origin": f"http://{parts.netloc}",
+            "Connection": "Upgrade",
+            "Upgrade": "websocket",
+            "Sec-WebSocket-Version": "13",
+            "Sec-WebSocket-Key": "c2l4dGVlbiBieXRlcyBoZQ==",
+        }
+        asking = http.client.HTTPSConnection(parts.netloc, timeout=10, context=pinned)
+        with contextlib.closing(asking):
+            asking.request("GET", f"{parts.path}window", headers=upgrade)
+            assert asking.getresponse().status == 403
 
 
 def test_a_certificate_is_written_into_no_folder_from_elsewhere(
