@@ -6,6 +6,7 @@ the transfer says whether it was taken in. A refused file replaces nothing.
 
 from __future__ import annotations
 
+import os
 import re
 import socket
 from collections.abc import Callable, Iterable
@@ -53,6 +54,11 @@ class Home(AbstractedFS):  # type: ignore[misc]
     def validpath(self, path: str) -> bool:
         """Whether it is inside the folder; no file has a NUL in its name."""
         return "\0" not in path and bool(super().validpath(path))
+
+    def chdir(self, path: str) -> None:
+        """The folder of the session; that of this process, which has other threads, stays."""
+        with os.scandir(path):  # refuses what cannot be entered
+            self.cwd = self.fs2ftp(path)
 
     def open(self, filename: str, mode: str) -> Any:
         if "r" in mode and "+" not in mode:

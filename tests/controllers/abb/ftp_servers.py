@@ -63,6 +63,11 @@ def pyftpdlib(root, *, without=(), replaces=True):
             commands.append(cmd)
 
     class Files(AbstractedFS):
+        def chdir(self, path):
+            """The folder of this process, which has other threads, stays."""
+            with os.scandir(path):
+                self.cwd = self.fs2ftp(path)
+
         def rename(self, src, dst):
             if not replaces and os.path.lexists(dst):
                 raise FileExistsError(errno.EEXIST, "there is one")
