@@ -250,12 +250,18 @@ class Values:
             return "0"
         if type in ("speeddata", "zonedata", "loaddata", "tooldata", "inposdata"):
             return self.counted(type, known.components)
+        if type == "wobjdata":  # nothing moves it, and the robot does not hold it
+            return f'[FALSE,TRUE,"",{self.literal("pose")},{self.literal("pose")}]'
         return "[" + ",".join(map(self.literal, known.components.values())) + "]"
 
     def counted(self, type: str, parts: Mapping[str, str]) -> str:
-        """A record whose numbers are not negative."""
+        """A record whose numbers are not negative; the robot holds its tools."""
         values = [
-            self.rng.choice(("5", "50", "0.5", "100")) if part == "num" else self.literal(part)
+            self.rng.choice(("5", "50", "0.5", "100"))
+            if part == "num"
+            else "TRUE"
+            if type == "tooldata" and part == "bool"
+            else self.literal(part)
             for part in parts.values()
         ]
         return f"[{','.join(values)}]"
