@@ -58,9 +58,9 @@ _FOLDER: Final = TemporaryDirectory()
 TASKS: Final[dict[str, Task]] = {
     "read .csv": Task(lambda: csv(POINTS), sources.read, 0.55),
     "emit RAPID": Task(lambda: adapted("rapid")(POINTS), emit, 0.85),
-    "prove RAPID": Task(lambda: emitted("rapid")(POINTS), prove_all, 0.016),
+    "prove RAPID": Task(lambda: emitted("rapid")(POINTS), prove_all, 0.2),
     "emit MELFA-BASIC VI": Task(lambda: adapted("melfa-basic-6")(POINTS), emit, 1.5),
-    "prove MELFA-BASIC VI": Task(lambda: emitted("melfa-basic-6")(POINTS), prove_all, 0.1),
+    "prove MELFA-BASIC VI": Task(lambda: emitted("melfa-basic-6")(POINTS), prove_all, 0.35),
     "check RAPID": Task(_program("rapid", "mod"), assistant.check, 0.4),
     "check MELFA-BASIC V": Task(_program("melfa-basic-5", "mb5"), assistant.check, 0.27),
     "RAPID to MELFA-BASIC VI": Task(_program("rapid", "mod"), _translated("melfa-basic-6"), 0.17),
