@@ -13,12 +13,11 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from types import TracebackType
-from typing import Final, Self
+from typing import Final
 
 from assistant.controllers import rules as common
 from assistant.controllers.abb.exchange import messages, rules
-from assistant.controllers.abb.exchange.claiming import Claim, Files, HandsOver
+from assistant.controllers.abb.exchange.claiming import HandsOver
 from assistant.controllers.abb.exchange.messages import Answer, Configuration, Word
 from assistant.controllers.abb.exchange.module import file_names
 from assistant.controllers.abb.exchange.poses import Check, PoseSender, at, checked_configuration
@@ -55,41 +54,12 @@ class PoseExchange(PoseSender):
         poll: float = 0.01,
         check: Check | None = None,
     ) -> None:
-        super().__init__(programs, longest, poll, check)
+        super().__init__(programs, prefix, longest, poll, check)
         self._names = file_names(prefix)
-        self._files = Files(programs)
-        self._claim = Claim(self._files, prefix)
         self._left: bytes | None = None
         self._timeout = timeout
         self._number = random.randrange(1, messages.LARGEST_NUMBER // 2)  # noqa: S311 - no secret
         self._in_step = False
-
-    def __enter__(self) -> Self:
-        self._begin = time.monotonic()
-        self._claim.take()
-        try:
-            self.current_pose()
-        except BaseException:
-            with suppress(Refused):
-                self._claim.free()
-            raise
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        try:
-            if error is not None and not self.ended:
-                self._stop_after(error)
-        finally:
-            try:
-                self._claim.free()
-            except Refused:
-                if error is None:
-                    raise
 
     @property
     def stands(self) -> bool:
@@ -279,7 +249,7 @@ class PoseExchange(PoseSender):
             )
         )
 
-    def _stop_after(self, error: BaseException) -> None:
+    def _break_off(self, error: BaseException) -> None:
         """Stops; anew connected where the session was lost or left in the midst of a command."""
         try:
             if isinstance(error, common.Lost) or not isinstance(error, Exception):

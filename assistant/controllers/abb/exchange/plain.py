@@ -18,12 +18,11 @@ import threading
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
-from types import TracebackType
-from typing import Final, Self
+from typing import Final
 
 from assistant.controllers import rules as common
 from assistant.controllers.abb.exchange import rules
-from assistant.controllers.abb.exchange.claiming import Claim, Files, HandsOver
+from assistant.controllers.abb.exchange.claiming import HandsOver
 from assistant.controllers.abb.exchange.messages import Answer, Configuration
 from assistant.controllers.abb.exchange.module import PlainFiles
 from assistant.controllers.abb.exchange.poses import Check, PoseSender, checked_configuration
@@ -63,10 +62,8 @@ class PlainExchange(PoseSender):
         poll: float = 0.01,
         check: Check | None = None,
     ) -> None:
-        super().__init__(programs, longest, poll, check)
+        super().__init__(programs, prefix, longest, poll, check)
         self._names = files or PlainFiles()
-        self._files = Files(programs)
-        self._claim = Claim(self._files, prefix)
         self._timeout = timeout
         self._number = 0
         self._asked = False
@@ -75,33 +72,6 @@ class PlainExchange(PoseSender):
     @property
     def stands(self) -> bool:
         return self._stands
-
-    def __enter__(self) -> Self:
-        self._begin = time.monotonic()
-        self._claim.take()
-        try:
-            self.current_pose()
-        except BaseException:
-            with suppress(Refused):
-                self._claim.free()
-            raise
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        try:
-            if error is not None and not self.ended:
-                self._break_off(error)
-        finally:
-            try:
-                self._claim.free()
-            except Refused:
-                if error is None:
-                    raise
 
     def current_pose(self) -> Answer:
         """Where the robot is: files of an empty line are answered without a motion."""

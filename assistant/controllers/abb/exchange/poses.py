@@ -5,12 +5,15 @@ from __future__ import annotations
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from typing import Final
+from contextlib import suppress
+from types import TracebackType
+from typing import Final, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from assistant.controllers.abb.exchange import rules
+from assistant.controllers.abb.exchange.claiming import Claim, Files
 from assistant.controllers.abb.exchange.messages import Answer, Configuration
 from assistant.controllers.abb.exchange.recording import FIELDS, Spent
 from assistant.controllers.controller import Programs
@@ -40,14 +43,16 @@ OFF: Final = 1.0
 class PoseSender(ABC):
     """What both protocols have in common: poses are checked, sent, answered and recorded.
 
-    programs: an open session. longest: seconds for one motion. poll: seconds after which an answer
-    is looked for again. check: asked before poses are sent.
+    programs: an open session. prefix: of the claim. longest: seconds for one motion. poll: seconds
+    after which an answer is looked for again. check: asked before poses are sent.
     """
 
     def __init__(
-        self, programs: Programs, longest: float, poll: float, check: Check | None
+        self, programs: Programs, prefix: str, longest: float, poll: float, check: Check | None
     ) -> None:
         self.programs = programs
+        self._files = Files(programs)
+        self._claim = Claim(self._files, prefix)
         self.recording: Final = Recording(FIELDS)
         self.spent = Spent()
         """Where the time of the last round trip went."""
@@ -60,6 +65,37 @@ class PoseSender(ABC):
         self._longest, self._poll = longest, poll
         self._check = check
         self._begin = time.monotonic()
+
+    def __enter__(self) -> Self:
+        self._begin = time.monotonic()
+        self._claim.take()
+        try:
+            self.current_pose()
+        except BaseException:
+            with suppress(Refused):
+                self._claim.free()
+            raise
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        try:
+            if error is not None and not self.ended:
+                self._break_off(error)
+        finally:
+            try:
+                self._claim.free()
+            except Refused:
+                if error is None:
+                    raise
+
+    @abstractmethod
+    def _break_off(self, error: BaseException) -> None:
+        """Have the robot stand after an error, or say in `ended` why it may not."""
 
     @property
     def _place(self) -> str:
