@@ -358,6 +358,30 @@ def test_a_search_goes_on_behind_inputs_that_the_program_fails_with(tmp_path: Pa
     assert 0 < made.motion.found.failing < made.motion.found.runs
 
 
+UNSET = """If M_In(39)=1 Then GoTo *ON
+M1=0
+*ON
+M1=M1+1
+Mvs P1
+M_Out(8)=M1
+End
+P1=(400,0,450,180,0,180)(7,0)
+"""
+
+
+def test_a_number_that_nothing_was_given_stops_both_programs(tmp_path: Path) -> None:
+    (tmp_path / "JOB.prg").write_text(UNSET)
+    made = assistant.translate(
+        tmp_path / "JOB.prg", to="melfa-basic-5", language="melfa-basic-5", proving=Proving()
+    )
+    assert made.motion is not None and made.motion.found is not None
+    assert made.motion.holds, made.findings
+    assert 0 < made.motion.found.failing < made.motion.found.runs
+    found = with_fault(made.compiled, "M1=0\r\n", "M2=0\r\n")
+    assert "the variable M1 has no value" in found.findings[0].message
+    assert not found.holds
+
+
 def test_files_that_are_loaded_while_the_program_runs(tmp_path: Path) -> None:
     """A program that calls another one becomes a module that loads another one."""
     place = "P1=(400,0,{z},180,0,180)(7,0)\n"

@@ -220,6 +220,10 @@ class _Search:
         if two.ended == OVER or (two.ended == "unknown" and one.ended != "error"):
             self._not_judged(Stop(1, two, ours.played))
             return False, ours.played
+        if two.ended == "error" and self.first.lenient and self.first.family == self.second.family:
+            strict, _ = self._play(replace(self.first, lenient=False), ours.played, self.steps)
+            if strict.ended == "error":  # what nothing was given stops both of them
+                one = strict
         self._compare(one, two, ours.played)
         new = False
         for at, driver in enumerate((ours, theirs)):
