@@ -35,6 +35,9 @@ TYPED: Final[Mapping[str, str]] = {
 }  # fmt: skip
 """Types of a command's arguments: ? a condition, c and m variables; of all others numbers."""
 
+OFTEN: Final = 8
+"""Times that a command is drawn which opens a line: no other one has nodes of that kind."""
+
 MOST: Final = 4
 """Arguments of a command at most, where it takes more."""
 
@@ -51,7 +54,12 @@ def commands(level: int) -> Strategy:
         for row in vocabulary.statements().values()
         if row.role == "command" and level in row.dialects and row.word not in IN_BLOCKS
     ]
-    return st.sampled_from(rows).flatmap(lambda row: _command(row, level))
+    opening = [row for row in rows if _opens(row)]
+    return st.sampled_from(rows + OFTEN * opening).flatmap(lambda row: _command(row, level))
+
+
+def _opens(row: vocabulary.Statement) -> bool:
+    return "lines" in row.effects and row.word.endswith("Open")
 
 
 @cache
@@ -67,8 +75,8 @@ def _argument(row: vocabulary.Statement, at: int, level: int) -> Strategy:
         return st.sampled_from([word_node(word) for word in row.words])
     if at == 0 and "lines" in row.effects:
         name = st.builds(s.Opening, expressions("C", level, 1), SMALL)
-        opens = row.word.endswith("Open")
-        return st.builds(s.Channel, SMALL) | (name if opens else expressions("M", level, 1))
+        other = name if _opens(row) else expressions("M", level, 1)
+        return st.builds(s.Channel, SMALL) | other
     kinds = TYPED.get(row.word, "")
     kind = kinds[at] if at < len(kinds) else "M"
     if kind == "?":
