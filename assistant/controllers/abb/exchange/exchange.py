@@ -11,24 +11,24 @@ from __future__ import annotations
 import random
 import threading
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
-from typing import Final
+from contextlib import suppress
 
 from assistant.controllers import rules as common
 from assistant.controllers.abb.exchange import messages, rules
 from assistant.controllers.abb.exchange.claiming import HandsOver
 from assistant.controllers.abb.exchange.messages import Answer, Configuration, Word
 from assistant.controllers.abb.exchange.module import file_names
-from assistant.controllers.abb.exchange.poses import Check, PoseSender, at, checked_configuration
+from assistant.controllers.abb.exchange.poses import (
+    SETTLE,
+    Check,
+    PoseSender,
+    at,
+    checked_configuration,
+)
 from assistant.controllers.abb.exchange.recording import Spent, add
 from assistant.controllers.controller import Programs
 from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
-
-SETTLE: Final = 1.0
-"""Seconds after which an answer that cannot be read stays unreadable: a damaged transfer is read
-again until then."""
 
 
 class PoseExchange(PoseSender):
@@ -128,19 +128,6 @@ class PoseExchange(PoseSender):
             self._compare(number, answer, pose, configuration)
         self._in_step = True
         return answer
-
-    @contextmanager
-    def _claimed(self) -> Iterator[None]:
-        """Holds the claim, for one request where it was not taken for all of them."""
-        if self._claim.held:
-            yield
-            return
-        self._claim.take()
-        try:
-            yield
-        finally:
-            with suppress(Refused):
-                self._claim.free()
 
     def _answer(self, number: int, word: Word, longest: float, began: float) -> Answer:
         """Waits for the answer to a request; raises Refused where none comes."""
@@ -249,20 +236,8 @@ class PoseExchange(PoseSender):
             )
         )
 
-    def _break_off(self, error: BaseException) -> None:
-        """Stops; anew connected where the session was lost or left in the midst of a command."""
-        try:
-            if isinstance(error, common.Lost) or not isinstance(error, Exception):
-                self.programs.__exit__(None, None, None)
-                self.programs.__enter__()
-            self.stop()
-        except Refused as refused:
-            self.ended = f"the robot could not be told to stop and may still move: {_said(refused)}"
-        except BaseException:
-            self.ended = "the stop was broken off, and the robot may still move"
-            raise
-        if isinstance(error, Refused):
-            error.add_note(self.ended)
+    def _halt(self) -> None:
+        self.stop()
 
     def _put(self, file: str, data: bytes) -> None:
         self._files.put(self._names[file], data)
@@ -279,7 +254,3 @@ class PoseExchange(PoseSender):
 
 def _next(number: int) -> int:
     return number % messages.LARGEST_NUMBER + 1
-
-
-def _said(refused: Refused) -> str:
-    return "; ".join(finding.message for finding in refused.findings)

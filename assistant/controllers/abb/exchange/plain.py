@@ -16,8 +16,7 @@ from __future__ import annotations
 import math
 import threading
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Sequence
 from typing import Final
 
 from assistant.controllers import rules as common
@@ -25,16 +24,19 @@ from assistant.controllers.abb.exchange import rules
 from assistant.controllers.abb.exchange.claiming import HandsOver
 from assistant.controllers.abb.exchange.messages import Answer, Configuration
 from assistant.controllers.abb.exchange.module import PlainFiles
-from assistant.controllers.abb.exchange.poses import Check, PoseSender, checked_configuration
+from assistant.controllers.abb.exchange.poses import (
+    SETTLE,
+    Check,
+    PoseSender,
+    checked_configuration,
+)
 from assistant.controllers.abb.exchange.recording import NOTHING, Spent, add
 from assistant.controllers.controller import Controller, Programs
 from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
 
-SETTLE: Final = 1.0
-"""Seconds after which an answer that cannot be read stays unreadable."""
 LONGEST: Final = 1000
-"""Bytes of an answer's file."""
+"""Most bytes of an answer's file."""
 Texts = tuple[bytes, bytes, bytes]
 """Position, orientation, configuration."""
 
@@ -74,12 +76,12 @@ class PlainExchange(PoseSender):
         return self._stands
 
     def current_pose(self) -> Answer:
-        """Where the robot is: files of an empty line are answered without a motion."""
+        """Return the pose of the robot: it answers files of an empty line without a motion."""
         return self._ask(None, None, self._timeout)
 
     def _move(self, pose: Pose, configuration: Configuration | None, through: bool) -> Answer:
         if through:
-            reason = "the files of a plain exchange say nothing of a way through a pose"
+            reason = "the files of a plain exchange cannot ask for it"
             raise Refused(
                 common.NOT_HERE(
                     place=self._place,
@@ -111,21 +113,8 @@ class PlainExchange(PoseSender):
             self._compare(self._number, answer, pose, configuration)
         return answer
 
-    @contextmanager
-    def _claimed(self) -> Iterator[None]:
-        """Holds the claim, for one question where it was not taken for all of them."""
-        if self._claim.held:
-            yield
-            return
-        self._claim.take()
-        try:
-            yield
-        finally:
-            with suppress(Refused):
-                self._claim.free()
-
     def _there(self) -> set[str]:
-        """Which files of the exchange are on the controller, in lower case as its disk compares."""
+        """Files of the exchange on the controller, in lower case as its disk compares names."""
         return {name.lower() for name in self.programs.names()} & {
             name.lower() for name in (*self._names.sent, *self._names.answers)
         }
@@ -153,7 +142,7 @@ class PlainExchange(PoseSender):
         except common.Lost:
             raise
         except Refused as error:
-            if self._taken_back() is False and not self._there() & {self._names.sent[0].lower()}:
+            if self._taken_back() is False:
                 error.add_note("the robot moves only if all three files had arrived")
             raise
 
@@ -161,15 +150,14 @@ class PlainExchange(PoseSender):
         """Waits until the question is taken, then for three complete files."""
         handed, looks, unread, taken = time.perf_counter(), 0, 0.0, False
         question = self._names.sent[0].lower()
-        found: dict[str, bytes] = {}
+
         while True:
             looking, looks = time.perf_counter(), looks + 1
             there = self._there()
             taken = taken or question not in there
             if taken and there.issuperset(name.lower() for name in self._names.answers):
-                for name in self._names.answers:
-                    found[name] = self._files.look(name) or b""
-                answer = parse(self._number, [found[name] for name in self._names.answers])
+                texts = [self._files.look(name) or b"" for name in self._names.answers]
+                answer = parse(self._number, texts)
                 if answer is not None:
                     break
                 unread = unread or looking
@@ -218,35 +206,22 @@ class PlainExchange(PoseSender):
         self._asked = back is False
         return back
 
-    def _break_off(self, error: BaseException) -> None:
-        """Takes the question back, and stops the programs if the session can."""
-        asked = self._asked
-        try:
-            if isinstance(error, common.Lost) or not isinstance(error, Exception):
-                self.programs.__exit__(None, None, None)
-                self.programs.__enter__()
-            if asked:
-                self._taken_back()
-            if isinstance(self.programs, Controller):
-                self.programs.stop()
-                self._stands = True
-                self.ended = "the programs of the controller were stopped"
-            elif self._asked:
-                self.ended = (
-                    "the plain protocol has no stop: the robot may still move to the last pose; "
-                    "its program then waits for the next"
-                )
-            else:
-                self._stands = True
-                self.ended = "no pose is under way; the program waits for the next"
-        except Refused as refused:
-            reasons = "; ".join(finding.message for finding in refused.findings)
-            self.ended = f"the last pose could not be taken back, the robot may move: {reasons}"
-        except BaseException:
-            self.ended = "the end was broken off, and the robot may still move"
-            raise
-        if isinstance(error, Refused):
-            error.add_note(self.ended)
+    def _halt(self) -> None:
+        """Take the question back, and stop the programs if the session can."""
+        if self._asked:
+            self._taken_back()
+        if isinstance(self.programs, Controller):
+            self.programs.stop()
+            self._stands = True
+            self.ended = "the programs of the controller were stopped"
+        elif self._asked:
+            self.ended = (
+                "the plain protocol has no stop: the robot may still move to the last pose; "
+                "its program then waits for the next"
+            )
+        else:
+            self._stands = True
+            self.ended = "no pose is under way; the program waits for the next"
 
 
 def _question(pose: Pose | None, configuration: Configuration | None) -> Texts:
@@ -262,7 +237,7 @@ def _row(values: tuple[float, ...], decimals: int) -> bytes:
 
 
 def parse(number: int, texts: Sequence[bytes]) -> Answer | None:
-    """The answer that three files are, None if one is not whole or holds something else."""
+    """Return the answer in three files; None if one is incomplete or holds something else."""
     rows = [_values(text, count) for text, count in zip(texts, (3, 4, 4), strict=True)]
     place, turn, configuration = rows
     if place is None or turn is None or configuration is None:
@@ -279,7 +254,7 @@ def parse(number: int, texts: Sequence[bytes]) -> Answer | None:
 
 
 def _values(text: bytes, count: int) -> tuple[float, ...] | None:
-    """So many finite numbers of a file that ends with a line end: in brackets, or in lines."""
+    """`count` finite numbers of a file that ends with a line end: in brackets, or in lines."""
     if len(text) > LONGEST or not text.endswith(b"\n"):
         return None
     line = text.decode("latin-1").strip()

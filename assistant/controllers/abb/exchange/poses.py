@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from types import TracebackType
 from typing import Final, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from assistant.controllers import rules as common
 from assistant.controllers.abb.exchange import rules
 from assistant.controllers.abb.exchange.claiming import Claim, Files
 from assistant.controllers.abb.exchange.messages import Answer, Configuration
@@ -25,26 +26,31 @@ from assistant.program.geometry import Pose
 from assistant.program.path import Kind, Path
 
 Check = Callable[[Floats, Floats], Mapping[int, str]]
-"""Tells of poses (n, 3) mm and (n, 4) which rows, from 0, must not be sent, and why."""
+"""Positions (n, 3) mm and quaternions (n, 4) → why rows, from 0, must not be sent."""
 Progress = Callable[[int, int, Answer], None]
-"""Is told how many poses of how many have been answered, and the last answer."""
+"""Called with the number of answered poses, the number of all, and the last answer."""
 
+SETTLE: Final = 1.0
+"""Seconds after which an answer that cannot be read stays unreadable: a damaged transfer is read
+again until then."""
 UNIT: Final = 1e-3
-"""How far the length of a quaternion may be from 1; it is made a unit one."""
+"""Most that the length of a quaternion may differ from 1; it is normalised."""
 LARGEST_CONFIGURATION: Final = 99_999_999
 """cfx of arms that have several digits; cf1, cf4 and cf6 are quarters of a turn."""
 _ROWS: Final = "state positions (n, 3) in mm and quaternions (n, 4)"
 FARTHEST: Final = 100_000.0
-"""mm that a coordinate has at most: beyond, it is no place of a robot."""
+"""Largest coordinate in mm: no robot reaches beyond."""
 OFF: Final = 1.0
-"""mm and degrees at most between a requested pose and that of a robot that stands there."""
+"""Most mm and degrees between a requested pose and the answered one, of a robot at rest."""
 
 
 class PoseSender(ABC):
-    """What both protocols have in common: poses are checked, sent, answered and recorded.
+    """Base of both protocols: poses are checked, sent, answered and recorded.
+
+    A context manager: entering claims the exchange, leaving it because of an error breaks it off.
 
     programs: an open session. prefix: of the claim. longest: seconds for one motion. poll: seconds
-    after which an answer is looked for again. check: asked before poses are sent.
+    between two looks for an answer. check: called before poses are sent.
     """
 
     def __init__(
@@ -55,9 +61,9 @@ class PoseSender(ABC):
         self._claim = Claim(self._files, prefix)
         self.recording: Final = Recording(FIELDS)
         self.spent = Spent()
-        """Where the time of the last round trip went."""
+        """Times of the last round trip."""
         self.stopped: Answer | None = None
-        """What the robot answered to a stop."""
+        """Answer of the robot to a stop."""
         self.ended = ""
         """Why the exchange is over and in which state the robot is; "" while it goes on."""
         self.checked: bool | None = None
@@ -93,9 +99,39 @@ class PoseSender(ABC):
                 if error is None:
                     raise
 
-    @abstractmethod
     def _break_off(self, error: BaseException) -> None:
-        """Have the robot stand after an error, or say in `ended` why it may not."""
+        """Halt the robot after an error, over a new connection where the session is unusable."""
+        try:
+            # A line that was lost, or Ctrl-C in the middle of a command.
+            if isinstance(error, common.Lost) or not isinstance(error, Exception):
+                self.programs.__exit__(None, None, None)
+                self.programs.__enter__()
+            self._halt()
+        except Refused as refused:
+            reasons = "; ".join(finding.message for finding in refused.findings)
+            self.ended = f"the exchange could not be ended, and the robot may still move: {reasons}"
+        except BaseException:
+            self.ended = "the end was interrupted, and the robot may still move"
+            raise
+        if isinstance(error, Refused):
+            error.add_note(self.ended)
+
+    @abstractmethod
+    def _halt(self) -> None:
+        """End the exchange, state in `ended` whether the robot may still move; raises Refused."""
+
+    @contextmanager
+    def _claimed(self) -> Iterator[None]:
+        """Hold the claim, for one request where it was not taken for all of them."""
+        if self._claim.held:
+            yield
+            return
+        self._claim.take()
+        try:
+            yield
+        finally:
+            with suppress(Refused):
+                self._claim.free()
 
     @property
     def _place(self) -> str:
@@ -104,11 +140,11 @@ class PoseSender(ABC):
     @property
     @abstractmethod
     def stands(self) -> bool:
-        """True if it is known that the robot stands, of an exchange that has ended."""
+        """True if the exchange has ended and the robot is known to stand still."""
 
     @abstractmethod
     def current_pose(self) -> Answer:
-        """Where the robot is, once its program has come to look for a request."""
+        """Return the pose of the robot, once its program takes the request."""
 
     @abstractmethod
     def _move(self, pose: Pose, configuration: Configuration | None, through: bool) -> Answer:
@@ -117,12 +153,12 @@ class PoseSender(ABC):
     def move_to(
         self, pose: Pose, *, configuration: Configuration | None = None, through: bool = False
     ) -> Answer:
-        """Goes to a pose in a line, stands still there and answers with where that is.
+        """Move the robot to a pose in a line; return its pose once it stands still there.
 
-        through: does not stand still, but answers as soon as the program goes on, so that a next
-        pose that comes in time is reached through the zone of the module. configuration: None to
-        let the controller take the nearest one. Raises Refused if the pose must not be sent, or
-        the robot does not go there; it stands where it was then.
+        through: return as soon as the program goes on, so that a next pose that comes in time is
+        reached through the zone of the module. configuration: None to let the controller take the
+        nearest one. Raises Refused if the pose must not be sent, or the robot does not go there;
+        it then stands where it was.
         """
         positions, quaternions = checked([pose.position], [pose.quaternion], self._check)
         return self._move(Pose.of(positions[0], quaternions[0]), configuration, through)
@@ -135,7 +171,7 @@ class PoseSender(ABC):
         through: bool = False,
         progress: Progress | None = None,
     ) -> Recording:
-        """Goes to all poses in their order, each once the one before has been answered.
+        """Move the robot to all poses in their order, each once the one before is answered.
 
         trajectory: a path of lines, or columns (n, 3) mm and (n, 4). All of them are checked
         before the first is sent. Returns `recording`, which holds what came before an error too.
@@ -167,7 +203,7 @@ class PoseSender(ABC):
     def _compare(
         self, number: int, answer: Answer, pose: Pose, configuration: Configuration | None
     ) -> None:
-        """Raises Refused if a robot that has gone to a pose is not at it."""
+        """Raise Refused if the robot is not at the pose that it was sent to."""
         distance = float(np.linalg.norm(np.subtract(answer.pose.position, pose.position)))
         angle = float(rotations.angle_between(answer.pose.quaternion, pose.quaternion))
         quarters = 0
@@ -193,7 +229,7 @@ class PoseSender(ABC):
 def checked(
     positions: ArrayLike, quaternions: ArrayLike, check: Check | None
 ) -> tuple[Floats, Floats]:
-    """Columns of poses that may be sent; raises Refused for the first that must not."""
+    """Return the columns of poses that may be sent; raises Refused for the first that must not."""
     place, turn = _columns(positions, 3), _columns(quaternions, 4)
     if len(place) != len(turn):
         reason = f"there are {len(place)} positions and {len(turn)} quaternions"
@@ -249,9 +285,11 @@ def _columns(rows: ArrayLike, width: int) -> Floats:
 
 
 def at(pose: Pose) -> str:
+    """The position of a pose, in words."""
     x, y, z = pose.position
     return f"({x:g}, {y:g}, {z:g}) mm"
 
 
 def bad(row: int, reason: str, cure: str) -> Diagnostic:
+    """The finding that a row, from 0, cannot be sent."""
     return rules.BAD_POSE(row=row + 1, reason=reason, cure=cure)
