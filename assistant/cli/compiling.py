@@ -332,16 +332,7 @@ def _answer(
                 "source": source,
                 "language": compiled.language,
                 "files": sorted(compiled.files),
-                "proof": None
-                if (comparison := compiled.proof.comparison) is None
-                else {
-                    "holds": compiled.proof.holds,
-                    "statements": comparison.statements,
-                    "targets": comparison.targets,
-                    "position_mm": comparison.position,
-                    "angle_deg": comparison.angle,
-                    "grammar": (parsed := compiled.proof.grammar) and parsed.record(),
-                },
+                "proof": compiled.proof.record(),
                 "motion": None if compiled.motion is None else compiled.motion.record(),
             }
             for source, compiled in done

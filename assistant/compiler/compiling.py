@@ -182,9 +182,9 @@ def compile(
     says. called: the name that others call the program by; main: False for none that runs all of
     it; instead of what the process file says of them. proving: how a proof by motion is sought,
     None for none; nothing is given out that lacks one that was asked for. seeing: where frames that
-    are seen are taken from, if `cell` does not say it. style: of what is written, None for that of
-    the project that the source is in. Raises Unreadable or
-    Refused for input that cannot be used at all.
+    are seen are taken from, if `cell` does not say it. style: of the written files, None for the
+    style of the project that contains the source. Raises Unreadable or Refused for input that
+    cannot be used at all.
     """
     target = language_of(language).with_frames(frames).with_sampling(grammar)
     if most_targets is not None and most_targets < LEAST_TARGETS:
@@ -338,14 +338,13 @@ def compile_program(
     }
     files = {name: one.data for name, one in styled.items()}
     framed = any(one.lines for one in styled.values())
-    proof = prove(target, program, files, arm, plainly=without_comments if framed else None)
+    proof = prove(target, program, files, arm, reduced=without_comments if framed else None)
     if framed and not proof.holds:
-        unframed = {name: data for (_, name), data in plain.items()}
-        alone_proof = prove(target, program, unframed, arm)
-        if alone_proof.holds:
+        unframed = prove(target, program, {name: data for (_, name), data in plain.items()}, arm)
+        if unframed.holds:
             findings += blamed(proof.findings, styled)
             return replace(compiled, found=tuple(findings))
-        proof = alone_proof
+        proof = unframed
     own = () if proof.holds else _own_faults(program.origin)
     findings += own or dict.fromkeys(_explained(proof, program))
     kept = files if proof.holds else {}

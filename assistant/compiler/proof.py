@@ -42,16 +42,30 @@ NOT_IN_GRAMMAR = error(
 
 @dataclass(frozen=True, slots=True)
 class Proof:
-    """What was compared, and the findings if it did not hold.
+    """Result of comparing a program with its text, and the findings if it does not hold.
 
-    lifted: what the text that was read back says, None if it could not be read. grammar: what lark
-    parsed of the text, None if the language has no grammar for it.
+    lifted: program of the text that was read back, None if it could not be read. grammar: lines
+    that lark parsed, None if the language has no grammar for complete texts.
     """
 
     comparison: Comparison | None
     findings: tuple[Diagnostic, ...] = ()
     lifted: Program | None = None
     grammar: Parsed | None = None
+
+    def record(self) -> dict[str, Any] | None:
+        """The numbers as plain data; None if nothing was compared."""
+        c = self.comparison
+        if c is None:
+            return None
+        return {
+            "holds": self.holds,
+            "statements": c.statements,
+            "targets": c.targets,
+            "position_mm": c.position,
+            "angle_deg": c.angle,
+            "grammar": None if self.grammar is None else self.grammar.record(),
+        }
 
     @property
     def holds(self) -> bool:
@@ -75,14 +89,14 @@ def prove(
     files: Mapping[str, bytes],
     robot: Robot | None = None,
     compared: Callable[[Sequence[Any]], tuple[Program, Program]] | None = None,
-    plainly: Callable[[Program], Program] | None = None,
+    reduced: Callable[[Program], Program] | None = None,
 ) -> Proof:
     """Reads the files back from their bytes, parses them with lark, and compares them.
 
-    program: as the language adapted it. compared: gives it and what the trees say in one
-    spelling, where that is more than what lifting them gives. plainly: what
-    of both is compared, None for all of them. The findings of a proof that does not hold name the
-    place in the program.
+    program: as the language adapted it. compared: returns it and the program of the trees in one
+    spelling, where that is more than what lifting them gives. reduced: returns the part of either
+    program that is compared, None to compare all. The findings of a proof that does not hold name
+    the place in the program.
     """
     trees = [language.parse(language.decode(data, name)) for name, data in files.items()]
     findings = [finding for tree in trees for finding in tree.findings]
@@ -103,8 +117,8 @@ def prove(
             for f in refused.findings
         ]
         return Proof(None, tuple(reasons), grammar=parsed)
-    if plainly is not None:
-        expected, actual = plainly(expected), plainly(actual)
+    if reduced is not None:
+        expected, actual = reduced(expected), reduced(actual)
     precision = language.precision
     tolerance = Tolerance(precision.position, precision.angle, precision.number)
     with within(COMPARING, None, expected.size()):

@@ -125,7 +125,6 @@ def totals(translation: Translation) -> str:
 def record(one: Translated) -> dict[str, Any]:
     """The translation as plain data."""
     translation = one.translation
-    comparison = translation.proof.comparison
     return {
         "source": one.source,
         "language": translation.language,
@@ -137,16 +136,7 @@ def record(one: Translated) -> dict[str, Any]:
         "statements": [_row(row) for row in translation.rows],
         "findings": [finding_record(f) for f in translation.whole],
         "files": sorted(translation.files),
-        "proof": None
-        if comparison is None
-        else {
-            "holds": translation.proof.holds,
-            "statements": comparison.statements,
-            "targets": comparison.targets,
-            "position_mm": comparison.position,
-            "angle_deg": comparison.angle,
-            "grammar": (parsed := translation.proof.grammar) and parsed.record(),
-        },
+        "proof": translation.proof.record(),
         "motion": None if translation.motion is None else translation.motion.record(),
     }
 
