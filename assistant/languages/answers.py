@@ -123,6 +123,6 @@ class Adapted:
 
 
 Sampling = Literal["samples", "full"]
-"""How much of a long text lark parses in a proof."""
+"""Part of a long text that lark parses in a proof: samples of its runs of like lines, or all."""
 Frames = Literal["base", "product"]
 """How a language without work objects says what frame a target is in."""

@@ -79,7 +79,7 @@ class Language(abc.ABC, Generic[T]):
     steps: bool = False
     """Whether its lines have step numbers."""
     sampling: Sampling = "samples"
-    """How much of a long text lark parses in a proof."""
+    """Part of a long text that lark parses in a proof."""
     older: tuple[str, ...] = ()
     """Names of the languages whose programs a controller of this one takes as well."""
 
@@ -127,15 +127,15 @@ class Language(abc.ABC, Generic[T]):
         return None
 
     def with_sampling(self, sampling: Sampling) -> Self:
-        """The language whose proofs parse samples of a long text with lark, or all of it."""
+        """Return the language with proofs that parse samples of a long text with lark, or all."""
         made = copy(self)
         made.sampling = sampling
         return made
 
     def runs(self, tree: T) -> Iterator[Rows]:  # noqa: ARG002
-        """(n, 2) where each row is in the text, for each run of like rows of a tree.
+        """Offsets (n, 2) at which each row starts and ends, for each run of like rows of a tree.
 
-        A text stays one of the language if some rows of a run are taken out, but not all.
+        A text stays a text of the language if some rows of a run are removed, but not all.
         """
         yield from ()
 
@@ -235,7 +235,7 @@ class Language(abc.ABC, Generic[T]):
         return Adapted(program)
 
     def outline(self) -> Outline | None:
-        """How templates divide its new programs; None for a language without templates."""
+        """Sections of its new programs for templates; None for a language without templates."""
         return None
 
     def with_frames(self, frames: Frames) -> Self:  # noqa: ARG002

@@ -38,9 +38,9 @@ ENDS_EARLY: Final = "the text ends where more is expected"
 
 @dataclass(frozen=True, slots=True)
 class Parsed:
-    """What lark has parsed of some texts.
+    """Result of parsing some texts with lark.
 
-    lines: parsed, of a total. refused: why and where the grammar refuses a text.
+    lines: number that lark parsed, of a total. refused: why and where the grammar refuses a text.
     """
 
     lines: int = 0
@@ -68,7 +68,7 @@ def parse(
     if parser is None:
         return None
     given = list(trees)
-    lines = total = sum(lines_of(tree.source) for tree in given)
+    lines = total = sum(_line_count(tree.source) for tree in given)
     in_samples = sampling == "samples" and total > WHOLE
     sources = [(tree.source, list(language.runs(tree)) if in_samples else []) for tree in given]
     refused: list[Diagnostic] = []
@@ -86,7 +86,7 @@ def parse(
     return Parsed(lines, total, tuple(refused))
 
 
-def lines_of(source: SourceText) -> int:
+def _line_count(source: SourceText) -> int:
     """Lines of a text; nothing after the last line end is not one."""
     last = source.line_count
     return last - (not source.line_text(last))
@@ -94,7 +94,7 @@ def lines_of(source: SourceText) -> int:
 
 @dataclass(frozen=True, slots=True)
 class Spacing:
-    """Rows of a sample, and rows from the begin of one to that of the next."""
+    """window: rows of a sample. stride: rows from the start of one sample to the next."""
 
     window: int
     stride: int
@@ -107,10 +107,10 @@ class Spacing:
 
 
 def between_samples(runs: Sequence[Rows], spacing: Spacing) -> list[tuple[int, int, int]]:
-    """Return what to leave out of a text: begin, end and number of rows of each piece.
+    """Return the pieces to leave out of a text: start, end and number of rows of each.
 
-    runs: (n, 2) where each row of a run of like lines begins and ends, for each run. The first rows
-    of each run stay, the last ones, and windows between them.
+    runs: offsets (n, 2) at which each row of a run starts and ends, for each run. The first and
+    last rows of each run stay, and windows between them.
     """
     window, stride = spacing.window, spacing.stride
     pieces: list[tuple[int, int, int]] = []
@@ -126,7 +126,7 @@ def between_samples(runs: Sequence[Rows], spacing: Spacing) -> list[tuple[int, i
 def _refused(
     parser: Lark, text: str, left_out: Sequence[tuple[int, int, int]]
 ) -> tuple[int, str] | None:
-    """Where in a text lark meets what does not fit, and what that is; None for a sound text."""
+    """Return the offset at which lark refuses a text, and the reason; None for a sound text."""
     from lark import UnexpectedInput, UnexpectedToken
 
     short, shifts = _without(text, left_out)
@@ -147,7 +147,7 @@ def _refused(
 def _without(
     text: str, left_out: Sequence[tuple[int, int, int]]
 ) -> tuple[str, list[tuple[int, int]]]:
-    """A text without some pieces, and from which offsets in it on how much is missing."""
+    """Return a text without some pieces; for each, the offset of the gap and its length."""
     if not left_out:
         return text, []
     pieces: list[str] = []

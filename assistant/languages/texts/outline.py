@@ -11,17 +11,18 @@ Numbering = Callable[[Sequence[str]], list[str]]
 
 @dataclass(frozen=True, slots=True)
 class Outline:
-    """How the text of a new program is divided, and what a template may write around it.
+    """Sections of the text of a new program, and the lines that a template may write around them.
 
-    template: its file in `templates/`. sections: divides a text; the text of each section by its
-    name, together all of it but the frame. within: sections that are parts of others: of which,
-    and how they are taken. name: of the program, as its text has it. frame: patterns of lines that
-    a template writes beside comments, by their names, with `{name}` for that of the program.
-    rank: the order of sections and of the frame; those of one rank may change places.
-    complete: sections and frame lines that each template has once, one of these tuples.
-    item: true of a comment that readers take for a statement about the program. numbered: how
-    lines of a dialect get their numbers, None where they have none. blank: true if a text may have
-    blank lines. ends: the section below which a template writes no comments, empty for none.
+    template: its file in `templates/`. sections: divides a text into sections by name; together
+    they are all of the text except the frame. within: sections that are parts of other sections:
+    the name of that section, and the function that takes the part from its text. name: returns the
+    name of the program from its text. frame: patterns of lines that a template writes beside
+    comments, by name, with `{name}` for the name of the program. rank: order of sections and frame
+    lines; those of one rank may change places. complete: alternatives; a template has each section
+    and frame line of one of them exactly once. item: true for a comment that readers take for a
+    statement about the program. numbered: returns the step numbering of a dialect, None for a
+    dialect without numbers. blank: true if a text may have blank lines. ends: the section after
+    which a template writes no comments, empty for none.
     """
 
     template: str

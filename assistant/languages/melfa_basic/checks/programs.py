@@ -124,7 +124,7 @@ def _starts(look: Look) -> Iterator[tuple[s.Line, str, int, frozenset[str]]]:
 
 
 def _shared(tree: s.File) -> Iterator[tuple[s.Line, Use]]:
-    """The variables of all programs that a file uses, but for those that tell a state."""
+    """Variables of all programs that a file uses, without the status variables."""
     for item in tree.code:
         if isinstance(item, s.Line):
             for use in uses(item.statement):
@@ -159,10 +159,10 @@ def _key(use: Use) -> str:
 
 
 def _number(tree: s.File, line: s.Line) -> int:
-    """The step number of a line, its place in the text without one."""
+    """The step number of a line, or its number in the text if it has none."""
     if line.number is not None or line.span is None or tree.source is None:
         return line.number or 0
-    return tree.source.text.count("\n", 0, line.span.start) + 1
+    return tree.source.line_column(line.span.start)[0]
 
 
 def _moves(item: s.Entry) -> bool:

@@ -30,7 +30,7 @@ def by_lark() -> Lark:
 
 @cache
 def firm() -> frozenset[str]:
-    """The words in upper case that are no names even where there is no room for them."""
+    """Words in upper case that are never names, even where the rules have no room for them."""
     listed = re.search(r"\(\?!\(\?:([a-z|]+)\)", grammar().terminals["NAME"].pattern)
     return frozenset(listed[1].upper().split("|")) if listed else frozenset()
 

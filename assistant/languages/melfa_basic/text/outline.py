@@ -27,7 +27,7 @@ def sections(text: str) -> Mapping[str, str]:
 
 
 def _own(text: str) -> int:
-    """Where the heading begins below the comments of a program."""
+    """Offset at which the heading begins, after the comments of the program."""
     mark = _MARK.search(text)
     return mark.start() if mark else len(text)
 

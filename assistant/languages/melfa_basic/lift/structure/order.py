@@ -192,7 +192,7 @@ class _Separating:
         return made
 
     def _runs_on(self, at: int) -> bool:
-        """Whether control comes from a line, or from the loop that it ends, to the next one."""
+        """True if control runs from a line, or from the loop that it ends, to the next line."""
         return goes_on_above(self.code, at + 1) or self.blocks.around.get(at) is not None
 
     def _runs_into(self, above: int, at: int) -> bool:

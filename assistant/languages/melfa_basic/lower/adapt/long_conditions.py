@@ -70,15 +70,13 @@ def _may_be_long(node: p.Statement) -> bool:
 
 
 class Fits(Protocol):
-    """Whether a step holds a condition that is asked, or assigned to a variable."""
+    """True if a condition fits into a step: as that of an `If`, or assigned to a variable."""
 
     def __call__(self, value: e.Expression, target: e.Name | None = None, /) -> bool: ...
 
 
 class _Shortening:
-    """One procedure. fits: whether a step holds a condition, or that it is assigned to a variable.
-    taken: names, with those made here.
-    """
+    """One procedure. taken: names, with those made here."""
 
     def __init__(self, owner: Procedure, fits: Fits, taken: TakenNames) -> None:
         self.owner, self.fits, self.taken = owner, fits, taken
