@@ -1,4 +1,4 @@
-"""The style of written programs: a template for what stands around their statements.
+"""The style of written programs: a template for the lines around their statements.
 
     [style]                       # in assistant.toml
     template = "style"            # folder with rapid/module.mod.j2 or melfa/program.prg.j2
@@ -6,28 +6,37 @@
     author = "Process engineering"
     revision = "B"
 
-A template writes comments, the lines of a module, and where each section of the text is. Statements
-come from the printer of the language alone, and the whole is read back.
+A template writes comments and the frame of a module, and places the sections of the text. All
+statements come from the printer of the language, and the complete text is read back.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.compiler.templates import PRIVATE, at_line, filled, section, section_on, shown
-from assistant.program.diagnostics import Diagnostic, Refused, error
+from assistant.program.diagnostics import Diagnostic, Refused, Rule, Unreadable, error
 from assistant.program.letters import in_ascii
 from assistant.program.lines import one_line
 from assistant.program.program import Program
 from assistant.program.rewriting import map_bodies
 from assistant.program.statements import Comment
 from assistant.program.system.budgets import SETTINGS_FILE
-from assistant.program.text import SourceText, decode, encode, is_file, is_folder, read_bytes
+from assistant.program.text import (
+    NOT_FOUND,
+    SourceText,
+    decode,
+    encode,
+    is_file,
+    is_folder,
+    read_bytes,
+)
 from assistant.resources import resource
 from assistant.sources.process import values as kinds
 from assistant.sources.process.table import Page, Table
@@ -35,23 +44,23 @@ from assistant.sources.project import STYLE, project_of
 
 if TYPE_CHECKING:
     from assistant.languages import Language
-    from assistant.languages.texts.outline import Outline
+    from assistant.languages.texts.outline import Numbering, Outline
 
 NOT_A_COMMENT: Final = error(
     "CO611",
-    "the template writes `{text}`, which is no comment: statements come from the program alone",
+    "the template writes `{text}`, which is not a comment: statements come only from the program",
     "begin the line with `{mark}`, or remove it",
 )
 LEFT_OUT: Final = error(
     "CO612",
     "the template leaves `{name}` out, so the program would lose it",
-    "write {example} on a line of its own",
+    "write {example} on a separate line",
 )
 TWICE: Final = error("CO613", "the template writes `{name}` twice", "remove one of the two lines")
 NOT_ALONE: Final = error(
     "CO614",
-    "the template writes `{text}`: a section is not alone on its line, or was changed",
-    "write the section on a line of its own, as `{{{{ header }}}}`",
+    "the template writes `{text}`: the section shares its line with other text, or was changed",
+    "write the section on a separate line, as `{{{{ header }}}}`",
 )
 OUT_OF_ORDER: Final = error(
     "CO615",
@@ -61,7 +70,7 @@ OUT_OF_ORDER: Final = error(
 READ_AS_ITEM: Final = error(
     "CO616",
     "the comment `{text}` would be read as a statement about the program",
-    "write something before it, such as a word",
+    "put another word in front of it",
 )
 NOT_WRITABLE: Final = error(
     "CO617",
@@ -70,12 +79,12 @@ NOT_WRITABLE: Final = error(
 )
 CHANGED: Final = error(
     "CO618",
-    "with what the template writes, the program is read back as another: {reason}",
-    "correct or remove the line; the program without the template is proven",
+    "with the lines of the template, the program is read back differently: {reason}",
+    "correct or remove the line; without the template the program is proven",
 )
 NO_TEMPLATE: Final = error(
     "CO619",
-    "`{folder}` holds no template",
+    "`{folder}` is not a folder of the project with a template",
     "write {files} there, or name another folder of the project",
 )
 
@@ -88,23 +97,28 @@ KEYS: Final[Mapping[str, Callable[[Any], Any]]] = dict.fromkeys(("template", *TE
 
 @dataclass(frozen=True, slots=True)
 class Style:
-    """folder: with the templates of a project, None for those of this package alone."""
+    """folder: of the project's templates, None for those of this package. values: of TEXTS."""
 
     folder: FilePath | None = None
     values: Mapping[str, str] = field(default_factory=dict)
 
     def template(self, outline: Outline) -> tuple[SourceText, bool]:
-        """The template for a language, and whether it is the project's; raises Refused."""
+        """Return the template for a language, and whether the project has it.
+
+        Raises Unreadable for a file that cannot be read.
+        """
         if self.folder is None:
             return _default(outline.template), False
         file = self.folder / outline.template
         try:
-            file.open("rb").close()  # also what is not there yet is an input of a build
-        except FileNotFoundError:
+            data = read_bytes(file, allow_empty=True, most=SETTINGS_FILE)
+        except Unreadable as unreadable:
+            if unreadable.findings[0].code != NOT_FOUND.code:
+                raise
+            # `build` notes the files that are opened: a new template has the program made anew.
+            with suppress(FileNotFoundError):
+                file.open("rb").close()
             return _default(outline.template), False
-        except OSError:
-            pass  # told by `read_bytes`
-        data = read_bytes(file, allow_empty=True, most=SETTINGS_FILE)
         source = decode(data, _shown_path(file), ("utf-8-sig", "utf-8"))
         return replace(source, text=source.text.replace("\r\n", "\n")), True
 
@@ -123,7 +137,11 @@ PLAIN: Final = Style()
 
 
 def style_of(folder: FilePath) -> Style:
-    """The style of the project of a folder; raises Unreadable and Refused (exit status 2)."""
+    """Return the style of the project of a folder.
+
+    Raises Unreadable for a project file that cannot be read, and Refused (exit status 2) for a
+    style that is wrong.
+    """
     project = project_of(folder.absolute())
     content = project.content if project is not None else None
     if project is None or not isinstance(content, Mapping) or STYLE not in content:
@@ -141,7 +159,7 @@ def style_of(folder: FilePath) -> Style:
 
 
 def _folder(at: FilePath, table: Table, text: str) -> FilePath | None:
-    """The folder of templates, None with a finding if there is none."""
+    """Return the folder of templates; None, with a finding, if it is not one of the project."""
     from assistant import languages
 
     outlines = (languages.get(name).outline() for name in languages.names())
@@ -156,7 +174,10 @@ def _folder(at: FilePath, table: Table, text: str) -> FilePath | None:
 
 
 def style_beside(program: Program, text: SourceText | None, path: FilePath | None) -> Style:
-    """The style of the project that the source of a program is in."""
+    """Return the style of the project that contains the source of a program.
+
+    path: of the source; None for that of its text, or of the files that it was lifted from.
+    """
     if path is None:
         trees = program.origin.trees if program.origin is not None else ()
         texts = [text, *(tree.source for tree in trees)]
@@ -172,8 +193,8 @@ def style_beside(program: Program, text: SourceText | None, path: FilePath | Non
 class Styled:
     """A file in its style.
 
-    lines: of the file that the template wrote → those of the template; empty for the default one,
-    which adds none.
+    lines: number of each line of the file that the template wrote → number of the line in the
+    template; empty for the default template, which adds none.
     """
 
     data: bytes
@@ -184,7 +205,7 @@ class Styled:
 def in_style(
     data: bytes, language: Language[Any], style: Style, program: Program, unit: str | None
 ) -> Styled:
-    """The text of a unit with the frame that the style has for it; raises Refused."""
+    """Return the text of a unit in the frame of the style; raises Refused."""
     outline = language.outline()
     if outline is None:
         return Styled(data, SourceText(""))
@@ -209,11 +230,13 @@ def in_style(
         _check(written, template, language, outline, name)
     for key, (whole, part) in outline.within.items():
         sections[key] = part(sections[whole])
-    return _assembled(written, sections, source, language, template, own)
+    numbering = outline.numbered(language.name)
+    made, lines = _assembled(written, sections, source, outline, numbering)
+    return Styled(encode(made), template, lines if own else {})
 
 
 def in_comment(value: str) -> str:
-    """A value as a comment can hold it: one line of ASCII, and not a long one."""
+    """Return a value as one line of ASCII of at most LONGEST characters, for a comment."""
     plain = in_ascii(one_line(value))
     plain = "".join(c if " " <= c <= "~" else " " for c in plain)
     return " ".join(plain.split())[:LONGEST].strip()
@@ -226,13 +249,13 @@ def _check(
     outline: Outline,
     name: str,
 ) -> None:
-    """Raises Refused where a template writes anything but comments, its frame and each section."""
+    """Raise Refused where a template writes other lines than comments, frame and sections."""
     found: list[Diagnostic] = []
     seen: dict[str, int] = {}
     last = ""
 
-    def say(at: int, *rule: Any, **fields: Any) -> None:
-        found.append(at_line(template, at, *rule, **fields))
+    def say(at: int, rule: Rule, **fields: Any) -> None:
+        found.append(at_line(template, at, rule, **fields))
 
     for at, line in written:
         if not line.strip():
@@ -274,7 +297,7 @@ def _check(
 
 
 def _beyond(last: str, outline: Outline) -> bool:
-    """True below the section of a language that ends what can be commented on."""
+    """True after the last section above which a language takes comments of a template."""
     return bool(last and outline.ends) and outline.rank[last] >= outline.rank[outline.ends]
 
 
@@ -289,11 +312,10 @@ def _assembled(
     written: Sequence[tuple[int, str]],
     sections: Mapping[str, str],
     source: SourceText,
-    language: Language[Any],
-    template: SourceText,
-    own: bool,
-) -> Styled:
-    outline = language.outline()
+    outline: Outline,
+    numbering: Numbering | None,
+) -> tuple[SourceText, dict[int, int]]:
+    """Return the text with its sections, and the lines in it that the template wrote."""
     newline = "\r\n" if "\r\n" in source.text else "\n"
     pieces: list[str] = []
     lines: dict[int, int] = {}
@@ -303,22 +325,21 @@ def _assembled(
         if part is not None:
             pieces.append(sections[part])
             number += sections[part].count("\n")
-        elif line or outline is None or outline.blank:
+        elif line or outline.blank:
             pieces.append(line + newline)
             lines[number] = at
             number += 1
     text = "".join(pieces)
-    numbering = outline.numbered(language.name) if outline is not None and lines else None
-    if numbering is not None:
+    if lines and numbering is not None:
         text = newline.join([*numbering(text.removesuffix(newline).split(newline)), ""])
-    return Styled(encode(replace(source, text=text)), template, lines if own else {})
+    return replace(source, text=text), lines
 
 
 # ------------------------------------------------------------------------------ the proof
 
 
 def without_comments(program: Program) -> Program:
-    """A program without its comments, which a template adds to and nothing else does."""
+    """Return a program without comments: the comments of a template are read back as its own."""
 
     def body(statements: Sequence[Any]) -> tuple[Any, ...]:
         kept = (one for one in statements if not isinstance(one, Comment))
@@ -329,7 +350,7 @@ def without_comments(program: Program) -> Program:
 
 
 def blamed(findings: Sequence[Diagnostic], files: Mapping[str, Styled]) -> list[Diagnostic]:
-    """What is wrong with a text that is sound without its template, at lines of the template."""
+    """Return the faults of texts that are sound without their template, at lines of it."""
     found: dict[Diagnostic, None] = {}
     for finding in findings:
         styled = files.get(finding.path or "") or next(iter(files.values()))

@@ -1,7 +1,7 @@
-"""Templates of programs, filled in: each line with the line of the template that wrote it.
+"""Fill in templates of programs; each line comes with the line of the template that wrote it.
 
-A template that only names sections and values is filled in here. Any other is filled in by Jinja2,
-in its sandbox: a template is a file of somebody's project, and never runs as a program.
+A template that only names sections and values is filled in here. Jinja2 fills in any other, in its
+sandbox: templates come from files of a project, and never run as programs.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ if TYPE_CHECKING:
 UNREADABLE: Final = error(
     "CO601",
     "the template cannot be read: {reason}",
-    "correct the line: `{{{{ author }}}}` writes a value, and what `{{% if author %}}` begins has"
-    " to end",
+    "correct the line: `{{{{ author }}}}` writes a value, and `{{% if author %}}` needs an"
+    " `{{% endif %}}`",
 )
 NO_VALUE: Final = error(
-    "CO602", "the template names `{name}`, which no program has", "write {known}"
+    "CO602", "the template names `{name}`, which is not a value of programs", "write {known}"
 )
 NOT_DONE: Final = error(
     "CO603",
     "the template cannot be filled in: {reason}",
-    "write values and filters alone: a template runs no functions and reads no files",
+    "write only values and filters: a template runs no functions and reads no files",
 )
 TOO_LONG: Final = error(
     "CO604",
@@ -51,12 +51,12 @@ _OPENS, _CLOSES = "\ue000", "\ue001"
 _AT, _LINE = "\ue002", "\ue003"
 _MARKS: Final = re.compile(f"{_AT}([0-9]+){_LINE}")
 PRIVATE: Final = re.compile("[\ue000-\ue003]")
-"""Characters that stand for sections while a template is filled in."""
+"""Characters of placeholders and marks while a template is filled in."""
 _SECTION: Final = re.compile(f"{_OPENS}(.*?){_CLOSES}")
 
 
 class Section(str):
-    """What stands for the text of a section; false if that is empty."""
+    """Placeholder for the text of a section; false if that text is empty."""
 
     __slots__ = ("empty",)
     empty: bool
@@ -72,13 +72,13 @@ def section(name: str, text: str) -> Section:
 
 
 def section_on(line: str) -> str | None:
-    """The section that a line stands for, None for any other line."""
+    """Return the section whose placeholder a line is, None for any other line."""
     match = _SECTION.fullmatch(line.strip())
     return match[1] if match else None
 
 
 def shown(line: str) -> str:
-    """A line as its author knows it."""
+    """Return a line with `{{ name }}` for each placeholder, as its author wrote it."""
     return _SECTION.sub(lambda match: f"{{{{ {match[1]} }}}}", line)
 
 
@@ -139,7 +139,7 @@ def _by_jinja(template: SourceText, values: Mapping[str, str]) -> list[tuple[int
             at = int(marks[0])
         found.append((at, _MARKS.sub("", line).rstrip()))
     if found and not found[-1][1]:
-        found.pop()  # the mark behind the last line end
+        found.pop()  # the mark after the last line end
     return found
 
 
@@ -156,7 +156,7 @@ def _within_limit(template: SourceText, pieces: Iterator[str]) -> Iterator[str]:
 
 
 def _line_of(raised: BaseException) -> int:
-    """The line of the template in which something was raised."""
+    """Return the line of the template in which an exception was raised."""
     found, trace = 1, raised.__traceback__
     while trace is not None:
         if trace.tb_frame.f_code.co_filename == "<template>":
@@ -169,7 +169,7 @@ def _line_of(raised: BaseException) -> int:
 
 @cache
 def environment() -> SandboxedEnvironment:
-    """Jinja2 for templates of other people's: no functions, no files, no arithmetic without end."""
+    """Jinja2 for untrusted templates: no functions, no files, no arithmetic without end."""
     from jinja2 import StrictUndefined
     from jinja2.exceptions import SecurityError
     from jinja2.ext import Extension

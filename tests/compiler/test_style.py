@@ -1,6 +1,7 @@
 """The frame of written programs comes from templates, and is proven like all else."""
 
 import json
+import os
 import re
 import subprocess
 import sys
@@ -13,7 +14,7 @@ from assistant.compiler import compile, translate
 from assistant.compiler.style import PLAIN, Style, in_comment, in_style, style_of
 from assistant.compiler.templates import environment
 from assistant.program import pseudo
-from assistant.program.diagnostics import Refused
+from assistant.program.diagnostics import Refused, Unreadable
 from assistant.resources import resource
 
 PROGRAM = """\
@@ -304,9 +305,8 @@ def test_a_translation_gets_the_frame_of_its_project(project, tmp_path):
     plain.write(tmp_path / "in")
     done = translate("in/weld.mod", to="melfa-basic-5", robot="rv-4frl",
                      from_robot="irb1200-7-0.7", process=None)  # fmt: skip
-    files = done.files or done.compiled.files
-    assert not files or all(b"1 ' Line 3" in data for data in files.values())
-    assert files, done.compiled.findings
+    assert done.files, done.compiled.findings
+    assert all(b"1 ' Line 3" in data for data in done.files.values())
 
 
 def run(*words):
@@ -369,6 +369,16 @@ def test_a_style_that_is_wrong_is_refused(tmp_path, table, code):
     assert [one.code for one in refused.value.findings] == [code]
     assert refused.value.exit_status == 2
     assert refused.value.findings[0].line == 2
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no named pipes")
+def test_a_pipe_is_no_template_and_is_not_waited_for(project, tmp_path):
+    project(MELFA, "melfa-basic-4")
+    (tmp_path / "style/rapid").mkdir()
+    os.mkfifo(tmp_path / "style/rapid/module.mod.j2")
+    with pytest.raises(Unreadable) as refused:
+        compile("weld.pseudo", language="rapid", robot="irb1200-7-0.7")
+    assert [one.code for one in refused.value.findings] == ["IN009"]
 
 
 def test_a_style_may_be_given_in_python(tmp_path):
