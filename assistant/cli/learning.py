@@ -31,12 +31,14 @@ NO_CURVE_NAME: Final = error(
     "end its name in .csv, .png or .svg, and not in that of the picture",
 )
 NO_BOX: Final = error(
-    "CL299", "a box says where targets are, and recordings have their own", "leave one of them out"
+    "CL299",
+    "--box and --recorded both state where the targets are",
+    "leave one of them out",
 )
 HELD_WITHIN: Final = 0.5
-"""Degrees (mm) that a held joint may be off in a recording."""
+"""Most degrees (mm) that a held joint may be off in a recording."""
 WIDER: Final = 0.5
-"""Degrees (mm) by which ranges are wider than where the arm was."""
+"""Degrees (mm) by which the learnt ranges are wider than the recorded ones."""
 STAGES: Final = 4
 """Columns of the picture of the lattice."""
 MOST_LEFT: Final = 0.02
@@ -93,8 +95,13 @@ def run_learn(options: Options, outputs: Outputs) -> int:
     if rows is None:
         trained(net, arm, made.space, _plan(net, options), tests, watch)
     else:
-        looks = lambda seconds: watch(errors(net, arm, tests, seconds))  # noqa: E731
-        train_recorded(net, rows, arm(rows), _plan(net, options), looks)
+        train_recorded(
+            net,
+            rows,
+            arm(rows),
+            _plan(net, options),
+            lambda seconds: watch(errors(net, arm, tests, seconds)),
+        )
     beside = dict(_beside(made, net, arm, tests, options))
     for name, found in beside.items():
         _tell(options, _row(f"{name:>19}", found))
@@ -105,7 +112,7 @@ def run_learn(options: Options, outputs: Outputs) -> int:
 
 
 def _recorded(asked: Asked, options: Options) -> Floats | None:
-    """(n, j) joints of recordings at which held joints stay; None without any recording."""
+    """Return the joints (n, a) of recordings with held joints in place; None without recordings."""
     import numpy as np
 
     from assistant.cell.exploration.recordings import read_recording
@@ -128,7 +135,7 @@ def _recorded(asked: Asked, options: Options) -> Floats | None:
 
 
 def _about(asked: Asked, rows: Floats, net: ExtendedMap | None) -> Asked:
-    """The same in ranges where the arm was, but for those that are stated or learnt already."""
+    """Return the task in the recorded ranges, where none are stated or learnt already."""
     import numpy as np
 
     if net is not None or not len(rows):

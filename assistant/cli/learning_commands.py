@@ -13,7 +13,7 @@ from assistant.cli.presentation import Format
 
 
 class Held(StrEnum):
-    """How a tool is held: in a box, or free, so that only its place is learnt."""
+    """How the tool is held in a box; `free` leaves its orientation open."""
 
     DOWN = "down"
     FORWARD = "forward"

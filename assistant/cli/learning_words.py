@@ -38,7 +38,7 @@ BAD_TURN: Final = error(
     "CL528", "`{given}` is no range of turns", "write LOW:HIGH in degrees, the lower first"
 )
 FREE: Final = "free"
-"""How a tool is held of which only the place counts."""
+"""Value of --tool for a tool of which only the position is learnt."""
 SHORTEST: Final = 0.5
 LONGEST: Final = 2.0
 """Times the length of a link."""
@@ -97,7 +97,7 @@ def asked(options: Options) -> Asked:
 
 
 def box_of(text: str) -> Floats:
-    """(3, 2) mm; raises Refused."""
+    """Return the box (3, 2) in mm of its words; raises Refused."""
     import numpy as np
 
     sides = text.split(",")
@@ -107,7 +107,7 @@ def box_of(text: str) -> Floats:
 
 
 def range_of(text: str) -> tuple[str, tuple[float, float]]:
-    """A joint with its lower and upper end; raises Refused."""
+    """Return a joint with the ends of its range; raises Refused."""
     return _named(text, _between, BAD_RANGE)
 
 

@@ -30,8 +30,8 @@ class Asked:
     """held: joints that stay where they are, degrees. points: (k, 3) mm of the tool on the flange,
     None for as many of `MARKS` as tell the joints. ranges: of joints by name, instead of those
     about home. box: (3, 2) mm, None for wherever the joints bring the tool. cameras: none for a
-    pair that is put up. free: the orientation of the tool is free; of what the points do not tell,
-    the posture nearest to the middle of the ranges is learnt.
+    pair that is put up. free: the orientation of the tool is free; the joints that the points leave
+    open are learnt nearest to the middle of their ranges.
     """
 
     robot: Robot

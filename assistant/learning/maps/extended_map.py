@@ -29,7 +29,7 @@ from assistant.program.arrays import Floats, Rows
 AT_RANDOM: Final = 0.1
 """Standard deviation of the numbers in A before anything is learnt, in spreads of both sides."""
 TOLD_BY: Final = {1: 3, 2: 5}
-"""How many joints so many seen points tell; three points tell six."""
+"""Number of joints that so many seen points determine; three points determine six."""
 FLATTEST: Final = 0.15
 """Of the largest spread: along axes of less, pictures curve more than they tell."""
 
@@ -105,7 +105,7 @@ class Task:
 
     @property
     def told(self) -> int:
-        """How many joints the points tell, at most all that move."""
+        """Number of joints that the points determine, at most all that move."""
         return min(TOLD_BY.get(self.points, 6), len(self.axes))
 
     @property

@@ -13,25 +13,25 @@ from assistant.learning.maps.goals import Goals
 from assistant.learning.maps.rules import FEW_ROWS
 from assistant.learning.maps.seen_arm import SeenArm
 from assistant.learning.maps.training import Plan
-from assistant.learning.maps.trials import LATELY, TINY, times
+from assistant.learning.maps.trials import teach, times
 from assistant.program.arrays import Floats, Ints, evenly
 from assistant.program.diagnostics import Refused
 
 LEAST: Final = 100
-"""Rows that tell anything of the joints."""
+"""Fewest rows to learn from."""
 MOST: Final = 3000
-"""Rows that are learnt from, evenly chosen."""
+"""Most rows that are used, evenly chosen."""
 TESTED: Final = 5
-"""Each so many-th row is kept to measure by, and not learnt from."""
+"""Every fifth row is kept to measure by, and not learnt from."""
 NEAR: Final = 24
 """Rows of the nearest pictures, one of which is the other movement of a row."""
 
 
 def split(arm: SeenArm, joints: Floats) -> tuple[Floats, Goals]:
-    """Joints (m, a) to learn from, and goals to measure by, of recorded joints (n, a).
+    """Divide recorded joints (n, a) into joints (m, a) to learn from and goals to measure by.
 
-    Rows that repeat the one before them, as of an arm that stands, count once. Raises Refused for
-    too few.
+    Rows that repeat the one before them, of an arm that stands still, count once. Raises Refused
+    for fewer than LEAST rows.
     """
     moved = np.append(True, (np.abs(np.diff(joints, axis=0)) > 0.0).any(axis=1))
     rows = joints[moved]
@@ -53,9 +53,9 @@ def train_recorded(
     plan: Plan,
     watch: Callable[[float], None] = lambda _: None,
 ) -> None:
-    """Learns from joints (n, a) and the pixels (n, d) that the cameras saw there, row after row.
+    """Learn from joints (n, a) and the pixels (n, d) that the cameras saw there, row after row.
 
-    Each row tells θ of the unit that its picture is nearest to, and with another row of a near
+    Each row teaches θ of the unit that is nearest to its picture, and with another row of a near
     picture A, as the two movements of a trial do. `watch`: see `train`.
     """
     there = np.isfinite(pixels).all(axis=1)
@@ -85,29 +85,22 @@ def _learn(
     others: Ints,
     pace: Pace,
 ) -> None:
-    seen, axes = pictures[rows], net.axes
+    """Learn from rows (m,), each with another row (m,) as its second movement."""
+    seen = pictures[rows]
     winners = net.winners(seen)
     net.learn_places(winners, seen, pace)
     net.steps += len(rows)
     slopes = net.slopes[winners]
-    answered = net.angles[winners] + times(slopes, seen - net.places[winners])
+    aside = times(slopes, seen - net.places[winners])
+    wrong = net.angles[winners] + aside - angles[rows]
+    off = times(np.asarray(np.linalg.pinv(slopes), dtype=np.float64), wrong)
+    missed = np.sqrt(((net.scale.pixels(off) - net.scale.middle) ** 2).mean(axis=1))
     moved, turned = seen - pictures[others], angles[rows] - angles[others]
-    size = np.einsum("md,md->m", moved, moved) + max((pace.noise * net.scale.pixel) ** 2, TINY)
-    wrong = (turned - times(slopes, moved)) / size[:, None]
-    better = np.empty((len(rows), net.answers.shape[1]))
-    better[:, :axes] = angles[rows] - times(slopes, seen - net.places[winners])
-    right = slopes + wrong[:, :, None] * moved[:, None, :]
-    better[:, axes:] = right.reshape(better[:, axes:].shape)
-    net.learn_answers(winners, better, pace)
-    off = times(np.asarray(np.linalg.pinv(slopes), dtype=np.float64), answered - angles[rows])
-    missed = np.sqrt((net.scale.pixels(off) - net.scale.pixels(0.0 * off)) ** 2).mean(axis=1)
-    before = net.missed[winners]
-    net.missed[winners] = np.where(np.isfinite(before), before + LATELY * (missed - before), missed)
-    np.add.at(net.wins, winners, 1.0)
+    teach(net, winners, angles[rows] - aside, turned, moved, missed, pace)
 
 
 def _nearest(pictures: Floats) -> Ints:
-    """(n, k) the rows of the nearest other pictures."""
+    """Return the rows (n, k) of the nearest other pictures of each of (n, d)."""
     squares = (pictures**2).sum(axis=1)
     away = squares[:, None] + squares - 2.0 * pictures @ pictures.T
     np.fill_diagonal(away, np.inf)

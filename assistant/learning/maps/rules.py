@@ -86,8 +86,8 @@ NO_AXIS: Final = error("LN016", "{robot} has no joint `{axis}`", "choose among {
 NO_LENGTH: Final = error("LN017", "{robot} has no length `{name}`", "choose among {known}")
 FEW_ROWS: Final = error(
     "LN023",
-    "the recordings have {count} rows in which the arm moved, and {least} are needed",
-    "record more of them, in all of the space that is to be learnt",
+    "the recordings have {count} rows of a moving arm, and {least} are needed",
+    "record more, in all of the space that is to be learnt",
 )
 RULE_WITHOUT: Final = error(
     "LN018",

@@ -47,8 +47,8 @@ LATTICES: Final[dict[int, tuple[int, ...]]] = {
 MARKS: Final = (300, 1_000, 3_000, 6_000, 10_000, 20_000, 30_000, 40_000)
 """Steps at which errors are measured."""
 BABBLE: Final = 0.3
-"""Of half the range of a joint, one sigma, times the width of learning, by which a free arm tries
-other movements: they tell which of its joints move what is seen."""
+"""One sigma of the random movements of a free arm, in half ranges of the joints and widths of
+learning: they show which joints move the picture."""
 
 
 @dataclass(frozen=True, slots=True)

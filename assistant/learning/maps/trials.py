@@ -32,10 +32,10 @@ class Trials:
 
 
 def tried(net: ExtendedMap, arm: Arm, targets: Floats, more: Floats | float = 0.0) -> Trials:
-    """Moves the arm to targets (m, d) pixels, each by a coarse and a fine movement.
+    """Move the arm to targets (m, d) pixels, each by a coarse and a fine movement.
 
-    more: what fine movements go beside it, in angles of the map, for an arm that tries. Where the
-    arm is out of sight after the coarse one it stays. Raises Refused for an arm that does
+    more: (m, a) in angles of the map, added to the fine movements of an arm that tries others.
+    Where the arm is out of sight after the coarse one it stays. Raises Refused for an arm that does
     not answer pixels (m, d).
     """
     scale = net.scale
@@ -51,7 +51,7 @@ def tried(net: ExtendedMap, arm: Arm, targets: Floats, more: Floats | float = 0.
 
 def learn(net: ExtendedMap, targets: Floats, done: Trials, pace: Pace) -> None:
     """Learns from trials; from those that were out of sight only where targets are."""
-    scale, winners, axes = net.scale, done.winners, net.axes
+    scale, winners = net.scale, done.winners
     wanted = scale.pictures(targets)
     net.learn_places(winners, wanted, pace)
     net.steps += len(winners)
@@ -60,18 +60,34 @@ def learn(net: ExtendedMap, targets: Floats, done: Trials, pace: Pace) -> None:
     first, last = scale.pictures(done.coarse_seen[there]), scale.pictures(done.fine_seen[there])
     slopes, moved = net.slopes[winners], last - first
     turned = scale.angles(done.fine[there]) - scale.angles(done.coarse[there])
-    better = np.empty((len(winners), net.answers.shape[1]))
-    better[:, :axes] = net.angles[winners] + times(slopes, wanted - first)
+    angles = net.angles[winners] + times(slopes, wanted - first)
     if net.task.free:
-        better[:, :axes] += (
-            PULL * pace.answer_width * _beside(slopes, -net.angles[winners], net.task.told)
-        )
-    size = np.einsum("md,md->m", moved, moved) + max((pace.noise * scale.pixel) ** 2, TINY)
+        angles += PULL * pace.answer_width * _beside(slopes, -net.angles[winners], net.task.told)
+    missed = np.sqrt(((targets[there] - done.fine_seen[there]) ** 2).mean(axis=1))
+    teach(net, winners, angles, turned, moved, missed, pace)
+
+
+def teach(
+    net: ExtendedMap,
+    winners: Rows,
+    angles: Floats,
+    turned: Floats,
+    moved: Floats,
+    missed: Floats,
+    pace: Pace,
+) -> None:
+    """Teach the units (m,) that won what their answers are.
+
+    angles: (m, a) that θ becomes. turned, moved: a movement of the joints (m, a) and of the picture
+    (m, d), by which A is corrected. missed: (m,) pixels by which the answers so far are off.
+    """
+    slopes, axes = net.slopes[winners], net.axes
+    size = np.einsum("md,md->m", moved, moved) + max((pace.noise * net.scale.pixel) ** 2, TINY)
     wrong = (turned - times(slopes, moved)) / size[:, None]
     right = slopes + wrong[:, :, None] * moved[:, None, :]
-    better[:, axes:] = right.reshape(better[:, axes:].shape)
+    corrected = right.reshape(len(winners), net.answers.shape[1] - axes)
+    better = np.concatenate([angles, corrected], axis=1)
     net.learn_answers(winners, better, pace)
-    missed = np.sqrt(((targets[there] - done.fine_seen[there]) ** 2).mean(axis=1))
     before = net.missed[winners]
     lately = np.where(np.isfinite(before), before + LATELY * (missed - before), missed)
     net.missed[winners] = lately
