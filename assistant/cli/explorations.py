@@ -59,15 +59,15 @@ KeyOption = Annotated[
 CameraOption = Annotated[
     Path | None,
     typer.Option(
-        help="File of cameras: a picture that is not as the first one is a contact.",
+        help="File of cameras: a picture that differs from the first one is a contact.",
         metavar="CAMERAS.toml",
     ),
 ]
 RegionOption = Annotated[
     str | None,
-    typer.Option(help="Of the pictures, in pixels.", metavar="LEFT,TOP,RIGHT,BOTTOM"),
+    typer.Option(help="Part of the pictures, in pixels.", metavar="LEFT,TOP,RIGHT,BOTTOM"),
 ]
-SecondsOption = Annotated[float | None, typer.Option(help="After which it ends.", min=0.0)]
+SecondsOption = Annotated[float | None, typer.Option(help="Seconds after which it ends.", min=0.0)]
 LogOption = Annotated[
     Path | None,
     typer.Option(help="Write joints, poses and contacts, for `recorded`.", metavar="FILE.csv"),
@@ -135,17 +135,18 @@ def wander(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Move at random up to each contact: on this computer, or with --cell a real or virtual arm."""
-    from assistant.cli.exploring import check_still, run_wander
+    from assistant.cli.exploring import check_moving, check_still, run_wander
     from assistant.cli.exploring_arms import Bounds, run_wander_arm
     from assistant.controllers.following import Wishes
 
     if cell is None:
-        moved = {"--contact": contact, "--key": key, "--camera": camera, "--log": log}
-        check_still(where, moved | {"--range": range, "--box": box, "--seconds": seconds})
+        moved = {"--contact": contact, "--key": key, "--camera": camera, "--region": region}
+        moved |= {"--range": range, "--box": box, "--seconds": seconds, "--log": log}
+        moved |= {"--line": lines, "--port": port, "--replace": replace}
+        check_still(where, moved)
         asked = _asked(Path(where), chart, robot, size, thinner)
         raise typer.Exit(run_wander(asked, hidden, runs, seed, format))
-    if hidden is not None:
-        check_still(where, {"--hidden": hidden}, moves=True)
+    check_moving(hidden)
     asked = _asked(cell, chart, robot, size, thinner)
     wishes = Wishes(port, tuple(lines or ()), None, replace)
     bounds = Bounds(range or (), box, speed, by, wishes)

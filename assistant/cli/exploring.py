@@ -21,7 +21,7 @@ NO_CHART_NAME: Final = error("CL280", "a chart is not written as `{name}`", "end
 NO_UNTIL: Final = error("CL281", "--until is {value:g}", "write seconds above 0")
 ONLY_MOVED: Final = error(
     "CL288",
-    "{what} for an arm that moves, and no cell file says what the arm is",
+    "{what}, and --cell is missing",
     "name the controller, and add --cell with the file of its cell",
 )
 ONLY_STILL: Final = error(
@@ -32,15 +32,21 @@ ONLY_STILL: Final = error(
 SUFFIX: Final = ".npz"
 
 
-def check_still(where: str, given: Mapping[str, object], *, moves: bool = False) -> None:
-    """Raises Refused for options that are not for what wanders. moves: an arm, no cell file."""
-    option = next((name for name, value in given.items() if value), None)
-    if option is None and (moves or Path(where).suffix or Path(where).exists()):
-        return
-    if moves:
-        raise Refused(ONLY_STILL(option=option), exit_status=2)
-    what = f"`{option}` is" if option else f"`{where}` is no cell file, and a controller is"
-    raise Refused(ONLY_MOVED(what=what), exit_status=2)
+def check_still(where: str, given: Mapping[str, object]) -> None:
+    """Raise Refused for what is only for an arm that moves: its options, or a controller."""
+    left_out = (None, False, [])
+    option = next((name for name, value in given.items() if value not in left_out), None)
+    if option is not None:
+        raise Refused(ONLY_MOVED(what=f"`{option}` is for an arm that moves"), exit_status=2)
+    if not Path(where).suffix and not Path(where).exists():
+        what = f"`{where}` is not a cell file but a controller"
+        raise Refused(ONLY_MOVED(what=what), exit_status=2)
+
+
+def check_moving(hidden: Path | None) -> None:
+    """Raise Refused for an option of a cell in which nothing moves."""
+    if hidden is not None:
+        raise Refused(ONLY_STILL(option="--hidden"), exit_status=2)
 
 
 def run_wander(
@@ -122,7 +128,7 @@ def _told(begun: Ready, found: Explored, what: str, format: Format) -> int:
 
 @dataclass(frozen=True, slots=True)
 class Done:
-    """What came of exploring. what: the runs that it counts. written: files."""
+    """Result of exploring. what: the runs that its rows count. written: files."""
 
     found: Explored
     what: str
@@ -130,7 +136,7 @@ class Done:
 
 
 def report(done: Done, format: Format) -> int:
-    """Prints what is known now."""
+    """Print the result and the free space so far; returns the exit status."""
     from assistant.findings.formats import finding_record
 
     found, what = done.found, done.what

@@ -18,7 +18,7 @@ from assistant.cli.confirming import confirmed
 from assistant.cli.exploring import Done, prepared, report
 from assistant.cli.learning_words import box_of, range_of
 from assistant.cli.moving import BEGINNING, moving
-from assistant.cli.presentation import Format, say
+from assistant.cli.presentation import Format, print_findings, say
 from assistant.cli.teaching import ENDS, keys
 from assistant.program.diagnostics import Refused, error
 from assistant.program.system.ending import by_hand
@@ -29,18 +29,18 @@ if TYPE_CHECKING:
     from assistant.controllers.following import Wishes
     from assistant.program.arrays import Floats
     from assistant.robots import Robot
-    from assistant.vision.exploring.contacts import AnyOf, Contacts, Region
-    from assistant.vision.exploring.moving import Log, Wanderer
+    from assistant.vision.exploring.contacts import AnyContacts, Contacts, Region
+    from assistant.vision.exploring.moving import Log
     from assistant.vision.servoing.bounds import Guard
 
 NO_BOUNDS: Final = error(
     "CL282",
-    "nothing says where the arm may move, so it does not",
+    "no bounds of the arm are given, so it does not move",
     "add --range JOINT=LOW:HIGH for joints, or --box X,Y,Z, each of them LOW:HIGH, for the flange",
 )
 NO_CONTACT: Final = error(
     "CL283",
-    "nothing tells of contacts, so the arm does not move",
+    "no source of contacts is given, so the arm does not move",
     "add --contact with an input of the controller, --key, or --camera",
 )
 OTHER_ARM: Final = error(
@@ -49,10 +49,10 @@ OTHER_ARM: Final = error(
     "name the cell file of that arm, or the arm with --robot",
 )
 NO_LOG: Final = error(
-    "CL285", "joints are not written as `{name}`", "end its name in .csv, and not in a folder"
+    "CL285", "a log is not written as `{name}`", "name a .csv file that is not a folder"
 )
 BAD_REGION: Final = error(
-    "CL286", "`{given}` is no region of a picture", "write LEFT,TOP,RIGHT,BOTTOM in pixels"
+    "CL286", "`{given}` is not a region of a picture", "write LEFT,TOP,RIGHT,BOTTOM in pixels"
 )
 NO_SPEED: Final = error(
     "CL287",
@@ -66,23 +66,21 @@ NO_RANGE: Final = error(
     "write a lower and a higher value inside these limits",
 )
 FASTEST: Final = 250.0
-"""mm/s, as of manual reduced speed."""
+"""Highest speed of the flange in mm/s: the manual reduced speed of ISO 10218-1."""
 PART: Final = 0.1
-"""Of the full speed of each axis, at most."""
+"""Largest part of the full speed of each axis."""
 TURNING: Final = 30.0
-"""Degrees/s of the flange."""
-SLOWLY: Final = 10
-"""Percent of its speed at which a program runs, where nobody says another override."""
+"""Highest turning speed of the flange in degrees/s."""
 UNMOVED: Final = frozenset({"VS221", "CK456"})
-"""What it ends with before the first move."""
+"""Codes of what is refused before the first move."""
 LOOKS: Final = 0.05
 """Seconds between two looks at an arm that others move."""
 
 
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """What tells of contacts. signal: an input. key: of the operator. cameras: a file of cameras,
-    whose pictures change in a region.
+    """Sources of contacts. signal: an input of the controller. key: keys of the operator. cameras:
+    file of cameras whose pictures change. region: of the pictures, as it was typed.
     """
 
     signal: str | None = None
@@ -91,13 +89,14 @@ class Contact:
     region: str | None = None
 
     @property
-    def is_told(self) -> bool:
+    def is_given(self) -> bool:
+        """True if there is a source at all."""
         return self.signal is not None or self.key or self.cameras is not None
 
 
 @dataclass(frozen=True, slots=True)
 class Live:
-    """How an arm is moved and recorded. speed: mm/s. seconds: None for as long as it takes."""
+    """How an arm is watched and recorded. seconds: None for no limit. yes: without a question."""
 
     contact: Contact
     seconds: float | None
@@ -108,7 +107,9 @@ class Live:
 
 @dataclass(frozen=True, slots=True)
 class Bounds:
-    """The words of --range and --box. by: a way to lead an arm."""
+    """ranges, box: the words of --range and --box. speed: mm/s of the flange. by, wishes: the mode
+    that leads the arm, and its options.
+    """
 
     ranges: Sequence[str]
     box: str | None
@@ -120,16 +121,17 @@ class Bounds:
 def run_wander_arm(
     cell: str, asked: Asked, bounds: Bounds, live: Live, runs: int, seed: int | None
 ) -> int:
-    """Moves an arm at random; the chart and the log are written however it ends."""
+    """Move an arm at random; the chart and the log are written however it ends."""
     from assistant.cli.servoing import near, way
     from assistant.vision.exploring.moving import Wanderer, log_of
+    from assistant.vision.exploring.rules import NO_LONGER
     from assistant.vision.servoing.bounds import Bounds as Limits
     from assistant.vision.servoing.bounds import Guard
 
     mode = way(bounds.by)
     if not bounds.ranges and bounds.box is None:
         raise Refused(NO_BOUNDS(), exit_status=2)
-    if not live.contact.is_told:
+    if not live.contact.is_given:
         raise Refused(NO_CONTACT(), exit_status=2)
     if not 0.1 <= bounds.speed <= FASTEST:
         raise Refused(NO_SPEED(value=bounds.speed, most=FASTEST), exit_status=2)
@@ -178,11 +180,13 @@ def run_wander_arm(
             if log.rows:
                 done = _saved(begun, log, live)
     assert done is not None
-    return _told(done, wanderer, live)
+    if wanderer.moves < runs and not ended():
+        print_findings([NO_LONGER(moves=wanderer.moves)])
+    return report(done, live.format)
 
 
 def run_manual(cell: str, asked: Asked, live: Live) -> int:
-    """Records an arm that the operator moves, until the time is over, q, or Ctrl-C."""
+    """Record an arm that the operator moves, until the time is over, q, or Ctrl-C."""
     begun = _prepared(asked, live)
     with reached(cell, "explore") as there, ExitStack() as open_:
         controller = there.controller
@@ -207,12 +211,12 @@ def run_manual(cell: str, asked: Asked, live: Live) -> int:
 
 
 def run_running(cell: str, program: str | None, asked: Asked, live: Live, override: int) -> int:
-    """Records an arm while a program moves it; a contact stops the program. 1 if one did."""
+    """Record an arm while a program moves it; a contact stops the program, and gives status 1."""
     from assistant.cli.moving import NO_OVERRIDE
 
     if not 1 <= override <= 100:
         raise Refused(NO_OVERRIDE(value=override), exit_status=2)
-    if not live.contact.is_told:
+    if not live.contact.is_given:
         raise Refused(NO_CONTACT(), exit_status=2)
     begun = _prepared(asked, live)
     with moving(cell, "explore") as motion, ExitStack() as open_:
@@ -249,7 +253,7 @@ def run_running(cell: str, program: str | None, asked: Asked, live: Live, overri
 
 
 class _Watched:
-    """Looks at an arm that others move. log: where it was."""
+    """An arm that others move, looked at again and again; the time begins with the first look."""
 
     def __init__(self, begun: Ready, controller: Controller) -> None:
         from assistant.vision.exploring.moving import log_of
@@ -258,7 +262,8 @@ class _Watched:
 
         self.guard: Guard = Guard(begun.explorer.placed.robot, Limits())
         self.log: Log = log_of(self.guard)
-        self._controller, self._began = controller, time.monotonic()
+        self._controller = controller
+        self._began: float | None = None
 
     def joints(self) -> Floats:
         from assistant.compiler.teaching import own_joints
@@ -266,17 +271,23 @@ class _Watched:
         return np.array(own_joints(self._controller.position(), self.guard.robot))
 
     def is_over(self, seconds: float | None) -> bool:
-        return seconds is not None and time.monotonic() - self._began > seconds
+        return seconds is not None and self._seconds() > seconds
 
-    def look(self, contacts: AnyOf) -> bool:
-        """A row of the log; True if the arm is in contact."""
+    def _seconds(self) -> float:
+        now = time.monotonic()
+        self._began = now if self._began is None else self._began
+        return now - self._began
+
+    def look(self, contacts: AnyContacts) -> bool:
+        """Add a row to the log; True if the arm is in contact."""
         time.sleep(LOOKS)
         touching, joints = contacts.touching(), self.joints()
-        self.log.note(time.monotonic() - self._began, joints, touching, self.guard.robot)
+        self.log.note(self._seconds(), joints, touching, self.guard.robot)
         return touching
 
 
 def _prepared(asked: Asked, live: Live) -> Ready:
+    """Return the explorer; raises Refused for a log that cannot be written, or over its sources."""
     if live.log is not None:
         if live.log.suffix.lower() != ".csv" or live.log.is_dir():
             raise Refused(NO_LOG(name=live.log), exit_status=2)
@@ -286,7 +297,7 @@ def _prepared(asked: Asked, live: Live) -> Ready:
 
 
 def _check_arm(begun: Ready, name: str, robot: Robot | None) -> None:
-    """Raises Refused if the project says that the controller moves another arm than the cell."""
+    """Raise Refused if the controller, by its project, moves another arm than the cell has."""
     placed = begun.explorer.placed
     if robot is not None and robot.name != placed.robot.name:
         finding = OTHER_ARM(
@@ -300,13 +311,13 @@ def _check_arm(begun: Ready, name: str, robot: Robot | None) -> None:
 
 
 def _ranges(texts: Sequence[str], robot: Robot) -> Floats | None:
-    """(a, 2) of --range, the limits of other joints; None without any."""
+    """Ranges (a, 2) of --range, with the limits of the other joints; None without any."""
+    from assistant.cell.exploration.wandering import ranges_of
     from assistant.learning.maps.rules import NO_AXIS
 
     if not texts:
         return None
-    ranges = np.clip(robot.limits, -360.0, 360.0)
-    ranges[robot.sliding] = robot.limits[robot.sliding]
+    ranges = ranges_of(robot)
     for axis, (low, high) in map(range_of, texts):
         if axis not in robot.axes:
             known = ", ".join(robot.axes)
@@ -332,27 +343,28 @@ def _contacts(
     begun: Ready,
     controller: Callable[[], Controller],
     joints: Callable[[], Floats],
-) -> Iterator[tuple[AnyOf, Callable[[], bool]]]:
-    """What tells of contacts, and whether the operator ends it."""
-    from assistant.vision.exploring.contacts import AKey, AnInput, AnyOf
+) -> Iterator[tuple[AnyContacts, Callable[[], bool]]]:
+    """Open the sources of contacts; also gives what is True once the operator ends it."""
+    from assistant.vision.exploring.contacts import AnyContacts, InputContacts, KeyContacts
 
     each: list[Contacts] = []
     with ExitStack() as open_:
         if contact.signal is not None:
-            each.append(AnInput(controller(), contact.signal))
+            each.append(InputContacts(controller(), contact.signal))
             each[-1].touching()  # an input that is not there is refused before anybody is asked
-        key: AKey | None = None
+        key: KeyContacts | None = None
         if contact.key:
-            key = AKey(open_.enter_context(keys()), ENDS)
+            key = KeyContacts(open_.enter_context(keys()), ENDS)
             each.append(key)
         if contact.cameras is not None:
             each += _cameras(contact, begun, joints, open_)
-        yield AnyOf(each), lambda: key is not None and key.ended
+        yield AnyContacts(each), lambda: key is not None and key.ended
 
 
 def _cameras(
     contact: Contact, begun: Ready, joints: Callable[[], Floats], open_: ExitStack
 ) -> Iterator[Contacts]:
+    """Open each camera of the file as a source; raises Refused for one without a source."""
     from assistant.vision.cameras.camera_file import read_cameras
     from assistant.vision.exploring.contacts import seen
     from assistant.vision.servoing.rules import NO_SOURCE
@@ -379,16 +391,16 @@ def _region(text: str | None) -> Region | None:
 
 
 def _progress(live: Live, runs: int) -> Callable[[int, int, float], None]:
-    def told(move: int, contacts: int, litres: float) -> None:
+    def show(move: int, contacts: int, litres: float) -> None:
         if live.format is Format.TEXT:
             say(f"move {move} of {runs}: {litres:.1f} l free, contacts: {contacts}")
             sys.stdout.flush()
 
-    return told
+    return show
 
 
 def _saved(begun: Ready, log: Log, live: Live) -> Done:
-    """Learns from what was recorded, writes chart and log."""
+    """Learn from the log, and write chart and log."""
     from assistant.cell.exploration.map_file import save
     from assistant.compiler.exploring import learnt, ready
 
@@ -399,12 +411,3 @@ def _saved(begun: Ready, log: Log, live: Live) -> Done:
         log.recording.save(live.log)
         written.append(live.log)
     return Done(found, "runs without contact", written)
-
-
-def _told(done: Done, wanderer: Wanderer, live: Live) -> int:
-    from assistant.cli.presentation import print_findings
-    from assistant.vision.exploring.rules import NO_LONGER
-
-    if live.seconds is not None and wanderer.is_over:
-        print_findings([NO_LONGER(moves=wanderer.moves)])
-    return report(done, live.format)

@@ -126,7 +126,7 @@ def hidden_scene(begun: Ready, hidden: FilePath | None) -> Scene:
 
 
 def touching(cell: FilePath, robot: str) -> Callable[[Floats], bool]:
-    """Joints (a,) of a robot → True if it touches something in a cell, itself among it.
+    """Return a function of joints (a,): True if the robot touches something in a cell, or itself.
 
     robot: its name in the catalogue; other robots of the cell are at home. Raises Refused if the
     cell has no such robot.
@@ -194,7 +194,7 @@ def recorded(begun: Ready, recordings: Sequence[FilePath], contact: str | None) 
 
 
 def learnt(begun: Ready, runs: Sequence[Floats], contacts: int) -> Explored:
-    """What runs of joints (n, a) without contact tell, that were recorded while the arm moved."""
+    """Learn from runs of joints (n, a) without contact, recorded while the arm moved."""
     explorer = begun.explorer
     new = _gone(explorer, runs)
     rows = ((len(runs), new, explorer.occupancy.litres),)
@@ -202,7 +202,7 @@ def learnt(begun: Ready, runs: Sequence[Floats], contacts: int) -> Explored:
 
 
 def _gone(explorer: Explorer, runs: Sequence[Floats]) -> int:
-    """Cells that were not free before runs of joints (n, a) of the explorer's robot."""
+    """Free the cells of runs of joints (n, a) of the explorer's robot; returns the new ones."""
     new = 0
     for run in runs:
         joints = np.tile(explorer.home, (len(run), 1))

@@ -80,26 +80,29 @@ def wander(
 
 
 def ranges_of(robot: Robot, within: Floats | None = None) -> Floats:
-    """(a, 2) between which targets are drawn: a turn at most where an axis has no limits."""
-    ranges = np.clip(robot.limits if within is None else within, -360.0, 360.0)
-    if within is None:
-        ranges[robot.sliding] = robot.limits[robot.sliding]
+    """Return the ranges (a, 2), degrees or mm, of targets: at most 360 degrees each way.
+
+    within: (a, 2), None for the limits of the robot.
+    """
+    ranges = np.array(robot.limits if within is None else within, dtype=np.float64)
+    turns = ~robot.sliding
+    ranges[turns] = np.clip(ranges[turns], -360.0, 360.0)
     return ranges
 
 
 def drawn_in(ranges: Floats, count: int, draw: np.random.Generator) -> Floats:
-    """(count, a) between ranges (a, 2)."""
+    """Return random joints (count, a) in ranges (a, 2)."""
     return draw.uniform(ranges[:, 0], ranges[:, 1], (count, len(ranges)))
 
 
 def best_of(explorer: Explorer, targets: Floats) -> Floats:
-    """(j,) that of targets (n, j) at which the robot fills most cells that are not free yet."""
+    """Return the target (j,) of (n, j) at which the robot fills most cells that are not free."""
     scores = [explorer.occupancy.new_in(explorer.fills(row[None])) for row in targets]
     return np.asarray(targets[int(np.argmax(scores))])
 
 
 def way_to(explorer: Explorer, known: Model, at: Floats, target: Floats) -> Floats:
-    """Rows of joints to a target, or to before what is known to be touched on the way."""
+    """Return rows of joints to a target, or to just before the first known contact."""
     step = target - at
     moved = float((np.abs(step) @ explorer.filler.lever()).max(initial=0.0))
     count = int(np.ceil(moved / (STEP * explorer.filler.size))) + 1

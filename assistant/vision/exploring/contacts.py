@@ -1,4 +1,4 @@
-"""What tells of contacts of an arm: an input, a key, or a camera."""
+"""Sources of contacts of an arm: an input, a key, a camera."""
 
 from __future__ import annotations
 
@@ -22,18 +22,20 @@ from assistant.vision.exploring import rules
 from assistant.vision.servoing.live import Reader
 
 GREY: Final = 30
-"""Levels by which a pixel differs that is not noise."""
+"""Grey levels by which a pixel may differ by noise."""
 SHARE: Final = 0.01
-"""Of the pixels of a region, from which a difference is a contact."""
+"""Largest part of the pixels of a region that differ without contact."""
 PATIENCE: Final = 2.0
-"""Seconds that a picture may take."""
+"""Most seconds to wait for a picture."""
 Region = tuple[int, int, int, int]
 """Left, top, right, bottom in pixels; right and bottom are outside."""
 
 
 class Contacts(Protocol):
+    """A source of contacts, or several."""
+
     def touching(self) -> bool:
-        """True if the arm is in contact now; raises Refused if that is not known."""
+        """True if the arm is in contact now; raises Refused if that cannot be found out."""
 
 
 class Reads(Protocol):
@@ -43,7 +45,7 @@ class Reads(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class AnInput:
+class InputContacts:
     """An input of the controller that is not 0 in contact."""
 
     controller: Reads
@@ -54,10 +56,11 @@ class AnInput:
 
 
 @dataclass(slots=True)
-class AKey:
-    """A key of the operator: each press is a contact. pressed: keys that came meanwhile.
+class KeyContacts:
+    """A key of the operator: each press is a contact.
 
-    ended: q was pressed, or no more keys can come.
+    pressed: returns a key that was pressed within so many seconds, b"" if none was. ends: keys that
+    end the exploration. ended: one of them was pressed, or no more keys can come.
     """
 
     pressed: Callable[[float | None], bytes]
@@ -73,8 +76,11 @@ class AKey:
 
 
 @dataclass(slots=True)
-class Pictures:
-    """A camera: a region of its picture differs from the first one. picture: the newest one."""
+class PictureContacts:
+    """A camera: in contact a region of its picture differs from the first picture.
+
+    picture: returns the newest picture. region: of the picture.
+    """
 
     picture: Callable[[], Picture]
     region: Region
@@ -87,7 +93,7 @@ class Pictures:
         return self.difference() > SHARE
 
     def difference(self) -> float:
-        """Share of the pixels of the region that are not as they were."""
+        """Part of the pixels of the region that differ from the first picture."""
         return float((np.abs(self._grey() - self.first) > GREY).mean())
 
     def _grey(self) -> Floats:
@@ -96,8 +102,8 @@ class Pictures:
 
 
 @dataclass(slots=True)
-class AnyOf:
-    """Several of them; each is asked, as keys are gone once they are read."""
+class AnyContacts:
+    """Several sources, of which one is enough. Each is asked: keys are gone once they are read."""
 
     each: Sequence[Contacts]
 
@@ -113,11 +119,12 @@ def seen(
     folder: FilePath,
     region: Region | None,
     joints: Callable[[], Mapping[str, Floats]],
-) -> Iterator[Pictures]:
-    """A camera as contacts. region: None for all of its picture. joints: of robots by name, to draw
-    a cell at them where the source is its file.
+) -> Iterator[PictureContacts]:
+    """Open a camera as a source of contacts.
 
-    Raises Refused for a region outside of the picture, and for a camera that gives none.
+    region: None for the complete picture. joints: returns the joints of robots by name, at which a
+    cell is drawn where the source is a cell file. Raises Refused for a region outside of the
+    picture, and for a camera that gives no picture.
     """
     width, height = camera.lens.size
     wanted = (0, 0, width, height) if region is None else region
@@ -127,7 +134,7 @@ def seen(
         finding = rules.BAD_REGION(region=wanted, camera=camera.name, size=size)
         raise Refused(finding, exit_status=2)
     if source.lower().endswith(".toml"):
-        yield Pictures(_drawn(camera, folder / source, joints), wanted)
+        yield PictureContacts(_drawn(camera, folder / source, joints), wanted)
         return
     reader = Reader(camera, source, folder)
 
@@ -139,13 +146,13 @@ def seen(
         return frame.picture
 
     with reader.running():
-        yield Pictures(newest, wanted)
+        yield PictureContacts(newest, wanted)
 
 
 def _drawn(
     camera: Camera, cell: FilePath, joints: Callable[[], Mapping[str, Floats]]
 ) -> Callable[[], Picture]:
-    """Pictures of a cell whose robots stand where they are now; each has noise of its own."""
+    """Return a function that draws a cell with its robots at their present joints, and noise."""
     scene, _ = read_scene(cell, explored=False)
     numbers = itertools.count()
 

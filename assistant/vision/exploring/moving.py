@@ -1,4 +1,4 @@
-"""An arm that moves at random, each move up to the first contact, and back the way it came."""
+"""Random moves of an arm, each up to the first contact, and back the way it came."""
 
 from __future__ import annotations
 
@@ -27,33 +27,37 @@ from assistant.vision.servoing.interaction import flange_of
 from assistant.vision.servoing.synthetic import Clock
 
 TRIES: Final = 6
-"""Postures that are drawn for each move; the one that tells most of new space is gone to."""
+"""Postures that are drawn for each move; the target is the one that fills most new space."""
 DRAWN: Final = 2000
-"""Postures among which those with the flange in the box are looked for."""
+"""Postures that are drawn to find some with the flange in the box."""
 BACK: Final = 3.0
-"""Steps that it goes back from a contact at least."""
+"""Least steps back from a contact."""
 AHEAD: Final = 0.3
-"""Seconds in which a motion that is led cycle by cycle would get to its target."""
+"""Seconds to the target at the present speed, near the end of a motion led cycle by cycle."""
 LONGEST: Final = 0.2
-"""Seconds of a step at most, however long what tells of contacts takes."""
+"""Most seconds of a step, however long the sources of contacts take."""
 THERE: Final = 0.1
-"""Steps that are left of a move that has ended."""
+"""Steps from the target within which a move has ended."""
 RESTING: Final = 2.0
 """Seconds in which a motion that is led cycle by cycle must come to rest."""
 STANDS: Final = 0.02
-"""Degrees or mm between two looks at an arm that stands."""
+"""Most degrees or mm between two looks at an arm that stands still."""
 LOOK: Final = 0.1
+"""Seconds between these looks."""
 
 
 @dataclass(slots=True, eq=False)
 class Log:
-    """Where the arm was, when, and whether it was in contact: as `explore recorded` reads it."""
+    """Joints, poses and contacts over time, as `explore recorded` reads them.
+
+    rows: seconds, joints (a,) and contact of each row of the recording.
+    """
 
     recording: Recording
     rows: list[tuple[float, Floats, bool]] = field(default_factory=list)
 
     def note(self, seconds: float, joints: Floats, touching: bool, robot: Robot) -> None:
-        """A row, with the flange in the base beside the joints (a,)."""
+        """Add a row: the joints (a,), and the flange in the frame of the base."""
         flange = flange_of(robot, joints)
         self.rows.append((seconds, np.array(joints), touching))
         pose = (*flange.position, *flange.quaternion)
@@ -61,12 +65,12 @@ class Log:
 
     @property
     def contacts(self) -> int:
-        """How often a contact began."""
+        """Number of contacts that began."""
         touching = np.array([False, *(row[2] for row in self.rows)])
         return int((np.diff(touching.astype(np.int8)) == 1).sum())
 
     def clear(self, since: int = 0) -> tuple[Floats, ...]:
-        """Rows from one on that follow each other without contact, see `clear_runs`."""
+        """Runs of joints (n, a) without contact, from a row on; see `clear_runs`."""
         rows = self.rows[since:]
         if not rows:
             return ()
@@ -75,6 +79,7 @@ class Log:
 
 
 def log_of(guard: Guard) -> Log:
+    """Return an empty log for the arm of a guard."""
     axes = zip(guard.robot.axes, guard.robot.units, strict=True)
     names = [f"{axis.lower()}_{'mm' if unit == 'mm' else 'deg'}" for axis, unit in axes]
     pose = ("x_mm", "y_mm", "z_mm", "q_w", "q_x", "q_y", "q_z")
@@ -84,10 +89,13 @@ def log_of(guard: Guard) -> Log:
 
 @dataclass(slots=True, eq=False)
 class Wanderer:
-    """explorer: with what is known so far, and a copy of its own of it while it moves. carrier: is
-    entered. guard: keeps speeds, limits and box. ranges: (a, 2) of the joints, None for their
-    limits. seconds: after which no other move begins. ended: True if the operator ends it.
-    told: is called after each move with its number, contacts so far and litres free.
+    """An arm that moves at random.
+
+    explorer: with the chart so far; while the arm moves it learns from the log. carrier: leads the
+    arm, and is entered. guard: keeps speeds, limits and box. ranges: (a, 2) of the joints, degrees
+    or mm, None for their limits. seconds: after which no further move begins. ended: True once the
+    operator ends the exploration. told: called after each move with its number, the number of
+    contacts, and the free space in litres. moves: that are done.
     """
 
     explorer: Explorer
@@ -104,14 +112,14 @@ class Wanderer:
     moves: int = 0
     _began: float = 0.0
     _lever: Floats = field(init=False)
-    """(a, i) mm that a body moves at most for a degree (mm) of each joint."""
+    """Most mm (a, i) that each body moves for a degree (mm) of each joint."""
 
     def __post_init__(self) -> None:
         filler = self.explorer.filler
         self._lever = filler.lever()[filler.columns]
 
     def check(self) -> None:
-        """Raises Refused where the arm stands outside of its bounds, or in contact; no motion."""
+        """Raise Refused if the arm is outside its bounds or in contact; nothing moves."""
         joints = self.carrier.joints()
         what = self.guard.outside(joints) or self._outside(joints)
         if what:
@@ -120,7 +128,10 @@ class Wanderer:
             raise Refused(NOT_CLEAR(), exit_status=2)
 
     def wander(self, moves: int) -> None:
-        """Random moves, each up to the first contact. Raises Refused; the arm stands by then."""
+        """Make so many random moves, each up to the first contact.
+
+        Raises Refused, when the arm stands still.
+        """
         self._began = self.clock()
         draw = np.random.default_rng(self.seed)
         known = Model(self.explorer.scene)
@@ -150,7 +161,7 @@ class Wanderer:
             self._go_back()
 
     def _targets(self, draw: np.random.Generator) -> Floats:
-        """(n, a) postures in the ranges and in the box."""
+        """Return random joints (n, a) in the ranges and with the flange in the box."""
         robot = self.guard.robot
         ranges = ranges_of(robot, self.ranges)
         if self.guard.bounds.box is None:
@@ -164,9 +175,9 @@ class Wanderer:
         return np.asarray(found)
 
     def _go(self, end: Floats, *, stops: bool) -> bool:
-        """Moves straight in the joints to an end; True if a contact ended it, which `stops` says.
+        """Move straight in the joints to an end; True if a contact ended the move.
 
-        Without `stops` it goes on in contact, until that has ended.
+        stops: whether a contact ends it; else it goes on in contact, and ends with the contact.
         """
         velocity, before = np.zeros(len(end)), self.clock()
         while True:
@@ -198,9 +209,9 @@ class Wanderer:
                 return False
 
     def _go_back(self) -> None:
-        """Goes the way back that it came, as far as the contact is over, and a little more.
+        """Go back the way the arm came until the contact is over, and at least BACK steps.
 
-        Raises Refused if it is not at the begin of the way.
+        Raises Refused if the arm is still in contact at the beginning of the log.
         """
         gone = 0.0
         rows = [row[1] for row in self.log.rows]
@@ -219,7 +230,7 @@ class Wanderer:
             raise Refused(rules.STILL_TOUCHING(back=back), exit_status=1)
 
     def _rest(self) -> None:
-        """The arm stands."""
+        """Bring the arm to rest."""
         self.carrier.rest()
         if self.carrier.waits:
             return
@@ -240,17 +251,18 @@ class Wanderer:
         return touching
 
     def _steps(self, left: Floats) -> float:
-        """How often the farthest that any body moves goes into a step, half a cell of the chart."""
+        """Number of steps for joints (a,) that are left; in each no body moves over half a cell."""
         moved = np.abs(left) @ self._lever
         return float(moved.max(initial=0.0)) / (STEP * self.explorer.filler.size)
 
     def _all(self, rows: Floats) -> Floats:
-        """(n, j) joints of all robots, the others at home."""
+        """Joints (n, j) of all robots of the cell, with the others at home."""
         out = np.tile(self.explorer.home, (len(rows), 1))
         out[:, self.explorer.filler.columns] = rows
         return out
 
     def _outside(self, joints: Floats) -> str:
+        """Which joint is outside its range, in words; empty for none."""
         if self.ranges is None:
             return ""
         off = np.maximum(self.ranges[:, 0] - joints, joints - self.ranges[:, 1])
@@ -263,5 +275,5 @@ class Wanderer:
 
     @property
     def is_over(self) -> bool:
-        """True if the time is over."""
+        """True once the time is over."""
         return self.clock() - self._began > self.seconds

@@ -9,22 +9,22 @@ from assistant.program.diagnostics import error, warning
 STILL_TOUCHING: Final = error(
     "VS220",
     "the contact did not end on the way back, {back:.0f} mm long; the arm has been stopped",
-    "free the arm by hand, and look what tells of the contact",
+    "free the arm by hand, and check the source of the contact",
 )
 NO_START: Final = error(
     "VS221",
-    "the arm explores only inside of its bounds, and {what}",
-    "bring it into them, or state wider ones",
+    "the arm explores only inside its bounds, and {what}",
+    "move the arm into its bounds, or state wider ones",
 )
 EMPTY_BOX: Final = error(
     "VS222",
-    "none of {count:,} random postures has the flange in the box, so that there is nowhere to go",
-    "move the box to where the arm gets, or make it larger",
+    "none of {count:,} random postures has the flange in the box, so there is nowhere to move",
+    "move the box to where the arm reaches, or make it larger",
 )
 NO_PICTURE: Final = error(
     "VS223",
-    "no picture of camera `{camera}` came within {seconds:g} s, so that contacts are not seen",
-    "look at the camera, and begin again",
+    "no picture of camera `{camera}` came within {seconds:g} s, so contacts cannot be seen",
+    "check the camera, and begin again",
 )
 BAD_REGION: Final = error(
     "VS224",

@@ -20,7 +20,7 @@ from assistant.cell.collision.model import Model
 from assistant.cell.exploration.explorer import Explorer, Touch
 from assistant.cell.exploration.known import with_map
 from assistant.cell.exploration.occupancy import Occupancy, State
-from assistant.cell.exploration.wandering import asked, in_scene, wander
+from assistant.cell.exploration.wandering import asked, in_scene, ranges_of, wander
 from assistant.cell.scene import Body, Part, Placed, Scene
 from assistant.cell.shapes import Box, Capsule, Cylinder, Shape, Sphere
 from assistant.program import rotations
@@ -29,6 +29,7 @@ from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.program.pseudo import parse
 from assistant.robots.timing import Simulation, simulate
+from tests.cell.gantry import gantry
 
 SIZE = 15.0
 RUNS = 16
@@ -101,6 +102,14 @@ def explored(seed: int = 0, runs: int = RUNS) -> tuple[Explorer, tuple[tuple[int
         done, joints = wanted, wandered.joints
         known.append((wanted, explorer.occupancy.litres))
     return explorer, tuple(known)
+
+
+def test_ranges_of_sliding_axes_are_in_mm() -> None:
+    within = np.array([[500.0, 800.0], [-2000.0, -400.0], [0.0, 5000.0]])
+    assert ranges_of(gantry().robot, within).tolist() == within.tolist()
+    assert ranges_of(gantry().robot).tolist() == [[-5000.0, 5000.0]] * 3
+    turning = ranges_of(robots.get("rv-2aj"), np.array([[-500.0, 500.0]] * 5))
+    assert turning.tolist() == [[-360.0, 360.0]] * 5
 
 
 def test_a_free_cell_holds_nothing_of_what_is_hidden(capsys: pytest.CaptureFixture[str]) -> None:

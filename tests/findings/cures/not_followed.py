@@ -83,8 +83,8 @@ _BINARY: Final = "the file is no text, so its names are not seen; the case has b
 
 NOT_WRITTEN: Final[Mapping[tuple[str, str], str]] = {
     ("CL282", "--box"): "one of both bounds is enough",
-    ("CL283", "--camera"): "one of what tells of contacts is enough",
-    ("CL283", "--key"): "one of what tells of contacts is enough",
+    ("CL283", "--camera"): "one source of contacts is enough",
+    ("CL283", "--key"): "one source of contacts is enough",
     ("CO073", "type"): "the type is written with the value that belongs to it",
     ("CO112", "--signals"): "the script that it names is what is changed",
     ("DP204", "--pull"): _GIT,

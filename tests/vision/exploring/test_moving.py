@@ -14,7 +14,12 @@ from assistant.cell.reading.cell_file import parse_scene
 from assistant.cell.scene import Scene
 from assistant.program.diagnostics import Refused
 from assistant.program.text import SourceText
-from assistant.vision.exploring.contacts import AKey, AnInput, AnyOf, Pictures
+from assistant.vision.exploring.contacts import (
+    AnyContacts,
+    InputContacts,
+    KeyContacts,
+    PictureContacts,
+)
 from assistant.vision.exploring.moving import Wanderer, log_of
 from assistant.vision.servoing.bounds import Bounds, Guard
 from assistant.vision.servoing.ideal import Ideal, Ticks
@@ -112,14 +117,14 @@ def test_what_moves_nothing() -> None:
     one = wanderer(True, ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)))
     assert refused(one.check) == "VS221"
     one = wanderer(True)
-    one.contacts = AnInput(Inputs([1.0]), "10")
+    one.contacts = InputContacts(Inputs([1.0]), "10")
     assert refused(one.check) == "CK456"
     assert len(one.carrier.rows) == 1
 
 
 def test_a_contact_that_stays_ends_it_at_rest() -> None:
     one = wanderer(True)
-    one.contacts = AnInput(Inputs([0.0] * 6 + [1.0] * 1000), "10")
+    one.contacts = InputContacts(Inputs([0.0] * 6 + [1.0] * 1000), "10")
     assert refused(one.wander, 3) == "VS220"
     assert one.carrier.rested and not np.allclose(one.carrier.rows[-1], one.carrier.rows[-2])
     assert np.allclose(one.carrier.at, one.carrier.rows[0]), "it is back where it began"
@@ -143,16 +148,16 @@ class Inputs:
 
 def test_each_key_is_a_contact_and_q_ends_it() -> None:
     pressed = [b"", b" ", b"x", b"", b"q"]
-    key = AKey(lambda _: pressed.pop(0) if pressed else b"", b"q\x1b\x04")
+    key = KeyContacts(lambda _: pressed.pop(0) if pressed else b"", b"q\x1b\x04")
     assert [key.touching() for _ in range(3)] == [False, True, False]
     assert key.ended
-    assert not AnyOf([key, AnInput(Inputs([0.0]), "1")]).touching()
+    assert not AnyContacts([key, InputContacts(Inputs([0.0]), "1")]).touching()
 
 
 def test_a_region_that_changes_is_a_contact() -> None:
     still = np.full((40, 60, 3), 100, np.uint8)
     now = [still]
-    seen = Pictures(lambda: now[0], (10, 10, 30, 30))
+    seen = PictureContacts(lambda: now[0], (10, 10, 30, 30))
     now[0] = still + np.random.default_rng(0).integers(0, 10, still.shape, np.uint8)
     assert not seen.touching()
     aside = still.copy()
