@@ -117,7 +117,7 @@ def run_put(cell: str, files: Sequence[Path], replace: bool, format: Format) -> 
 
 
 def run_rm(cell: str, names: Sequence[str], yes: bool, format: Format) -> int:
-    """Deletes programs; all of them are looked at before the first one goes."""
+    """Delete programs; all of them are checked before the first one is deleted."""
     from assistant.deploy.removing import check_removable, found_there, unseen
 
     with reached(cell, "rm") as there:
@@ -139,7 +139,7 @@ def run_rm(cell: str, names: Sequence[str], yes: bool, format: Format) -> int:
         print_json({"address": str(address), "deleted": wanted})
     else:
         for name in wanted:
-            say(f"`{name}` is no more on {there.one.name}")
+            say(f"deleted `{name}` on {there.one.name}")
     return 0
 
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 DRAWING: Final = "plate.dxf"
 TRAJECTORY: Final = "positioning.csv"
-"""What is taken where `ctraj` is not installed."""
+"""Poses of `ctraj`, for where it is not installed."""
 POSES: Final = 35
 TOOL: Final = "GRIPPER"
 ROBOTS: Final = (ABB, MITSUBISHI)
@@ -36,9 +36,9 @@ REPORT: Final = "report.html"
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """What a program is made of.
+    """Source of a program.
 
-    name: that is shown. given: what is compiled. played: whether the arms follow it.
+    name: that is shown. given: file or program that is compiled. played: if the arms follow it.
     """
 
     name: str
@@ -65,7 +65,7 @@ def _sample(name: str) -> Path:
 
 
 def trajectory() -> Source:
-    """A Cartesian trajectory of the Robotics Toolbox; without it, its poses in a table."""
+    """Return a Cartesian trajectory of the Robotics Toolbox; without it, its poses in a table."""
     import assistant
     from assistant.robots.arms.toolbox import library
 
@@ -147,7 +147,7 @@ def _points(compiled: Compiled) -> Poses:
 
 
 def _played(compiled: Compiled, cell: Cell) -> tuple[Poses, str]:
-    """Where the arm passed the points as the program ran there, and how near to them, in a line."""
+    """Run the program; returns the poses at which the arm passed its points, and a note on them."""
     from assistant.report.points import passed
 
     tool = compiled.program.tools[TOOL]

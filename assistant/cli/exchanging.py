@@ -50,7 +50,7 @@ NOT_PLAIN: Final = error(
     "CL266", "a plain exchange has no `{option}`: {reason}", "leave one of both out"
 )
 ONLY_PLAIN: Final = error(
-    "CL267", "`{option}` names files of a plain exchange, and this is none", "add --plain"
+    "CL267", "`{option}` names files of a plain exchange, and --plain is missing", "add --plain"
 )
 
 
@@ -73,9 +73,10 @@ class Options:
 def plain_files(
     plain: bool, files: str | None, answers: str | None, others: Mapping[str, bool]
 ) -> PlainFiles | None:
-    """The names of a plain exchange, None for the numbered one.
+    """Return the file names of a plain exchange; None for the numbered one.
 
-    others: options that the plain one does not have, and whether they are given.
+    others: options that only the numbered one has, and whether they are given. Raises Refused for
+    them with --plain, and for --files and --answers without it.
     """
     from assistant.controllers.abb.exchange import PlainFiles
 

@@ -28,7 +28,7 @@ class Format(enum.StrEnum):
 
 
 class LengthUnit(enum.StrEnum):
-    """Of positions that are drawn."""
+    """Unit of positions in plots."""
 
     MM = "mm"
     M = "m"
@@ -87,7 +87,7 @@ class FramesAs(enum.StrEnum):
 
 
 class GrammarAs(enum.StrEnum):
-    """How much of a long text lark parses in a proof."""
+    """Part of a long text that lark parses in a proof."""
 
     SAMPLES = "samples"
     FULL = "full"

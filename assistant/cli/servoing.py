@@ -95,7 +95,7 @@ def _mode(options: Options) -> Mode:
 
 
 def way(by: str) -> Mode:
-    """The way to lead an arm of a name; raises Refused."""
+    """Return the mode of that name to lead an arm; raises Refused."""
     from assistant.controllers.leading import MODES
 
     if by not in MODES:
@@ -104,7 +104,7 @@ def way(by: str) -> Mode:
 
 
 def near(session: Programs, robot: Robot) -> Floats:
-    """Joints near to which the arm is, where the controller tells them."""
+    """Return joints near those of the arm: its own, if the controller reports them."""
     from assistant.compiler.teaching import own_joints
     from assistant.controllers import Controller
 

@@ -35,7 +35,7 @@ NO_REFUSAL = error(
 )
 NO_CONTACT = error(
     "CL105",
-    "contacts of the arm need the number of an input and a cell",
+    "the contact input needs its number and a cell",
     "add `--contact 10 --cell cell.toml`, with an input of the controller and the file of its cell",
 )
 NO_SIGNAL = error(
@@ -136,10 +136,10 @@ def run_cr(
     cell: Path | None,
     log: bool,
 ) -> None:
-    """refused: commands with the numbers that they are answered with, as SRVON=5600.
+    """Serve a virtual CR controller until it is ended.
 
-    contact: the input that is on while the arm touches something of the cell. lines: what lines of
-    programs lead to, as COM1=10003.
+    refused: commands that are answered with an error, as SRVON=5600. contact: the input that is on
+    while the arm touches something of the cell. lines: targets of lines of programs, as COM1=10003.
     """
     from assistant.cli.outside import lines_of
     from assistant.compiler.arms import robot_of
@@ -155,12 +155,12 @@ def run_cr(
         felt = Contact(str(int(contact)), touching(cell, arm.name))
     faults.errors = dict(map(_refusal, refused))
     with ExitStack() as open_:
-        made = {}
-        for name, target in lines_of(lines).items():
+        given, made = lines_of(lines), {}
+        for name, target in given.items():
             made[f"{name.rstrip(':').upper()}:"] = open_.enter_context(_line(name, target))
         _serve_cr(
             arm,
-            [f"line {name} leads to {target}" for name, target in lines_of(lines).items()],
+            [f"line {name} leads to {target}" for name, target in given.items()],
             port=port,
             folder=folder,
             data_port=data_port,
@@ -177,7 +177,7 @@ def run_cr(
 
 @contextmanager
 def _line(name: str, target: str) -> Iterator[Line]:
-    """What a line leads to, until the controller ends; raises Refused."""
+    """Open the target of a line until the controller ends; raises Refused."""
     from assistant.virtual.melfa.lines import line_to
 
     try:
@@ -191,8 +191,8 @@ def _line(name: str, target: str) -> Iterator[Line]:
         leave()
 
 
-def _serve_cr(arm: Robot, told: Sequence[str], **options: Any) -> None:
-    """told: said once it listens. options: of `VirtualCr`."""
+def _serve_cr(arm: Robot, notes: Sequence[str], **options: Any) -> None:
+    """Serve the controller. notes: printed once it listens. options: of `VirtualCr`."""
     from assistant.languages import get
     from assistant.virtual.cr import VirtualCr
 
@@ -204,7 +204,7 @@ def _serve_cr(arm: Robot, told: Sequence[str], **options: Any) -> None:
 
     def tell(running: VirtualCr) -> None:
         _lines(running, options["lines"])
-        for text in told:
+        for text in notes:
             say(text)
 
     _run(controller, about, None, tell)
@@ -218,7 +218,7 @@ def _refusal(text: str) -> tuple[str, int]:
 
 
 def _lines(controller: VirtualCr, others: Container[str]) -> None:
-    """others: lines that lead elsewhere."""
+    """Print where its lines can be reached. others: lines with another target."""
     if controller.has_serial:
         is_link = controller.state.parameters["CPRC232"] != ("2",)
         say(f"serial line at {controller.serial_address if is_link else controller.serial_path}")

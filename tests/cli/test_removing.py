@@ -25,7 +25,7 @@ def test_files_of_a_file_server_are_deleted(capsys, irc5):
         assert status == 1 and code in said, said
         assert (irc5.folder / "seam.mod").exists() and (irc5.folder / "parts").is_dir()
     status, out, said = run(capsys, "rm", "cell1", "SEAM.mod", "seam.mod", "--yes")
-    assert (status, out) == (0, "`seam.mod` is no more on cell1\n") and "DP239" in said
+    assert (status, out) == (0, "deleted `seam.mod` on cell1\n") and "DP239" in said
     status, out, said = run(capsys, "rm", "cell1", "position.txt", "--yes", "--format", "json")
     assert status == 0 and json.loads(out)["deleted"] == ["position.txt"]
     assert [file.name for file in irc5.folder.iterdir()] == ["parts"]
