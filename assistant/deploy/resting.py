@@ -56,12 +56,6 @@ def tasks(site: Site) -> tuple[TaskState, ...]:
     return site.controller.state().tasks
 
 
-def with_called(controller: Programs, language: str, program: str) -> set[str]:
-    """Names without suffix, in lower case, of a program of lines and all that it calls."""
-    there = {stem(name): name for name in controller.names()}
-    return _with_called(controller, language, program, there)
-
-
 def _of_memory(
     site: Site, entries: Iterable[Entry], running: Iterable[TaskState]
 ) -> list[Diagnostic]:
@@ -81,9 +75,9 @@ def _of_slots(
     site: Site, entries: Iterable[Entry], running: Iterable[TaskState]
 ) -> list[Diagnostic]:
     users: dict[str, str] = {}
-    there = {stem(name): name for name in site.controller.names()} if running else {}
+    there = by_stem(site.controller) if running else {}
     for task in running:
-        for used in _with_called(site.controller, site.language, task.program, there):
+        for used in with_called(site.controller, site.language, task.program, there):
             users.setdefault(used, task.program)
     found = []
     for entry in entries:
@@ -95,12 +89,17 @@ def _of_slots(
     return found
 
 
-def _with_called(
+def by_stem(controller: Programs) -> dict[str, str]:
+    """Return the programs of a controller by their stems."""
+    return {stem(name): name for name in controller.names()}
+
+
+def with_called(
     controller: Programs, language: str, program: str, there: Mapping[str, str]
 ) -> set[str]:
-    """A program and all that it calls, or runs beside it, as far as they can be read.
+    """Stems of a program and of all that it calls, or runs beside it, as far as they can be read.
 
-    A name that a program works out is not seen.
+    there: programs of the controller by their stems. A name that a program computes is not seen.
     """
     spoken = languages.get(language)
     open_ones, found = [program], set[str]()

@@ -1,4 +1,4 @@
-"""The RAPID side of the exchange, printed from a template: one for each protocol.
+"""The RAPID side of the exchange, printed from a template for each protocol.
 
 Names are checked to be RAPID names, so that no text of a user becomes a statement. Whether tool,
 work object, speed and zone are there is for the controller, or for the checks of a program.
@@ -51,10 +51,10 @@ class Tool:
 
 @dataclass(frozen=True, slots=True)
 class PlainFiles:
-    """Names of the files of the plain protocol: position, orientation, configuration each.
+    """Names of the files of the plain protocol, each time of position, orientation, configuration.
 
-    sent: from the PC. A program that waits for one of them only waits for the first, which
-    therefore is put there last. answers: from the robot.
+    sent: from the PC; the first is put there last, as some programs wait only for it. answers: from
+    the robot.
     """
 
     sent: tuple[str, str, str] = ("position.txt", "orientation.txt", "configuration.txt")
@@ -65,25 +65,22 @@ class PlainFiles:
     )
 
     def __post_init__(self) -> None:
-        """Raise Refused for names that are not safe on every disk, or not six."""
+        """Raise Refused unless there are three and three names that are safe on every disk."""
         names = (*self.sent, *self.answers)
-        for name in names:
-            reason = _no_file(name, names)
+        wrong = {name: _no_file(name, names) for name in names}
+        if not len(self.sent) == len(self.answers) == 3:
+            wrong = {", ".join(names): "three names are needed for each direction"}
+        for name, reason in wrong.items():
             if reason:
-                raise Refused(
-                    rules.BAD_NAME(
-                        given=name,
-                        what="name of a file",
-                        reason=reason,
-                        wanted="six names such as `position.txt`, each another one",
-                    )
+                wanted = "six different names such as `position.txt`"
+                finding = rules.BAD_NAME(
+                    given=name, what="name of a file", reason=reason, wanted=wanted
                 )
+                raise Refused(finding)
 
 
 def _no_file(name: str, names: Sequence[str]) -> str:
-    """Why a name cannot be that of a file of the plain protocol."""
-    if len(names) != 6:
-        return f"there are {len(names)} names instead of six"
+    """Why a name cannot be that of a file of the plain protocol; empty if it can."""
     if re.fullmatch(r"[A-Za-z][A-Za-z0-9_-]*(\.[A-Za-z0-9]+)?", name) is None:
         return "it must be safe on every disk"
     if len(name) > LONGEST_NAME:
@@ -102,8 +99,8 @@ class Module:
     tool, work_object, speed, zone: names on the controller. tool_data: declares the tool in the
     module. folder, prefix: of the files on the controller. longest: seconds without a request
     after which the program ends. poll: seconds after which it looks for a request again.
-    look: seconds after which it looks whether it shall stop. plain: names of the files of the plain
-    protocol, which then is that of the module; poses are reached without a zone there.
+    look: seconds between two looks for a stop. plain: names of the files of the plain protocol, for
+    a module that speaks it; it stops at each pose, and has no zone.
     """
 
     module: str = "PoseExchange"
@@ -221,7 +218,7 @@ def file_names(prefix: str) -> dict[str, str]:
 
 
 def _no_name(given: str, template: str) -> str:
-    """Why a text is no RAPID name that the module can hold."""
+    """Why a text is not a RAPID name that the module can use; empty if it is."""
     if re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", given) is None:
         return "it is no name of ASCII letters, digits and `_`"
     if len(given) > LONGEST_NAME:
