@@ -162,8 +162,8 @@ def operated(
     """A CR controller whose arm blocks move statement by statement, over its controller link.
 
     address: of the controller, or its name in the project. override: percent of the speed
-    meanwhile. servo:
-    whether the servos are switched on before and off after. timeout: seconds of the longest move.
+    meanwhile. servo: whether the servos are switched on before and off after. timeout: seconds of
+    the longest move.
     """
 
     @contextmanager

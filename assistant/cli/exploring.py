@@ -34,7 +34,7 @@ SUFFIX: Final = ".npz"
 
 def check_still(where: str, given: Mapping[str, object]) -> None:
     """Raise Refused for what is only for an arm that moves: its options, or a controller."""
-    left_out = (None, False, [])
+    left_out: tuple[object, ...] = (None, False, [])
     option = next((name for name, value in given.items() if value not in left_out), None)
     if option is not None:
         raise Refused(ONLY_MOVED(what=f"`{option}` is for an arm that moves"), exit_status=2)

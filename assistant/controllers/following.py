@@ -283,9 +283,9 @@ def _mxt(session: Programs, led: Led, wishes: Wishes, progress: Progress) -> Don
 
 @contextmanager
 def mxt_installed(controller: Controller, wishes: Wishes) -> Iterator[None]:
-    """With the program that waits for packets of this computer; the controller is as it was then.
+    """Install the program that waits for packets of this computer; restore the controller after it.
 
-    A program of its name stays if it has the same steps, whatever values its variables have.
+    A program of that name stays if it has the same steps, whatever the values of its variables.
     Raises Refused for another one, unless it may be replaced.
     """
     from assistant.controllers.mitsubishi.helpers import borrowed
@@ -303,7 +303,7 @@ def mxt_installed(controller: Controller, wishes: Wishes) -> Iterator[None]:
 
 
 def steps_of(controller: Controller, program: bytes) -> list[bytes]:
-    """The lines of a program without its variables, which get other values as it runs."""
+    """Return the lines of a program without its variables, whose values change as it runs."""
     return [line for line in controller.stored(program).splitlines() if line[:1].isdigit()]
 
 

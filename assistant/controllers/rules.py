@@ -98,13 +98,13 @@ NO_FOLDER = error(
 )
 FOUND_FOLDER = info(
     "CN223",
-    "{address} has no `{wanted}` where the login begins; `{folder}` is taken for it",
+    "{address} has no `{wanted}` where the login begins; `{folder}` is used instead",
     "write the folder into the address to have it entered at once",
 )
 LOGIN_FOLDER = warning(
     "CN224",
     "{address} has neither `HOME:` nor another folder of that name; `{folder}`, where the login "
-    "begins, is taken for it",
+    "begins, is used instead",
     "write the folder of the programs into the address, as in `ftp://user@host/parts`",
 )
 SEVERAL_FOLDERS = error(

@@ -10,7 +10,7 @@ programs = ["plate", "hand/seam.mod"]
 task = "T_ROB1"                   # that modules are loaded in; default the first one
 load = true                       # also modules that are not loaded yet
 
-[style]                           # what stands around the statements, see compiler/style.py
+[style]                           # comments and frames of written programs, see compiler/style.py
 template = "style"
 
 [deploy]

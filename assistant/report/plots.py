@@ -29,10 +29,10 @@ def exchange_plot(
     format: str = "png",
     unit: Unit = "mm",
 ) -> bytes:
-    """What a robot answered over the time: (n,) s, (n, 3) mm, (n, 4) scalar first.
+    """Poses that a robot answered over time: (n,) s, (n, 3) mm, (n, 4) scalar first.
 
-    unit: of the positions that are drawn. A quaternion and its negative are one orientation: each
-    is drawn on the side of the one before.
+    unit: of the positions in the plot. A quaternion and its negative are one orientation: each is
+    drawn with the sign that is nearer to the one before.
     """
     turns = rotations.unflipped(quaternions)
     return _poses(seconds, positions, turns, "time in s", title, format, unit)
@@ -79,7 +79,7 @@ def draw_poses(
 def finish(
     figure: Figure, axes: tuple[Axes, Axes], label: str, title: str, unit: Unit, format: str
 ) -> bytes:
-    """Return the picture of positions above and quaternions below, with what its axes are."""
+    """Label the axes of positions above and quaternions below, and return the picture."""
     upper, lower = axes
     upper.set(ylabel=f"position of the TCP in {unit}", title=title)
     lower.set(ylabel="orientation", xlabel=label)

@@ -1,4 +1,4 @@
-"""Points of a trajectory beside where an arm passed them, and a plot of both."""
+"""Points of a trajectory beside the poses at which an arm passed them, and a plot of both."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from assistant.report import figures
 from assistant.report.plots import draw_poses, finish
 
 MARKS: Final = ".x+1234"
-"""Of the arms that are drawn, in their order."""
+"""Marks of the arms that are drawn, in their order."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -31,7 +31,7 @@ TARGETS: Final = "targets"
 DEPLOY: Final = "deploy"
 """How they are brought there."""
 STYLE: Final = "style"
-"""What stands around the statements of written programs."""
+"""Templates, and values for them, of the comments and frames of written programs."""
 DOUBTFUL: Final = re.compile(r":.*[@%]|//[^/\s]*:(?![0-9]{1,5}(?:[/?#\s\"'`]|$))", re.DOTALL)
 """What may be an address with a password, well written or not."""
 SECRET: Final = re.compile(r"\bpass|\bpwd|secret|token", re.IGNORECASE)

@@ -27,7 +27,7 @@ class Port:
 
     @property
     def wanted(self) -> str:
-        """The sizes that it takes, with the numbers that they are."""
+        """The sizes that an input takes, and the numbers of each, in words."""
         sizes = " or ".join(map(str, (self.size, *self.also)))
         return f"{sizes}: {self.means}" if self.means else sizes
 

@@ -100,7 +100,7 @@ class Move(Connected[Operator]):
         raise NotImplementedError
 
     def _six(self, ways: Sequence[Floats]) -> Sequence[Floats]:
-        """Poses of six numbers; the controller is asked for its posture where one has seven."""
+        """Return poses of six numbers; those of seven need the posture of the arm."""
         if all(len(way) == NUMBERED for way in ways):
             return ways
         posture = self._posture()

@@ -18,9 +18,9 @@ POSE: Final = 7
 SHOWN: Final = "X, Y, Z in mm and A, B, C in degrees (A, B of five axes), or x, y, z and w, x, y, z"
 STEP: Final = "x, y, z in mm and a turn about x, y, z in degrees, or x, y, z and w, x, y, z"
 LENGTH: Final = 1e-3
-"""Deviation of a quaternion from unit length that is taken for rounding."""
+"""Most deviation of a quaternion from unit length by rounding."""
 MISS: Final = 0.1
-"""Degrees that a turn may be off what five axes reach, and a tool off the vertical."""
+"""Most degrees between a turn and the nearest of five axes, and between a tool and the vertical."""
 FRONT: Final = 4
 """Bit of the first flag of a posture: the arm reaches forward, not over its back."""
 
@@ -39,7 +39,7 @@ def shown(block: str, robot: Robot, pose: Floats, posture: str) -> Floats:
     """Return X, Y, Z, A, B, C (6,) of a pose (6,) or (7,); raises Refused, naming the block.
 
     R = Rz(C)·Ry(B)·Rx(A); an arm of five axes has A and B only (`robots.arms.five_axis`).
-    posture: how the arm is bent, as its controller writes it behind a pose.
+    posture: of the arm, as its controller writes it after a pose.
     """
     if len(pose) != POSE:
         return pose
@@ -62,7 +62,7 @@ def shown(block: str, robot: Robot, pose: Floats, posture: str) -> Floats:
 
 
 def step(block: str, by: Floats) -> Floats:
-    """Return a step (6,), its turn as a vector in degrees, of (6,) or (7,); raises Refused."""
+    """Return a step (6,), its turn as a vector in degrees, from (6,) or (7,); raises Refused."""
     if len(by) != POSE:
         return by
     turn = rotations.turns(np.array([1.0, 0.0, 0.0, 0.0]), _turn(block, by))
@@ -70,6 +70,7 @@ def step(block: str, by: Floats) -> Floats:
 
 
 def _turn(block: str, pose: Floats) -> Floats:
+    """Return the unit quaternion of a pose (7,); raises Refused."""
     if not np.isfinite(pose).all():
         raise Refused(NO_NUMBERS(block=block))
     length = float(np.linalg.norm(pose[3:]))

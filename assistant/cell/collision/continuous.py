@@ -23,7 +23,7 @@ from assistant.program.arrays import Floats, Rows, Truths
 RESOLUTION: Final = 0.1
 """mm that anything moves in the shortest part: what comes that near counts as touching."""
 SHORTEST: Final = 2.0**-30
-"""Of a stretch, a part that is halved no more: joints that differ at its ends all the same jump."""
+"""Smallest part of a stretch that is divided: joints that still differ at its ends jump."""
 TOGETHER: Final = 500_000
 """Stretches times pairs that are looked at together: each takes some hundred bytes at most."""
 LONGEST: Final = 65536

@@ -1,7 +1,7 @@
-"""The folder that RAPID programs know as `HOME:`, wherever the FTP server has its root.
+"""Find the folder that RAPID programs know as `HOME:`, wherever the FTP server has its root.
 
 A server may name it `HOME:`, serve the disk of the controller (`/hd0a/<system>/HOME`), or begin in
-it. An address that names no folder means that folder, so it is looked for.
+it. An address without a folder means that folder.
 """
 
 from __future__ import annotations
@@ -17,15 +17,15 @@ from assistant.program.diagnostics import Diagnostic, Refused
 
 HOME: Final = "HOME"
 PLACES: Final = (HOME, "/HOME:", f"/{HOME}")
-"""Where it is on servers whose login folder has no `HOME:`."""
+"""Folders to try on servers without a `HOME:` where the login begins."""
 DISK: Final = "/hd0a"
 """The controller's disk, on which each installed system has a folder with its own `HOME`."""
 MOST: Final = 64
-"""Folders of a disk that are looked into."""
+"""Most folders of a disk that are tried."""
 
 
 class Session(Protocol):
-    """What of a session is needed to look for a folder."""
+    """The part of a session that finding the folder needs."""
 
     address: Address
     tell: Callable[[Diagnostic], None]
@@ -36,7 +36,7 @@ class Session(Protocol):
 
 
 def enter(session: Session, ftp: Lines) -> None:
-    """Go to the folder of the address; raise Refused where there is none or several may be meant.
+    """Enter the folder of the address; raise Refused if it is missing, or one of several.
 
     `session.tell` gets a finding where another folder than that of the address was entered. Raises
     ftplib's errors for all but a refused folder.
@@ -82,7 +82,7 @@ def enter(session: Session, ftp: Lines) -> None:
 
 
 def _homes_of_systems(session: Session, ftp: Lines, start: str) -> list[str]:
-    """Folders `HOME` of the systems on the disk, or below where the login begins."""
+    """Folders `HOME` of the systems on the disk, or else below the folder of the login."""
     for disk in dict.fromkeys((DISK, start)):
         if not _enters(ftp, disk):
             continue
@@ -101,6 +101,7 @@ def _homes_of_systems(session: Session, ftp: Lines, start: str) -> list[str]:
 
 
 def _enters(ftp: Lines, folder: str) -> bool:
+    """Enter a folder; False if the server refuses it."""
     try:
         ftp.cwd(folder)
     except ftplib.error_perm:
@@ -109,6 +110,7 @@ def _enters(ftp: Lines, folder: str) -> bool:
 
 
 def _found(session: Session, folder: str) -> None:
+    """Report the folder that was entered in place of that of the address."""
     address = session.address
     finding = rules.FOUND_FOLDER(
         place=str(address), address=address, wanted=address.folder, folder=folder

@@ -53,7 +53,7 @@ class FtpSession(FileSession):
         super().__init__(address, credentials, timeout=timeout, certificate=certificate)
         self._ftp: Lines | None = None
         self.tell: Callable[[Diagnostic], None] = lambda _: None
-        """Called with a finding where the folder of the programs was looked for."""
+        """Called with a finding if another folder than that of the address was entered."""
 
     def __enter__(self) -> Self:
         """Connects, logs in and goes to the folder of the address."""

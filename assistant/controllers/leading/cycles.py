@@ -108,7 +108,7 @@ def by_egm(
 
 
 def by_mxt(controller: Controller, arm: Arm, wishes: Wishes) -> CyclicCarrier:
-    """The program that waits for packets is on the controller while it is led, and runs there."""
+    """Lead an arm by mxt; while it is entered, the program that takes the packets runs there."""
     from assistant.controllers.mitsubishi.mxt import client
 
     def made(limits: Limits, opening: ExitStack) -> Leading:

@@ -212,7 +212,7 @@ class Cr:
 
     @contextmanager
     def scratch(self) -> Iterator[str]:
-        """The task in which statements have variables that no program keeps; see `execute`."""
+        """Yield a task in which the variables of statements vanish afterwards; see `execute`."""
         with helpers.scratch(self.session, "executing statements") as slot:
             yield str(slot)
 

@@ -1,8 +1,8 @@
-"""State that a command needs on a controller for a while, and takes away again.
+"""State that a command needs on a controller for a while, and removes again.
 
-`scratch` gives single statements variables of their own: those of a program that is open in the
-edit slot and never saved. `borrowed` installs and runs programs, and afterwards each slot has the
-program that it had, external variables have their values, and what was not there is deleted.
+`scratch` gives single statements separate variables: those of a program that is open in the edit
+slot and never saved. `borrowed` surrounds the installing and running of programs: afterwards each
+slot has its program again, external variables have their values, and new programs are deleted.
 """
 
 from __future__ import annotations
@@ -22,19 +22,19 @@ from assistant.program.diagnostics import Refused
 SCRATCH: Final = "ASSISTANT"
 """Program whose variables single statements use; no backup has it."""
 ENDING: Final = 5.0
-"""Seconds in which a program that was told to end does."""
+"""Seconds in which a program must end, with and without a stop."""
 LOOK: Final = 0.05
-"""Seconds between two looks at it."""
+"""Seconds between two looks whether it runs."""
 PRESENT: Final = "N"
 """Answer of FCHECK for a file that exists."""
 
 
 @contextmanager
 def scratch(session: Session, doing: str) -> Iterator[int]:
-    """The edit slot, with a program open whose variables vanish afterwards.
+    """Open a program in the edit slot whose variables vanish afterwards; yields the slot.
 
-    The joint override of the slot becomes the usual one again. Some controllers may create a file
-    as soon as a program of a new name is opened: it is deleted then.
+    The joint override of the slot is reset to its initial value. A controller may create the file
+    of a new program as soon as it is opened: it is deleted then.
     """
     with session.right(doing):
         before = _exists(session, SCRATCH)
@@ -54,12 +54,12 @@ def scratch(session: Session, doing: str) -> Iterator[int]:
 
 def _exists(session: Session, name: str) -> bool:
     file = programs.file_name(session, name)
-    told = session.attempt(f"FCHECK{file}", doing=f"looking for `{name}`")
-    return told.ok and told.text.strip().upper().startswith(PRESENT)
+    answer = session.attempt(f"FCHECK{file}", doing=f"looking for `{name}`")
+    return answer.ok and answer.text.strip().upper().startswith(PRESENT)
 
 
 def _quietly(session: Session, command: str, slot: int) -> None:
-    """Sends what tidies up; a controller that refuses it is as it was."""
+    """Send a command that tidies up; a refusal changes nothing and is ignored."""
     if session.connected:
         with suppress(Refused):
             session.attempt(command, doing="tidying up", slot=slot, shape=BARE)
@@ -67,9 +67,10 @@ def _quietly(session: Session, command: str, slot: int) -> None:
 
 @contextmanager
 def borrowed(controller: object, names: Iterable[str]) -> Iterator[None]:
-    """Puts slots and programs back as they were; see `Before`.
+    """Put slots and programs back as they were, after an error as well; see `Before`.
 
-    controller: a client. What fails meanwhile is only raised where nothing else went wrong.
+    controller: a client; nothing is done for one without a controller link. A failure to put them
+    back is raised only if there is no other error.
     """
     before = Before.of(controller, names)
     try:
@@ -84,10 +85,10 @@ def borrowed(controller: object, names: Iterable[str]) -> Iterator[None]:
 
 
 class Before:
-    """What a controller held before programs were borrowed.
+    """State of a controller before programs are borrowed.
 
     names: of the programs that are installed meanwhile. shared: external variables that they set;
-    one that had no value gets 0.
+    one without a value gets 0.
     """
 
     def __init__(self, session: Session, names: Iterable[str], shared: Iterable[str] = ()) -> None:
@@ -97,21 +98,21 @@ class Before:
         self._new = [name for name in self._names if name not in there]
         self._shared = dict.fromkeys(shared, "0")
         if self._shared:
-            told = dict(line.split("=", 1) for line in externals(session))
-            self._shared |= {name: told[name] for name in self._shared if name in told}
+            values = dict(line.split("=", 1) for line in externals(session))
+            self._shared |= {name: values[name] for name in self._shared if name in values}
 
     @classmethod
     def of(
         cls, controller: object, names: Iterable[str], shared: Iterable[str] = ()
     ) -> Before | None:
-        """None for what is no client of the controller link."""
+        """Return the state of a controller; None for a client without a controller link."""
         session = getattr(controller, "session", None)
         return cls(session, names, shared) if isinstance(session, Session) else None
 
     def put_back(self) -> None:
-        """Ends the programs that were borrowed, over a new connection if there is none any more.
+        """End the borrowed programs and restore the state, over a new connection if it was lost.
 
-        A slot that had no program keeps the borrowed one where the controller does not clear it.
+        A slot that had no program keeps the borrowed one if the controller does not clear it.
         Raises Refused.
         """
         session = self._session
@@ -134,7 +135,7 @@ class Before:
         return {slot: selected(self._session, slot) for slot in slots}
 
     def _end(self, slot: int) -> None:
-        """Waits for the program of a slot, stops it if it does not end, and resets it."""
+        """Wait for the program of a slot, stop it if it does not end, and reset it."""
         session, stopped = self._session, False
         end = time.monotonic() + ENDING
         while slot_state(session, slot).running:

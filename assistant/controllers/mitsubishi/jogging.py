@@ -44,7 +44,7 @@ NEAR: Final = 0.06
 MOST_SECONDS: Final = 120.0
 SERVOS_OFF, DURING_RUN = 2000, 5640
 OUT_OF_REACH: Final = frozenset({2600, 2601, 2602, 2603, 2800, 2801, 2802, 2803})
-"""Errors of positions that a motion cannot have."""
+"""Errors of goals that are out of reach or of the limits."""
 JOINT, POSE = "JGOAL", "PGOAL"
 ABOUT: Final = {"A": "X", "B": "Y", "C": "Z"}
 
@@ -93,7 +93,7 @@ def jog(session: Session, asked: Jog, check: Check | None, held: Held = always) 
         _go(session, asked.speed, name, value, goal, doing, held)
 
 
-def execute_while(session: Session, statement: str, goal: Goal, held: Held, slot: int = 1) -> None:
+def execute_while(session: Session, statement: str, goal: Goal, held: Held, slot: int) -> None:
     """Has a statement move the arm to a goal, and comes back when it stands there.
 
     For lines with room for one: they stay free for the stop, which goes out once it is not held.
@@ -259,9 +259,9 @@ class _Alarmed(Refused):
 
 @contextmanager
 def _acknowledged(session: Session) -> Iterator[None]:
-    """A goal that the arm cannot get to is an error there, which is acknowledged: it is told here.
+    """Acknowledge the controller's error of a goal that is out of reach: the refusal reports it.
 
-    Any other error stays: somebody has to look at it.
+    Any other error stays on the controller until the operator has seen it.
     """
     try:
         yield

@@ -1,4 +1,4 @@
-"""Everything that is near to a contour, as polygons: what the tool's centre must not come into."""
+"""The band around a contour, as polygons: the tool's centre must stay outside."""
 
 from __future__ import annotations
 
@@ -12,25 +12,25 @@ from assistant.sources.contours.flat import Plane
 from assistant.sources.contours.origins import Source, cross_of
 
 CHUNK: Final = 12
-"""Sides whose band is one polygon at most: bands of many that overlap take long."""
+"""Most sides whose band is one polygon: bands of many that overlap take long."""
 TURNS: Final = math.radians(4.0)
-"""Turn of sides over which one polygon is around both; below it GEOS leaves out what is round."""
+"""Least turn between two sides of one polygon: GEOS leaves out the rounds of smaller turns."""
 DEPTH: Final = 0.012
-"""The same of how far a corner is off the line past it, in offsets; GEOS leaves out less."""
+"""Least distance, in offsets, of the corner of two such sides from the line past it."""
 OVERLAP: Final = 0.25
-"""Of what polygons may be off, the part by which those of neighbours go over each other."""
+"""Overlap of neighbouring polygons, as a part of their tolerance."""
 SLIGHT: Final = 1e-9
-"""Radians of a turn that leaves nothing open."""
+"""Radians of a turn that leaves no gap."""
 SHARP: Final = math.radians(150.0)
-"""Of a turn, or left of a full circle: over it a joint has a whole round."""
+"""Turn at a joint, or gap of an almost full circle, above which it gets a complete round."""
 
 
 def bands(source: Source, offset: float, off: float) -> Any:
-    """Everything within the offset of a contour; their rounds at most `off` mm off.
+    """Return the area within `offset` mm of a contour; its rounds are at most `off` mm off.
 
-    Seen from a place there, the nearest of the contour is square to a line or an arc, or a joint
-    whose two normals the place is between. So it is in the band of a piece, or in the wedge
-    outside of a joint.
+    The point of the contour nearest to a place in it is square to a line or an arc, or a joint with
+    the place between its two normals. So each place is in the band of a piece, or in the wedge
+    outside a joint.
     """
     import shapely
 
@@ -47,8 +47,8 @@ def bands(source: Source, offset: float, off: float) -> Any:
 
 
 def _wedged(source: Source) -> NDArray[np.bool_]:
-    """Which joints (n,) of two arcs are closed by a wedge: not those of ends that do not meet,
-    hairpins, and circles that come back almost to their start. A line has a round at both ends.
+    """Joints (n,) of two arcs that a wedge closes: not those of ends that do not meet, hairpins,
+    and circles that almost return to their start. A line has a round at both ends.
     """
     before = np.roll(source.arcs, 1)
     met = (np.roll(source.end, 1, axis=0) == source.start).all(axis=1)
@@ -60,13 +60,13 @@ def _wedged(source: Source) -> NDArray[np.bool_]:
 
 
 def _turns(source: Source) -> NDArray[np.float64]:
-    """Radians (n,) to the left from the end of the piece before to the start of each."""
+    """Turn (n,) in radians, positive to the left, from the piece before to each."""
     one, two = np.roll(source.arriving, 1, axis=0), source.leaving
     return np.asarray(np.arctan2(cross_of(one, two), (one * two).sum(axis=1)))
 
 
 def _bare_ends(source: Source, wedged: NDArray[np.bool_]) -> Plane:
-    """Ends (k, 2) of arcs that no wedge closes."""
+    """Ends (k, 2) of arcs without a wedge."""
     starts = source.start[source.arcs & ~wedged]
     return np.concatenate([starts, source.end[source.arcs & ~np.roll(wedged, -1)]])
 
@@ -74,7 +74,7 @@ def _bare_ends(source: Source, wedged: NDArray[np.bool_]) -> Plane:
 def _wedges(
     source: Source, wedged: NDArray[np.bool_], offset: float, off: float, step: float
 ) -> list[Any]:
-    """Regions outside of joints, between the normals of both sides."""
+    """Regions outside joints, between the normals of both sides."""
     turns = _turns(source)
     rows = np.flatnonzero(wedged & (np.abs(turns) > SLIGHT))
     turn, arriving = turns[rows], np.roll(source.arriving, 1, axis=0)[rows]
@@ -91,7 +91,7 @@ def _wedges(
 
 
 def _sectors(source: Source, offset: float, off: float) -> list[Any]:
-    """Regions within the offset of arcs, without what is around their ends."""
+    """Regions within the offset of arcs, without the rounds of their ends."""
     import shapely
 
     rows = np.flatnonzero(source.arcs)
@@ -119,7 +119,7 @@ def _sectors(source: Source, offset: float, off: float) -> list[Any]:
 
 
 def _numbered(sizes: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """For rows of so many points each: the row that each point is of, and its place there."""
+    """Row (m,) of each point and its number in the row, for rows of so many points (n,)."""
     owner = np.repeat(np.arange(len(sizes)), sizes)
     return owner, np.arange(len(owner)) - (np.cumsum(sizes) - sizes)[owner]
 
@@ -141,8 +141,8 @@ def _polygons(points: Plane, owner: NDArray[np.intp]) -> list[Any]:
 def _chunks(source: Source, offset: float) -> Any:
     """The lines of a contour as polylines of a few sides, whose bands GEOS makes exactly.
 
-    It leaves out of the band of a polyline what its corners are off the line between their
-    neighbours by next to nothing: no polyline has such a corner.
+    GEOS leaves corners that are almost on the line between their neighbours out of the band of a
+    polyline: no polyline gets such a corner.
     """
     import shapely
 

@@ -215,10 +215,10 @@ class Beside:
 
 
 def _farthest(ways: STRtree, points: Plane) -> float:
-    """Return the largest distance from points (k, 2) to the nearest way.
+    """Return the largest distance in mm from points (k, 2) to the nearest way.
 
-    From one point to another it changes by at most the distance between the two, so that points
-    near one that is close to a way need not be asked for.
+    It changes from point to point by at most their distance, so points near one that is close to a
+    way need not be measured.
     """
     import shapely
 

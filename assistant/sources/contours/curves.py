@@ -295,10 +295,12 @@ def _times(size: float, a: Vector) -> Vector:
 
 
 def dot_product(a: Vector, b: Vector) -> float:
+    """The scalar product, in plain numbers."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def cross_product(a: Vector, b: Vector) -> Vector:
+    """The vector product, in plain numbers; `cross` multiplies columns."""
     return (
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],

@@ -29,8 +29,8 @@ SMALLEST: Final = 1.0
 TOGETHER: Final = 1e-6
 """mm between the ends of a contour that is closed."""
 STRAIGHT: Final = 1e-10
-"""Sine of the turn at the middle of an arc, in squares of its longer chord, of three points on a
-line."""
+"""Largest product of two chords of an arc and the sine of their turn, in squares of the longer
+chord, of three points on a line."""
 
 Piece = Line | Arc
 
@@ -102,10 +102,10 @@ def pieces_of(rows: Moves) -> list[Piece]:
 
 
 def lengths(start: Points, positions: Points, kinds: NDArray[np.uint8]) -> Floats:
-    """Mm (n,) that each row goes, of an arc all of it at its END.
+    """Length (n,) of each row in mm; that of an arc is at its END.
 
-    An arc turns by twice what its chords do at the point between its ends (the inscribed angle);
-    where that is nothing they are all there is.
+    An arc turns by twice the turn between its chords (the inscribed angle). Without a turn its
+    length is that of the chords.
     """
     places = np.vstack([start, positions])
     steps = np.linalg.norm(np.diff(places, axis=0), axis=1)

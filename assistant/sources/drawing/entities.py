@@ -154,7 +154,7 @@ def _flat(
 def _bulged(
     start: Floats, end: Floats, bulges: Floats
 ) -> tuple[NDArray[np.bool_], Floats, Floats, Floats, Floats]:
-    """Which of n pieces are arcs; their centres, conjugate radii (n, 3) and sweeps in radians.
+    """Truths (n,) for pieces that are arcs; centres, conjugate radii (n, 3), sweeps in radians.
 
     A bulge is the tangent of a quarter of an arc's angle, positive to the left. With the chord d
     from start to end the centre is (1 - b²) / 4b · d turned left from the middle of the chord.

@@ -54,13 +54,13 @@ class Told(Protocol):
 
 
 FEELING: Final = 0.02
-"""Real seconds between two looks whether the arm touches something."""
+"""Real seconds between two tests for contact."""
 
 
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """What tells a controller of contacts. signal: the input that is on in contact. touching: True
-    if the arm touches something at joints (a,).
+    """The source of contacts. signal: the input that is on in contact. touching: returns True if
+    the arm touches something at joints (a,), degrees or mm.
     """
 
     signal: str
@@ -177,7 +177,7 @@ class Powered:
         kernel.at(later, lambda: self._look_for_contact(kernel))
 
     def feel(self) -> None:
-        """Has the input of contacts be what it is now."""
+        """Set the input of contacts to its present value."""
         if self._equipment.contact is not None:
             self.do(self._feel)
 

@@ -56,7 +56,7 @@ class Home(AbstractedFS):  # type: ignore[misc]
         return "\0" not in path and bool(super().validpath(path))
 
     def chdir(self, path: str) -> None:
-        """The folder of the session; that of this process, which has other threads, stays."""
+        """Enter a folder in this session only: the folder of the process is shared by threads."""
         with os.scandir(path):  # refuses what cannot be entered
             self.cwd = self.fs2ftp(path)
 

@@ -31,10 +31,10 @@ class Options:
     longest_text: characters of a text that a variable takes.
 
     Names.
-    unset: what reading a number that was never set gives: 3700, undefined variable. shared: the
-    same of a number or text of all programs. No manual at hand tells; `M_00` to `M_19` are there
-    from the first start on and keep their values, and printed programs wait for `M_02=0` before
-    anything sets it.
+    unset: result of reading a number that was never set: error 3700, undefined variable, or 0.
+    shared: the same for a number or text of all programs. No manual at hand states either. `M_00`
+    to `M_19` exist from the first start and keep their values, and printed programs wait for
+    `M_02=0` before anything sets it.
     parameters: how a Function takes those without ByVal and ByRef.
     resets: whether `Reset Err` is allowed (a program that always runs, parameter ALWENA).
     nested: whether functions of several arguments take what other functions give (COSIROP: not).

@@ -89,4 +89,4 @@ def test_commands_report_what_was_found(tmp_path, capsys, monkeypatch):
         server.home.rmdir()
         status, out, said = run(capsys, "ls", f"ftp://user@127.0.0.1:{server.port}")
     assert (status, out) == (0, "")
-    assert "CN223" in said and "`/hd0a/SYS_1/HOME` is taken for it" in said
+    assert "CN223" in said and "`/hd0a/SYS_1/HOME` is used instead" in said

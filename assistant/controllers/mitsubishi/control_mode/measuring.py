@@ -66,7 +66,7 @@ class Measuring(Streaming):
         self._end(failed=error is not None)
 
     def _end(self, *, failed: bool) -> None:
-        """A program that is not told so ends by itself within 2 s."""
+        """End the stream, restore the controller. A program that gets no stop ends within 2 s."""
         try:
             self._stream.stop(STOPPING, again=True)
         finally:

@@ -174,7 +174,7 @@ class ControlMode(Streaming):
         self._sent, self._last = self.status.taken, None
 
     def _end(self, error: BaseException | None) -> str:
-        """Stops, closes the lines, and puts the controller back; in words, how the programs are."""
+        """Stop, close the lines and restore the controller; returns the state of the programs."""
         try:
             state = self.stop()
         finally:

@@ -15,7 +15,7 @@ FIRST: Final = "MULTITASK"
 """Starts and stops the others."""
 NAMES: Final = (FIRST, "DATALINK", "CONTROLLINK")
 SHARED: Final = ("M_01", "M_02", "M_03", "M_04")
-"""External variables by which they tell each other."""
+"""External variables by which they signal each other."""
 MEASURE: Final = "MEASURE"
 """Sends the status by itself, beside what another slot does."""
 
