@@ -140,9 +140,9 @@ def wander(
     from assistant.controllers.following import Wishes
 
     if cell is None:
-        moved = {"--contact": contact, "--key": key, "--camera": camera, "--region": region}
-        moved |= {"--range": range, "--box": box, "--seconds": seconds, "--log": log}
-        moved |= {"--line": lines, "--port": port, "--replace": replace}
+        moved: dict[str, object] = {"--contact": contact, "--key": key, "--camera": camera}
+        moved |= {"--region": region, "--range": range, "--box": box, "--seconds": seconds}
+        moved |= {"--log": log, "--line": lines, "--port": port, "--replace": replace}
         check_still(where, moved)
         asked = _asked(Path(where), chart, robot, size, thinner)
         raise typer.Exit(run_wander(asked, hidden, runs, seed, format))

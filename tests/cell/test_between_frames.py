@@ -118,7 +118,7 @@ def test_two_robots_meet() -> None:
 
 
 def test_joints_that_jump_are_no_endless_search() -> None:
-    """What is passed over in no time at all may have been met."""
+    """A body that lies in a jump may have been touched."""
     post, ball = Part(Capsule(10.0, 2000.0)), Part(Sphere(20.0))
     bodies = (Body("post", (post,)), Body("ball", (ball,), parent="flange"))
     model = Model(Scene(bodies, (gantry(),)))

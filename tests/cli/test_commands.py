@@ -13,7 +13,6 @@ import pytest
 
 from assistant import __version__
 from assistant.cli import main
-from assistant.cli.demo import trajectory
 from assistant.program import pseudo
 from assistant.virtual.cr import VirtualCr
 from assistant.virtual.irc5 import VirtualIrc5
@@ -232,42 +231,39 @@ def test_deploying_to_nobody_is_no_success(capsys, tmp_path):
 PLAYED = re.compile(r"  played: 35 points passed within \S+ mm and \S+ degrees, by \d+ looks")
 
 
-def test_the_demo_leaves_programs_plots_and_a_report(capsys, tmp_path, monkeypatch):
-    monkeypatch.setattr("assistant.cli.demo_cells.RATE", 10.0)
-    status, out, _ = run(capsys, "demo", "-o", tmp_path, "--unit", "m")
+def demo(capsys, folder, *more):
+    """What the demo prints; the programs, plots and report that it leaves are looked at."""
+    status, out, _ = run(capsys, "demo", "-o", folder, *more)
     assert status == 0
-    assert re.search(r"^ctraj of roboticstoolbox .*: 35 poses between two SE3$", out, re.M)
     assert len(PLAYED.findall(out)) == 2
     assert out.count("proven: ") == 4
     assert out.count("1 installed and verified") == 4
     for name in ("positioning.mod", "POSITIONING.prg", "plate.mod", "PLATE.prg"):
-        assert (tmp_path / name).stat().st_size > 1000
+        assert (folder / name).stat().st_size > 1000
     for name in ("positioning.png", "plate.png"):
-        assert (tmp_path / name).read_bytes().startswith(b"\x89PNG")
-    page = (tmp_path / "report.html").read_text("utf-8")
+        assert (folder / name).read_bytes().startswith(b"\x89PNG")
+    page = (folder / "report.html").read_text("utf-8")
     assert page.count("</script>") == 3 + 3
     assert "MoveJ positioning_1,v150,z100,GRIPPER" in page
     assert 'src="http' not in page
     assert page.count('"1 installed and verified') == 4
     assert page.count('"played: 35 points passed') == 2
     assert '"name":"arm.J6"' in page.replace("robot.J6", "arm.J6")
+    return out
 
 
-def test_without_the_toolbox_the_demo_tells_what_installs_it(capsys, monkeypatch):
+def test_the_demo_without_the_toolbox_tells_what_installs_it(capsys, tmp_path, monkeypatch):
+    monkeypatch.setattr("assistant.cli.demo_cells.RATE", 20.0)
     monkeypatch.setitem(sys.modules, "roboticstoolbox", None)
-    source = trajectory()
-    assert source.name == "positioning.csv" and source.given.is_file()
-    (line,) = capsys.readouterr().out.splitlines()
+    out = demo(capsys, tmp_path)
+    (line,) = [line for line in out.splitlines() if "roboticstoolbox" in line]
     assert "pip install 'robot-assistant[toolbox]'" in line and "positioning.csv" in line
 
 
 @pytest.mark.slow
-def test_the_demo_runs_without_the_toolbox(capsys, tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "roboticstoolbox", None)
-    status, out, _ = run(capsys, "demo", "-o", tmp_path)
-    assert status == 0 and "pip install 'robot-assistant[toolbox]'" in out
-    assert len(PLAYED.findall(out)) == 2
-    assert (tmp_path / "positioning.png").read_bytes().startswith(b"\x89PNG")
+def test_the_demo_computes_its_trajectory_with_the_toolbox(capsys, tmp_path):
+    out = demo(capsys, tmp_path, "--unit", "m")
+    assert re.search(r"^ctraj of roboticstoolbox .*: 35 poses between two SE3$", out, re.M)
 
 
 REFUSED = (

@@ -103,7 +103,7 @@ COMMANDS: dict[str, Words] = {
 }
 
 
-QUICK = ("jog a joint", "backup", "verify")
+QUICK = ("jog a joint", "verify")
 
 
 def check_each(capsys, controller: VirtualCr, port: int, names: Iterable[str]) -> None:

@@ -73,11 +73,8 @@ def test_run_moves_to_what_comes_over_the_line(folder: Path) -> None:
         assert led_to(GOAL, com1, com2) == pytest.approx(GOAL, abs=0.02)
 
 
-@pytest.mark.parametrize(
-    "folder",
-    [SAMPLES, pytest.param(SAMPLES / "datalink", marks=pytest.mark.slow)],
-    ids=["printed", "hardened"],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("folder", [SAMPLES, SAMPLES / "datalink"], ids=["printed", "hardened"])
 def test_a_virtual_controller_runs_them(folder: Path) -> None:
     port, com1, com2, mxt = free(), free(), free(), free()
     lines = ("--line", f"COM1={com1}", "--line", f"COM2={com2}")

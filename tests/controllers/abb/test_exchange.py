@@ -20,11 +20,8 @@ from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.program.motion import Speed
 from assistant.program.path import Kind, Path
-from assistant.virtual.events import Moved
-from tests.controllers.abb.exchanging import RunningRobot
+from tests.controllers.abb.exchanging import POSES, RunningRobot, moves, targets
 from tests.controllers.abb.sftp_server import SftpServer
-
-POSES = 35
 
 
 def codes(refused):
@@ -47,19 +44,6 @@ def programs(robot):
 def exchange(programs):
     with PoseExchange(programs) as exchange:
         yield exchange
-
-
-def moves(robot):
-    """The lines that the robot has been told to go; the first motion is that to its start."""
-    return [event for event in robot.run.events if isinstance(event, Moved)][1:]
-
-
-def targets(start, number=POSES):
-    """Poses from where the robot is to 120 mm beside and 40 mm below, turned by 20 degrees."""
-    parts = np.arange(1, number + 1) / number
-    ends = rotations.multiply(start.quaternion, rotations.about([0.0, 0.0, 1.0], 20.0))
-    places = np.asarray(start.position) + parts[:, None] * np.array([0.0, 120.0, -40.0])
-    return places, rotations.between(np.asarray(start.quaternion), ends, parts)
 
 
 def test_35_poses_are_followed_and_each_is_answered_with_where_the_robot_stands(robot, programs):

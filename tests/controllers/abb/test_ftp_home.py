@@ -11,7 +11,7 @@ TEXT = b"MODULE seam\nENDMODULE\n"
 
 
 def at(root, folders, begins="", folder="", server=ftp_servers.proftpd):
-    """Where a client puts a file on a server with these folders, and what it reports of it."""
+    """The folder that a client uses on a server with these folders, and the codes it reports."""
     root.mkdir()
     for name in folders:
         (root / name).mkdir(parents=True)

@@ -13,13 +13,11 @@ from assistant.controllers.abb.exchange import Module, PlainExchange, PlainFiles
 from assistant.program import rotations
 from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
-from assistant.virtual.events import Moved
 from assistant.virtual.irc5 import VirtualIrc5
 from tests.controllers.abb import ftp_servers
-from tests.controllers.abb.exchanging import PlainRobot
+from tests.controllers.abb.exchanging import POSES, PlainRobot, moves, targets
 
 SAMPLE = Path(__file__).parents[3] / "samples" / "rapid" / "plain_exchange.mod"
-POSES = 35
 START = Pose((420.0, 60.0, 400.0), (0.0, 0.0, 1.0, 0.0))
 
 
@@ -53,19 +51,6 @@ def served(tmp_path):
 def robot(served):
     with PlainRobot(served[0]) as robot:
         yield robot
-
-
-def moves(robot):
-    """The lines that the robot has been told to go; the first motion is that to its start."""
-    return [event for event in robot.run.events if isinstance(event, Moved)][1:]
-
-
-def targets(start, number=POSES):
-    """Poses from where the robot is to 120 mm beside and 40 mm below, turned by 20 degrees."""
-    parts = np.arange(1, number + 1) / number
-    ends = rotations.multiply(start.quaternion, rotations.about([0.0, 0.0, 1.0], 20.0))
-    places = np.asarray(start.position) + parts[:, None] * np.array([0.0, 120.0, -40.0])
-    return places, rotations.between(np.asarray(start.quaternion), ends, parts)
 
 
 @pytest.mark.parametrize("server", [virtual, proftpd])
@@ -187,7 +172,7 @@ def test_an_answer_to_an_earlier_question_is_left_alone(served):
 
 
 def test_numbers_in_lines_are_an_answer_too(served):
-    """As `Write` with one register each writes them."""
+    """A program may write one register at a time."""
     home, programs = served
 
     def robot():

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import random
-from dataclasses import fields, is_dataclass
 from typing import Any
 
-import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from lark import Tree
 from lark.exceptions import UnexpectedInput
 
 from assistant import languages
@@ -20,25 +17,13 @@ from assistant.languages.rapid.reading.grammar import grammar
 from assistant.languages.rapid.reading.nodes import Nodes
 from assistant.languages.rapid.reading.scanner import table_words
 from assistant.languages.rapid.tree import syntax as s
-from assistant.program.diagnostics import Span
 from assistant.resources import read_grammar
+from tests.languages.lark_trees import everything, node_of
 from tests.languages.rapid.layouts import scattered
 from tests.languages.rapid.modules import files
 
 RAPID = languages.get("rapid")
 LARK = lark(read_grammar("rapid.lark"), ("start",))
-
-
-def everything(value: Any) -> Any:
-    """A tree as tuples, with the spans, which do not count when nodes are compared."""
-    if is_dataclass(value) and not isinstance(value, type):
-        parts = (everything(getattr(value, field.name)) for field in fields(value))
-        return (type(value).__name__, *parts)
-    if isinstance(value, tuple | list):
-        return tuple(map(everything, value))
-    if isinstance(value, np.ndarray):
-        return value.tobytes()
-    return str(value) if isinstance(value, str) else value
 
 
 def driven(text: str) -> Any:
@@ -55,14 +40,7 @@ def by_lark(text: str) -> Any:
         tree = LARK.parse(text)
     except UnexpectedInput:
         return None
-    return everything(of_tree(tree, Nodes(text, int, ())))
-
-
-def of_tree(tree: Tree[Any], nodes: Nodes) -> Any:
-    """What a tree of lark stands for."""
-    children = [of_tree(c, nodes) if isinstance(c, Tree) else c for c in tree.children]
-    place = None if tree.meta.empty else Span(tree.meta.start_pos, tree.meta.end_pos)
-    return getattr(nodes, tree.data)(place, children)
+    return everything(node_of(tree, Nodes(text, int, ())))
 
 
 @settings(

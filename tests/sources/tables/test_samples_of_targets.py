@@ -99,6 +99,7 @@ def test_the_positioning_experiment_is_a_cartesian_trajectory_of_the_toolbox(pat
     assert np.abs(alike - 1.0).max() < 1e-8
 
 
+@pytest.mark.slow
 def test_the_sample_of_a_trajectory_writes_both_programs_and_a_plot(tmp_path: FilePath) -> None:
     pytest.importorskip("roboticstoolbox")
     done = subprocess.run(

@@ -27,7 +27,7 @@ from assistant.vision.servoing.ideal import Ideal, Ticks
 CELL = '[robots.arm]\nrobot = "rv-2aj"\ntool = "gripper"\n'
 CELL += "[bodies.gripper]\ncylinder = [25, 58]\nposition = [0, 0, 29]\n"
 POST = np.array([260.0, 160.0]), 40.0
-"""Place and radius of a cylinder that stands where the arm reaches."""
+"""Position and radius of a cylinder within reach of the arm."""
 STANDS = "[bodies.post]\ncylinder = [40, 900]\nposition = [260, 160, 450]\n"
 RANGES = np.array([[-60.0, 60.0], [0.0, 60.0], [30.0, 110.0], [-90.0, 90.0], [-90.0, 90.0]])
 
@@ -73,7 +73,7 @@ def wanderer(waits: bool, box=None, ranges=RANGES, speed: float = 100.0) -> Wand
     return Wanderer(explorer, carrier, guard, felt, log, ranges, seed=4, clock=clock)
 
 
-@pytest.mark.parametrize("waits", [True, False])
+@pytest.mark.parametrize("waits", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_free_space_is_found_about_an_obstacle_and_none_inside(waits: bool) -> None:
     one = wanderer(waits, speed=250.0)
     one.check()
