@@ -44,7 +44,7 @@ from assistant.sources.project import STYLE, project_of
 
 if TYPE_CHECKING:
     from assistant.languages import Language
-    from assistant.languages.texts.outline import Numbering, Outline
+    from assistant.languages.answers import Numbering, Outline
 
 NOT_A_COMMENT: Final = error(
     "CO611",

@@ -35,7 +35,7 @@ from assistant.program.text import SourceText, decode, encode, read_bytes
 if TYPE_CHECKING:
     from lark import Lark
 
-    from assistant.languages.texts.outline import Outline
+    from assistant.languages.answers import Outline
     from assistant.program.editing import Editable
     from assistant.program.wanted import Supplied, Wanted, WantedKind
     from assistant.robots import Robot

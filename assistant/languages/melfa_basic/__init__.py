@@ -35,11 +35,11 @@ if TYPE_CHECKING:
 
     from lark import Lark
 
+    from assistant.languages.answers import Outline
     from assistant.languages.melfa_basic.reading.editing import EditableMelfaBasic
     from assistant.languages.melfa_basic.tree import syntax
     from assistant.languages.melfa_basic.tree.syntax import File
     from assistant.languages.tasks import Configured, Texts
-    from assistant.languages.texts.outline import Outline
     from assistant.program.arrays import Rows
     from assistant.program.wanted import Supplied, Wanted, WantedKind
     from assistant.robots import Robot

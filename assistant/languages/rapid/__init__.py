@@ -25,10 +25,10 @@ from assistant.program.text import SourceText
 if TYPE_CHECKING:
     from lark import Lark
 
+    from assistant.languages.answers import Outline
     from assistant.languages.rapid.reading.editing import EditableRapid
     from assistant.languages.rapid.tree import syntax
     from assistant.languages.rapid.tree.syntax import File
-    from assistant.languages.texts.outline import Outline
     from assistant.program.arrays import Rows
     from assistant.program.wanted import Supplied, Wanted
     from assistant.robots import Robot

@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Final
 
+from assistant.languages.answers import Numbering, Outline
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, Dialect
 from assistant.languages.melfa_basic.text.header import END, MARK
-from assistant.languages.texts.outline import Numbering, Outline
 
 _HEADING: Final = re.compile(rf"(?:(?:[0-9]+ )?'.*\n)*?(?:[0-9]+ )?' {END}\r?\n")
 _MARK: Final = re.compile(rf"^(?:[0-9]+ )?' {MARK}melfa", re.MULTILINE)

@@ -6,8 +6,8 @@ import re
 from collections.abc import Mapping
 from typing import Final
 
+from assistant.languages.answers import Outline
 from assistant.languages.rapid.text.header import is_item
-from assistant.languages.texts.outline import Outline
 
 _COMMENT: Final = re.compile(r"(?: *!.*\n)*")
 _ROUTINE: Final = re.compile(
