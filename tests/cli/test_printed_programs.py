@@ -12,15 +12,14 @@ from pathlib import Path
 
 import pytest
 
+from assistant.controllers.address import parse
+from assistant.controllers.mitsubishi.cr import Cr
+from tests.cli.test_commands import run
+from tests.controllers.abb.ftp_servers import free_port as free
+
 SAMPLES = Path(__file__).parents[2] / "samples/melfa"
 NAMES = ("MULTITASK", "DATALINK", "CONTROLLINK")
 GOAL = 3.0
-
-
-def free() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 def command(*words: object) -> list[str]:
@@ -82,9 +81,6 @@ def test_a_virtual_controller_runs_them(folder: Path) -> None:
     with running("virtual", "cr", "--port", port, "--mxt-port", mxt, *lines) as child:
         assert child.stdout is not None
         assert "listening" in child.stdout.readline()
-        from assistant.controllers.address import parse
-        from assistant.controllers.mitsubishi.cr import Cr
-
         with Cr(parse(address)) as controller:
             for name in NAMES:
                 controller.write(name, (folder / f"{name}.prg").read_bytes())
@@ -96,8 +92,6 @@ def test_a_virtual_controller_runs_them(folder: Path) -> None:
 
 
 def test_a_line_that_leads_nowhere_is_3140(capsys: pytest.CaptureFixture[str]) -> None:
-    from tests.cli.test_commands import run
-
     status, _, said = run(capsys, "run", SAMPLES / "MULTITASK.prg", "-r", "rv-2aj")
     assert status == 1 and "error 3140" in said and "COM2:" in said and "--line" in said
 
@@ -105,8 +99,6 @@ def test_a_line_that_leads_nowhere_is_3140(capsys: pytest.CaptureFixture[str]) -
 def test_the_check_reports_the_variable_that_is_set_too_late(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    from tests.cli.test_commands import run
-
     status, _, said = run(capsys, "check", SAMPLES / "MULTITASK.prg")
     assert status == 1 and said.count("MB148 warning") == 1 and "`M_02` in line 10" in said
     _, _, said = run(capsys, "check", SAMPLES / "datalink" / "MULTITASK.prg")
