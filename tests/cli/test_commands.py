@@ -232,7 +232,7 @@ PLAYED = re.compile(r"  played: 35 points passed within \S+ mm and \S+ degrees, 
 
 
 def demo(capsys, folder, *more):
-    """What the demo prints; the programs, plots and report that it leaves are looked at."""
+    """Return what the demo prints, once its programs, plots and report are found right."""
     status, out, _ = run(capsys, "demo", "-o", folder, *more)
     assert status == 0
     assert len(PLAYED.findall(out)) == 2

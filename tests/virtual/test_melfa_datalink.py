@@ -152,7 +152,7 @@ def test_the_first_program_waits_for_ever_for_m_01() -> None:
 
 
 def test_the_second_program_needs_m_02_before_the_first_one_sets_it() -> None:
-    """Line 30 starts it, line 50 gives M_02 its value; where it starts as 0 that is no matter."""
+    """Line 30 starts it, line 50 gives M_02 its value; if that begins as 0, nothing is wrong."""
     done = Cell(PRINTED, options=Options(shared="error")).run()
     assert done.ended == "error" and "slot 2: error 3700" in done.message
 
