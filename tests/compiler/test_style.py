@@ -114,6 +114,7 @@ def test_jinja_reads_the_templates_of_the_package_as_we_do(name, text):
     assert re.sub("\ue002[0-9]+\ue003", "", rendered) == plain
 
 
+@pytest.mark.slow
 def test_compiling_without_a_template_imports_no_jinja(tmp_path):
     (tmp_path / "weld.pseudo").write_text(PROGRAM, "utf-8")
     code = (

@@ -53,7 +53,7 @@ def robot(served):
         yield robot
 
 
-@pytest.mark.parametrize("server", [virtual, proftpd])
+@pytest.mark.parametrize("server", [pytest.param(virtual, marks=pytest.mark.slow), proftpd])
 def test_35_poses_go_as_plain_files_and_come_back(tmp_path, tell, server):
     with server(tmp_path / "root") as (home, programs):
         with PlainRobot(home, SAMPLE.read_text()) as robot:
