@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 UNREADABLE: Final = error(
     "CO601",
     "the template cannot be read: {reason}",
-    "correct the line: `{{{{ author }}}}` writes a value, and `{{% if author %}}` needs an"
-    " `{{% endif %}}`",
+    "correct the line: `{{{{ author }}}}` writes a value, and each `{{% if author %}}` needs its"
+    " end",
 )
 NO_VALUE: Final = error(
     "CO602", "the template names `{name}`, which is not a value of programs", "write {known}"
