@@ -1,7 +1,9 @@
 """Addresses: what they say, what is refused, and that no password is ever repeated."""
 
+from urllib.parse import unquote
+
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from assistant.controllers.address import SCHEMES, Address, parse
@@ -96,11 +98,26 @@ def test_a_password_is_refused_and_never_shown(scheme, password, rest):
     st.integers(1, 65535),
     st.none() | st.text(st.characters(codec="utf-8", categories=["L", "N", "Zs", "P"]), min_size=1),
 )
+@example("ftp", "irc5", 21, "%41")
+@example("ftp", "irc5", 21, ":")
+@example("ftp", "irc5", 21, "a/:geheim")
+@example("ftp", "irc5", 21, "@:geheim")
+@example("ftp", "irc5", 21, "a%253Ageheim")
 def test_an_address_survives_being_written(scheme, host, port, user):
+    """Unless a `:` is in the user, however it is quoted: what follows it may be a password."""
     address = Address(scheme, host, port, user if SCHEMES[scheme].login else None)
     if address.folder != SCHEMES[scheme].folder:
         address = Address(scheme, host, port, address.user, SCHEMES[scheme].folder)
-    assert parse(str(address)) == address
+    plain = address.user or ""
+    while plain != (plain := unquote(plain)):
+        pass
+    if ":" not in plain:
+        assert parse(str(address)) == address
+        return
+    with pytest.raises(Refused) as refused:
+        parse(str(address))
+    assert [finding.code for finding in refused.value.findings] == ["CN102"]
+    assert "geheim" not in str(refused.value)
 
 
 @pytest.mark.parametrize("text", GOOD)
