@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable, Container, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import chain
@@ -28,6 +28,7 @@ from assistant.compiler.scenes import in_cell
 from assistant.compiler.seen_frames import with_known
 from assistant.compiler.source_map import Place, Places, Trace
 from assistant.compiler.style import style_beside
+from assistant.compiler.uncalled import NOT_CALLED
 from assistant.compiler.unsaid import lose
 from assistant.lazy import pictured
 from assistant.program import statements as p
@@ -368,6 +369,7 @@ def _report(
             if one is not None:
                 one.note(finding, line)
     _hand_on(parts)
+    _hand_in(parts, [f for f in (*compiled.found, *later) if f.code == NOT_CALLED.code])
     lose(compiled.source, {span: part.found for span, part in parts.items()})
     shown = [part for part in parts.values() if part.found or part.at or not part.silent]
     shown.sort(key=lambda part: (part.span.start, -part.span.end))
@@ -432,6 +434,22 @@ def _hand_on(parts: Mapping[Span, _Part]) -> None:
         if holder is not None:
             known = {finding.message for finding in part.found}
             part.found += (f for f in holder.found if f.message not in known)
+
+
+def _hand_in(parts: Mapping[Span, _Part], left_out: Iterable[Diagnostic]) -> None:
+    """What is found about a routine that is left out is found about each statement and each
+    declaration in it.
+    """
+    about = {f.span: f for f in left_out if f.span is not None}
+    outer: list[Span] = []
+    for span in sorted(about, key=lambda one: (one.start, -one.end)):
+        if not outer or span.start >= outer[-1].end:
+            outer.append(span)
+    starts = [span.start for span in outer]
+    for part in parts.values():
+        at = bisect_right(starts, part.span.start) - 1
+        if at >= 0 and part.span.end <= outer[at].end and not part.silent:
+            part.note(about[outer[at]], None)
 
 
 def _parts(program: Program, places: Places, lifted: Container[Span | None]) -> Iterator[_Part]:

@@ -74,7 +74,14 @@ def without_uncalled(
             if effect_of(one).writes.isdisjoint(gone) and not effect_of(one).writes & idle
         ),
     )
-    told = [x for name in dead if name in gone for x in _told(dead[name], name, language)]
+    # Forms of a routine for what it is given share its span: it is not left out if one is called.
+    kept = {one.span for one in left.procedures}
+    told = [
+        x
+        for name, one in dead.items()
+        if name in gone and one.span not in kept
+        for x in _told(one, name, language)
+    ]
     told += [
         NOT_CALLED(name=name, language=language, span=one.span)
         for one in program.declarations
@@ -144,10 +151,12 @@ def _named_only_in(
 
 
 def _told(one: Procedure | Declaration, name: str, language: str) -> Iterator[Diagnostic]:
-    """A finding for the routine, and for each statement in it."""
+    """A finding for the routine, which is about all that its span holds."""
     spelled = one.name if isinstance(one, Procedure) else name
-    spans = [one.span, *(s.span for s in walk(one.body))] if isinstance(one, Procedure) else []
-    for span in dict.fromkeys(spans or [one.span]):
+    spans = [one.span]
+    if one.span is None and isinstance(one, Procedure):
+        spans = [statement.span for statement in walk(one.body)]
+    for span in dict.fromkeys(spans):
         if span is not None:
             yield NOT_CALLED(name=spelled, language=language, span=span)
 

@@ -102,3 +102,73 @@ def test_data_without_an_equivalent_go_with_what_nothing_calls(tmp_path: Path, c
     if not call:
         (text,) = done.files.values()
         assert b"fixed" not in text and b"none" not in text
+
+
+LOCALS = """\
+MODULE part
+  PROC main()
+    WaitTime 1;
+  ENDPROC
+  PROC Old()
+    VAR num count:=1005;
+    CONST num most:=3;
+    PERS bool first:=TRUE;
+    CONST robtarget here:=[[400,0,400],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+    CONST speeddata slow:=[80,50,5000,1000];
+    VAR num row{2}:=[1,2];
+    ! a comment is no statement
+    FOR i FROM 1 TO most DO
+      OddStatement;
+    ENDFOR
+  ENDPROC
+ENDMODULE
+"""
+
+
+def test_what_nothing_calls_is_reported_with_all_that_it_declares(tmp_path: Path) -> None:
+    file = tmp_path / "part.mod"
+    file.write_text(LOCALS, encoding="utf-8")
+    done = translate(file, to="melfa-basic-6")
+    inside = {
+        *("PROC Old()", "VAR num count:=1005;", "CONST num most:=3;", "PERS bool first:=TRUE;"),
+        *("CONST speeddata slow:=[80,50,5000,1000];", "VAR num row{2}:=[1,2];"),
+        *("FOR i FROM 1 TO most DO", "OddStatement"),
+    }
+    told = {row.text: {f.code for f in row.reasons} for row in done.rows}
+    assert all(told[text] >= {"CO015"} for text in inside)
+    assert [row.level for row in done.rows if "CONST robtarget" in row.text] == ["partial"]
+    assert done.totals == {"supported": 2, "partial": 9, "not": 0}
+    assert [f.line for f in done.findings if f.code == "CO015"] == [5]
+
+
+FORMS = """\
+MODULE part
+  CONST robtarget here:=[[400,0,400],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+  VAR num few{{3}}:=[1,2,3];
+  VAR num many{{2000}};
+  PROC main()
+    Add few;
+    {more}
+  ENDPROC
+  PROC Add(VAR num list{{*}})
+    MoveJ here,v100,fine,tool0;
+    list{{2}}:=list{{1}};
+  ENDPROC
+  PROC Old()
+    Add many;
+  ENDPROC
+ENDMODULE
+"""
+
+
+@pytest.mark.parametrize("more", ["", "OddStatement;"])
+def test_a_routine_is_kept_where_only_a_form_of_it_is_not_called(tmp_path: Path, more: str) -> None:
+    """`Add` for `many`, which is too long for MELFA-BASIC V, has the span of `Add` for `few`."""
+    file = tmp_path / "part.mod"
+    file.write_text(FORMS.format(more=more), encoding="utf-8")
+    done = translate(file, to="melfa-basic-5", draft=True)
+    told = {row.text: {f.code for f in row.reasons} for row in done.rows}
+    assert told["PROC Add(VAR num list{*})"] == told["list{2}:=list{1}"] == set()
+    assert told["PROC Old()"] == told["Add many"] == {"CO015"}
+    (text,) = done.files.values()
+    assert done.ok is (not more) and b"MFEW(2)=MFEW(1)" in text and b"Mov " in text
