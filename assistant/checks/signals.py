@@ -7,6 +7,7 @@ from typing import Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.signals import used_names
 from assistant.program.diagnostics import Diagnostic, Severity, warning
 from assistant.program.program import Program, walk
 from assistant.program.rewriting import head, records
@@ -41,7 +42,7 @@ def shared_numbers(program: Program) -> Iterator[Diagnostic]:
         key = (signal.kind, signal.direction, signal.number)
         other = found.setdefault(key, name)
         if other != name:
-            used = _used(program) if used is None else used
+            used = used_names(program) if used is None else used
             both = {name.lower(), other.lower()} <= used
             if signal.direction == "input" and signal.bits != program.signals[other].bits:
                 both = False
@@ -54,21 +55,6 @@ def shared_numbers(program: Program) -> Iterator[Diagnostic]:
                 number=signal.number,
                 about=Declared(name, "signals"),
             )
-
-
-def _used(program: Program) -> set[str]:
-    """Lower-case names of all that statements read, wait for or set, kept texts included."""
-    found = set()
-    for statement in program.statements():
-        found |= {one.signal.lower() for one in p.outputs(statement)}
-        if isinstance(statement, p.WaitSignal):
-            found.add(statement.signal.lower())
-        for part in records(head(statement)):
-            if isinstance(part, e.Name):
-                found.add(part.name.lower())
-            elif (effect := getattr(part, "effect", None)) is not None:
-                found |= effect.names
-    return found
 
 
 def group_values(program: Program) -> Iterator[Diagnostic]:

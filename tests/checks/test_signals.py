@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import assistant
-from assistant import checks
+from assistant import checks, languages
 from assistant.program.expressions import Binary, Name, Number
 from assistant.program.program import Procedure, Program, Signal
 from assistant.program.statements import Assign, SetSignal, Statement, WaitSignal, WaitUntil, While
@@ -41,6 +41,24 @@ def test_two_outputs_on_one_number():
     out = Signal("digital", "output", 3)
     sets = (SetSignal("a", Number(1)), SetSignal("b", Number(0)))
     assert found({"a": out, "b": out}, *sets) == ["CK121 error"]
+
+
+@pytest.mark.parametrize("language", languages.names())
+@pytest.mark.parametrize("declared", [("glue", "valve"), ("valve", "glue"), ("Valve", "GLUE")])
+def test_the_name_that_is_used_of_two_on_one_number_is_written(declared, language):
+    program = Program(
+        "p",
+        (Procedure("main", (SetSignal("glue", Number(1)),)),),
+        signals=dict.fromkeys(declared, Signal("digital", "output", 19)),
+        entry="main",
+    )
+    made = assistant.compile(program, language=language)
+    assert made.ok and [f.code for f in made.findings] == ["CK121"]
+    (text,) = made.files.values()
+    (back,) = (
+        languages.get(language).lift(languages.get(language).parse(text.decode())).statements()
+    )
+    assert back.signal.lower() == "glue"
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import replace
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -30,6 +31,41 @@ class Addressed:
             self.names[signal] = self.free(wanted or f"{letters}_{width}{signal.number}")
             self.signals[self.names[signal]] = signal
         return self.names[signal]
+
+
+def with_one_name(program: Program) -> Program:
+    """The program for a language that names signals by their addresses: of several names of one
+    address the one that is used, or the first. Where more are used, all of them stay.
+    """
+    by_address: dict[Signal, list[str]] = defaultdict(list)
+    for name, signal in program.signals.items():
+        if signal.number is not None:
+            by_address[signal].append(name)
+    shared = [names for names in by_address.values() if len(names) > 1]
+    if not shared:
+        return program
+    used = used_names(program)
+    gone: set[str] = set()
+    for names in shared:
+        left = [name for name in names if name.lower() in used] or names[:1]
+        gone.update(name for name in names if name not in left)
+    signals = {name: one for name, one in program.signals.items() if name not in gone}
+    return replace(program, signals=signals)
+
+
+def used_names(program: Program) -> set[str]:
+    """Lower-case names of all that statements read, wait for or set, kept texts included."""
+    found = set()
+    for statement in program.statements():
+        found |= {one.signal.lower() for one in p.outputs(statement)}
+        if isinstance(statement, p.WaitSignal):
+            found.add(statement.signal.lower())
+        for part in records(head(statement)):
+            if isinstance(part, e.Name):
+                found.add(part.name.lower())
+            elif (effect := getattr(part, "effect", None)) is not None:
+                found |= effect.names
+    return found
 
 
 def with_used(

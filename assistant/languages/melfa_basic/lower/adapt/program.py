@@ -26,6 +26,7 @@ from assistant.languages.melfa_basic.tables.variables import is_external
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.analysis.motions import branches_by_frame
+from assistant.program.analysis.signals import with_one_name
 from assistant.program.analysis.uses import shared_between_units
 from assistant.program.diagnostics import Diagnostic, Findings, Span, has_errors
 from assistant.program.geometry import BASE
@@ -122,6 +123,7 @@ FIRST: Final[tuple[Pass, ...]] = (
     pure(with_computed_targets),
     in_base,
     pure(with_declared_names),
+    pure(with_one_name),
 )
 """Variables, arrays, loops, procedures, places and targets as the dialects have them, in order."""
 
