@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+import assistant
 from assistant.cli import main
 
 RAPID = {
@@ -78,3 +80,59 @@ def test_no_comment_is_lost(files: dict[str, str], to: str, tmp_path: Path) -> N
     said = re.findall(r"[!'] *([a-z].*? \d+)$", "\n".join(files.values()), re.MULTILINE)
     assert len(said) == len({text.split()[-1] for text in said}) >= 14
     assert [text for text in said if text not in comments] == []
+
+
+BESIDE = """\
+MODULE part
+  VAR num n:=0;
+  PROC main()
+    IF n=1 n:=2; ! short
+    IF n=1 THEN ! if
+      n:=3; ! then
+    ELSE ! else
+      n:=4; ! otherwise
+    ENDIF ! end of if
+    IF n=1 GOTO over; ! jump
+    IF n=1 Sub; ! call
+    WHILE n=5 DO ! while
+      WHILE n=6 DO
+        IF n=1 RETURN; ! back
+      ENDWHILE
+    ENDWHILE ! end of while
+    over: ! label
+    TEST n
+    CASE 1: ! case
+      WHILE n=7 DO ! inner
+        n:=8;
+      ENDWHILE
+    ENDTEST ! end of test
+  ENDPROC
+  PROC Sub()
+    FOR i FROM 1 TO 2 DO ! for
+      n:=n+i; ! sum
+    ENDFOR ! end of for
+  ENDPROC
+ENDMODULE
+"""
+
+
+@pytest.mark.parametrize("language", ["melfa-basic-4", "melfa-basic-5", "melfa-basic-6"])
+def test_comments_beside_blocks_stay_with_them(tmp_path: Path, language: str) -> None:
+    file = tmp_path / "part.mod"
+    file.write_text(BESIDE, encoding="utf-8")
+    done = assistant.translate(file, to=language)
+    assert done.ok, done.findings
+    (text,) = (data.decode().replace("\r\n", "\n") for data in done.files.values())
+    for comment in re.findall("! (.*)", BESIDE):
+        assert text.count(f"' {comment}\n") == 1
+
+
+def test_a_comment_beside_a_choice_is_not_that_of_a_loop_in_it() -> None:
+    """Version 4 has no word for the choice itself, so that a loop may have the first such word."""
+    language = assistant.languages.get("melfa-basic-4")
+    text = "10 IF M_IN(7)=0 THEN M_OUT(5)=1 ELSE M_OUTB(16)=M10 ' beside\n20 END\n"
+    program = replace(language.lift(language.parse(text)), origin=None)
+    made = assistant.compile(program, language=language.name)
+    assert made.ok, made.findings
+    (written,) = (data.decode().replace("\r\n", "\n") for data in made.files.values())
+    assert re.search(r"^\d+ ' beside\n\d+ IF M_IN\(7\)=0 ", written, re.MULTILINE)

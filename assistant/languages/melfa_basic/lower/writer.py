@@ -21,6 +21,7 @@ from assistant.languages.melfa_basic.tables.dialects import EMITTED_LINE, Dialec
 from assistant.languages.melfa_basic.tables.functions import OF_ARM
 from assistant.languages.melfa_basic.text.printer import line
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.blocks import block_word, statement_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import base, texts_in
@@ -90,6 +91,8 @@ class Writer:
         """Where in the source that is written here stood what a line says, by its identity."""
         self._at: Span | None = None
         self._noted = 0
+        self._inner: int | None = None
+        """Where the first body of the statement that is written begins."""
         self.owner: Procedure | None = None
         self.expressions = Expressions(program, dialect, names, robot, self.next_number)
         self.used, self.shared = self._used()
@@ -194,6 +197,7 @@ class Writer:
 
     def body(self, statements: tuple[p.Statement, ...]) -> None:
         around = self._at
+        outer = len(self.items) if self._inner is None else self._inner
         before: p.Statement | None = None
         held: p.Comment | None = None
         for statement, below in zip(statements, (*statements[1:], None), strict=False):
@@ -202,7 +206,7 @@ class Writer:
                 held = statement
                 continue
             if not self._ends_block(statement, before):
-                begin, self._at = len(self.items), statement.span or around
+                begin, self._at, self._inner = len(self.items), statement.span or around, None
                 with self.findings.at(statement.span), self.saying():
                     self.statement(statement)
                 if held is not None:
@@ -210,18 +214,28 @@ class Writer:
             before, held = statement, None
             self._note()
             self._at = around
+        self._inner = outer
 
     def _ends_block(self, comment: p.Statement, before: p.Statement | None) -> bool:
-        """Writes a comment behind the last word of a block, if it stood there."""
+        """Writes a comment behind the last word of a block, if it stood there.
+
+        An `If` of one line has no such word: a comment at its end is read as one above it.
+        """
         if not isinstance(comment, p.Comment) or before is None or not bodies(before):
             return False
-        return comment.stands_at_end_of(before) and self._behind(len(self.items) - 1, comment)
+        if (
+            not comment.stands_at_end_of(before)
+            or not block_word(statement_of(self.items[-1])).closes
+        ):
+            return False
+        return self._behind(len(self.items) - 1, comment)
 
     def _beside(self, comment: p.Comment, begin: int, statement: p.Statement) -> None:
         """Writes a comment at the end of a statement's line, or above it."""
         lines, at = self.items[begin:], -1
-        if bodies(statement):
-            at = next((k for k, item in enumerate(lines) if _opens(item)), -1)
+        if bodies(statement):  # not the first line of a block inside of it
+            own = self.items[begin : self._inner]
+            at = next((k for k, item in enumerate(own) if _opens(item)), -1)
         elif not any(isinstance(item, s.Line) and item.label for item in lines):
             at = len(lines) - 1
         if at < 0 or not self._behind(begin + at, comment):
