@@ -264,6 +264,11 @@ def motions() -> st.SearchStrategy[Motion]:
 
 
 @cache
+def routines() -> st.SearchStrategy[str]:
+    """Names of what a program declares itself: no function, which has one name in any case."""
+    return names().filter(lambda name: name.lower() not in FUNCTIONS)
+
+
 def expressions(most: int = 8) -> st.SearchStrategy[Expression]:
     """Expressions of every kind; `most` leaves."""
     numbers = st.one_of(
@@ -294,7 +299,7 @@ def _composed(part: st.SearchStrategy[Expression]) -> st.SearchStrategy[Expressi
         st.builds(Index, part, several),
         st.builds(Unary, st.sampled_from(["-", "not"]), part),
         st.builds(Binary, st.sampled_from(get_args(BinaryOperator)), part, part),
-        st.builds(Apply, st.sampled_from(APPLIED) | names(), several),
+        st.builds(Apply, st.sampled_from(APPLIED) | routines(), several),
     )
 
 

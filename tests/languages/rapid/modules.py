@@ -64,16 +64,17 @@ NUMBERS: Final = st.one_of(
         )
     ),
 )
-SEPARATORS: Final = ("Zl", "Zp")
-"""Of lines and paragraphs: errors in a text, and beyond what `\\xx` says in a string."""
+UNSEEN: Final = ("Cf", "Zl", "Zp")
+"""What ends lines and paragraphs, or hides what stands beside it: a finding in a text, and beyond
+what `\\xx` says in a string."""
 STRINGS: Final = st.one_of(
     st.sampled_from(("", 'say "x"', "C:\\x", "\r\n", "\x00\t", "! no comment", "%%%", "1;", "é")),
     st.text(st.characters(max_codepoint=0xFF), max_size=12),
-    st.text(st.characters(exclude_categories=["Cs", *SEPARATORS]), max_size=4),
+    st.text(st.characters(exclude_categories=["Cs", *UNSEEN]), max_size=4),
 )
 COMMENTS: Final = st.one_of(
     st.sampled_from(("", "!", "note", "a:=1;", 'it"s', "tab\tinside", "ENDPROC", "%%%", "Größe")),
-    st.text(st.characters(exclude_categories=["Cs", "Cc", *SEPARATORS]), max_size=12),
+    st.text(st.characters(exclude_categories=["Cs", "Cc", *UNSEEN]), max_size=12),
 ).map(str.strip)
 HEADERS: Final = st.one_of(
     st.sampled_from(
