@@ -113,7 +113,11 @@ def virtual_cr(
     ] = 10000,
     serial: Annotated[
         str | None,
-        typer.Option(help="A serial port to serve too, or `pty` to make a line.", metavar="PORT"),
+        typer.Option(
+            help="A serial port to serve too, `pty` to make a line, or `pty:FILE` to make one that"
+            " clients find by that name.",
+            metavar="PORT",
+        ),
     ] = None,
     framing: Annotated[Framing, typer.Option(help="Of the serial line.")] = Framing.PLAIN,
     line: Annotated[
@@ -121,7 +125,8 @@ def virtual_cr(
         typer.Option(
             metavar="NAME=TARGET",
             help="What a line of its programs leads to, as COM1=10003: a port for others to call,"
-            " the HOST:PORT of a server, or the path of a serial port; repeatable.",
+            " the HOST:PORT of a server, the path of a serial port, or `pty:FILE` to make one;"
+            " repeatable.",
         ),
     ] = None,
     pace: Annotated[float, typer.Option(help="Simulated seconds for each real one.", min=0.01)] = 1,
@@ -155,7 +160,7 @@ def virtual_cr(
         folder=folder,
         data_port=data_port,
         mxt_port=mxt_port,
-        serial=True if serial == "pty" else serial or False,
+        serial=serial or False,
         framing=FRAMINGS[framing],
         lines=line or [],
         pace=pace,

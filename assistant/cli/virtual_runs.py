@@ -86,7 +86,8 @@ def run(
         typer.Option(
             "--line",
             help="What a line of the programs leads to: a port for others to call, the "
-            "HOST:PORT of a server, or the path of a serial port; repeatable.",
+            "HOST:PORT of a server, the path of a serial port, or `pty:FILE` to make one; "
+            "repeatable.",
             metavar="NAME=TARGET",
         ),
     ] = None,

@@ -77,6 +77,8 @@ def test_all_its_lines_are_told(served, tmp_path):
         (("--refuse", "OVRD"), "CL103"),
         (("--refuse", "=5640"), "CL103"),
         (("--serial", "/dev/nothing"), "CL101"),
+        (("--serial", "pty:."), "CL101"),
+        (("--line", "COM1=pty"), "pty:FILE"),
         (("--robot", "irb140-6-0.81"), "CL101"),
         (("--port", "99999"), "65535"),
     ],

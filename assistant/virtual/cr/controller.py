@@ -20,7 +20,7 @@ from typing import Final, Literal, Self
 
 from assistant import languages
 from assistant.virtual.cr.commands import execute
-from assistant.virtual.cr.data_lines import DATA_LINK, DataLines, Descriptor
+from assistant.virtual.cr.data_lines import DATA_LINK, DataLines
 from assistant.virtual.cr.error_log import level_of
 from assistant.virtual.cr.faults import Faults
 from assistant.virtual.cr.framing import MOST_BYTES
@@ -30,7 +30,7 @@ from assistant.virtual.cr.real_time import RealTime
 from assistant.virtual.cr.state import SUFFIXES, CrSession, CrState
 from assistant.virtual.cr.store import CAPACITY, CrRefusal, CrStore
 from assistant.virtual.cr.talking import Plain, Procedural
-from assistant.virtual.melfa.lines import Line, Rate
+from assistant.virtual.melfa.lines import MADE, Descriptor, Line, Rate
 from assistant.virtual.melfa.plugins import Commands
 
 FRAMINGS: Final = {"plain": "0", "procedural": "1", "data link": "2"}
@@ -57,10 +57,11 @@ class VirtualCr:
     port: 0 for any free one. folder: where programs are kept, None for memory.
     terminator: what ends an answer (CR, CR LF or nothing). quiet: seconds of silence that end
     a command without end code. report: is told each command and its answer. serial: True for a
-    pseudo terminal, whose path `serial_path` tells, or the path of a serial port. framing: of the
-    serial line (CPRC232). faults: what goes wrong on purpose. pace: simulated seconds for each real
-    one. servo_time: seconds until the servos are on. data_port: of the line OPT11, those behind it
-    are those of OPT12 and so on; 0 for any that are free (`data_ports`). mxt_port, monitor_port:
+    pseudo terminal, whose path `serial_path` tells, `pty:LINK` for one with a link to it, or the
+    path of a serial port. framing: of the serial line (CPRC232). faults: what goes wrong on
+    purpose. pace: simulated seconds for each real one. servo_time: seconds until the servos are on.
+    data_port: of the line OPT11, those behind it are those of OPT12 and so on; 0 for any that are
+    free (`data_ports`). mxt_port, monitor_port:
     UDP, of real-time control and of the monitor (MONMODE), 0 for any that are free. lines: what
     programs open beside the lines of the data link. commands: plug-ins of the interpreter.
     lock_step: its time stands at 0 and passes only as far as `advance` lets it, with servos that
@@ -114,7 +115,7 @@ class VirtualCr:
         self._quiet = quiet
         self._report = report
         self.faults = faults or Faults()
-        self._serial_wanted = serial
+        self._serial_target = serial if isinstance(serial, str) else MADE if serial else ""
         self._serial: SerialPort | None = None
         self._serial_thread: threading.Thread | None = None
         self.state.parameters.write("CPRC232", FRAMINGS[framing], all_levels=True)
@@ -143,7 +144,7 @@ class VirtualCr:
 
     @property
     def serial_path(self) -> str:
-        """The serial port, or the pseudo terminal that clients open."""
+        """The serial port, or the pseudo terminal that clients open, by its link if it has one."""
         assert self._serial is not None, "the controller has no serial line, or is not started"
         return self._serial.path
 
@@ -172,10 +173,9 @@ class VirtualCr:
         self._thread.start()
 
     def _start_serial(self) -> None:
-        if not self._serial_wanted:
+        if not self._serial_target:
             return
-        path = self._serial_wanted if isinstance(self._serial_wanted, str) else None
-        self._serial = SerialPort(path, _rate(self.state))
+        self._serial = SerialPort(self._serial_target, _rate(self.state))
         self._serial_thread = threading.Thread(
             target=self._converse_serially, args=(self._serial,), name="virtual-cr", daemon=True
         )

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from typing import Final
 
 from assistant.virtual.cr.parameter_table import Parameters
 from assistant.virtual.melfa.communication import LOOPBACK
-from assistant.virtual.melfa.lines import Line, Stream, TcpClient, TcpServer
+from assistant.virtual.melfa.lines import Line, TcpClient, TcpServer
 
 DATA_LINK: Final = "2"
 """Protocol of a line that programs open (CPRCE11 to CPRCE19, CPRC232)."""
@@ -62,29 +61,3 @@ class DataLines:
         for end in self._ends:
             end()
         self._ends.clear()
-
-
-class Descriptor(Stream):
-    """The serial line of the controller, while programs have it."""
-
-    def __init__(self, descriptor: int) -> None:
-        super().__init__()
-        self._descriptor = descriptor
-
-    def open(self) -> None:
-        """It is always there."""
-
-    def connected(self) -> bool:
-        return True
-
-    def close(self) -> None:
-        self._flush()
-
-    def _read(self) -> bytes:
-        data = os.read(self._descriptor, 1 << 16)
-        if not data:
-            raise BlockingIOError
-        return data
-
-    def _write(self, data: bytes) -> int:
-        return os.write(self._descriptor, data)

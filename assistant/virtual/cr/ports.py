@@ -9,7 +9,7 @@ import time
 from contextlib import suppress
 from typing import Final, Protocol
 
-from assistant.virtual.melfa.lines import Rate, set_rate
+from assistant.virtual.melfa.lines import MADE, Rate, Terminal, set_rate
 
 AT_ONCE: Final = 1 << 16
 PATIENCE: Final = 10.0
@@ -56,24 +56,18 @@ class SerialPort:
     path: where clients of a pseudo terminal connect, or the port itself.
     """
 
-    def __init__(self, path: str | None = None, rate: Rate | None = None) -> None:
-        """Raises OSError."""
+    def __init__(self, target: str = MADE, rate: Rate | None = None) -> None:
+        """target: `pty`, `pty:LINK`, or the path of a serial port. Raises OSError."""
         if os.name == "nt":
             raise OSError("serial ports are served on Linux and macOS only")
-        self._others: list[int] = []
-        if path is None:
-            self.descriptor, other = os.openpty()
-            self._others.append(other)  # kept open: the line is there also without a client
-            self.path = os.ttyname(other)
-            set_rate(other, rate or Rate())
+        self._terminal = Terminal.asked(target, rate)
+        if self._terminal is not None:
+            self.path, self.descriptor = self._terminal.path, self._terminal.descriptor
         else:
-            self.path = path
-            self.descriptor = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+            self.path = target
+            self.descriptor = os.open(target, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
             set_rate(self.descriptor, rate or Rate())
-        os.set_blocking(self.descriptor, False)
-        woken, self._wake = os.pipe()
-        self._woken = woken
-        self._others += [woken]
+        self._woken, self._wake = os.pipe()
 
     def receive(self, seconds: float | None) -> bytes:
         ready = select.select([self.descriptor, self._woken], [], [], seconds)[0]
@@ -93,6 +87,9 @@ class SerialPort:
         os.write(self._wake, b"\0")
 
     def close(self) -> None:
-        for descriptor in (self.descriptor, self._wake, *self._others):
-            with suppress(OSError):
-                os.close(descriptor)
+        if self._terminal is not None:
+            self._terminal.close()
+        else:
+            os.close(self.descriptor)
+        os.close(self._wake)
+        os.close(self._woken)

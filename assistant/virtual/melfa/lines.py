@@ -296,12 +296,98 @@ class Serial(Stream):
             self._port = None
 
 
+class Descriptor(Stream):
+    """A serial line that is open all the time, while programs have it."""
+
+    def __init__(self, descriptor: int) -> None:
+        super().__init__()
+        self._descriptor = descriptor
+
+    def open(self) -> None:
+        """It is always there."""
+
+    def connected(self) -> bool:
+        return True
+
+    def close(self) -> None:
+        self._flush()
+
+    def _read(self) -> bytes:
+        data = os.read(self._descriptor, AT_ONCE)
+        if not data:
+            raise BlockingIOError
+        return data
+
+    def _write(self, data: bytes) -> int:
+        return os.write(self._descriptor, data)
+
+
+MADE: Final = "pty"
+"""What stands for a pseudo terminal that is made, alone or before a `:` and the name of a link."""
+
+
+class Terminal:
+    """A pseudo terminal: the controller's end of a serial line, whose other end clients open.
+
+    descriptor: of the controller's end, which never blocks. path: what clients open, the same each
+    time if a link to the other end is asked for.
+    """
+
+    def __init__(self, link: str = "", rate: Rate | None = None) -> None:
+        """link: file that leads to the clients' end while the line is there. Raises OSError."""
+        if os.name == "nt":
+            raise OSError("serial lines are made on Linux and macOS only")
+        self.descriptor, self._other = os.openpty()  # both stay open: it is there without a client
+        self._link = Path(link).absolute() if link else None
+        self._target = os.ttyname(self._other)
+        try:
+            set_rate(self._other, rate or Rate())
+            os.set_blocking(self.descriptor, False)
+            if self._link is not None:
+                _link(self._link, self._target)
+        except OSError:
+            os.close(self.descriptor)
+            os.close(self._other)
+            raise
+        self.path = str(self._link or self._target)
+
+    @staticmethod
+    def asked(target: str, rate: Rate | None = None) -> Terminal | None:
+        """The one that `pty` or `pty:LINK` asks for, None for another target; raises OSError."""
+        kind, _, link = target.partition(":")
+        return Terminal(link, rate) if kind == MADE else None
+
+    def close(self) -> None:
+        """Takes the link away, unless it leads elsewhere by now."""
+        if self._link is not None:
+            with suppress(OSError):
+                if str(self._link.readlink()) == self._target:
+                    self._link.unlink()
+        for descriptor in (self.descriptor, self._other):
+            with suppress(OSError):
+                os.close(descriptor)
+
+
+def _link(link: Path, target: str) -> None:
+    """Replaces a link to a terminal that is gone; raises OSError for anything else there."""
+    if link.is_symlink() and (not link.exists() or str(link.readlink()) == target):
+        link.unlink()
+    try:
+        link.symlink_to(target)
+    except FileExistsError:
+        raise FileExistsError(f"{link} is there already") from None
+
+
 def line_to(target: str) -> tuple[Line, Callable[[], None]]:
     """A line by what it leads to, and what ends it for good; raises OSError.
 
-    target: a port of this computer that a client connects to, `address:port` of a server, or the
-    path of a serial port with the maker's rate.
+    target: a port of this computer that a client connects to, `address:port` of a server, the
+    path of a serial port with the maker's rate, or `pty:LINK` for a pseudo terminal that is made.
     """
+    if target == MADE:
+        raise OSError(f"a line that is made needs a name: write {MADE}:FILE")
+    if (terminal := Terminal.asked(target)) is not None:
+        return Descriptor(terminal.descriptor), terminal.close
     if target.isdecimal():
         server = TcpServer(int(target))
         return server, server.shut

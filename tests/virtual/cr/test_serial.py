@@ -215,3 +215,30 @@ def test_a_program_talks_over_the_serial_line():
         wait_for(lambda: wire.ask("1;1;LINENO") == "QoK20")
         line.send(b"21\r")
         assert float(line.until(b"\r")) == 42.0
+
+
+@pytest.mark.parametrize("before", ["nothing", "a link that leads nowhere"])
+def test_a_line_has_the_name_that_it_is_given(before, tmp_path):
+    link = tmp_path / "line"
+    if before != "nothing":
+        link.symlink_to(tmp_path / "gone")
+    with VirtualCr("rv-2aj", serial=f"pty:{link}") as controller:
+        assert controller.serial_address == f"melfa-serial://{link}"
+        with connect(controller.serial_address, timeout=5) as client:
+            assert client.names() == ()
+    assert not link.is_symlink()
+
+
+@pytest.mark.parametrize("there", ["file", "line of another controller"])
+def test_a_name_that_is_taken_stays_as_it_is(there, tmp_path):
+    link = tmp_path / "line"
+    if there == "file":
+        link.write_text("kept")
+    with VirtualCr("rv-2aj", serial=True if there == "file" else f"pty:{link}") as other:
+        with (
+            pytest.raises(FileExistsError, match="is there already"),
+            VirtualCr("rv-2aj", serial=f"pty:{link}"),
+        ):
+            pass
+        kept = link.read_text() if there == "file" else str(link.readlink())
+        assert kept == ("kept" if there == "file" else os.path.realpath(other.serial_path))

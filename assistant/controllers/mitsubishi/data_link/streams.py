@@ -191,7 +191,7 @@ class Serial:
                 self.target,
                 self._rate.baud,
                 bytesize=self._rate.bits,
-                parity="N" if PSEUDO.match(self.target) else LETTERS[self._rate.parity],
+                parity="N" if _is_pseudo(self.target) else LETTERS[self._rate.parity],
                 stopbits=self._rate.stops,
                 timeout=SLICE,  # and not changed later: that would set the port anew each time
                 write_timeout=timeout,
@@ -229,6 +229,11 @@ class Serial:
         if self._port is None:
             raise ConnectionError("it is not open")
         return self._port
+
+
+def _is_pseudo(target: str) -> bool:
+    """Whether a serial port is a pseudo terminal, or a link to one."""
+    return PSEUDO.match(os.path.realpath(target)) is not None
 
 
 def stream_to(target: str, rate: Rate | None = None) -> Stream:
