@@ -95,24 +95,41 @@ Check = Callable[[Programs, Wishes], None]
 """Raises Refused for a controller that cannot be led that way, or that not all is known of."""
 
 
-def _anywhere(session: Programs, wishes: Wishes) -> None:
-    """A way that takes any address."""
+OPTIONS: Final = {"port": "--port", "lines": "--line", "cycle": "--cycle"}
+"""Of `Wishes` → how commands name them."""
+
+
+def taking(*names: str, then: Check | None = None) -> Check:
+    """A check that refuses wishes which this way would ignore; names: of those that it takes.
+
+    then: what else is to be checked.
+    """
+
+    def check(session: Programs, wishes: Wishes) -> None:
+        for name, option in OPTIONS.items():
+            if name not in names and getattr(wishes, name):
+                reason = f"`{option}` belongs to another way to lead it"
+                raise _not_here(session, reason, "leave it out, or choose another way by --by")
+        if then is not None:
+            then(session, wishes)
+
+    return check
 
 
 @dataclass(frozen=True, slots=True)
 class Mode:
     """A way to lead an arm.
 
-    period: seconds between the moments that it is given. operates: whether the session must be
-    one that operates the controller. check: is asked before anybody confirms. unbegun: codes of
+    period: seconds between the moments that it is given. check: is asked before anybody confirms.
+    operates: whether the session must be one that operates the controller. unbegun: codes of
     refusals after which nothing has been sent or started, so that nothing is to be stopped.
     """
 
     title: str
     run: Run
     period: float
+    check: Check
     operates: bool = True
-    check: Check = _anywhere
     unbegun: frozenset[str] = frozenset()
 
 
@@ -190,9 +207,13 @@ def lines_of(session: Programs, wishes: Wishes) -> tuple[str, str]:
     from assistant.controllers.mitsubishi.data_link.streams import stream_to
 
     address, named = session.address, wishes.lines
-    if SCHEMES[address.scheme].device and (len(named) < 2 or address.host in named):
+    is_device = SCHEMES[address.scheme].device
+    if is_device and (len(named) < 2 or address.host in named):
         reason = "its address is a serial line, which tells no host and stays in use"
         raise _not_here(session, reason, "name two other lines of data, the control line first")
+    if not is_device and f"{address.host}:{address.port}" in named:
+        reason = "a line of data is its controller link, which stays in use"
+        raise _not_here(session, reason, "name a line that is for data link (CPRCE.. = 2)")
     usual = (f"{address.host}:{CONTROL_PORT}", f"{address.host}:{STATUS_PORT}")
     control, status = (*named, *usual[len(named) :])
     for target in named:
@@ -324,13 +345,18 @@ def _operated(session: Programs) -> Controller:
 
 
 MODES: Final[Mapping[str, Mode]] = {
-    "exchange": Mode("poses by files, one after the other", _exchange, 0.5, operates=False),
-    "data-link": Mode("joint positions on a line of data", _data_link, 0.1, check=_has_lines),
-    "mxt": Mode("joints cycle by cycle", _mxt, 0.01, check=on_network),
+    "exchange": Mode(
+        "poses by files, one after the other", _exchange, 0.5, taking(), operates=False
+    ),
+    "data-link": Mode(
+        "joint positions on a line of data", _data_link, 0.1, taking("lines", then=_has_lines)
+    ),
+    "mxt": Mode("joints cycle by cycle", _mxt, 0.01, taking("port", "cycle", then=on_network)),
     "egm": Mode(
         "joints cycle by cycle, as a program asks for them",
         _egm,
         0.01,
+        taking("port", "cycle"),
         operates=False,
         unbegun=frozenset({"CN701", "CN702", "CN703", "CN704", "CN711"}),
     ),

@@ -160,6 +160,7 @@ REFUSED = [
     (FIVE, ("--by", "mxt", "--interval", "0"), 2, "CL253"),
     (FIVE, ("--by", "mxt", "--log", "run.xls"), 2, "CL252"),
     (FIVE, ("--by", "data-link", *("--line", "127.0.0.1:1") * 3), 2, "CL254"),
+    (FIVE, ("--by", "data-link", "--cycle", "0.01"), 2, "CN209"),
     (FIVE, ("--by", "mxt", "--port", "0"), 2, "--port"),
     (FIVE, ("--by", "mxt", "--cycle", "0"), 2, "--cycle"),
     (FIVE + "5000,0,470,0,0,1,0,500\n", ("--by", "mxt"), 1, "RB1"),

@@ -12,7 +12,7 @@ from typing import Final
 
 from assistant.controllers.controller import Controller, JogsJoints, Programs
 from assistant.controllers.following import MODES as FOLLOWING
-from assistant.controllers.following import Check, Wishes, lines_of
+from assistant.controllers.following import Check, Wishes, lines_of, taking
 from assistant.controllers.leading.carrier import Arm, Carrier
 from assistant.controllers.rules import NOT_HERE
 from assistant.program.arrays import Floats
@@ -88,7 +88,9 @@ def _mode(name: str, title: str, make: Make, *, waits: bool = False) -> Mode:
 
 
 MODES: Final[Mapping[str, Mode]] = {
-    "jog": Mode("jogs of its joints, step by step", _jog, True, _jogs_joints, waits=True),
+    "jog": Mode(
+        "jogs of its joints, step by step", _jog, True, taking(then=_jogs_joints), waits=True
+    ),
     "data-link": _mode("data-link", "joint positions on a line of data", _data_link),
     "mxt": _mode("mxt", "joints cycle by cycle", _mxt),
     "egm": _mode("egm", "joints cycle by cycle, as a program asks for them", _egm),
