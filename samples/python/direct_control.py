@@ -1,9 +1,10 @@
 """Direct control of a Mitsubishi arm over Ethernet, with feedback in each cycle.
 
-A program with `Mxt 1,1` waits on the controller; the PC works out every position, a small swing of
-the first joint from where the arm stands:
+A program with `Mxt 1,1` is installed, started and taken away again; the PC works out every
+position, a small swing of the first joint from where the arm stands:
 
-    python direct_control.py 192.168.0.20 --robot rv-4frl --cycle CR750
+    python direct_control.py melfa://192.168.0.20
+    python direct_control.py melfa://192.168.0.20 --robot rv-4frl --cycle CR750
 """
 
 import argparse
@@ -11,7 +12,9 @@ import argparse
 import numpy as np
 
 from assistant import robots
-from assistant.controllers.cyclic import Limits, Trajectory
+from assistant.controllers import connect
+from assistant.controllers.cyclic import Limits, Settings, Trajectory
+from assistant.controllers.following import MXT_PROGRAM, OPENING, Wishes, mxt_installed, on_network
 from assistant.controllers.mitsubishi.mxt import CYCLES, Mxt
 from assistant.program.diagnostics import Refused
 
@@ -19,9 +22,9 @@ from assistant.program.diagnostics import Refused
 def main():
     """Swings J1 and prints the feedback."""
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    arguments.add_argument("host", help="address of the controller")
+    arguments.add_argument("address", help="of the controller")
     arguments.add_argument("--port", type=int, default=10000, help="UDP port of Mxt")
-    arguments.add_argument("--robot", default="rv-4frl", help="arm, for the limits of its joints")
+    arguments.add_argument("--robot", default="rv-2aj", help="arm, for the limits of its joints")
     arguments.add_argument("--cycle", default="CR750", choices=sorted(CYCLES), help="controller")
     arguments.add_argument("--degrees", type=float, default=5.0, help="that J1 swings")
     arguments.add_argument("--record", default="direct_control.csv", help="where the feedback goes")
@@ -29,26 +32,48 @@ def main():
     given = arguments.parse_args()
 
     arm = robots.get(given.robot)
-    limits = Limits(
-        speeds=tuple(0.3 * arm.speeds),
-        accelerations=tuple(0.2 * arm.accelerations),
-        lowest=tuple(arm.limits[:, 0]),
-        highest=tuple(arm.limits[:, 1]),
-    )
+    speeds, lowest, highest = np.ones(6), -np.ones(6), np.ones(6)  # an axis it lacks stays at 0
+    speeds[list(arm.places)] = 0.3 * arm.speeds
+    lowest[list(arm.places)], highest[list(arm.places)] = arm.limits.T
+    limits = Limits(tuple(speeds), lowest=tuple(lowest), highest=tuple(highest))
     times = np.linspace(0.0, 2.0, 101)
-    swing = np.sin(np.pi * times / 2.0) ** 2
+    swing = given.degrees * np.sin(np.pi * times / 2.0) ** 2
+    wishes = Wishes(port=given.port)
 
-    if not given.yes and input(f"swings J1 by {given.degrees:g} degrees, type yes: ") != "yes":
-        raise SystemExit(1)
-    cell = Mxt(given.host, port=given.port, cycle=CYCLES[given.cycle], limits=limits)
-    with cell as mxt:
-        here = np.array(mxt.position())
+    with connect(given.address) as controller:
+        on_network(controller, wishes)
+        here = np.array([angle or 0.0 for angle in controller.position().joints[:6]])
         print("stands at", here.round(2).tolist())
-        way = here + np.outer(swing, [given.degrees] + [0.0] * (len(here) - 1))
-        report = mxt.follow(
-            Trajectory.of_joints(way, times),
-            watch=lambda now: print(f"{now.seconds:.1f} s, J1 at {now.values[0]:.2f}"),
+        if not given.yes and input(f"swings J1 by {given.degrees:g} degrees, type yes: ") != "yes":
+            raise SystemExit(1)
+        mxt = Mxt(
+            controller.address.host,
+            port=given.port,
+            cycle=CYCLES[given.cycle],
+            limits=limits,
+            settings=Settings(opening=OPENING),  # the program may not wait for packets yet
         )
+        controller.motors(True)
+        try:
+            with mxt_installed(controller, wishes):
+                controller.load(MXT_PROGRAM)
+                controller.start()
+                try:
+                    with mxt:
+                        report = mxt.follow(
+                            Trajectory.of_joints(here + np.outer(swing, np.eye(6)[0]), times),
+                            end=True,
+                            watch=lambda now: print(
+                                f"{now.seconds:.1f} s, J1 at {now.values[0]:.2f}"
+                            ),
+                        )
+                except Refused:
+                    controller.stop()
+                    controller.reset()  # the error of this motion: nothing is left behind
+                    raise
+        finally:
+            controller.stop()
+            controller.motors(False)
     print(report)
     report.save(given.record)
 

@@ -1,9 +1,10 @@
 """A program for a Mitsubishi arm: installed, started and watched by controller link.
 
 The arm goes round a small square below where it stands. Feedback comes over the same line, or over
-a data link of its own that a second program sends on, Ethernet or serial:
+a data link of its own that a second program sends on, Ethernet (COM2:) or serial (COM1:):
 
     python run_program.py melfa://192.168.0.20
+    python run_program.py melfa://192.168.0.20 --status /dev/ttyUSB0
     python run_program.py melfa-serial:///dev/ttyUSB0 --status 192.168.0.20:10002
 """
 
@@ -31,9 +32,9 @@ SQUARE = b"""10 ' Round a square of 20 mm, 20 mm lower, and back
 160 MVS PSTART
 170 END
 """
-TELL = b"""10 ' Where the arm is, until the other program has ended, by an error too
+TELL = """10 ' Where the arm is, until the other program has ended, by an error too
 20 WAIT M_RUN(1)=1
-30 OPEN "COM2:" AS #1
+30 OPEN "{line}:" AS #1
 40 *NEXT1
 50 PRINT #1,P_CURR,"|",J_CURR
 60 DLY 0.05
@@ -65,7 +66,7 @@ def main():
     """Installs the program, starts it and prints where the arm is."""
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("address", help="of the controller")
-    arguments.add_argument("--status", help="what COM2 of the programs leads to")
+    arguments.add_argument("--status", help="what COM2, or COM1 if it is serial, leads to")
     arguments.add_argument("--baud", type=int, default=9600, help="of a serial status line")
     arguments.add_argument("--yes", action="store_true", help="do not ask before it moves")
     given = arguments.parse_args()
@@ -79,7 +80,8 @@ def main():
         controller.write("SQUARE", SQUARE)
         controller.load("SQUARE")
         if given.status:
-            controller.write("TELL", TELL)
+            line = "COM2" if ":" in given.status else "COM1"
+            controller.write("TELL", TELL.format(line=line).encode())
             controller.load("TELL", task="2")
         controller.motors(True)
         try:

@@ -39,6 +39,7 @@ def main():
             and input(f"moves along z by {given.by:g} mm and back, type yes: ") != "yes"
         ):
             raise SystemExit(1)
+        override = controller.state().override
         controller.motors(True)
         try:
             controller.set_override(given.override)
@@ -50,6 +51,7 @@ def main():
             controller.reset()  # the error of this move: nothing is left behind
             raise
         finally:
+            controller.set_override(override)
             controller.motors(False)
 
 

@@ -45,8 +45,14 @@ def main():
             raise SystemExit(1)
         rate = Rate(9600, given.parity)
         lines = [DataLink(target, rate=rate) for target in (given.control, given.status)]
-        with ControlMode(controller, *lines, limits=limits) as mode:
-            mode.follow(points, progress=lambda done, count: print(done, "of", count))
+        try:
+            with ControlMode(controller, *lines, limits=limits) as mode:
+                mode.follow(points, progress=lambda done, count: print(done, "of", count))
+        except Refused:
+            controller.reset()  # the error of this motion: nothing is left behind
+            raise
+        finally:
+            controller.motors(False)  # which the programs have switched on
         mode.recording.save(given.record)
         print(len(mode.recording), "records in", given.record)
 

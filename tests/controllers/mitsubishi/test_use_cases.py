@@ -11,7 +11,6 @@ import pytest
 
 from assistant.controllers import connect
 from assistant.virtual.cr import VirtualCr
-from assistant.virtual.cr.mxt_process import MxtProcess
 
 SAMPLES = Path(__file__).parents[3] / "samples" / "python"
 
@@ -50,8 +49,9 @@ def moved_up_and_back(said):
 
 @pytest.mark.slow
 def test_1_direct_control_with_feedback(tmp_path):
-    with MxtProcess("rv-4frl") as virtual:
-        said = sample(tmp_path, "direct_control.py", "127.0.0.1", "--port", virtual.port)
+    with controller(pace=1.0) as virtual:
+        said = sample(tmp_path, "direct_control.py", virtual.address, "--port", virtual.mxt_port)
+        assert virtual.names() == ()
     assert said.startswith("stands at") and "J1 at" in said
     with (tmp_path / "direct_control.csv").open(newline="") as file:
         turns = [float(row["J1"]) for row in csv.DictReader(file)]
@@ -68,13 +68,7 @@ def test_2_single_moves_over_ethernet(tmp_path):
 @pytest.mark.parametrize("framing", ["plain", "procedural"])
 def test_3_single_moves_over_a_serial_line(framing, tmp_path):
     with controller(serial=True, framing=framing) as virtual:
-        moved_up_and_back(sample(tmp_path, "single_moves.py", serial(virtual)))
-
-
-def serial(virtual):
-    """A pseudo terminal has no parity."""
-    address = virtual.serial_address
-    return f"{address}{'&' if '?' in address else '?'}parity=none"
+        moved_up_and_back(sample(tmp_path, "single_moves.py", virtual.serial_address))
 
 
 def went_round(said):
@@ -104,7 +98,7 @@ def test_4_a_program_over_ethernet_with_feedback_by_data_link(tmp_path):
 def test_5_a_program_over_a_serial_line(tmp_path):
     with controller(serial=True) as virtual:
         status = line_of(virtual.data_ports["COM2:"])
-        said = sample(tmp_path, "run_program.py", serial(virtual), "--status", status)
+        said = sample(tmp_path, "run_program.py", virtual.serial_address, "--status", status)
         assert went_round(said) > 10
 
 
@@ -112,8 +106,9 @@ def test_6_two_data_links(tmp_path):
     """As in the paper: positions over RS-232, the status over Ethernet."""
     with controller(pace=1.0, serial=True, framing="data link") as virtual:
         status = line_of(virtual.data_ports["COM2:"])
-        lines = (virtual.serial_path, status, "--parity", "none")
-        said = sample(tmp_path, "two_data_links.py", virtual.address, *lines)
+        said = sample(tmp_path, "two_data_links.py", virtual.address, virtual.serial_path, status)
+        with connect(virtual.address) as session:
+            assert not session.state().motors
     assert "21 of 21" in said
     with (tmp_path / "two_data_links.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
@@ -131,10 +126,9 @@ OTHERS = [
 @pytest.mark.parametrize("name", ["single_moves.py", *OTHERS])
 def test_what_a_sample_is_refused_is_one_sentence(name, tmp_path):
     """Nothing listens there."""
-    dead = {"direct_control.py": ["127.0.0.1", "--port", 9]}.get(name, ["melfa://127.0.0.1:9"])
     lines = ["/dev/null", "127.0.0.1:9"] if name.startswith("two") else []
     done = subprocess.run(
-        [sys.executable, str(SAMPLES / name), *map(str, [*dead, *lines]), "--yes"],
+        [sys.executable, str(SAMPLES / name), "melfa://127.0.0.1:9", *lines, "--yes"],
         cwd=tmp_path,
         env={**os.environ, "PYTHONPATH": str(SAMPLES.parents[1])},
         capture_output=True,
@@ -168,6 +162,32 @@ def test_a_refused_move_leaves_no_error_on_the_controller(name, tmp_path):
         with connect(virtual.address) as session:
             state = session.state()
     assert not state.faults and not state.running and not state.motors
+    assert state.override == 100
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("error", [None, 2600])
+def test_direct_control_that_is_refused_leaves_nothing_behind(error, tmp_path):
+    """error: of the controller on the way; without one the swing passes a limit of the joint."""
+    with controller(pace=1.0) as virtual:
+        swing = ["--degrees", 400] if error is None else []
+        if error is not None:
+            watch = threading.Thread(target=alarmed_as_it_moves, args=(virtual, error))
+            watch.start()
+        port = ["--port", virtual.mxt_port]
+        done = started(tmp_path, "direct_control.py", virtual.address, *port, *swing)
+        assert done.returncode == 1 and done.stderr.count("\n") == 1, done.stderr
+        assert done.stderr.startswith("CN7")
+        with connect(virtual.address) as session:
+            state, names = session.state(), session.names()
+    assert not state.faults and not state.running and not state.motors and names == ()
+
+
+def alarmed_as_it_moves(virtual, number):
+    """Waits on a line of its own until the arm is on its way."""
+    with connect(virtual.address) as session:
+        next(seen for seen in session.watch(0.05) if seen.position.joints[0] > 1.0)
+        virtual.alarm(number)
 
 
 @pytest.mark.slow
