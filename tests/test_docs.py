@@ -38,6 +38,8 @@ BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.M | re.S)
 CHANGES = re.compile(r"^```python\n([^`]*)^```\n\n```diff\n(.*?)^```", re.M | re.S)
 """Python that changes a program, and the lines that it changes."""
 PICTURE = re.compile(r"^!\[[^]]+\]\((?:docs/)?pictures/(\w+)\.png\)$", re.M)
+LASTING = ("docs/controllers/use-cases.md",)
+"""Pages whose commands move an arm for a minute, in real time."""
 EXITS = re.compile(r"\s+# exits (\d)$")
 READY = b"listening"
 
@@ -61,7 +63,13 @@ def test_there_are_commands_in_the_readme():
     assert commands(PROJECT / "README.md")
 
 
-@pytest.mark.parametrize("page", PAGES, ids=NAMES.get)
+@pytest.mark.parametrize(
+    "page",
+    [
+        pytest.param(page, id=name, marks=[pytest.mark.slow] if name in LASTING else [])
+        for page, name in NAMES.items()
+    ],
+)
 def test_the_commands_of_a_page_work(page, tmp_path, forks):
     shutil.copytree(PROJECT / "samples", tmp_path / "samples")
     environment = forks.environment(ROBOT_ASSISTANT_PASSWORD="secret", NO_COLOR="1", BROWSER="true")
