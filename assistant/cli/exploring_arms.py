@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -142,43 +142,45 @@ def run_wander_arm(
         sides = box_of(bounds.box)
         box = (tuple(sides[:, 0].tolist()), tuple(sides[:, 1].tolist()))
     guard = Guard(robot, Limits(bounds.speed, TURNING, PART, box=box))
-    with moving(cell, "explore") as motion, ExitStack() as open_:
-        there = motion.cell
-        _check_arm(begun, there.one.name, robot_of_cell(there.one))
-        session = there.controller if mode.operates else there.session
-        mode.check(session, bounds.wishes)
-        carrier = mode.make(session, guard.arm(), bounds.wishes, near(session, robot))
-        contacts, ended = open_.enter_context(
-            _contacts(live.contact, begun, lambda: there.controller, carrier.joints)
-        )
-        what = f"moves the arm at random, {runs} times, {_bounds(bounds)}"
-        confirmed(there.one, f"{what}, at {bounds.speed:g} mm/s at most, {mode.title}", live.yes)
-        log = log_of(guard)
-        wanderer = Wanderer(
-            explorer,
-            carrier,
-            guard,
-            contacts,
-            log,
-            ranges,
-            np.inf if live.seconds is None else live.seconds,
-            explorer.occupancy.runs if seed is None else seed,
-            ended,
-            _progress(live, runs),
-        )
-        motion.began = True
-        done: Done | None = None
-        try:
-            open_.enter_context(carrier)
-            wanderer.check()
-            wanderer.wander(runs)
-        except Refused as refused:
-            codes = {finding.code for finding in refused.findings}
-            motion.began = not codes <= UNMOVED | mode.unbegun
-            raise
-        finally:
-            if log.rows:
-                done = _saved(begun, log, live)
+    log, done = log_of(guard), None
+    try:
+        with moving(cell, "explore") as motion, ExitStack() as open_:
+            there = motion.cell
+            _check_arm(begun, there.one.name, robot_of_cell(there.one))
+            session = there.controller if mode.operates else there.session
+            mode.check(session, bounds.wishes)
+            carrier = mode.make(session, guard.arm(), bounds.wishes, near(session, robot))
+            contacts, ended = open_.enter_context(
+                _contacts(live.contact, begun, lambda: there.controller, carrier.joints)
+            )
+            what = f"moves the arm at random, {runs} times, {_bounds(bounds)}"
+            confirmed(
+                there.one, f"{what}, at {bounds.speed:g} mm/s at most, {mode.title}", live.yes
+            )
+            wanderer = Wanderer(
+                explorer,
+                carrier,
+                guard,
+                contacts,
+                log,
+                ranges,
+                np.inf if live.seconds is None else live.seconds,
+                explorer.occupancy.runs if seed is None else seed,
+                ended,
+                _progress(live, runs),
+            )
+            motion.began = True
+            try:
+                open_.enter_context(carrier)
+                wanderer.check()
+                wanderer.wander(runs)
+            except Refused as refused:
+                codes = {finding.code for finding in refused.findings}
+                motion.began = not codes <= UNMOVED | mode.unbegun
+                raise
+    finally:  # once the arm stands: learning takes its time
+        if log.rows:
+            done = _saved(begun, log, live)
     assert done is not None
     if wanderer.moves < runs and not ended():
         print_findings([NO_LONGER(moves=wanderer.moves)])
@@ -191,7 +193,8 @@ def run_manual(cell: str, asked: Asked, live: Live) -> int:
     with reached(cell, "explore") as there, ExitStack() as open_:
         controller = there.controller
         _check_arm(begun, there.one.name, robot_of_cell(there.one))
-        watched = _Watched(begun, controller)
+        watched = _Watched(begun)
+        watched.controller = controller
         contacts, ended = open_.enter_context(
             _contacts(live.contact, begun, lambda: controller, watched.joints)
         )
@@ -219,56 +222,82 @@ def run_running(cell: str, program: str | None, asked: Asked, live: Live, overri
     if not live.contact.is_given:
         raise Refused(NO_CONTACT(), exit_status=2)
     begun = _prepared(asked, live)
-    with moving(cell, "explore") as motion, ExitStack() as open_:
-        there = motion.cell
-        controller = there.controller
-        _check_arm(begun, there.one.name, robot_of_cell(there.one))
-        watched = _Watched(begun, controller)
-        contacts, ended = open_.enter_context(
-            _contacts(live.contact, begun, lambda: controller, watched.joints)
-        )
-        what = f"starts `{program}`" if program else "starts what is loaded"
-        confirmed(there.one, f"{what} at {override} %: the arm moves as the program says", live.yes)
-        before = controller.state().override
-        controller.set_override(override)
-        if program:
-            controller.load(program)
-        motion.began = True
-        try:
-            if not watched.look(contacts):
-                controller.start()
-                began, stops = time.monotonic(), False
-                while not stops and not watched.is_over(live.seconds):
-                    stops = watched.look(contacts) or ended()
-                    runs = controller.state().running
-                    if not runs and time.monotonic() > began + BEGINNING:
-                        break
-                controller.stop()
-        finally:
+    watched, done = _Watched(begun), None
+    try:
+        with moving(cell, "explore") as motion, ExitStack() as open_:
+            there = motion.cell
+            controller = watched.controller = there.controller
+            _check_arm(begun, there.one.name, robot_of_cell(there.one))
+            contacts, ended = open_.enter_context(
+                _contacts(live.contact, begun, lambda: controller, watched.joints)
+            )
+            what = f"starts `{program}`" if program else "starts what is loaded"
+            what = f"{what} at {override} %: the arm moves as the program says"
+            confirmed(there.one, what, live.yes)
+            if program:
+                controller.load(program)
+            motion.began = True
+            with _slowed(controller, override):
+                if not watched.look(contacts):
+                    controller.start()
+                    began, stops = time.monotonic(), False
+                    while not stops and not watched.is_over(live.seconds):
+                        stops = watched.look(contacts, controller.stop) or ended()
+                        late = time.monotonic() > began + BEGINNING
+                        if not stops and late and not controller.state().running:
+                            break
+    finally:  # once the arm stands: learning takes its time
+        if watched.log.rows:
             done = _saved(begun, watched.log, live)
-            if before is not None:
-                controller.set_override(before)
+    assert done is not None
     status = report(done, live.format)
     return 1 if watched.log.contacts else status
 
 
-class _Watched:
-    """An arm that others move, looked at again and again; the time begins with the first look."""
+@contextmanager
+def _slowed(controller: Controller, percent: int) -> Iterator[None]:
+    """Run at an override. In the end the program is stopped first, and the override set back then.
 
-    def __init__(self, begun: Ready, controller: Controller) -> None:
+    A program that is not known to have stopped keeps the override.
+    """
+    from assistant.controllers.stopping import stop_at_once
+
+    before = controller.state().override
+    controller.set_override(percent)
+    try:
+        yield
+        controller.stop()
+    except BaseException:
+        stop_at_once(controller)
+        with suppress(Refused):
+            if before is not None and not controller.state().running:
+                controller.set_override(before)
+        raise
+    if before is not None:
+        controller.set_override(before)
+
+
+class _Watched:
+    """An arm that others move, looked at again and again; the time begins with the first look.
+
+    controller: is set once it is connected.
+    """
+
+    controller: Controller
+
+    def __init__(self, begun: Ready) -> None:
         from assistant.vision.exploring.moving import log_of
         from assistant.vision.servoing.bounds import Bounds as Limits
         from assistant.vision.servoing.bounds import Guard
 
         self.guard: Guard = Guard(begun.explorer.placed.robot, Limits())
         self.log: Log = log_of(self.guard)
-        self._controller = controller
         self._began: float | None = None
 
     def joints(self) -> Floats:
         from assistant.compiler.teaching import own_joints
 
-        return np.array(own_joints(self._controller.position(), self.guard.robot))
+        return np.array(own_joints(self.controller.position(), self.guard.robot))
 
     def is_over(self, seconds: float | None) -> bool:
         return seconds is not None and self._seconds() > seconds
@@ -278,11 +307,13 @@ class _Watched:
         self._began = now if self._began is None else self._began
         return now - self._began
 
-    def look(self, contacts: AnyContacts) -> bool:
-        """Add a row to the log; True if the arm is in contact."""
+    def look(self, contacts: AnyContacts, halt: Callable[[], None] = lambda: None) -> bool:
+        """Add a row to the log; True if the arm is in contact. halt: is called at once then."""
         time.sleep(LOOKS)
-        touching, joints = contacts.touching(), self.joints()
-        self.log.note(self._seconds(), joints, touching, self.guard.robot)
+        touching = contacts.touching()
+        if touching:
+            halt()
+        self.log.note(self._seconds(), self.joints(), touching, self.guard.robot)
         return touching
 
 

@@ -11,9 +11,14 @@ import pytest
 
 from assistant.cell.exploration.map_file import load
 from assistant.cell.exploration.occupancy import State
+from assistant.cli import exploring_arms
+from assistant.cli.exploring_arms import NO_CONTACT
 from assistant.compiler.exploring import touching
 from assistant.controllers import connect
+from assistant.controllers.mitsubishi.cr import Cr
+from assistant.program.diagnostics import Refused
 from assistant.virtual.cr import Contact, VirtualCr
+from assistant.vision.exploring.contacts import AnyContacts
 from tests.cli.test_commands import run
 
 CELL = """[robots.arm]
@@ -168,15 +173,53 @@ def test_an_arm_that_is_moved_by_hand_is_recorded(capsys, cell) -> None:
     assert json.loads(out)["chart"]["free"] > 0 and len(rows_of("log.csv")) > 3
 
 
-@pytest.mark.slow
-def test_a_program_runs_and_a_contact_stops_it(capsys, cell) -> None:
+def started(capsys, *more: str) -> tuple[int, str, str]:
+    """Explore while a program moves the arm to and fro, past the post."""
     lines = ["10 SPD 100", "20 JA=(31,20,80,0,40,0)", "30 MOV JA", "40 JB=(0,0,90,0,90,0)"]
     text = "\n".join([*lines, "50 MOV JB", "60 GOTO 30"])
     Path("MOVES.MB4").write_text(text + "\n", encoding="utf-8")
     assert run(capsys, "put", "cell1", "MOVES.MB4")[0] == 0
     words = ("explore", "running", "cell1", *WHERE, "--program", "MOVES", "--contact", "10")
-    more = ("--override", "1", "--yes", "--seconds", "20", "--log", "log.csv", "--format", "json")
-    status, out, said = run(capsys, *words, *more)
+    return run(capsys, *words, "--override", "1", "--yes", *more)
+
+
+@pytest.mark.parametrize(
+    "error", [KeyboardInterrupt, pytest.param(Refused, marks=pytest.mark.slow)]
+)
+def test_what_ends_a_program_stops_it_before_anything_is_learnt(capsys, cell, monkeypatch, error):
+    """And before it would get its old speed again."""
+    save, states, looks = exploring_arms._saved, [], iter([False] * 4)
+
+    def saved(*arguments):
+        with connect("cell1") as controller:
+            states.append(controller.state())
+        return save(*arguments)
+
+    def touching(_):
+        for look in looks:
+            return look
+        raise error() if error is KeyboardInterrupt else Refused(NO_CONTACT())
+
+    set_override = Cr.set_override
+
+    def set_back(controller, percent):
+        states.append(controller.state())
+        set_override(controller, percent)
+
+    monkeypatch.setattr(exploring_arms, "_saved", saved)
+    monkeypatch.setattr(AnyContacts, "touching", touching)
+    monkeypatch.setattr(Cr, "set_override", set_back)
+    status, _, said = started(capsys, "--size", "50")
+    assert status in (1, 130) and "CL240" in said, said
+    assert [(one.running, one.override) for one in states] == [
+        *((False, 100), (False, 1), (False, 100))
+    ]
+
+
+@pytest.mark.slow
+def test_a_program_runs_and_a_contact_stops_it(capsys, cell) -> None:
+    more = ("--seconds", "20", "--log", "log.csv", "--format", "json")
+    status, out, said = started(capsys, *more)
     assert status == 1, said
     assert json.loads(out)["contacts"] == 1
     assert float(rows_of("log.csv")[-1]["contact"]) == 1.0
