@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from assistant.learning.maps.experiments import MARKS, Experiment, over_box, over_ranges
-from assistant.learning.maps.extended_map import TOLD_BY, ExtendedMap, Task
+from assistant.learning.maps.extended_map import DETERMINED_BY, ExtendedMap, Task
 from assistant.learning.maps.goals import (
     InBox,
     InRanges,
@@ -104,7 +104,7 @@ def _rest(asked: Asked) -> Floats:
 
 
 def _points_for(joints: int) -> int:
-    return next((points for points, told in TOLD_BY.items() if joints <= told), 3)
+    return next((points for points, most in DETERMINED_BY.items() if joints <= most), 3)
 
 
 def _stated(asked: Asked, moves: tuple[str, ...], ranges: Floats) -> Floats:

@@ -67,7 +67,7 @@ def over_ranges(arm: SeenArm, ranges: Floats | None = None) -> Experiment:
     if not arm.cameras:
         joints = np.random.default_rng(0).uniform(known[:, 0], known[:, 1], (2000, len(known)))
         seen = arm.watched(pair_for(arm.tool(joints)[0].reshape(-1, 3)))
-    return Experiment(seen, InRanges(known), known, seen.task.told)
+    return Experiment(seen, InRanges(known), known, seen.task.determined)
 
 
 def over_box(arm: SeenArm, space: InBox) -> Experiment:

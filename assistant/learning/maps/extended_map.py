@@ -28,7 +28,7 @@ from assistant.program.arrays import Floats, Rows
 
 AT_RANDOM: Final = 0.1
 """Standard deviation of the numbers in A before anything is learnt, in spreads of both sides."""
-TOLD_BY: Final = {1: 3, 2: 5}
+DETERMINED_BY: Final = {1: 3, 2: 5}
 """Number of joints that so many seen points determine; three points determine six."""
 FLATTEST: Final = 0.15
 """Of the largest spread: along axes of less, pictures curve more than they tell."""
@@ -104,14 +104,14 @@ class Task:
         return 2 * len(self.cameras) * self.points
 
     @property
-    def told(self) -> int:
+    def determined(self) -> int:
         """Number of joints that the points determine, at most all that move."""
-        return min(TOLD_BY.get(self.points, 6), len(self.axes))
+        return min(DETERMINED_BY.get(self.points, 6), len(self.axes))
 
     @property
     def free(self) -> bool:
         """True if the points leave joints open: the posture nearest to the middle is learnt."""
-        return self.told < len(self.axes)
+        return self.determined < len(self.axes)
 
 
 @dataclass(slots=True, eq=False)

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from assistant.learning.maps.cooling import Cooling, learning
-from assistant.learning.maps.extended_map import TOLD_BY, ExtendedMap, begun
+from assistant.learning.maps.extended_map import DETERMINED_BY, ExtendedMap, begun
 from assistant.learning.maps.goals import Goals, Space
 from assistant.learning.maps.rules import BAD_LATTICE, FEW_POINTS, UNSEEN
 from assistant.learning.maps.seen_arm import SeenArm
@@ -109,9 +109,9 @@ def _check_told(arm: SeenArm, ranges: Floats) -> None:
     count, needed = len(arm.points), len(arm.moves)
     joints = np.random.default_rng(0).uniform(ranges[:, 0], ranges[:, 1], (SLOPES, needed))
     slopes = slope_of(arm, joints)
-    told = arm.task.told if arm.free else needed
-    least = np.linalg.svd(slopes, compute_uv=False)[:, told - 1 : told]
-    if told > TOLD_BY.get(count, 6) or float(np.median(least)) < LEAST_MOVED:
+    wanted = arm.task.determined if arm.free else needed
+    least = np.linalg.svd(slopes, compute_uv=False)[:, wanted - 1 : wanted]
+    if wanted > DETERMINED_BY.get(count, 6) or float(np.median(least)) < LEAST_MOVED:
         points = f"{count} point" if count == 1 else f"{count} points"
         raise Refused(FEW_POINTS(points=points, needed=needed), exit_status=2)
 

@@ -62,7 +62,8 @@ def learn(net: ExtendedMap, targets: Floats, done: Trials, pace: Pace) -> None:
     turned = scale.angles(done.fine[there]) - scale.angles(done.coarse[there])
     angles = net.angles[winners] + times(slopes, wanted - first)
     if net.task.free:
-        angles += PULL * pace.answer_width * _beside(slopes, -net.angles[winners], net.task.told)
+        pull = _beside(slopes, -net.angles[winners], net.task.determined)
+        angles += PULL * pace.answer_width * pull
     missed = np.sqrt(((targets[there] - done.fine_seen[there]) ** 2).mean(axis=1))
     teach(net, winners, angles, turned, moved, missed, pace)
 
@@ -99,13 +100,13 @@ PULL: Final = 0.1
 each trial."""
 
 
-def _beside(slopes: Floats, angles: Floats, told: int) -> Floats:
-    """The part of angles (m, a) that moves nothing of what is seen.
+def _beside(slopes: Floats, angles: Floats, count: int) -> Floats:
+    """Return the part of angles (m, a) that does not change the picture.
 
-    slopes: (m, a, d), of which the `told` strongest directions count: where A is the pseudoinverse
-    of what moves the picture, these are all the movements that are seen.
+    slopes: (m, a, d), whose `count` strongest directions matter: where A is the pseudoinverse of
+    the Jacobian of the picture, all visible movements are among these.
     """
-    strong = np.linalg.svd(slopes, full_matrices=False)[0][:, :, :told]
+    strong = np.linalg.svd(slopes, full_matrices=False)[0][:, :, :count]
     seen = np.einsum("mat,mt->ma", strong, np.einsum("mat,ma->mt", strong, angles))
     return np.asarray(angles - seen)
 

@@ -209,7 +209,7 @@ def test_one_point_in_two_cameras_moves_five_joints_of_a_free_arm() -> None:
 def test_a_point_of_a_free_arm_must_tell_a_place() -> None:
     arm = replace(seen_arm(RV2AJ, (), [TIP], ("J1",)), free=True)
     made = over_ranges(arm, np.array([[-40.0, 40.0]]))
-    assert made.arm.task.told == 1 and not made.arm.task.free
+    assert made.arm.task.determined == 1 and not made.arm.task.free
     still = replace(seen_arm(RV2AJ, (), [TIP], ("J5", "J6")), free=True)
     assert code(over_ranges(still).start) == "LN009"
 
