@@ -50,7 +50,7 @@ TRIED = {
         single_moves.py melfa-serial://{tcp}                     # CN101
         run_program.py ethernet --status {tcp}
         run_program.py serial --status {tcp}
-        follow other way.csv --by data-link --line {tcp_control} --line {tcp_status}
+        follow second way.csv --by data-link --line {tcp_control} --line {second_status}
     """,
     "DL RS232 SD": """
         follow ethernet way.csv --by mxt --line {pty}            # CN209
@@ -58,7 +58,7 @@ TRIED = {
         single_moves.py data-serial                              # CN204
         run_program.py ethernet --status {pty}
         run_program.py serial --status {pty}
-        follow ethernet way.csv --by data-link --line {pty} --line {tcp}
+        follow third way.csv --by data-link --line {pty_control} --line {third_status}
     """,
     "CL ETH Robot command": """
         follow ethernet way.csv --by controller-link             # CL250
@@ -112,7 +112,11 @@ def rows():
         *words, marks = re.fullmatch(r"(\w+) +(\w+) +(.+?) +((?:[X-] ?){6})", line).groups()
         name = " ".join(words)
         commands = [command.split("#") for command in TRIED[name].strip().splitlines()]
-        yield name, marks.split(), [(text, "".join(code).strip()) for text, *code in commands]
+        yield (
+            name,
+            marks.split(),
+            [(text.strip(), "".join(code).strip()) for text, *code in commands],
+        )
 
 
 CELLS = [
@@ -130,7 +134,11 @@ CELLS = [
 
 @pytest.fixture(scope="module")
 def lines(tmp_path_factory):
-    """A folder of a project that names two controllers; the second has COM1 on Ethernet."""
+    """A folder of a project that names three controllers, and what their lines are called.
+
+    The second and third are led by data link, in real time: their programs miss a client after 2 s.
+    COM1 is Ethernet on the second, serial on the third.
+    """
     folder = tmp_path_factory.mktemp("modes")
     pty, silent = folder / "pty", folder / "silent"
     with ExitStack() as open_:
@@ -138,18 +146,17 @@ def lines(tmp_path_factory):
         open_.callback(leave)
         control, leave = line_to("0")
         open_.callback(leave)
-        settings = {"servo_time": 0.02, "pace": 20.0}
-        one = open_.enter_context(VirtualCr(serial=True, lines={"COM1:": status}, **settings))
-        two = open_.enter_context(
-            VirtualCr(
-                serial=f"pty:{silent}", framing="data link", lines={"COM1:": control}, **settings
-            )
-        )
+        quick = {"servo_time": 0.02, "pace": 20.0}
+        one = open_.enter_context(VirtualCr(serial=True, lines={"COM1:": status}, **quick))
+        asked_in_vain = {"serial": f"pty:{silent}", "framing": "data link"}
+        two = open_.enter_context(VirtualCr(lines={"COM1:": control}, **asked_in_vain))
+        three = open_.enter_context(VirtualCr(serial=True, framing="data link"))
         data = {name: f"127.0.0.1:{port}" for name, (_, port) in one.data_ports.items()}
         named = {
             "ethernet": one.address,
             "serial": one.serial_address,
-            "other": two.address,
+            "second": two.address,
+            "third": three.address,
             "data-ethernet": f"melfa://{data['COM3:']}",
             "data-serial": f"melfa-serial://{silent}",
         }
@@ -171,7 +178,9 @@ def lines(tmp_path_factory):
                 "tcp": data["COM2:"],
                 "pty": pty,
                 "tcp_control": f"127.0.0.1:{control.address[1]}",
-                "tcp_status": f"127.0.0.1:{two.data_ports['COM2:'][1]}",
+                "second_status": f"127.0.0.1:{two.data_ports['COM2:'][1]}",
+                "pty_control": three.serial_path,
+                "third_status": f"127.0.0.1:{three.data_ports['COM2:'][1]}",
             },
         )
 
