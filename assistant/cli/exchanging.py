@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from assistant.program.se3 import Unit
     from assistant.program.statements import Motion
 
-BAD_LIST: Final = error("CL261", "`{given}` is not {wanted}", "write numbers with commas between")
+BAD_LIST: Final = error("CL261", "`{given}` is not {wanted}", "write them with commas between")
 NO_POSES: Final = error(
     "CL262",
     "`{name}` holds {found} paths of poses, and an exchange follows one",
@@ -206,11 +206,14 @@ def run_stop(cell: str, prefix: str, timeout: float, format: Format) -> int:
 
 
 def run_follow(cell: str, trajectory: Path, options: Options) -> int:
+    from assistant.controllers.recording import check_place
     from assistant.report import figures
 
     if options.plot is not None:
         figures.format_of(options.plot.name)
         figures.figure(1.0, 1.0)  # before the arm moves, whether a picture can be drawn
+    if options.record is not None:
+        check_place(options.record)
     path = _poses(trajectory)
     with reached(cell, "exchange follow") as there:
         how = "through" if options.through else "to"

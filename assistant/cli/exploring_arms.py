@@ -153,10 +153,11 @@ def run_wander_arm(
             contacts, ended = open_.enter_context(
                 _contacts(live.contact, begun, lambda: there.controller, carrier.joints)
             )
+            faster = [*mode.faster(guard.arm(), str(there.one.address))]
+            print_findings(faster)
             what = f"moves the arm at random, {runs} times, {_bounds(bounds)}"
-            confirmed(
-                there.one, f"{what}, at {bounds.speed:g} mm/s at most, {mode.title}", live.yes
-            )
+            most = "" if faster else f", at {bounds.speed:g} mm/s at most"
+            confirmed(there.one, f"{what}{most}, {mode.title}", live.yes)
             wanderer = Wanderer(
                 explorer,
                 carrier,
@@ -319,9 +320,12 @@ class _Watched:
 
 def _prepared(asked: Asked, live: Live) -> Ready:
     """Return the explorer; raises Refused for a log that cannot be written, or over its sources."""
+    from assistant.controllers.recording import check_place
+
     if live.log is not None:
         if live.log.suffix.lower() != ".csv" or live.log.is_dir():
             raise Refused(NO_LOG(name=live.log), exit_status=2)
+        check_place(live.log)
         read = [asked.cell, *([live.contact.cameras] if live.contact.cameras else [])]
         keep_sources([str(path) for path in read], [live.log])
     return prepared(asked, [])

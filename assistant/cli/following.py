@@ -94,6 +94,7 @@ def run_follow(cell: str, trajectory: str, options: Options) -> int:
 
 def _mode(options: Options) -> Mode:
     from assistant.controllers.following import MODES
+    from assistant.controllers.recording import check_place
 
     if options.by not in MODES:
         raise Refused(NO_WAY(by=options.by, known=", ".join(MODES)), exit_status=2)
@@ -103,6 +104,8 @@ def _mode(options: Options) -> Mode:
         raise Refused(NO_PERIOD(value=options.interval), exit_status=2)
     if options.log is not None and options.log.suffix.lower() not in WRITERS:
         raise Refused(NO_RECORDING(name=options.log), exit_status=2)
+    if options.log is not None:
+        check_place(options.log)
     if len(options.wishes.lines) > MOST_LINES:
         raise Refused(TOO_MANY_LINES(count=len(options.wishes.lines)), exit_status=2)
     return MODES[options.by]

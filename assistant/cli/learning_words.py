@@ -37,6 +37,8 @@ FEW_CAMERAS: Final = error(
 BAD_TURN: Final = error(
     "CL528", "`{given}` is no range of turns", "write LOW:HIGH in degrees, the lower first"
 )
+FARTHEST: Final = 100_000.0
+"""mm that a coordinate has at most: beyond, it is no place about a robot."""
 FREE: Final = "free"
 """Value of --tool for a tool of which only the position is learnt."""
 SHORTEST: Final = 0.5
@@ -164,6 +166,6 @@ def _between(text: str) -> tuple[float, float] | None:
 
 def _numbers(text: str, mark: str, count: int, rule: Rule, whole: str = "") -> list[float]:
     parts = [_factor(part) for part in text.split(mark)]
-    if len(parts) != count or any(part is None for part in parts):
+    if len(parts) != count or any(part is None or abs(part) > FARTHEST for part in parts):
         raise Refused(rule(given=whole or text), exit_status=2)
     return [part for part in parts if part is not None]

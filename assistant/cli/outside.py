@@ -29,6 +29,7 @@ NO_LINE: Final = error(
     "`{given}` leads no line anywhere",
     "write NAME=PORT, NAME=HOST:PORT or NAME=PATH, as COM1=10003",
 )
+TWICE: Final = error("CL043", "`{name}` is led to two places", "name it once")
 
 
 def check_disk(folder: Path | None) -> None:
@@ -47,11 +48,16 @@ def lines_of(given: Sequence[str]) -> dict[str, str]:
 
 
 def _pairs(given: Sequence[str], wrong: Rule) -> dict[str, str]:
-    pairs = {}
+    pairs: dict[str, str] = {}
+    named: set[str] = set()
     for pair in given:
         name, _, value = (part.strip() for part in pair.partition("="))
         if not name or not value:
             raise Refused(wrong(given=pair), exit_status=2)
+        known = name.rstrip(":").upper()
+        if known in named:
+            raise Refused(TWICE(name=name), exit_status=2)
+        named.add(known)
         pairs[name] = value
     return pairs
 

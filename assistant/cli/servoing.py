@@ -13,7 +13,7 @@ from assistant.cli.cells import record, robot_of_cell
 from assistant.cli.confirming import confirmed
 from assistant.cli.following import NO_RECORDING, WRITERS, shown
 from assistant.cli.moving import moving
-from assistant.cli.presentation import Format, print_json, say
+from assistant.cli.presentation import Format, print_findings, print_json, say
 from assistant.program.diagnostics import Refused, error
 
 if TYPE_CHECKING:
@@ -69,6 +69,7 @@ def run_servo(cell: str, task: Path, options: Options) -> int:
             eyes = open_.enter_context(eyes_of(setting, carrier.joints))
             names = ", ".join(camera.name for camera in setting.cameras)
             what = f"leads the arm by what camera {names} sees"
+            print_findings([*mode.faster(setting.guard.arm(), str(there.one.address))])
             confirmed(there.one, f"{what}: {setting.title}, {mode.title}", options.yes)
             motion.began = True
             try:
@@ -89,8 +90,12 @@ def run_servo(cell: str, task: Path, options: Options) -> int:
 
 
 def _mode(options: Options) -> Mode:
+    from assistant.controllers.recording import check_place
+
     if options.log is not None and options.log.suffix.lower() not in WRITERS:
         raise Refused(NO_RECORDING(name=options.log), exit_status=2)
+    if options.log is not None:
+        check_place(options.log)
     return way(options.by)
 
 

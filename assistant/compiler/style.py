@@ -20,7 +20,16 @@ from functools import cache
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
-from assistant.compiler.templates import PRIVATE, at_line, filled, section, section_on, shown
+from assistant.compiler.templates import (
+    NOT_WRITABLE,
+    PRIVATE,
+    at_line,
+    escaped,
+    filled,
+    section,
+    section_on,
+    shown,
+)
 from assistant.program.diagnostics import Diagnostic, Refused, Rule, Unreadable, error
 from assistant.program.letters import in_ascii
 from assistant.program.lines import one_line
@@ -71,11 +80,6 @@ READ_AS_ITEM: Final = error(
     "CO616",
     "the comment `{text}` would be read as a statement about the program",
     "put another word in front of it",
-)
-NOT_WRITABLE: Final = error(
-    "CO617",
-    "the template writes `{character}`, which is not in ASCII",
-    "write it in ASCII; values such as `{{{{ author }}}}` are converted",
 )
 CHANGED: Final = error(
     "CO618",
@@ -260,7 +264,12 @@ def _check(
     for at, line in written:
         if not line.strip():
             continue
-        part = section_on(line) or _frame(line, outline, name)
+        part = section_on(line)
+        odd = next((c for c in line if not " " <= c <= "~"), None) if part is None else None
+        if odd is not None and not PRIVATE.search(line):
+            say(at, NOT_WRITABLE, character=escaped(odd))
+            continue
+        part = part or _frame(line, outline, name)
         if part is not None and part in outline.rank:
             if part in seen:
                 say(at, TWICE, name=part)
@@ -273,13 +282,10 @@ def _check(
             say(at, NOT_ALONE, text=shown(line))
         else:
             comment = line.strip().removeprefix(language.comment_mark)
-            odd = next((c for c in line if not " " <= c <= "~"), None)
             if not line.strip().startswith(language.comment_mark):
                 say(at, NOT_A_COMMENT, text=line.strip(), mark=language.comment_mark)
             elif outline.item(comment):
                 say(at, READ_AS_ITEM, text=comment.strip())
-            elif odd is not None:
-                say(at, NOT_WRITABLE, character=odd if odd.isprintable() else f"\\x{ord(odd):02x}")
             elif _beyond(last, outline):
                 say(at, OUT_OF_ORDER, name=line.strip(), other=last, language=language.title)
     whole = max(outline.complete, key=lambda parts: len(seen.keys() & set(parts)))

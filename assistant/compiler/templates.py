@@ -38,6 +38,11 @@ TOO_LONG: Final = error(
     "the template writes more than {most:,} characters around a program",
     "shorten it: it holds the comments and the frame, no statements",
 )
+NOT_WRITABLE: Final = error(
+    "CO617",
+    "the template writes `{character}`, which is no printable character of ASCII",
+    "write it in ASCII; values such as `{{{{ author }}}}` are converted",
+)
 
 MOST: Final = 200_000
 """Characters that a template may write, sections not counted."""
@@ -49,7 +54,7 @@ FILTERS: Final = (
 _PLAIN: Final = re.compile(r"\{\{ *([a-z]+) *\}\}")
 _OPENS, _CLOSES = "\ue000", "\ue001"
 _AT, _LINE = "\ue002", "\ue003"
-_MARKS: Final = re.compile(f"{_AT}([0-9]+){_LINE}")
+_MARKS: Final = re.compile(f"{_AT}([0-9]{{1,9}}){_LINE}")
 PRIVATE: Final = re.compile("[\ue000-\ue003]")
 """Characters of placeholders and marks while a template is filled in."""
 _SECTION: Final = re.compile(f"{_OPENS}(.*?){_CLOSES}")
@@ -82,6 +87,11 @@ def shown(line: str) -> str:
     return _SECTION.sub(lambda match: f"{{{{ {match[1]} }}}}", line)
 
 
+def escaped(character: str) -> str:
+    """A character as a finding shows it."""
+    return character if character.isprintable() else f"\\x{ord(character):02x}"
+
+
 def at_line(template: SourceText, line: int, rule: Rule, **fields: Any) -> Diagnostic:
     """The rule's finding at a line of a template."""
     lines = template.text.split("\n")
@@ -96,6 +106,9 @@ def filled(template: SourceText, values: Mapping[str, str]) -> list[tuple[int, s
 
     Raises Refused for a template that cannot be read or filled in.
     """
+    if own := PRIVATE.search(template.text):
+        line, character = template.text.count("\n", 0, own.start()) + 1, escaped(own[0])
+        raise Refused(at_line(template, line, NOT_WRITABLE, character=character))
     known = set(_PLAIN.findall(template.text)) <= values.keys()
     if known and not re.search(r"\{[{%#]", _PLAIN.sub("", template.text)):
         if len(template.text) > MOST:
@@ -119,6 +132,8 @@ def _by_jinja(template: SourceText, values: Mapping[str, str]) -> list[tuple[int
     except TemplateSyntaxError as wrong:
         reason = wrong.message or "it is not finished"
         raise Refused(at_line(template, wrong.lineno, UNREADABLE, reason=reason)) from None
+    except SyntaxError as wrong:  # of the Python that Jinja2 makes of it
+        raise Refused(at_line(template, 1, UNREADABLE, reason=wrong.msg)) from None
     except UndefinedError as wrong:
         at = _line_of(wrong)
         name = re.search(r"'(.*?)' is undefined", wrong.message or "")

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import csv
-import errno
 import io
 import math
-import os
 import zipfile
 from array import array
 from collections.abc import Mapping, Sequence
@@ -93,6 +91,21 @@ class Recording:
         save_columns(path, cells, {name: self.column(name) for name in self.fields})
 
 
+def check_place(path: str | FilePath) -> None:
+    """Raise Refused (exit status 2) for a file that no recording can be: of another form, or in a
+    folder that is not there. For those who record a motion, before it begins.
+    """
+    target = FilePath(path)
+    form = target.suffix.lower()
+    if form not in FORMS:
+        known = " or ".join(f"`{suffix}`" for suffix in FORMS)
+        finding = NO_FORMAT(path=str(target), suffix=target.suffix, known=known)
+        raise Refused(finding, exit_status=2)
+    if not target.parent.is_dir():
+        reason = f"there is no folder `{target.parent}`"
+        raise Refused(NOT_SAVED(path=str(target), reason=reason), exit_status=2)
+
+
 def save_columns(
     path: str | FilePath, columns: Mapping[str, Floats], arrays: Mapping[str, Floats] | None = None
 ) -> None:
@@ -101,16 +114,11 @@ def save_columns(
     arrays: (n, …) of a `.npz`, where they are others. The file appears whole or not at all. Raises
     Refused (exit status 2).
     """
+    check_place(path)
     target = FilePath(path)
-    form = target.suffix.lower()
-    if form not in FORMS:
-        known = " or ".join(f"`{suffix}`" for suffix in FORMS)
-        finding = NO_FORMAT(path=str(target), suffix=target.suffix, known=known)
-        raise Refused(finding, exit_status=2)
-    data = _csv(columns) if form == ".csv" else _npz(columns if arrays is None else arrays)
+    is_table = target.suffix.lower() == ".csv"
+    data = _csv(columns) if is_table else _npz(columns if arrays is None else arrays)
     try:
-        if not target.parent.is_dir():
-            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(target))
         put({target: data})
     except OSError as wrong:
         reason = wrong.strerror or str(wrong)

@@ -214,7 +214,7 @@ def _lines(kernel: Kernel, given: Mapping[str, str]) -> dict[str, Line]:
     for name, target in given.items():
         try:
             lines[f"{name.rstrip(':')}:"], leave = line_to(target)
-        except (OSError, OverflowError) as wrong:
+        except OSError as wrong:
             for close in kernel.leaving:
                 close()
             raise Refused(NO_LINE(name=name, reason=wrong), exit_status=2) from None

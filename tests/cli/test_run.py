@@ -320,6 +320,8 @@ def test_a_folder_is_the_disk_of_the_controller(capsys: Capture, tmp_path: Path)
         (("--host", "192.168.125.1"), "CL030"),
         (("--host", "=127.0.0.1"), "CL030"),
         (("--line", "COM1"), "CL033"),
+        (("--line", "COM1=1", "--line", "com1:=2"), "CL043"),
+        (("--host", "a=b", "--host", "a=c"), "CL043"),
         (("--line", "COM1=10003"), "VC207"),
     ],
 )

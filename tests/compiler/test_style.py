@@ -389,3 +389,44 @@ def test_a_style_may_be_given_in_python(tmp_path):
     program = pseudo.parse(PROGRAM)
     compiled = compile(program, language="rapid", style=Style(tmp_path, {"revision": "C"}))
     assert text_of(compiled).startswith("! C\r\nMODULE weld\r\n")
+
+
+DEEP = '{% for a in "ab" %}' * 25 + "x" + "{% endfor %}" * 25
+
+
+@pytest.mark.parametrize(("line", "code"), [
+    (DEEP, "CO601"),  # what Python refuses of the code that Jinja2 makes of it
+    ("{% if name %}" * 120 + "! x" + "{% endif %}" * 120, "CO601"),
+    ("{% macro a(x, x) %}{% endmacro %}", "CO601"),
+    ("{% macro a(x) %}{% endmacro %}{{ a(x=1, x=2) }}", "CO601"),
+    ("! \ue0025\ue003", "CO617"),  # the marks of lines and sections are no text of templates
+    ("\ue000routines\ue001", "CO617"),
+    ('{% if name %}\n{{ "\\ue002" }}{% endif %}' + "9" * 5000 + '{{ "\\ue003" }}', "CO614"),
+    ("! a\x0b", None),  # white space at the end of a line is left out
+    ("! a\tb", "CO617"),
+])  # fmt: skip
+def test_templates_that_mislead_their_reader_are_refused(project, line, code):
+    found = refused(project, f"{line}\n{RAPID}") if code else []
+    assert [one.code for one in found][:1] == ([code] if code else [])
+    if code is None:
+        assert text_of(project(f"{line}\n{RAPID}")).startswith("! a\r\nMODULE")
+
+
+@pytest.mark.parametrize("frame", ["\x0cMODULE {{ name }}", "\xa0MODULE {{ name }}"])
+def test_the_frame_of_a_module_is_printable(project, frame):
+    found = refused(project, RAPID.replace("MODULE {{ name }}", frame, 1))
+    assert found[0].code == "CO617"
+    assert found[0].line == 1
+
+
+@pytest.mark.parametrize(("attributes", "sound"), [
+    ("NOSTEPIN", True), ("NOSTEPIN,READONLY", True), ("NOSTEPIN, VIEWONLY", True), ("NOVIEW", True),
+    ("NOVIEW,NOSTEPIN", False), ("VIEWONLY,READONLY", False), ("READONLY,NOSTEPIN", False),
+    ("NOSTEPIN,NOSTEPIN", False), ("SYSMODULE", False),
+])  # fmt: skip
+def test_attributes_are_those_that_a_controller_takes_together(project, attributes, sound):
+    template = RAPID.replace("MODULE {{ name }}", f"MODULE {{{{ name }}}}({attributes})", 1)
+    if sound:
+        assert text_of(project(template)).startswith(f"MODULE weld({attributes})")
+    else:
+        assert refused(project, template)[0].code == "CO611"

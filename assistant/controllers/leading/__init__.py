@@ -6,29 +6,34 @@ and a row.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Literal
 
 from assistant.controllers.controller import Controller, JogsJoints, Programs
 from assistant.controllers.following import MODES as FOLLOWING
 from assistant.controllers.following import Check, Wishes, lines_of, taking
+from assistant.controllers.leading import rules
 from assistant.controllers.leading.carrier import Arm, Carrier
 from assistant.controllers.rules import NOT_HERE
 from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
+from assistant.program.diagnostics import Diagnostic, Refused
 
 __all__ = ["MODES", "Arm", "Carrier", "Mode"]
 
 Make = Callable[[Programs, Arm, Wishes, Floats], Carrier]
 """Of a session, the arm, what is wished, and joints (a,) near to which the arm is."""
+Keeps = Literal["cycles", "percent", "program"]
+SLOWEST: Final = 0.01
+"""Part of its full speed below which no controller is told to go."""
 
 
 @dataclass(frozen=True, slots=True)
 class Mode:
     """title: in words. make: a carrier that is not entered. operates: whether the session must be
     one that operates the controller. check: is asked before anybody confirms. unbegun: codes of
-    refusals after which nothing has been sent or started. waits: as of its carrier.
+    refusals after which nothing has been sent or started. waits: as of its carrier. keeps: who
+    keeps the speed: each cycle, a percentage of the controller, or a program of its own.
     """
 
     title: str
@@ -37,6 +42,15 @@ class Mode:
     check: Check
     unbegun: frozenset[str] = frozenset()
     waits: bool = False
+    keeps: Keeps = "cycles"
+
+    def faster(self, arm: Arm, place: str) -> Iterator[Diagnostic]:
+        """Report where the arm may be faster than what `arm` may do: the way cannot keep to it."""
+        if self.keeps == "percent" and arm.part < SLOWEST:
+            times = f"{SLOWEST / arm.part:.1f}"
+            yield rules.NO_SLOWER(place=place, percent=100.0 * SLOWEST, times=times)
+        elif self.keeps == "program":
+            yield rules.OWN_SPEED(place=place)
 
 
 def _jog(session: Programs, arm: Arm, wishes: Wishes, near: Floats) -> Carrier:  # noqa: ARG001
@@ -81,18 +95,29 @@ def _exchange(session: Programs, arm: Arm, wishes: Wishes, near: Floats) -> Carr
     return PoseCarrier(session, arm, near)
 
 
-def _mode(name: str, title: str, make: Make, *, waits: bool = False) -> Mode:
+def _mode(
+    name: str, title: str, make: Make, *, waits: bool = False, keeps: Keeps = "cycles"
+) -> Mode:
     """Needs what following a trajectory by the same way does."""
     other = FOLLOWING[name]
-    return Mode(title, make, other.operates, other.check, other.unbegun, waits)
+    return Mode(title, make, other.operates, other.check, other.unbegun, waits, keeps)
 
 
 MODES: Final[Mapping[str, Mode]] = {
     "jog": Mode(
-        "jogs of its joints, step by step", _jog, True, taking(then=_jogs_joints), waits=True
+        "jogs of its joints, step by step",
+        _jog,
+        True,
+        taking(then=_jogs_joints),
+        waits=True,
+        keeps="percent",
     ),
-    "data-link": _mode("data-link", "joint positions on a line of data", _data_link),
+    "data-link": _mode(
+        "data-link", "joint positions on a line of data", _data_link, keeps="percent"
+    ),
     "mxt": _mode("mxt", "joints cycle by cycle", _mxt),
     "egm": _mode("egm", "joints cycle by cycle, as a program asks for them", _egm),
-    "exchange": _mode("exchange", "poses by files, one after the other", _exchange, waits=True),
+    "exchange": _mode(
+        "exchange", "poses by files, one after the other", _exchange, waits=True, keeps="program"
+    ),
 }

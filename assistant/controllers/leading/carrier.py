@@ -54,10 +54,14 @@ class Arm:
         return found
 
     @property
+    def part(self) -> float:
+        """Part of its full speed that keeps to `speeds` and `share`."""
+        return min(self.share, float((self.speeds / self.full).min()))
+
+    @property
     def percent(self) -> int:
-        """Of its full speed, that keeps to `speeds` and `share` where the controller chooses."""
-        part = min(self.share, float((self.speeds / self.full).min()))
-        return int(np.clip(np.floor(100.0 * part), 1, 100))
+        """`part` in percent, 1 where it is less: controllers go no slower."""
+        return int(np.clip(np.floor(100.0 * self.part), 1, 100))
 
     @property
     def slow(self) -> Floats:

@@ -138,7 +138,7 @@ UP: Final = 0.35
 def pair_for(points: Floats, lens: Lens = LENS) -> tuple[Camera, Camera]:
     """Two cameras in front of a robot that see points (n, 3) mm of its base, as near as can be."""
     middle = (points.min(axis=0) + points.max(axis=0)) / 2.0
-    distance = float(np.linalg.norm(np.ptp(points, axis=0)))
+    distance = max(float(np.linalg.norm(np.ptp(points, axis=0))), 1.0)
     while True:
         cameras = tuple(
             Camera(name, lens, _looking(middle, distance, side * ASIDE))

@@ -102,7 +102,7 @@ def _open(m: Machine, node: s.Open) -> None:
     try:
         line.open()
     except OSError as error:
-        raise Failed(3140, f"{name} cannot be opened: {error}") from None
+        raise Failed(3140, f"{name} cannot be opened: {error.strerror or error}") from None
     m.world.task.kernel.attached += line.outside
     m.world.files[number] = Channel(name, line, m.world.options.prefixed)
 

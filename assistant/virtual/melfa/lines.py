@@ -15,6 +15,7 @@ MOST_UNSENT: Final = 1 << 12
 PATIENCE: Final = 1.0
 """Seconds that a client tries to connect."""
 AT_ONCE: Final = 1 << 16
+MOST_PORT: Final = 65_535
 
 
 class Line(Protocol):
@@ -389,11 +390,11 @@ def line_to(target: str) -> tuple[Line, Callable[[], None]]:
     if (terminal := Terminal.asked(target)) is not None:
         return Descriptor(terminal.descriptor), terminal.close
     if target.isdecimal():
-        server = TcpServer(int(target))
+        server = TcpServer(_port(target))
         return server, server.shut
     host, _, port = target.rpartition(":")
     if port.isdecimal():
-        client = TcpClient(host, int(port))
+        client = TcpClient(host, _port(port))
         return client, client.close
     if os.name == "nt":
         raise OSError("serial ports can be opened on Linux and macOS only")
@@ -401,6 +402,12 @@ def line_to(target: str) -> tuple[Line, Callable[[], None]]:
         raise FileNotFoundError(f"there is no {target}")
     serial = Serial(target)
     return serial, serial.close
+
+
+def _port(digits: str) -> int:
+    if len(digits) > len(str(MOST_PORT)) or int(digits) > MOST_PORT:
+        raise OSError(f"a port is a number up to {MOST_PORT}")
+    return int(digits)
 
 
 def set_rate(port: int, rate: Rate) -> None:
@@ -419,5 +426,7 @@ def set_rate(port: int, rate: Rate) -> None:
         settings[2] = flags | (termios.CSTOPB if rate.stops == 2 else 0)
         settings[4] = settings[5] = baud
         termios.tcsetattr(port, termios.TCSANOW, settings)
-    except (termios.error, AttributeError) as error:
+    except termios.error as error:
+        raise OSError(*error.args) from None
+    except AttributeError as error:
         raise OSError(f"{error}") from None

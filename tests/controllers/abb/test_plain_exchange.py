@@ -10,6 +10,7 @@ import pytest
 from assistant import languages
 from assistant.controllers import connect
 from assistant.controllers.abb.exchange import Module, PlainExchange, PlainFiles, Tool
+from assistant.controllers.abb.exchange.plain import parse
 from assistant.program import rotations
 from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
@@ -113,6 +114,28 @@ def test_names_that_files_must_not_have(names):
     with pytest.raises(Refused) as refused:
         PlainFiles(names)
     assert codes(refused) == ["CN515"]
+
+
+@pytest.mark.parametrize(
+    ("row", "read"),
+    [
+        ("[420,60,400]", True),
+        ("420 60 400", True),
+        ("[420, 60.5,4e2]", True),
+        ("[[420,60,400]]", False),
+        ("][420,60,400][", False),
+        ("[420,,60,400]", False),
+        ("420,5 60 400", False),
+        ("420,60,400", False),
+        ("[420;60;400]", False),
+    ],
+)
+def test_an_answer_is_a_row_or_nothing(row, read):
+    texts = [f"{row}\n".encode(), b"[0,0,1,0]\n", b"[0,0,0,0]\n"]
+    answer = parse(1, texts)
+    assert (answer is not None) == read
+    if answer is not None:
+        assert answer.pose.position[0] == 420.0
 
 
 def test_files_of_before_are_never_carried_out_nor_taken_for_an_answer(served):

@@ -85,6 +85,8 @@ def _no_file(name: str, names: Sequence[str]) -> str:
         return "it must be safe on every disk"
     if len(name) > LONGEST_NAME:
         return f"it has more than {LONGEST_NAME} characters"
+    if name.lower().removesuffix(".txt").endswith(("_claim", "_claimant")):
+        return "what keeps other computers away has such a name"
     if name.lower().endswith((*TEXTS, ".new")):
         return "files with this suffix are programs or are not complete yet"
     if [other.lower() for other in names].count(name.lower()) > 1:

@@ -14,6 +14,7 @@ deleted its last answer.
 from __future__ import annotations
 
 import math
+import re
 import threading
 import time
 from collections.abc import Sequence
@@ -254,14 +255,19 @@ def parse(number: int, texts: Sequence[bytes]) -> Answer | None:
 
 
 def _values(text: bytes, count: int) -> tuple[float, ...] | None:
-    """`count` finite numbers of a file that ends with a line end: in brackets, or in lines."""
+    """`count` finite numbers of a file that ends with a line end: in brackets, or in lines.
+
+    Commas are between numbers: a line with another use of them, as for decimals, is not read.
+    """
     if len(text) > LONGEST or not text.endswith(b"\n"):
         return None
     line = text.decode("latin-1").strip()
-    if line.startswith("[") != line.endswith("]") or "_" in line:
+    row = re.fullmatch(r"\[(.*)\]", line)
+    parts = line.split() if row is None else row[1].split(",")
+    if any("_" in part for part in parts):
         return None
     try:
-        values = tuple(map(float, line.strip("[]").replace(",", " ").split()))
+        values = tuple(map(float, parts))
     except ValueError:
         return None
     return values if len(values) == count and all(map(math.isfinite, values)) else None

@@ -55,8 +55,9 @@ OUTLINE: Final = Outline(
     item=is_item,
     frame={
         # A system module has no `main`; the other attributes change nothing that the program does.
-        "MODULE": r"MODULE {name} ?(?:\( ?(?:NOSTEPIN|VIEWONLY|READONLY|NOVIEW)"
-        r"(?: ?, ?(?:NOSTEPIN|VIEWONLY|READONLY|NOVIEW))* ?\))?",
+        # Their order and what excludes what: technical reference manual, RAPID kernel, modules.
+        "MODULE": r"MODULE {name} ?(?:\( ?(?:NOVIEW|NOSTEPIN(?: ?, ?(?:VIEWONLY|READONLY))?"
+        r"|VIEWONLY|READONLY) ?\))?",
         _END: _END,
     },
     numbered=lambda _: None,
