@@ -11,7 +11,7 @@ from typing import Any, Final, TypeVar
 from assistant.languages.checks.damage import Damage
 from assistant.languages.checks.line_view import LineView
 from assistant.languages.checks.places import Lines
-from assistant.languages.checks.views import by_type
+from assistant.languages.checks.views import Memory, by_type
 from assistant.languages.melfa_basic.checks.uses import Use, uses
 from assistant.languages.melfa_basic.tables.dialects import Dialect
 from assistant.languages.melfa_basic.text import printer
@@ -40,7 +40,7 @@ class Scope:
     function: s.Function | None = None
 
 
-class Calls:
+class Calls(Memory):
     """What the files of a program call: name in upper case → the first tree of that name."""
 
     def __init__(self, trees: Sequence[s.File]) -> None:

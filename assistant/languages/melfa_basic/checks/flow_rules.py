@@ -74,8 +74,8 @@ CALLS_ITSELF: Final = error(
 )
 READ_BEFORE_SET: Final = warning(
     "MB148",
-    "`{program}`, which starts here in slot {slot}, reads `{name}` in line {reading}, but {setter} "
-    "may set it only afterwards: it finds 0, or what the last run left there",
+    "`{program}`, which starts here in {slot}, reads `{name}` in line {reading}, and {setter} may "
+    "not have set it by then: it finds 0, or what the last run left there",
     "set `{name}` before the line that starts `{program}`",
 )
 LAST_VALUE: Final = info(

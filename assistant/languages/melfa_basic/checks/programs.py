@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from itertools import groupby
-from operator import itemgetter
+from collections.abc import Iterator
 
 from assistant.languages.checks.call_graph import depth, way_to
 from assistant.languages.checks.registry import Found
@@ -12,8 +10,6 @@ from assistant.languages.checks.repeats import Keyed, firsts
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks import flow_rules, motion_rules
 from assistant.languages.melfa_basic.checks.file_view import Look
-from assistant.languages.melfa_basic.checks.uses import Use, uses
-from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.languages.melfa_basic.tree.walk import (
@@ -23,7 +19,6 @@ from assistant.languages.melfa_basic.tree.walk import (
     literal,
     program_key,
     program_name,
-    statements_in,
 )
 from assistant.program.diagnostics import Rule
 
@@ -68,101 +63,6 @@ def mechanisms(look: Look) -> Found:
         asks = any(command.keyword == "GetM" for _, command in lines_with(code, s.Command))
         if any(map(_moves, code)) and not asks:
             yield look.at(motion_rules.NO_GETM, line, f'"{name}"', name=name, slot=slot)
-
-
-def started_early(look: Look) -> Found:
-    """Programs that are run in other slots and read a shared variable before it is set.
-
-    By the order of the lines: what the starting program sets above the line that starts them is
-    set, and so is what a program sets above the line that reads it.
-    """
-    starts = list(_starts(look))
-    trees = {name: tree for _, name, _, _ in starts if (tree := look.calls.by_name.get(name))}
-    own = list(_shared(look.tree))
-    for line, name, slot, before in starts:
-        if name not in trees:
-            continue
-        for key, variable, reading in _read_first(trees[name]):
-            if key in before:
-                continue
-            later = next((at for at, use in own if use.role != "read" and _key(use) == key), None)
-            sets = f"line {_number(look.tree, later)} here" if later else _setter(trees, name, key)
-            if sets:
-                where = f'"{name}"' if f'"{name}"' in look.text_of(line).upper() else "XRun"
-                told = {"name": variable.marked, "program": name, "slot": slot}
-                told |= {"reading": _number(trees[name], reading), "setter": sets}
-                yield look.at(flow_rules.READ_BEFORE_SET, line, where, **told)
-
-
-def last_values(look: Look) -> Found:
-    """Shared variables that only a program in another slot sets, and that this one reads."""
-    starts = list(_starts(look))
-    trees = {name: tree for _, name, _, _ in starts if (tree := look.calls.by_name.get(name))}
-    for key, variable, line in _read_first(look.tree) if trees else ():
-        setter = _setter(trees, "", key)
-        if setter:
-            yield look.at(flow_rules.LAST_VALUE, line, variable, program=setter)
-
-
-def _starts(look: Look) -> Iterator[tuple[s.Line, str, int, frozenset[str]]]:
-    """`XRun` of other slots: the line, the program, the slot, shared variables that are set."""
-    loaded: dict[int, str] = {}
-    given: set[str] = set()
-    for line in look.lines:
-        for statement in statements_in(line.statement):
-            match statement:
-                case s.Command("XLoad", (slot, s.String(name), *_)):
-                    loaded[int(literal(slot) or 0)] = program_key(name)
-                case s.Command("XRun", (slot, *rest)):
-                    number = int(literal(slot) or 0)
-                    match rest:
-                        case [s.String(name), *_]:
-                            loaded[number] = program_key(name)
-                    if number in loaded and number != 1:
-                        yield line, loaded[number], number, frozenset(given)
-        given |= {_key(use) for use in uses(line.statement) if use.role != "read"}
-
-
-def _shared(tree: s.File) -> Iterator[tuple[s.Line, Use]]:
-    """Variables of all programs that a file uses, without the status variables."""
-    for item in tree.code:
-        if isinstance(item, s.Line):
-            for use in uses(item.statement):
-                key = _key(use)
-                if key[1:2] == "_" and vocabulary.status(key) is None:
-                    yield item, use
-
-
-def _read_first(tree: s.File) -> Iterator[tuple[str, s.Variable, s.Line]]:
-    """Shared variables that a program reads in a line above any that sets them."""
-    seen: set[str] = set()
-    for line, found in groupby(_shared(tree), key=itemgetter(0)):
-        here = [use for _, use in found]
-        for use in here:
-            if use.role == "read" and _key(use) not in seen:
-                seen.add(_key(use))
-                yield _key(use), use.variable, line
-        seen |= {_key(use) for use in here}
-
-
-def _setter(trees: Mapping[str, s.File], reader: str, key: str) -> str:
-    """The other program that sets a variable, in words; empty for none."""
-    for name, tree in trees.items():
-        if name != reader:
-            if any(_key(use) == key and use.role != "read" for _, use in _shared(tree)):
-                return f"`{name}`"
-    return ""
-
-
-def _key(use: Use) -> str:
-    return use.variable.key
-
-
-def _number(tree: s.File, line: s.Line) -> int:
-    """The step number of a line, or its number in the text if it has none."""
-    if line.number is not None or line.span is None or tree.source is None:
-        return line.number or 0
-    return tree.source.line_column(line.span.start)[0]
 
 
 def _moves(item: s.Entry) -> bool:

@@ -9,7 +9,7 @@ from assistant.languages.checks.registry import Found
 from assistant.languages.checks.slips import slips
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks.file_view import Look
-from assistant.languages.melfa_basic.checks.variables_of import known
+from assistant.languages.melfa_basic.checks.variables_of import given_anywhere, known
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.walk import nodes
@@ -33,7 +33,7 @@ def variables(look: Look) -> Found:
         seen.add(key)
         if key[1:2] == "_":
             stranger = key not in names.declared and vocabulary.status(key) is None
-            if stranger and not near_status(key):  # else it is told what is meant
+            if stranger and not near_status(key) and key not in look.calls.once(given_anywhere):
                 yield look.at(rules.NO_EXTERNAL, line, variable, name=variable.marked)
         elif variable.arguments is not None:
             if key not in names.dimensioned:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from assistant.languages.checks.name_sets import NameSet
-from assistant.languages.melfa_basic.checks.file_view import Look
+from assistant.languages.melfa_basic.checks.file_view import Calls, Look
+from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import PositionRows
 from assistant.languages.melfa_basic.tree.walk import nodes
@@ -62,13 +64,34 @@ def _take(look: Look, found: Known) -> None:
                 found.dimensioned |= {p.name.upper() for p in parameters or () if p.array}
             case s.DefFunction(name, _, parameters):
                 given |= {name.upper(), *(p.key for p in parameters)}
+    _take_data(look.data, found.given)
     for item in look.data:
-        if isinstance(item, PositionRows):
-            found.given.columns.append(names_of(item))
-        elif not _is_empty(item):
-            given.add(item.variable.key)
         if isinstance(item, s.Data) and item.variable.arguments is not None:
             found.dimensioned.add(item.variable.key)
+
+
+def _take_data(items: Iterable[s.Data | PositionRows], given: NameSet) -> None:
+    for item in items:
+        if isinstance(item, PositionRows):
+            given.columns.append(names_of(item))
+        elif not _is_empty(item):
+            given.words.add(item.variable.key)
+
+
+def given_by_data(calls: Calls) -> NameSet:
+    """Variables that the data of any of some files gives a value, by name in upper case."""
+    found = NameSet()
+    for tree in calls.trees:
+        _take_data(Look(tree, DIALECTS[tree.dialect], calls).data, found)
+    return found
+
+
+def given_anywhere(calls: Calls) -> NameSet:
+    """Variables that any of some files gives a value, by name in upper case."""
+    found = Known()
+    for tree in calls.trees:
+        _take(Look(tree, DIALECTS[tree.dialect], calls), found)
+    return found.given
 
 
 def names_of(rows: PositionRows) -> Names:
