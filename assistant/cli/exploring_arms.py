@@ -151,7 +151,12 @@ def run_wander_arm(
             mode.check(session, bounds.wishes)
             carrier = mode.make(session, guard.arm(), bounds.wishes, near(session, robot))
             contacts, ended = open_.enter_context(
-                _contacts(live.contact, begun, lambda: there.controller, carrier.joints)
+                _contacts(
+                    live.contact,
+                    begun,
+                    lambda: there.controller,
+                    lambda: carrier.joints() if motion.began else near(session, robot),
+                )
             )
             faster = [*mode.faster(guard.arm(), str(there.one.address))]
             print_findings(faster)

@@ -198,6 +198,10 @@ CONTROL_PORT, STATUS_PORT = 10002, 10003
 """Of the lines OPT12 and OPT13, which COM1 and COM2 of the programs are to be; the controller link
 is on OPT11.
 """
+LINES_NEEDED: Final = (
+    "set COMDEV = OPT12, OPT13 and CPRCE12 = CPRCE13 = 2 on the controller and switch it off and "
+    "on (a virtual one: --line COM1=PORT --line COM2=PORT), or name the two lines by --line"
+)
 STEP_MORE: Final = 0.1
 """Degrees that the arm may have moved since the points were worked out."""
 
@@ -224,7 +228,21 @@ def lines_of(session: Programs, wishes: Wishes) -> tuple[str, str]:
 
 
 def _has_lines(session: Programs, wishes: Wishes) -> None:
-    lines_of(session, wishes)
+    """Raises Refused where the lines of the programs cannot be those that are named.
+
+    A line on a port of the controller itself needs an Ethernet option behind `COM1:` or `COM2:`
+    (COMDEV); without one the program ends with error 3140 at its `Open`, after it was started. A
+    target elsewhere may be a converter at the serial line.
+    """
+    targets = lines_of(session, wishes)
+    own = session.address.host
+    text = _operated(session).parameters(["COMDEV"]).get("COMDEV", "")
+    devices = [part.strip() for part in text.split(",")]
+    for number, target in enumerate(targets):
+        device = devices[number] if number < len(devices) else ""
+        if target.rpartition(":")[0] == own and not device.startswith("OPT"):
+            name = f"`COM{number + 1}:` of its programs is {device or 'no line'} (COMDEV = {text})"
+            raise _not_here(session, f"{name}, to which {target} does not lead", LINES_NEEDED)
 
 
 def on_network(session: Programs, wishes: Wishes) -> None:  # noqa: ARG001 - as of each way

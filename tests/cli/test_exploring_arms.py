@@ -20,6 +20,7 @@ from assistant.program.diagnostics import Refused
 from assistant.virtual.cr import Contact, VirtualCr
 from assistant.vision.exploring.contacts import AnyContacts
 from tests.cli.test_commands import run
+from tests.cli.test_leaving_no_trace import NETWORK
 
 CELL = """[robots.arm]
 robot = "rv-2aj"
@@ -50,7 +51,9 @@ def cell(tmp_path, monkeypatch):
     for name, text in files.items():
         Path(name).write_text(text, encoding="utf-8")
     felt = Contact("10", touching(Path("real.toml"), "rv-2aj"))
-    with VirtualCr(servo_time=0.02, pace=200.0, contact=felt) as virtual:
+    virtual = VirtualCr(servo_time=0.02, pace=200.0, contact=felt)
+    virtual.state.parameters.write("COMDEV", NETWORK, all_levels=True)
+    with virtual:
         table = f'address = "{virtual.address}"\nrobot = "rv-2aj"\ntimeout = 10\n'
         Path("assistant.toml").write_text(f"[controllers.cell1]\n{table}", encoding="utf-8")
         virtual.state.machinery.switch_servo(True)
@@ -95,14 +98,26 @@ def test_an_arm_that_moves_finds_free_space_and_its_log_tells_the_same(capsys, c
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("by", ["jog", "mxt"])
+@pytest.mark.parametrize("by", ["jog", "mxt", "data-link"])
 def test_contacts_stop_it_and_no_cell_of_the_obstacle_is_free(capsys, cell, by) -> None:
-    port = ["--port", str(cell.mxt_port)] if by == "mxt" else []
-    told = wandered(capsys, "6", "20", "--by", by, *port, "--speed", "250")
+    pairs = [f"{host}:{port}" for host, port in cell.data_ports.values()][:2]
+    lines = [word for pair in pairs for word in ("--line", pair)]
+    ways = {"mxt": ["--port", str(cell.mxt_port)], "data-link": lines}
+    told = wandered(capsys, "6", "20", "--by", by, *ways.get(by, []), "--speed", "250")
     assert told["contacts"] > 0 and told["chart"]["litres"] > 5.0
     assert inside("arm.npz", 20.0) == 0
     with connect("cell1") as controller:
         assert controller.inputs(["10"]) == {"10": 0.0}, "it has gone back"
+
+
+@pytest.mark.parametrize("devices", ["RS232, OPT12", "OPT12, "])
+def test_lines_that_lead_nowhere_are_refused_before_anything_starts(capsys, cell, devices) -> None:
+    left = ", ".join(f"OPT{i}" for i in range(13, 19))
+    cell.state.parameters.write("COMDEV", f"{devices}, {left}", all_levels=True)
+    before = cell.state.joints
+    status, _, said = run(capsys, *WANDER, "--by", "data-link", "--yes")
+    assert status == 2 and "CN209" in said and "COMDEV = OPT12, OPT13" in said, said
+    assert cell.state.joints == before and not [*cell.state.store] and not Path("arm.npz").exists()
 
 
 OUTSIDE = ("wander", "cell1", *WHERE, "--range", "J1=20:60", "--contact", "10", "--yes")

@@ -43,6 +43,8 @@ PARITIES: Final[Mapping[str, Literal["even", "odd", "none"]]] = {
 """Of the parameter CPRTY232."""
 MOST_CONNECTIONS: Final = 9
 """Lines OPT11 to OPT19 of a controller, one client each."""
+SPARE: Final = "OPT19"
+"""Device of a line that a computer of ours takes the place of."""
 ENCODING: Final = "latin-1"
 FIRST_LINE: Final = "10 END"
 """Is read when a controller starts: a client waits for the answer to its first program only so
@@ -119,8 +121,19 @@ class VirtualCr:
         self._serial: SerialPort | None = None
         self._serial_thread: threading.Thread | None = None
         self.state.parameters.write("CPRC232", FRAMINGS[framing], all_levels=True)
+        self._name_lines()
         self._server: _Server | None = None
         self._thread: threading.Thread | None = None
+
+    def _name_lines(self) -> None:
+        """COMDEV has a network option where a line of ours takes the place of the serial one."""
+        given = self.state.parameters["COMDEV"]
+        devices = [
+            SPARE if f"COM{number}:" in self._equipment.lines and not one.startswith("OPT") else one
+            for number, one in enumerate(given, start=1)
+        ]
+        if devices != [*given]:
+            self.state.parameters.write("COMDEV", ", ".join(devices), all_levels=True)
 
     def __enter__(self) -> Self:
         self.start()
@@ -184,7 +197,13 @@ class VirtualCr:
         serial = None
         if self._serial is not None and self.state.parameters["CPRC232"] == (DATA_LINK,):
             serial, self._serial_thread = Descriptor(self._serial.descriptor), None
-        self._data = DataLines(self.state.parameters, self._place[0], self._first_port, serial)
+        self._data = DataLines(
+            self.state.parameters,
+            self._place[0],
+            self._first_port,
+            serial,
+            without=self._equipment.lines,
+        )
         lines = {**self._data.lines, **self._real_time.lines, **self._equipment.lines}
         commands = {**self._real_time.commands, **(self._equipment.commands or {})}
         try:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from typing import Final
 
 from assistant.virtual.cr.parameter_table import Parameters
@@ -18,10 +18,17 @@ FIRST_OPTION: Final = 11
 class DataLines:
     """lines: by what programs open, as `COM2:`. ports: (host, port) that clients connect to, by the
     same names. first_port: of the first network line, the others follow; 0 for any that are free.
+    without: names that lead elsewhere.
     """
 
     def __init__(
-        self, parameters: Parameters, host: str, first_port: int, serial: Line | None
+        self,
+        parameters: Parameters,
+        host: str,
+        first_port: int,
+        serial: Line | None,
+        *,
+        without: Container[str] = (),
     ) -> None:
         """Raises OSError if a port is taken."""
         self.lines: dict[str, Line] = {}
@@ -29,6 +36,8 @@ class DataLines:
         self._ends: list[Callable[[], None]] = []
         try:
             for number, device in enumerate(parameters["COMDEV"], start=1):
+                if f"COM{number}:" in without:
+                    continue
                 if device == SERIAL and serial is not None:
                     self.lines[f"COM{number}:"] = serial
                 elif device.startswith("OPT"):

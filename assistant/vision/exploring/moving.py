@@ -115,6 +115,7 @@ class Wanderer:
     """Most mm (a, i) that each body moves for a degree (mm) of each joint."""
 
     def __post_init__(self) -> None:
+        self.guard = self.guard.slowed(self.carrier.speeds)
         filler = self.explorer.filler
         self._lever = filler.lever()[filler.columns]
 

@@ -167,3 +167,31 @@ def test_a_region_that_changes_is_a_contact() -> None:
     now[0] = still.copy()
     now[0][12:16, 12:16] = 0
     assert seen.touching() and seen.difference() == pytest.approx(16 / 400)
+
+
+@pytest.mark.parametrize("waits", [True, False])
+def test_a_camera_that_sees_something_move_stops_the_arm(waits: bool) -> None:
+    """What the camera looks at changes as soon as the first joint is beyond an angle."""
+    one = wanderer(waits)
+
+    def picture():
+        shown = np.full((40, 60, 3), 100, np.uint8)
+        shown[:10, :10] = 0 if one.carrier.joints()[0] > 8.0 else 100
+        return shown
+
+    one.contacts = PictureContacts(picture, (0, 0, 30, 30))
+    one.wander(4)
+    turned = np.array([row[1][0] for row in one.log.rows])
+    assert one.log.contacts >= 1 and 8.0 < turned.max() < 12.0
+    assert turned[-1] < 8.0, "it has gone back"
+
+
+def test_the_arm_keeps_to_the_speeds_of_the_way_it_is_led_by() -> None:
+    one = wanderer(False)
+    slow = np.array([1.0, 2.0, 3.0, 4.0, 5.0])
+    carrier = Ideal(one.carrier.at, slow, 0.1)
+    Wanderer(
+        one.explorer, carrier, one.guard, one.contacts, one.log, RANGES, clock=one.clock
+    ).wander(1)
+    rows = np.array(carrier.rows)
+    assert len(rows) > 10 and (np.abs(np.diff(rows, axis=0)) <= 0.2 * slow + 1e-9).all()
