@@ -107,7 +107,7 @@ def run_learn(options: Options, outputs: Outputs) -> int:
         _tell(options, _row(f"{name:>19}", found))
     files = _files(net, arm.task.cameras, curve, stages, tests, outputs)
     save(net, outputs.map, files)
-    _end(net, curve, beside, tests, [outputs.map, *files], options)
+    _end(net, arm, curve, beside, tests, [outputs.map, *files], options)
     return 0
 
 
@@ -178,6 +178,7 @@ def _head(net: ExtendedMap, arm: SeenArm, tests: Goals, *, recorded: bool) -> It
 
 def _end(
     net: ExtendedMap,
+    arm: SeenArm,
     curve: Sequence[Errors],
     beside: Mapping[str, Errors],
     tests: Goals,
@@ -185,10 +186,16 @@ def _end(
     options: Options,
 ) -> None:
     from assistant.findings.formats import finding_record
-    from assistant.learning.maps.rules import NOT_LEARNT
+    from assistant.learning.maps.rules import BEYOND_RANGES, NOT_LEARNT
+    from assistant.learning.maps.training import beyond_ranges
 
-    left = float((net.wins == 0.0).mean())
-    findings = (NOT_LEARNT(share=left, path=str(written[0])),) if left > MOST_LEFT else ()
+    left, path = float((net.wins == 0.0).mean()), str(written[0])
+    findings = [NOT_LEARNT(share=left, path=path)] if left > MOST_LEFT else []
+    if net.task.free:
+        found = beyond_ranges(net, arm, tests)
+        ends = {"where": found.where, "worst": found.worst_mm, "rest": found.rest_mm}
+        if found.share:
+            findings.append(BEYOND_RANGES(share=found.share, path=path, **ends))
     if options.format is Format.JSON:
         answer: dict[str, object] = {"units": net.units, "workspace_mm": tests.diagonal}
         answer |= {"curve": [_record(one) for one in curve]}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import Final
@@ -15,7 +16,8 @@ from assistant.learning.maps.goals import Goals, Space
 from assistant.learning.maps.rules import BAD_LATTICE, FEW_POINTS, UNSEEN
 from assistant.learning.maps.seen_arm import SeenArm
 from assistant.learning.maps.solving import slope_of
-from assistant.learning.maps.trials import Arm, learn, tried
+from assistant.learning.maps.trials import Arm, learn, times, tried
+from assistant.learning.maps.using import BEYOND
 from assistant.program import rotations
 from assistant.program.arrays import Floats, norms
 from assistant.program.diagnostics import Refused
@@ -207,6 +209,50 @@ def errors(net: ExtendedMap, arm: SeenArm, goals: Goals, seconds: float = 0.0) -
     pixels = np.sqrt(np.nanmean((done.fine_seen - goals.pixels) ** 2))
     means = float(off.mean()), float(off.max()), float(turned.mean()), float(turned.max())
     return Errors(net.steps, *means, float(pixels), float(coarse.mean()), seconds)
+
+
+@dataclass(frozen=True, slots=True)
+class Beyond:
+    """Goals for which one of both movements would leave the ranges of the joints.
+
+    share: of all goals. worst_mm: of the first point there. rest_mm: the worst of all others.
+    where: the axes that leave their ranges, with the ends, the most frequent first.
+    """
+
+    share: float
+    worst_mm: float
+    rest_mm: float
+    where: str
+
+
+def beyond_ranges(net: ExtendedMap, arm: SeenArm, goals: Goals) -> Beyond:
+    """By the truth, see `Beyond`: the joint stays at its end, and the movement falls short.
+
+    A free arm has many postures for a place. Targets are drawn inside the ranges, but the posture
+    nearest to the middle may be outside of them: the lines of the map lead there.
+    """
+    done, scale = tried(net, arm, goals.pixels), net.scale
+    slopes, wanted = net.slopes[done.winners], scale.pictures(goals.pixels)
+    off = np.nan_to_num(wanted - scale.pictures(done.coarse_seen))
+    first = net.angles[done.winners] + times(slopes, wanted - net.places[done.winners])
+    second = scale.angles(done.coarse) + times(slopes, off)
+    each = np.stack([scale.clipped(first), scale.clipped(second)]) / (scale.high - scale.low)
+    over = np.where(np.abs(each[0]) > np.abs(each[1]), *each)
+    left = np.abs(over).max(axis=1) > BEYOND
+    mm = norms(arm.tool(done.fine)[0][:, 0] - goals.points[:, 0])
+    axes = np.abs(over[left]).argmax(axis=1)
+    ends = Counter(
+        f"{net.task.axes[axis]} {'above' if row[axis] > 0.0 else 'below'} "
+        f"{(scale.high if row[axis] > 0.0 else scale.low)[axis]:g}"
+        for axis, row in zip(axes, over[left], strict=True)
+    )
+    where = ", ".join(end for end, _ in ends.most_common(3))
+    return Beyond(
+        float(left.mean()),
+        float(mm[left].max(initial=0.0)),
+        float(mm[~left].max(initial=0.0)),
+        where,
+    )
 
 
 def usual(steps: int, noise: float = 0.0, seed: int = 0, marks: Iterable[int] = MARKS) -> Plan:

@@ -23,6 +23,7 @@ from assistant.learning.maps.rivals import Calibrated, errors_of, fitted, pictur
 from assistant.learning.maps.seen_arm import pair_for, seen_arm, with_length
 from assistant.learning.maps.training import (
     Plan,
+    beyond_ranges,
     errors,
     measured_goals,
     start_with,
@@ -179,6 +180,9 @@ def test_one_point_in_two_cameras_moves_five_joints_of_a_free_arm() -> None:
     tests = measured_goals(made.arm, made.space, 1)
     (*_, late) = trained(net, made.arm, made.space, usual(8000, seed=1), tests)
     assert late.mm < 4.0 and np.isnan(late.degrees)
+    beyond = beyond_ranges(net, made.arm, tests)
+    assert 0.0 < beyond.share < 0.2 and beyond.where.startswith("J")
+    assert beyond.rest_mm < beyond.worst_mm == late.worst_mm
     joints = tried(net, made.arm, tests.pixels).fine
     middle, half = ranges.mean(axis=1), np.ptp(ranges, axis=1) / 2.0
     nearest = np.tile(middle, (len(joints), 1))
