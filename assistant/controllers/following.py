@@ -234,6 +234,7 @@ def _has_lines(session: Programs, wishes: Wishes) -> None:
     (COMDEV); without one the program ends with error 3140 at its `Open`, after it was started. A
     target elsewhere may be a converter at the serial line.
     """
+    _of_cr(session)
     targets = lines_of(session, wishes)
     own = session.address.host
     text = _operated(session).parameters(["COMDEV"]).get("COMDEV", "")
@@ -245,8 +246,16 @@ def _has_lines(session: Programs, wishes: Wishes) -> None:
             raise _not_here(session, f"{name}, to which {target} does not lead", LINES_NEEDED)
 
 
+def _of_cr(session: Programs) -> None:
+    """Raises Refused for a controller that another program than one in MELFA-BASIC would lead."""
+    if not session.address.scheme.startswith("melfa"):
+        reason = f"{SCHEMES[session.address.scheme].title} takes no programs of a CR controller"
+        raise _not_here(session, reason, "choose another way by --by")
+
+
 def on_network(session: Programs, wishes: Wishes) -> None:  # noqa: ARG001 - as of each way
     """Raises Refused for an address that packets do not get to."""
+    _of_cr(session)
     if SCHEMES[session.address.scheme].device:
         reason = "its address is a serial line, and packets go over the network"
         raise _not_here(session, reason, "give its address on the network, `melfa://host`")
