@@ -193,9 +193,16 @@ def _end(
     findings = [NOT_LEARNT(share=left, path=path)] if left > MOST_LEFT else []
     if net.task.free:
         found = beyond_ranges(net, arm, tests)
-        ends = {"where": found.where, "worst": found.worst_mm, "rest": found.rest_mm}
         if found.share:
-            findings.append(BEYOND_RANGES(share=found.share, path=path, **ends))
+            findings.append(
+                BEYOND_RANGES(
+                    share=found.share,
+                    where=found.where,
+                    worst=found.worst_mm,
+                    rest=found.rest_mm,
+                    path=path,
+                )
+            )
     if options.format is Format.JSON:
         answer: dict[str, object] = {"units": net.units, "workspace_mm": tests.diagonal}
         answer |= {"curve": [_record(one) for one in curve]}

@@ -93,8 +93,8 @@ BEYOND_RANGES: Final = warning(
     "LN024",
     "for {share:.1%} of the places the learned posture has {where} beyond its range: the joint "
     "stays at its end, and the point is up to {worst:.0f} mm off; elsewhere {rest:.2g} mm at most",
-    "learn with wider ranges than the places that you use need, or keep away from the borders: a "
-    "movement there is refused (LN022)",
+    "learn with wider ranges than the places that you use need, or keep away from the borders: "
+    "most movements there are refused (LN022)",
 )
 RULE_WITHOUT: Final = error(
     "LN018",
