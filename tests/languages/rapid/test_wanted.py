@@ -78,6 +78,35 @@ def test_calls_tell_the_parameters_of_a_routine() -> None:
     ]  # fmt: skip
 
 
+def test_a_parameter_has_the_type_of_undeclared_data_that_it_is_given() -> None:
+    found = wanted('PROC main()\nrX x,y{2};\nx:=FALSE;\ny{3}:="a";\nENDPROC')
+    assert [(a.type, a.dimensions) for a in found["rX"].arguments] == [("bool", 0), ("string", 0)]
+
+
+def test_data_have_the_type_that_other_calls_give_for_the_same_parameter() -> None:
+    found = wanted('PROC main()\nrX 1,x;\nrX 2,TRUE;\nrX 3\\how:=y;\nrX 4\\how:="a";\nENDPROC')
+    assert found["x"].type == "bool"
+    assert found["y"].type == "string"
+    assert [a.type for a in found["rX"].arguments] == ["num", "bool", "string"]
+
+
+def test_a_parameter_has_an_undeclared_type() -> None:
+    found = wanted("CONST scan how:=[2];\nPROC main()\nrX how;\nENDPROC")
+    assert [a.type for a in found["rX"].arguments] == ["scan"]
+
+
+def test_an_optional_parameter_that_is_handed_on_has_the_type_of_its_own() -> None:
+    found = wanted("PROC own(\\num slow,\\switch now)\nrX\\pace?slow\\at?now;\nENDPROC")
+    assert [(a.type, a.option) for a in found["rX"].arguments] == [
+        ("num", "pace"), ("switch", "at"),
+    ]  # fmt: skip
+
+
+def test_a_signal_may_be_given_for_its_value() -> None:
+    found = wanted("PROC main()\nrX diA;\nrX 1;\nWaitDI diA,1;\nENDPROC")
+    assert [a.type for a in found["rX"].arguments] == ["num"]
+
+
 def test_what_guns_do_comes_from_the_cell_but_for_their_welds() -> None:
     found = wanted("PROC main()\nSpotL p1,v100,gun1,spot1,tool0;\nSetForce gun1,spot1;\nENDPROC")
     assert sorted(found) == ["SetForce", "gun1", "p1", "spot1"]

@@ -14,7 +14,7 @@ from assistant.languages.rapid.checks.arguments import call_of, signature_of
 from assistant.languages.rapid.checks.kinds import LOGICAL, NUMBER, SIGNALS, Scope, Types
 from assistant.languages.rapid.checks.module_view import Look, Task
 from assistant.languages.rapid.checks.single_rows import with_single_rows
-from assistant.languages.rapid.checks.wanted_names import OF_TYPE, WEAK, Met, made
+from assistant.languages.rapid.checks.wanted_names import OF_TYPE, WEAK, Given, Met, wanted_of
 from assistant.languages.rapid.checks.wanted_records import Records, record_of
 from assistant.languages.rapid.tables import predefined
 from assistant.languages.rapid.tables.hands import hand_of
@@ -67,12 +67,12 @@ def wanted(files: Sequence[s.File]) -> tuple[Wanted, ...]:
             one.types[owner.lower()] += 1
             records.found[owner.lower()].join(one.parts)
     asked = tuple(records.wanted())
-    data = (made(one, types, records.solved) for one in met.values())
+    data = wanted_of(met, types, records.solved)
     axes = [place_of_axis(axis) for axis in asked_axes([m for file in files for m in file.modules])]
     still = (
         Wanted(name, "data", "bool", nothing=True) for name in axes if not task.shared.all(name)
     )
-    return (*asked, *(found for found in data if found), *still)
+    return (*asked, *data, *still)
 
 
 class _Module:
@@ -276,23 +276,40 @@ class _Module:
     ) -> None:
         met = self._note(name, result)
         met.routine = met.routine or kind
-        given: list[Argument] = []
+        given: list[Given] = []
         for argument in node.arguments:
             self._argument(argument, scope)
             match argument:
                 case s.Positional(value):
-                    found = scope.kind(value)
-                    given.append(Argument(_type(found) or "", "", found.dimensions if found else 0))
+                    given.append(self._given(value, scope))
                 case s.Option(option, None):
-                    given.append(Argument("switch", option))
+                    given.append(Given(Argument("switch", option)))
                 case s.Option(option, s.Node() as value):
-                    found = scope.kind(value)
-                    given.append(
-                        Argument(_type(found) or "", option, found.dimensions if found else 0)
-                    )
-                case s.Conditional(option):
-                    given.append(Argument("switch", option))
+                    given.append(self._given(value, scope, option))
+                case s.Conditional(option, variable):
+                    given.append(self._given(variable, scope, option))
         met.calls.append(tuple(given))
+
+    def _given(self, value: s.Expression, scope: Scope, option: str = "") -> Given:
+        """An argument with the type that is declared for it, or the name that has to tell it."""
+        kind = scope.kind(value)
+        if kind is not None:
+            return Given(Argument(_type(kind) or "", option, kind.dimensions))
+        name, element = value, False
+        if isinstance(value, s.Element):
+            whole = any(isinstance(index, s.Whole) for index in value.indices)
+            name, element = (value, False) if whole else (value.value, True)
+        if not isinstance(name, s.NameRef):
+            return Given(Argument("", option))
+        if name.name.lower() in self.met:
+            return Given(Argument("", option), name.name.lower(), element)
+        found = scope.find(name.name)
+        match None if found is None or scope.doubtful(found) else found.node:
+            case s.Data(type=type, dimensions=extents):
+                return Given(Argument(type.lower(), option, 0 if element else len(extents)))
+            case s.ParameterNode(type=type, dimensions=dimensions):
+                return Given(Argument(type.lower(), option, 0 if element else dimensions))
+        return Given(Argument("", option))
 
     def _argument(self, argument: s.Argument, scope: Scope) -> None:
         if not isinstance(argument, s.Conditional) and argument.value is not None:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 from assistant.languages.rapid.checks.kinds import SIGNALS, Types
@@ -29,6 +29,19 @@ WEAK: Final = 0.01
 of a signal."""
 
 
+@dataclass(frozen=True, slots=True)
+class Given:
+    """An argument of a call of a routine that nobody declares.
+
+    name: of the data that the argument is, in lower case, if nobody declares those either: their
+    other uses give the type. element: it is one element of them.
+    """
+
+    argument: Argument
+    name: str = ""
+    element: bool = False
+
+
 @dataclass(slots=True)
 class Met:
     """What is known of one name. types: how often its uses want it to be of each. usual: of what
@@ -41,29 +54,95 @@ class Met:
     assigned: bool = False
     extents: list[int] = field(default_factory=list)
     routine: str = ""
-    calls: list[tuple[Argument, ...]] = field(default_factory=list)
+    calls: list[tuple[Given, ...]] = field(default_factory=list)
     uses: dict[str, None] = field(default_factory=dict)
     usual: Plain | None = None
     parts: Shape = field(default_factory=lambda: Shape(""))
 
 
+def wanted_of(
+    met: Mapping[str, Met], types: Types, records: Mapping[str, Solved]
+) -> Iterator[Wanted]:
+    """What a cell is asked for, in the order of the names. records: types that it is asked for.
+
+    Data that are only given to a routine have the type that other calls give there, and a
+    parameter that of the data.
+    """
+    routines = [one for one in met.values() if one.routine and one.usual is None]
+    for routine in routines:
+        for slot in _slots(routine.calls).values():
+            _agree(slot, met)
+    data = {key: made(one, types, records) for key, one in met.items() if not one.routine}
+    for key, one in met.items():
+        found = data[key] if key in data else _routine(one, types, records, data)
+        if found is not None:
+            yield found
+
+
+def _slots(calls: Sequence[Sequence[Given]]) -> dict[int | str, list[Given]]:
+    """What all calls give for each parameter, by its place or the lower-case name of its option."""
+    slots: dict[int | str, list[Given]] = {}
+    for call in calls:
+        plain = (one for one in call if not one.argument.option)
+        for at, one in enumerate(plain):
+            slots.setdefault(at, []).append(one)
+        for one in call:
+            if one.argument.option:
+                slots.setdefault(one.argument.option.lower(), []).append(one)
+    return slots
+
+
+def _agree(slot: Sequence[Given], met: Mapping[str, Met]) -> None:
+    """Give data without another use the type of what other calls give for the same parameter."""
+    type = next((one.argument.type for one in slot if one.argument.type), "")
+    for one in slot if type else ():
+        if one.name and not (met[one.name].types or met[one.name].parts.parts):
+            met[one.name].types[type] += 1
+
+
+def _routine(
+    met: Met, types: Types, records: Mapping[str, Solved], data: Mapping[str, Wanted | None]
+) -> Wanted | None:
+    if met.usual is not None:
+        return made(met, types, records)
+    uses = tuple(met.uses)
+    if met.routine == "TRAP":
+        return Wanted(met.name, "routine", TRAP, uses=uses)
+    parameters = tuple(_parameter(slot, data) for slot in _ordered(_slots(met.calls)))
+    if met.routine == "PROC":
+        return Wanted(met.name, "routine", arguments=parameters, uses=uses)
+    type = met.types.most_common(1)[0][0] if met.types else "num"
+    nothing = _nothing(type, types)
+    return Wanted(met.name, "routine", type, (), parameters, uses=uses, nothing=nothing)
+
+
+def _ordered(slots: Mapping[int | str, list[Given]]) -> Iterator[list[Given]]:
+    """Parameters by their place, and then the optional ones."""
+    yield from (slot for key, slot in slots.items() if isinstance(key, int))
+    yield from (slot for key, slot in slots.items() if isinstance(key, str))
+
+
+def _parameter(slot: Sequence[Given], data: Mapping[str, Wanted | None]) -> Argument:
+    """The parameter that takes what all calls give; a signal may be given for its value."""
+    known = [one for given in slot if (one := _resolved(given, data)).type]
+    values = (one for one in known if one.type not in SIGNALS)
+    return next(values, known[0] if known else slot[-1].argument)
+
+
+def _resolved(given: Given, data: Mapping[str, Wanted | None]) -> Argument:
+    found = data.get(given.name)
+    if found is None:
+        return given.argument
+    dimensions = 0 if given.element else len(found.size)
+    return replace(given.argument, type=found.type, dimensions=dimensions)
+
+
 def made(met: Met, types: Types, records: Mapping[str, Solved]) -> Wanted | None:
-    """What a cell is asked for. records: types that it is asked for as well."""
+    """What a cell is asked for data. records: types that it is asked for as well."""
     uses = tuple(met.uses)
     if met.usual is not None:
         (type,) = met.types
         return Wanted(met.name, "data", type, uses=uses, nothing=met.usual)
-    if met.routine:
-        calls = met.calls
-        longest = max(calls, key=len, default=())
-        type = met.types.most_common(1)[0][0] if met.types else ""
-        given = _joined(calls, longest)
-        if met.routine == "TRAP":
-            return Wanted(met.name, "routine", TRAP, uses=uses)
-        if met.routine == "PROC":
-            return Wanted(met.name, "routine", arguments=given, uses=uses)
-        nothing = _nothing(type or "num", types)
-        return Wanted(met.name, "routine", type or "num", (), given, uses=uses, nothing=nothing)
     type = met.types.most_common(1)[0][0] if met.types else ""
     if type in SIGNALS:
         return Wanted(met.name, "signal", type, signal=_signal(type), uses=uses)
@@ -120,21 +199,6 @@ def _nothing(type: str, types: Types) -> Plain | None:
     inner = [_nothing(of.lower(), types) for of in parts.values()]
     known = [one for one in inner if one is not None]
     return tuple(known) if len(known) == len(inner) else None
-
-
-def _joined(
-    calls: Sequence[tuple[Argument, ...]], longest: Sequence[Argument]
-) -> tuple[Argument, ...]:
-    """The arguments of all calls: those by place of the longest, and every option once."""
-    plain = [one for one in longest if not one.option]
-    for call in calls:
-        for at, one in enumerate(one for one in call if not one.option):
-            if at < len(plain) and not plain[at].type:
-                plain[at] = one
-            elif at >= len(plain):
-                plain.append(one)
-    options = {one.option.lower(): one for call in calls for one in call if one.option}
-    return (*plain, *options.values())
 
 
 def _signal(type: str) -> Signal | None:

@@ -21,7 +21,6 @@ from assistant.program.motion import Blend, Speed
 from assistant.program.program import identifier
 from assistant.program.wanted import Argument, Plain, Supplied, Value, Wanted
 
-_PERSISTENT: Final = ("tooldata", "wobjdata")
 _FIXED: Final = ("speeddata", "zonedata", "robtarget", "jointtarget")
 _OF_KIND: Final[Mapping[str, str]] = {
     "tool": "tooldata", "frame": "wobjdata", "speed": "speeddata", "blend": "zonedata",
@@ -122,7 +121,6 @@ def _routine(wanted: Wanted, *, stops: bool) -> s.Routine:
 def _group(at: int, argument: Argument) -> s.ParameterGroup:
     type = argument.type or "num"
     mode = "VAR" if type.startswith("signal") or is_handle(type) else ""
-    mode = "PERS" if type in _PERSISTENT else mode
     name = argument.option or f"p{at}"
     node = s.ParameterNode(mode, type, name, argument.dimensions)
     return s.ParameterGroup(bool(argument.option), (node,))
