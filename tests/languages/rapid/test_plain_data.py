@@ -436,6 +436,36 @@ def test_values_for_an_array_of_another_size_stop_the_program_and_are_told() -> 
     assert told == ["values:=[1,2,3]"]
 
 
+@pytest.mark.parametrize(
+    ("value", "kept"),
+    [
+        ("there", []),
+        ("PoseInv(there)", []),
+        ("tGrip", []),
+        ("tGrip.tframe", []),
+        ("still", []),
+        ("moved.extax.eax_a", []),
+        ("moved.extax.eax_c", []),
+        ("p10", ["text:=ValToStr(p10)"]),
+    ],
+)
+def test_what_has_no_text_costs_its_own_statement(value, kept, tmp_path):
+    moved = (
+        "VAR jointtarget moved:=[[0,0,0,0,30,0],[10,20,9E9,9E9,9E9,9E9]];\n"
+        if "moved" in value
+        else ""
+    )
+    path = tmp_path / "shown.mod"
+    path.write_text(
+        f"{HEAD}VAR string text;\nVAR pose there:=[[1,2,3],[1,0,0,0]];\n{moved}"
+        "VAR jointtarget still:=[[0,0,0,0,30,0],[9E9,9E9,9E9,9E9,9E9,9E9]];\n"
+        f"PROC main()\nthere.trans.x:=4;\ntGrip.tframe.trans.z:=5;\nstill.robax.rax_1:=6;\n"
+        f"text:=ValToStr({value});\nENDPROC\nENDMODULE\n"
+    )
+    done = assistant.translate(path, to="melfa-basic-6", robot="rv-4frl", from_robot="rv-4frl")
+    assert [row.text.rstrip(";") for row in done.rows if row.level == "not"] == kept
+
+
 BLOCKS = {
     "if": 'IF go=1 THEN\nTPWrite "a";\nELSE\n{}\nENDIF',
     "case": "TEST go\nCASE 1:\n{}\nDEFAULT:\n{}\nENDTEST",

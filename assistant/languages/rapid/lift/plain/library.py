@@ -53,13 +53,17 @@ TURN: Final = "rot"
 PLACES: Final = 9
 """Decimals of angles that are worked out: finer than a quaternion of single precision."""
 QUATERNION: Final = ("q1", "q2", "q3", "q4")
+TEXTS: Final[Mapping[str, str]] = {
+    "bool": "text_of_truth", "pose": "text_of_pose", "jointtarget": "text_of_joints",
+}  # fmt: skip
+"""By type of a value, what ValToStr of it is here."""
 WHOLE: Final = frozenset(("robtarget", "pose"))
 """Types of data that other languages keep whole, with angles instead of quaternions."""
 _ASKING: Final = frozenset(
     (
         *SAME, *TO_PLACES, *BITS, "bitneg", "eulerzyx", "strtoval", "strfind", "distance",
         "numtostr", "strtobyte", "bytetostr", "gettime", "dectohex", "hextodec",
-        "defframe", "text_and_number",
+        "defframe", "text_and_number", "valtostr",
     )
 )  # fmt: skip
 
@@ -176,7 +180,7 @@ def worded(typed: Typed, node: Any) -> Any:
             key = name.lower()
         case _:
             return node
-    if key not in _ASKING and key != "valtostr":
+    if key not in _ASKING:
         return node
     call = called(node)
     if call is None or typed.is_own(name) or None in call.given:
@@ -283,14 +287,6 @@ def _beside(node: s.Component) -> s.Component:
     return s.Component(node.value, TURN)
 
 
-def _shown(typed: Typed, given: Given) -> s.Expression | None:
-    """ValToStr of what is no number."""
-    kind = typed.kind(given[0]) if len(given) == 1 else None
-    if kind == ("bool", 0):
-        return call_of("text_of_truth", given[0])
-    return None
-
-
 def _bits(name: str) -> Callable[[Typed, Given], s.Expression | None]:
     def made(_: Typed, given: Given) -> s.Expression:
         wide = (call_of("NumToDnum", one) for one in given)
@@ -307,7 +303,6 @@ _PLAIN: Final[Mapping[str, Callable[[Typed, Given], s.Expression | None]]] = {
     "bytetostr": lambda _, given: _to_digits(given[0], 10, 1),
     "dectohex": lambda _, given: _to_digits(_from_digits(given[0], 10, MOST_WHOLE), 16, 1),
     "hextodec": lambda _, given: _to_digits(_from_digits(given[0], 16, MOST_WHOLE), 10, 1),
-    "valtostr": _shown,
     "defframe": lambda _, given: call_of(FRAME, *given, s.NumberLiteral("1")),
     "strfind": lambda _, given: call_of("one_found", *given, s.BoolLiteral(False)),
     "bitneg": lambda _, given: s.Group(s.Infix("-", s.NumberLiteral("255"), s.Group(given[0]))),

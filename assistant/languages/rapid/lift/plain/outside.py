@@ -13,6 +13,8 @@ from assistant.languages.rapid.tree.external_axes import AXES, COMPONENT, used_a
 from assistant.languages.rapid.tree.gather import literal_number
 
 OUTSIDE: Final = s.NumberLiteral("9E9")
+OUTSIDE_TEXT: Final = s.StringLiteral("9E+09")
+"""The same as ValToStr writes it."""
 
 
 def unused_axes(modules: Sequence[s.Module]) -> frozenset[str]:

@@ -15,6 +15,7 @@ from assistant.languages.rapid.lift.plain.layouts import PACES, Part, Path
 from assistant.languages.rapid.lift.plain.library import (
     PRODUCT,
     QUATERNION,
+    TEXTS,
     TURN,
     WHOLE,
     call_of,
@@ -23,7 +24,7 @@ from assistant.languages.rapid.lift.plain.library import (
     parts_of_turn,
     worded,
 )
-from assistant.languages.rapid.lift.plain.outside import OUTSIDE, is_outside
+from assistant.languages.rapid.lift.plain.outside import OUTSIDE, OUTSIDE_TEXT, is_outside
 from assistant.languages.rapid.lift.plain.own_task import READING
 from assistant.languages.rapid.lift.plain.scopes import Names, Program, predefined_type
 from assistant.languages.rapid.lift.plain.spreads import (
@@ -46,6 +47,8 @@ TASKS: Final = "tasks"
 """The type of lists of tasks, which stay as they are."""
 """The function that gives a position alone."""
 SHOWN: Final = "valtostr"
+QUOTE: Final = s.FunctionCall("ByteToStr", (s.Positional(s.NumberLiteral("34")), s.Option("Char")))
+"""What stands before and after a text that ValToStr writes."""
 
 Called = Callable[[s.FunctionCall], Spread]
 """The parts of what a function of the program gives back, which is called before."""
@@ -124,9 +127,9 @@ class Values(Kinds):
                 own = s.Positional(s.Component(place, TURN))
                 return replace(node, arguments=(axis, own))
             case s.FunctionCall(name, (s.Positional(value),)) if name.lower() == SHOWN and (
-                self.is_record(self.kind(value))
+                shown := self._shown(value)
             ):
-                return self._shown(value)
+                return shown
             case s.FunctionCall(str(name), ()) if not self.is_own(name) and (
                 known := most(name.lower())
             ):
@@ -156,20 +159,49 @@ class Values(Kinds):
                         return None
         return None
 
-    def _shown(self, value: Any) -> s.Expression:
-        """A record as text."""
+    def _shown(self, value: Any) -> s.Expression | None:
+        """What ValToStr writes, but for what other languages write alike: numbers."""
         kind = self.kind(value)
-        assert kind is not None
-        return self._text(self.spread(value, kind), kind[0], ())
+        if self.is_record(kind):
+            assert kind is not None
+            return self._text(self.spread(value, kind), kind[0], ())
+        type = "string" if self._is_text(value) else kind[0] if kind and not kind[1] else ""
+        if type in (*TEXTS, "string") or self.layouts.components(type):
+            return self._text_of(self.plain(value), type)
+        return OUTSIDE_TEXT if self._inside(value) is OUTSIDE else None
+
+    def _is_text(self, value: Any) -> bool:
+        match value:
+            case s.StringLiteral():
+                return True
+            case s.Group(inner):
+                return self._is_text(inner)
+            case s.Infix("+", left, right):
+                return self._is_text(left) or self._is_text(right)
+        return self.kind(value) == ("string", 0)
 
     def _text(self, spread: Spread, type: str, path: Path) -> s.Expression:
         if path in spread:
-            return self.plain(call_of("ValToStr", spread[path]))  # type: ignore[no-any-return]
+            return self._text_of(spread[path], type)
         parts: list[s.Expression] = []
         for name, of in self.layouts.components(type):
             mark = s.StringLiteral("," if parts else "[")
             parts += (mark, self._text(spread, of, (*path, name.lower())))
         return s.Group(joined([*parts, s.StringLiteral("]")]))
+
+    def _text_of(self, value: Any, type: str) -> s.Expression:
+        """The text of a plain value, by the type that the place says."""
+        base = self.layouts.base(type)
+        if value is OUTSIDE:
+            return OUTSIDE_TEXT
+        if base == "string":
+            return s.Group(joined([QUOTE, value, QUOTE]))
+        if base in TEXTS:
+            return call_of(TEXTS[base], value)
+        parts: Spread = {
+            (name.lower(),): s.Component(value, name) for name, _ in self.layouts.components(base)
+        }
+        return self._text(parts, base, ()) if parts else call_of("ValToStr", value)
 
     def _size(self, call: s.FunctionCall) -> s.Expression | None:
         """The extent that `Dim(list,1)` asks for, None of what is no declared array."""
