@@ -153,6 +153,13 @@ def test_arrays_are_filled_when_the_program_starts(name: str) -> None:
     assert "MN=MSTEPS(2,MN)" in text
 
 
+@pytest.mark.parametrize(("axis", "refused"), [("b", False), ("c", True), ("f", True)])
+def test_only_two_additional_axes_have_components(axis: str, refused: bool) -> None:
+    given = program(f"j:=CJointT();\nn:=j.extax.eax_{axis};", data="VAR jointtarget j;\nVAR num n;")
+    found = languages.get("melfa-basic-6").adapt(given).findings
+    assert ("MB209" in {one.code for one in found}) == refused
+
+
 def test_a_short_if_is_one_line_in_iv() -> None:
     main = "IF ok=1 THEN\nSetDO glue,1;\nELSE\nn:=2;\nENDIF\nIF n>1 n:=0;"
     text = written(program(main, data=" VAR num n;\n"), "melfa-basic-4")

@@ -292,7 +292,7 @@ class Expressions:
             joints = self.type_of(inner) == "joints"
             name = poses.ADDITIONAL[component.lower()][joints]
             return s.Variable(base.name, base.suffix, base.arguments, name)
-        if component.lower() not in COMPONENTS:
+        if component.lower() not in COMPONENTS or component.lower() in e.EXTERNAL:
             raise Unsayable(f"the component `{component}`", "use x, y, z, angles or j1 to j6")
         return s.Variable(base.name, base.suffix, base.arguments, name)
 
