@@ -42,8 +42,10 @@ class Widths:
                 return len(text) + 2
             case e.Number(number):
                 return len(f"{number:g}")
-            case e.Binary() | e.Unary() | e.Member() | e.Index():
+            case e.Binary() | e.Unary() | e.Index():
                 return 4
+            case e.Member():
+                return 8  # an angle stands in a function that turns it into degrees
         return 6
 
     def head(self, procedure: Procedure) -> int:

@@ -24,7 +24,7 @@ from assistant.program.program import (
 )
 from assistant.program.rewriting import Body, map_bodies, records
 
-_TEXTS: Final = ("text", "part", "fixed")
+_TEXTS: Final = ("text", "part", "fixed", "character")
 """Functions that give a text, beside those of the program's own."""
 _KINDS: Final[tuple[ValueType, ...]] = ("text", "number")
 
@@ -76,7 +76,7 @@ class _Parting:
             case p.Send(parts=parts):
                 yield from self.sent(node, [one for part in parts for one in self.pieces(part)])
             case p.Assign(target, value):
-                yield from self.assigned(node, target, list(_chain(value)))
+                yield from self.assigned(node, target, self.added(value))
 
     def sent(self, node: p.Send, parts: Sequence[e.Expression]) -> Iterator[p.Statement]:
         """Pieces, of which only the last one ends a line if they did together."""
@@ -86,8 +86,15 @@ class _Parting:
         yield replace(node, parts=tuple(groups[-1]))
 
     def pieces(self, part: e.Expression) -> Iterator[e.Expression]:
-        parts = list(_chain(part))
+        parts = self.added(part)
         yield from parts if any(map(self.is_text, parts)) else (part,)
+
+    def added(self, value: e.Expression) -> list[e.Expression]:
+        """What is added, from left to right; of texts also what is added in brackets."""
+        parts = list(_chain(value))
+        while any(map(self.is_text, parts)) and any(map(_is_sum, parts)):
+            parts = [inner for part in parts for inner in _chain(part)]
+        return parts
 
     def assigned(
         self, node: p.Assign, target: e.Expression, parts: Sequence[e.Expression]
@@ -158,6 +165,10 @@ class _Parting:
                     return own.result or ""
                 return "text" if function.lower() in _TEXTS else ""
         return ""
+
+
+def _is_sum(part: e.Expression) -> bool:
+    return isinstance(part, e.Binary) and part.operator == "+"
 
 
 def _chain(value: e.Expression) -> Iterator[e.Expression]:
