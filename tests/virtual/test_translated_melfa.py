@@ -147,8 +147,8 @@ def test_many_programs_with_changing_inputs_do_the_same(level: int) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("arms", [None, ARMS], ids=["no arm", "two arms"])
 @pytest.mark.parametrize("level", LEAST)
-def test_a_thousand_random_programs_do_the_same(level: int, arms: Arms | None) -> None:
-    tally = tally_of(level, range(1000 if arms is None else 300), arms)
+def test_hundreds_of_random_programs_do_the_same(level: int, arms: Arms | None) -> None:
+    tally = tally_of(level, range(300), arms)
     assert tally.kept == []
     assert tally.counts["not judged"] == 0
     assert tally.counts["failing"] <= 0.01 * tally.counts["tried"]

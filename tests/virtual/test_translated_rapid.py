@@ -114,7 +114,7 @@ def test_many_programs_with_changing_inputs_do_the_same(language: str, tmp_path:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("language", LANGUAGES)
-def test_a_thousand_random_programs_do_the_same(language: str, tmp_path: FilePath) -> None:
-    tally = tally_of(language, range(1000), tmp_path)
+def test_hundreds_of_random_programs_do_the_same(language: str, tmp_path: FilePath) -> None:
+    tally = tally_of(language, range(300), tmp_path)
     assert tally.kept == []
     assert tally.counts["translated"] >= LANGUAGES[language] * tally.counts["tried"], tally.reasons
