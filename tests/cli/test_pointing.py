@@ -214,7 +214,7 @@ def test_a_stroke_becomes_waypoints(capsys, here: Path) -> None:
 
 def test_nobody_is_led_anywhere_without_being_asked(capsys, cr, here: Path) -> None:
     filmed(here, PLACES[:1])
-    lines = ("--line", "127.0.0.1:1", "--line", "127.0.0.1:2")
+    lines = ("--line", "192.0.2.1:1", "--line", "192.0.2.1:2")
     status, _, said = run(capsys, "teach", "cell1", "above", *POINT[1:], "--go", *lines)
     assert status == 2 and "CL203" in said and "`above`" in said
     assert not (here / "points.toml").exists()
