@@ -133,7 +133,7 @@ def made_ready(capsys, here: Path) -> None:
 
 
 def check_each(capsys, controller: VirtualIrc5, names: Iterable[str]) -> None:
-    """One after the other; all that leave something are told."""
+    """Runs one after the other, and names all that leave something."""
     port, left = free_port(), {}
     for name in names:
         before = snapshot(controller)

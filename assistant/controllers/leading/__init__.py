@@ -25,7 +25,7 @@ Make = Callable[[Programs, Arm, Wishes, Floats], Carrier]
 """Of a session, the arm, what is wished, and joints (a,) near to which the arm is."""
 Keeps = Literal["cycles", "percent", "program"]
 SLOWEST: Final = 0.01
-"""Part of its full speed below which no controller is told to go."""
+"""Part of its full speed: the least that a controller can be set to."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -54,7 +54,7 @@ def with_one_name(program: Program) -> Program:
 
 
 def used_names(program: Program) -> set[str]:
-    """Lower-case names of all that statements read, wait for or set, kept texts included."""
+    """Lower-case names of all signals that statements or kept texts read, wait for or set."""
     found = set()
     for statement in program.statements():
         found |= {one.signal.lower() for one in p.outputs(statement)}

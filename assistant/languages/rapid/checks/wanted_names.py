@@ -63,7 +63,7 @@ class Met:
 def wanted_of(
     met: Mapping[str, Met], types: Types, records: Mapping[str, Solved]
 ) -> Iterator[Wanted]:
-    """What a cell is asked for, in the order of the names. records: types that it is asked for.
+    """Questions to a cell, in the order of the names. records: record types to be asked for.
 
     Data that are only given to a routine have the type that other calls give there, and a
     parameter that of the data.
