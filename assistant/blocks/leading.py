@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import threading
 from collections import deque
@@ -36,6 +37,8 @@ from assistant.robots.timing import drive_of
 
 CONTINUOUS: Final = tuple(name for name, mode in MODES.items() if not mode.waits)
 """Ways of leading in which the arm does not stop at each step."""
+SPEED_WINDOW: Final = 0.1
+"""Seconds of which a stream tells the mean speed; timers of controllers count milliseconds."""
 MOST_WAITING: Final = 50
 """Setpoints that have not gone out yet."""
 
@@ -65,15 +68,35 @@ class Measures(Protocol):
 
 
 class Stream:
-    """The status on a data link. real_time: both sides end it for what does not come in time."""
+    """The status on a data link. real_time: both sides end it for what does not come in time.
+
+    Its speed comes from the positions of the last `SPEED_WINDOW`: `M_RSPD(1)` is the speed of the
+    program in slot 1, and single commands move the arm in the edit slot.
+    """
 
     real_time: ClassVar[bool] = True
 
     def __init__(self, source: Measuring, robot: Robot) -> None:
         self._source, self._axes = source, robot.axes
+        self._seen: deque[tuple[float, Floats]] = deque()
 
     def measured(self) -> Measured:
-        return _of_status(self._source.status, len(self._source.recording), self._axes)
+        found = _of_status(self._source.status, len(self._source.recording), self._axes)
+        speed = self._speed(found.seconds, found.pose[:3])
+        return dataclasses.replace(found, speed=speed)
+
+    def _speed(self, seconds: float, place: Floats) -> float:
+        """Return the mean speed of the tool in mm/s, NaN before there are two records."""
+        seen = self._seen
+        if not seen or seconds != seen[-1][0]:
+            seen.append((seconds, place))
+        while len(seen) > 2 and seconds - seen[1][0] >= SPEED_WINDOW:
+            seen.popleft()
+        if len(seen) < 2:
+            return math.nan
+        times = np.array([when for when, _ in seen])
+        steps = np.diff(np.array([where for _, where in seen]), axis=0)
+        return float(np.linalg.norm(steps, axis=1).sum() / (times[-1] - times[0]))
 
 
 class Leader:
