@@ -408,7 +408,8 @@ def _explained(proof: Proof, program: Program) -> Iterator[Diagnostic]:
         if node.span is not None
         for part in parts
     }
-    cause, texts = _kept_move(program) or next(iter(kept.items()), None), _kept_texts(program)
+    texts = _kept_texts(program)
+    cause = _kept(program, moving=True) or next(iter(kept.items()), None) or _kept(program)
     back = texts if proof.lifted is None else _kept_texts(proof.lifted)
     beside, lost = bool(back - texts), next(iter(texts - back), None)
     for finding in proof.findings:
@@ -424,10 +425,13 @@ def _explained(proof: Proof, program: Program) -> Iterator[Diagnostic]:
             yield finding
 
 
-def _kept_move(program: Program) -> tuple[Span | None, str] | None:
-    """The first statement that keeps its text and may move the robot, with its place."""
+def _kept(program: Program, *, moving: bool = False) -> tuple[Span | None, str] | None:
+    """Return the first statement that keeps its text, with its place.
+
+    moving: only one that may move the robot.
+    """
     for node in program.statements():
-        if isinstance(node, Opaque) and (node.effect is None or node.effect.moves):
+        if isinstance(node, Opaque) and (not moving or node.effect is None or node.effect.moves):
             return node.span, node.text
     return None
 

@@ -54,6 +54,24 @@ def test_a_kept_move_is_named_whose_settings_would_be_written_for_others() -> No
     assert kept in told.message
 
 
+@pytest.mark.parametrize(
+    ("level", "text", "kept"),
+    [
+        (4, "10 MVR P2,P10,P11\n20 JRC +1,2\n", "JRC +1,2"),
+        (5, "1 Mvs P1\n2 M_FsCod0(1,2)=Zone2(P_NTool*P_Curr,P1,P1,3)\n", "M_FsCod0(1,2)=Zone2"),
+    ],
+)
+def test_a_kept_statement_that_moves_nothing_is_named_as_well(
+    level: int, text: str, kept: str
+) -> None:
+    language = languages.get(f"melfa-basic-{level}")
+    program = replace(language.lift(language.parse(text)), origin=None)
+    made = compile(program, language=language.name)
+    (told,) = [f for f in made.findings if f.severity is Severity.ERROR]
+    assert (told.code, made.files) == ("CO107", {})
+    assert kept in told.message
+
+
 def test_a_kept_value_is_named_beside_which_settings_would_be_written() -> None:
     language = languages.get("melfa-basic-6")
     kept = "PosMid(PA,SplECord(P_Curr,PB(2)),&HF,M_XDevW(1))"
