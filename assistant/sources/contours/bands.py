@@ -25,12 +25,12 @@ SHARP: Final = math.radians(150.0)
 """Turn at a joint, or gap of an almost full circle, above which it gets a complete round."""
 
 
-def bands(source: Source, offset: float, off: float) -> Any:
+def bands(source: Source, offset: float, off: float, side: int = 0) -> Any:
     """Return the area within `offset` mm of a contour; its rounds are at most `off` mm off.
 
     The point of the contour nearest to a place in it is square to a line or an arc, or a joint with
     the place between its two normals. So each place is in the band of a piece, or in the wedge
-    outside a joint.
+    outside a joint. side: of a closed contour, 1 for the left: the other side is not complete.
     """
     import shapely
 
@@ -41,9 +41,10 @@ def bands(source: Source, offset: float, off: float) -> Any:
         wedged = _wedged(source)
         ends = shapely.points(_bare_ends(source, wedged))
         found += shapely.buffer(ends, offset, quad_segs=rounds).tolist()
-        found += _wedges(source, wedged, offset, off, step)
+        found += _wedges(source, wedged, offset, off, step, side)
         found += _sectors(source, offset, off)
-    return shapely.union_all(found)
+    # A buffer of 0 unites polygons in one sweep; `union_all` does it in pairs.
+    return shapely.buffer(shapely.multipolygons(shapely.get_parts(found)), 0.0)
 
 
 def _wedged(source: Source) -> NDArray[np.bool_]:
@@ -72,15 +73,15 @@ def _bare_ends(source: Source, wedged: NDArray[np.bool_]) -> Plane:
 
 
 def _wedges(
-    source: Source, wedged: NDArray[np.bool_], offset: float, off: float, step: float
+    source: Source, wedged: NDArray[np.bool_], offset: float, off: float, step: float, side: int
 ) -> list[Any]:
-    """Regions outside joints, between the normals of both sides."""
+    """Regions outside joints, between the normals of both sides; `side` as of `bands`."""
     turns = _turns(source)
-    rows = np.flatnonzero(wedged & (np.abs(turns) > SLIGHT))
+    rows = np.flatnonzero(wedged & (np.abs(turns) > SLIGHT) & (side * turns <= 0.0))
     turn, arriving = turns[rows], np.roll(source.arriving, 1, axis=0)[rows]
-    side = -np.sign(turn)
+    out = -np.sign(turn)
     pad = np.copysign(OVERLAP * off / offset, turn)
-    first = np.arctan2(arriving[:, 0] * side, -arriving[:, 1] * side) - pad
+    first = np.arctan2(arriving[:, 0] * out, -arriving[:, 1] * out) - pad
     turn = turn + 2.0 * pad
     chords = np.ceil(np.abs(turn) / (2.0 * step)).astype(np.intp)
     owner, places = _numbered(chords + 2)

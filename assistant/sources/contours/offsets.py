@@ -119,8 +119,9 @@ def beside(
     limit = min(tolerance, offset)
     off = limit * ROUGH
     source = Source.of(pieces, off, closed=True)
-    band = bands(source, offset, off)
-    whole = shapely.Polygon(polyline(pieces, off, closed=True))
+    outline = polyline(pieces, off, closed=True)
+    band = bands(source, offset, off, 1 if (area(outline) < 0.0) == outside else -1)
+    whole = shapely.Polygon(outline)
     left = shapely.union(whole, band) if outside else shapely.difference(whole, band)
     found = []
     for part in getattr(left, "geoms", [left]):
