@@ -99,6 +99,13 @@ def test_a_timer_that_nothing_restarts_is_refused_in_rapid() -> None:
 
 
 @pytest.mark.parametrize("level", [4, 5, 6])
+@pytest.mark.parametrize("wait", ["for heat = 3.5", "until heat = 3.5", "until heat = -3.5"])
+def test_a_wait_for_a_value_of_an_analog_input_is_read_back(level: int, wait: str) -> None:
+    text = f"program a\nsignal heat analog input 6020\nprocedure main\n  wait {wait}\nend\n"
+    assert not errors_of(text, f"melfa-basic-{level}")
+
+
+@pytest.mark.parametrize("level", [4, 5, 6])
 def test_products_of_poses_are_read_back(level: int) -> None:
     head = (
         "program a\nvariable v pose = pose [1, 2, 3] [1, 0, 0, 0]\nprocedure main\n  v = {}\nend\n"

@@ -140,10 +140,8 @@ def test_subroutines_in_parts_keep_what_follows_their_loops(name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", [program, odd])
 @pytest.mark.parametrize("level", LEVELS)
-def test_hundreds_of_random_programs_do_the_same(
-    level: int, kind: Callable[[int, int], str]
-) -> None:
-    tally = tally_of(level, ((f"seed {seed}", kind(level, seed)) for seed in range(300)))
+def test_many_random_programs_do_the_same(level: int, kind: Callable[[int, int], str]) -> None:
+    tally = tally_of(level, ((f"seed {seed}", kind(level, seed)) for seed in range(60)))
     unproven = [line for line in tally.kept if ": crashed: CO10" in line]
     assert tally.kept == unproven
     assert len(unproven) <= MOST_UNPROVEN * tally.counts["tried"]

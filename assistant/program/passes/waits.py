@@ -18,8 +18,8 @@ def set_signal(r: Rewording, node: p.SetSignal) -> Iterator[p.Statement]:
 
 
 def wait_signal(r: Rewording, node: p.WaitSignal) -> Iterator[p.Statement]:
-    """One for another value than a number is a wait for a condition."""
-    if isinstance(node.value, e.Number):
+    """One for another value than a number, or for an analog signal, is a wait for a condition."""
+    if isinstance(node.value, e.Number) and not _is_analog(r, node.signal):
         fit(r, node.signal, node.value)
         yield node
     else:
@@ -28,8 +28,10 @@ def wait_signal(r: Rewording, node: p.WaitSignal) -> Iterator[p.Statement]:
 
 
 def wait_until(r: Rewording, node: p.WaitUntil) -> Iterator[p.Statement]:
-    """One for a signal and a number is a wait for the signal."""
+    """One for bits of a signal and a number is a wait for the signal."""
     match node.condition:
+        case e.Binary("=", e.Name(name)) if _is_analog(r, name):
+            yield node
         case e.Binary("=", e.Name(name), e.Number() as value) if r.spelling.signal(name):
             fit(r, name, value)
             yield p.WaitSignal(name, value, node.timeout, span=node.span)
@@ -37,6 +39,11 @@ def wait_until(r: Rewording, node: p.WaitUntil) -> Iterator[p.Statement]:
             yield p.WaitSignal(name, e.Number(1), node.timeout, span=node.span)
         case _:
             yield node
+
+
+def _is_analog(r: Rewording, name: str) -> bool:
+    signal = r.spelling.signal(name)
+    return signal is not None and signal.kind == "analog"
 
 
 def fit(r: Rewording, name: str, value: e.Expression) -> None:

@@ -132,7 +132,7 @@ def test_any_flow_is_read(lines: list[str]) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=5000)
+@settings(max_examples=1000)
 @given(graphs)
 def test_many_flows_are_read(lines: list[str]) -> None:
     reads(lines)

@@ -76,7 +76,7 @@ def test_random_programs_come_back(name: str, program: Program, frames: Frames) 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", DIALECTS)
 @given(program=programs, frames=st.sampled_from(get_args(Frames)))
-@settings(random_programs, max_examples=500)
+@settings(random_programs, max_examples=150)
 def test_many_random_programs_come_back(name: str, program: Program, frames: Frames) -> None:
     comes_back(program, name, frames)
 
