@@ -44,14 +44,20 @@ source = "cell.toml"
 
 
 @pytest.fixture
-def cell(tmp_path, monkeypatch):
+def pace() -> float:
+    """Seconds of the controller in a second; those that watch a line take one."""
+    return 200.0
+
+
+@pytest.fixture
+def cell(tmp_path, monkeypatch, pace):
     """A controller with its motors on and a post beside its arm; input 10 is on in contact."""
     monkeypatch.chdir(tmp_path)
     files = {"cell.toml": CELL, "real.toml": CELL + POST, "cameras.toml": CAMERA}
     for name, text in files.items():
         Path(name).write_text(text, encoding="utf-8")
     felt = Contact("10", touching(Path("real.toml"), "rv-2aj"))
-    virtual = VirtualCr(servo_time=0.02, pace=200.0, contact=felt)
+    virtual = VirtualCr(servo_time=0.02, pace=pace, contact=felt)
     virtual.state.parameters.write("COMDEV", NETWORK, all_levels=True)
     with virtual:
         table = f'address = "{virtual.address}"\nrobot = "rv-2aj"\ntimeout = 10\n'
@@ -98,7 +104,11 @@ def test_an_arm_that_moves_finds_free_space_and_its_log_tells_the_same(capsys, c
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("by", ["jog", "mxt", "data-link"])
+@pytest.mark.parametrize(
+    ("by", "pace"),
+    [("jog", 200.0), ("mxt", 200.0), ("data-link", 1.0)],
+    ids=["jog", "mxt", "data-link"],
+)
 def test_contacts_stop_it_and_no_cell_of_the_obstacle_is_free(capsys, cell, by) -> None:
     pairs = [f"{host}:{port}" for host, port in cell.data_ports.values()][:2]
     lines = [word for pair in pairs for word in ("--line", pair)]
