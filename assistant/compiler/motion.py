@@ -92,11 +92,14 @@ class MotionProof:
             return "not proven"
         found = self.found
         taken = [f"{t - len(n)} of {t} in {name}" for t, n, name in self._branches(found)]
+        counts = [_counted(found.visits, "visit"), _counted(found.changes, "signal change")]
+        more = (found.waits, "wait for inputs"), (found.values, "shared value")
+        counts += [_counted(count, what) for count, what in more if count]
+        left = f"; not compared: {', '.join(sorted(found.left))}" if found.left else ""
         return (
-            f"proven: {_counted(found.runs, 'run')}, {_counted(found.visits, 'visit')} and "
-            f"{_counted(found.changes, 'signal change')} alike, largest distance "
-            f"{found.apart:.4f} mm, {found.turned:.4f} degrees; "
-            f"branches taken: {', '.join(taken)}"
+            f"proven: {_counted(found.runs, 'run')}, {', '.join(counts[:-1])} and {counts[-1]} "
+            f"alike, largest distance {found.apart:.4f} mm, {found.turned:.4f} degrees; "
+            f"branches taken: {', '.join(taken)}{left}"
         )
 
     def _branches(self, found: Found) -> Iterator[tuple[int, Sequence[Branch], str]]:
@@ -112,6 +115,9 @@ class MotionProof:
             "runs": found.runs,
             "visits": found.visits,
             "signal_changes": found.changes,
+            "waits": found.waits,
+            "shared_values": found.values,
+            "not_compared": sorted(found.left),
             "position_mm": found.apart,
             "angle_deg": found.turned,
             "branches": [
@@ -122,7 +128,8 @@ class MotionProof:
 
 
 def _counted(count: int, word: str) -> str:
-    return f"{count:,} {word}{'' if count == 1 else 's'}"
+    first, space, rest = word.partition(" for ")
+    return f"{count:,} {first}{'' if count == 1 else 's'}{space}{rest}"
 
 
 def prove_motion(made: Made, arms: Arms, proving: Proving, entry: str | None = None) -> MotionProof:

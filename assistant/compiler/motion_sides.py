@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 from assistant.compiler.arms import Arms, known_robot, taught_on
 from assistant.compiler.loading import language_of
 from assistant.program.passes.cycles import repeats
-from assistant.program.program import Program, Signal
+from assistant.program.program import Program, Signal, Variable
 from assistant.program.wanted import STANDS
 
 if TYPE_CHECKING:
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
 HAND_NUMBERS: Final = 9000
 """Numbers of no signal, for the hands that a language has words for."""
 HANDS: Final = 8
+HEADED: Final = re.compile(r"(?m)^.*\bvariable: (\w+) = (\w+) \w+ persistent\b")
+"""A line above a program that tells what its source calls a variable."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +62,7 @@ def sides(
     signals = {name.lower(): signal for name, signal in made.signals.items()}
 
     again = repeats(made.program) and not repeats(source)
+    shared = _shared_data(made, trees, written)
 
     def side(language: str | None, files: Sequence[Any], robot: Robot | None, begin: str) -> Side:
         family = PSEUDO if language is None else language_of(language).family
@@ -72,11 +76,42 @@ def sides(
             wiring=_wiring(signals, family),
             outputs=_other_names(signals, family),
             repeats=again and language == spoken,
+            shared=shared[0] if files is trees else shared[1],
         )
 
     first = side(spoken, trees, here if spoken else here or there, entry or "main")
     first = replace(first, lenient=True)
     return first, side(made.language, written, there, "main")
+
+
+def _shared_data(
+    made: Made, trees: Sequence[Any], written: Sequence[Any]
+) -> tuple[dict[str, str], dict[str, str]]:
+    """Names of the source for data that outlives a run, by the names in either text."""
+    kept = made.source.variables, made.program.variables
+    names = [
+        {name.lower() for name, one in known.items() if one.storage == "persistent" and _plain(one)}
+        for known in kept
+    ]
+    texts = [_text(files) for files in (trees, written)]
+    own = [{name.lower(): own.lower() for own, name in HEADED.findall(text)} for text in texts]
+    found: tuple[dict[str, str], dict[str, str]] = {}, {}
+    for name in sorted(names[0] & names[1]):
+        spoken = [known.get(name, name) for known in own]
+        if all(re.search(rf"(?i)\b{s}\b", t) for s, t in zip(spoken, texts, strict=True)):
+            for side, called in zip(found, spoken, strict=True):
+                side[called] = name
+    return found
+
+
+def _plain(variable: Variable) -> bool:
+    """Whether it holds one number, truth or text."""
+    return not variable.size and variable.type in ("number", "integer", "truth", "text")
+
+
+def _text(files: Sequence[Any]) -> str:
+    sources = (getattr(tree, "source", None) for tree in files)
+    return "\n".join(source.text for source in sources if source is not None)
 
 
 def on_stand_ins(first: Side, second: Side) -> Iterator[tuple[Robot, Side, Side]]:

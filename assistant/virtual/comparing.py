@@ -6,14 +6,16 @@ import math
 from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from itertools import zip_longest
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 
 from assistant.program import rotations
 from assistant.program.geometry import Pose
 from assistant.virtual.events import (
+    Awaited,
     Event,
+    Kept,
     Logged,
     Moved,
     Noted,
@@ -45,8 +47,20 @@ SINGLE_TURN: Final = math.degrees(4.0 * 2.0**-24)
 """Degrees that the same does to orientations: the four components of a quaternion are each off by
 half of their last bit, 2 to the power of -25, which turns by twice their length; twice, for the
 target and for what the program moves it by."""
+LIMIT: Final = 0.1
+LATE: Final = 0.2
+"""Part of the longest time of a wait, and seconds, that statements around it may take."""
+STATEMENTS: Final = 5.0
+"""Times as long as those of one program the statements of another may take."""
+SHARED: Final = 1e-5
+"""Of the value of shared data: some controllers reckon in single precision."""
 BROKEN_OFF: Final[Set[Why]] = frozenset({"steps", "unknown"})
 """How runs end that would have gone on."""
+
+Uncompared = Literal[
+    "speeds of joint moves", "accelerations", "narrower corners", "texts for people"
+]
+"""Kinds of effects that two programs may have without the same being asked of both."""
 
 Bits = Mapping[str, Sequence[int] | str]
 """Numbers of a signal's bits, the lowest first, or its other name, by its name in lower case."""
@@ -70,7 +84,8 @@ class Unlike:
 
 @dataclass(frozen=True, slots=True)
 class Likeness:
-    """What was compared of two runs. visits: motions. changes: signals that were set.
+    """What was compared of two runs. visits: motions. changes: signals that were set. waits: those
+    that inputs end. values: of shared data. left: kinds of effects that were not compared.
 
     apart: mm between the tips of the tools where motions end, the most. turned: degrees.
     unlike: None if both do the same.
@@ -81,6 +96,9 @@ class Likeness:
     apart: float = 0.0
     turned: float = 0.0
     unlike: Unlike | None = None
+    waits: int = 0
+    values: int = 0
+    left: frozenset[Uncompared] = frozenset()
 
 
 def difference(
@@ -121,13 +139,17 @@ def likeness(
         # where a controller would stop with an error, another one may just stop
         if len(others) > len(ours):
             others, halted = others[: len(ours)], True
+    limits = _Limits((_expired(first), _expired(second)))
+    told = (*first.events, *second.events)
     comparing = _Comparing(rounding, reach_of([x.what for x in ours if isinstance(x.what, Moved)]))
+    if any(isinstance(event, Said | Reported) for event in told):
+        comparing.left.add("texts for people")
     for number, (one, two) in enumerate(zip_longest(ours, others), 1):
         if one is None:
             return comparing.found(number, f"{_end(first)}, and {said(two.what)}", one, two)
         if two is None:
             return comparing.found(number, f"{said(one.what)}, and {_end(second)}", one, two)
-        wrong = comparing.unlike(one.what, two.what)
+        wrong = comparing.unlike(one.what, two.what) or limits.unlike(one.time, two.time)
         if wrong is not None:
             what = f"{wrong}: {said(one.what)}, and {said(two.what)}"
             return comparing.found(number, what, one, two)
@@ -146,13 +168,48 @@ _ENDS: Final = (_START, OnWay("end", 0.0))
 """Places on the path at which a statement before or after the move does the same."""
 
 
+def _expired(run: Run) -> dict[float, float]:
+    """Longest times of waits that were over, in seconds, by when they were."""
+    rows = run.log
+    return {r.time: r.what.seconds for r in rows if isinstance(r.what, Waited) and r.what.limit}
+
+
+@dataclass(slots=True)
+class _Limits:
+    """Compares how long waits with a limit take: one language states it, another counts a timer.
+
+    expired: of either run, see `_expired`. since: when the events before were.
+    """
+
+    expired: tuple[Mapping[float, float], Mapping[float, float]]
+    since: tuple[float, float] = (0.0, 0.0)
+
+    def unlike(self, first: float, second: float) -> str | None:
+        """What differs in how long both took from the events before, which are alike, to these."""
+        before, self.since = self.since, (first, second)
+        stated = [
+            math.fsum(seconds for when, seconds in known.items() if start < when <= end)
+            for known, start, end in zip(self.expired, before, self.since, strict=True)
+        ]
+        longest = max(stated)
+        if longest <= 0.0:
+            return None
+        took = [end - start for start, end in zip(before, self.since, strict=True)]
+        side = stated.index(longest)
+        spare = STATEMENTS * max(took[side] - longest, 0.0)
+        if abs(took[0] - took[1]) <= LIMIT * longest + LATE + spare:
+            return None
+        return f"another longest time of a wait, {took[0]:.3g} s and {took[1]:.3g} s"
+
+
 class _Comparing:
     """Compares one event of either run after the other, and keeps how far they were apart."""
 
     def __init__(self, rounding: Rounding | None, reach: float) -> None:
         self.rounding, self.reach = rounding, reach
-        self.visits = self.changes = 0
+        self.visits = self.changes = self.waits = self.values = 0
         self.apart = self.turned = 0.0
+        self.left: set[Uncompared] = set()
         self.place = POSITION
         self.speed: float | None = None
 
@@ -160,7 +217,8 @@ class _Comparing:
         self, event: int = 0, what: str = "", one: Logged | None = None, two: Logged | None = None
     ) -> Likeness:
         unlike = Unlike(event, what, one, two) if what else None
-        return Likeness(self.visits, self.changes, self.apart, self.turned, unlike)
+        counts, left = (self.waits, self.values), frozenset(self.left)
+        return Likeness(self.visits, self.changes, self.apart, self.turned, unlike, *counts, left)
 
     def unlike(self, one: Event, two: Event) -> str | None:
         """What differs of two events, None if they are the same."""
@@ -172,7 +230,14 @@ class _Comparing:
                 self.changes += 1
                 if (one.signal, one.value) != (two.signal, two.value):
                     return "another event"
+                if not _same_time(one.after, two.after):
+                    return "another time"
                 return None if self._same_place(one.at, two.at) else "another place on the way"
+            case Awaited(), Awaited():
+                self.waits += 1
+            case Kept(), Kept():
+                self.values += 1
+                return None if _same_value(one, two) else "another value"
             case Waited(), Waited():
                 return None if abs(one.seconds - two.seconds) <= TIME else "another delay"
         return None if one == two else "another event"
@@ -212,10 +277,20 @@ class _Comparing:
         far, turned = _between(one.tool, two.tool)
         if far > allowed.tool or turned > allowed.tool_angle:
             return f"another tool, {_off(far, turned)}"
+        self._leave(one, two)
         if one.kind != "joint" and one.speed is not None:
             if two.speed is None or abs(one.speed - two.speed) > SPEED * one.speed:
                 return "another speed"
         return "a wider corner" if two.blend > one.blend + BLEND else None
+
+    def _leave(self, one: Moved, two: Moved) -> None:
+        if one.kind == "joint":
+            self.left.add("speeds of joint moves")
+        factors = {one.how.acceleration, one.how.deceleration}
+        if factors | {two.how.acceleration, two.how.deceleration} != {1.0}:
+            self.left.add("accelerations")
+        if two.blend < one.blend - BLEND:
+            self.left.add("narrower corners")
 
     def _tips(self, one: Moved, two: Moved, allowed: Allowed) -> str | None:
         """The tips of the tools, and the flanges: a tool of its own may hide what differs."""
@@ -269,6 +344,29 @@ def _end(run: Run) -> str:
 
 
 def _doings(run: Run, signals: Bits) -> Iterator[Logged]:
+    """The events that count, signals as the bits that change, shared data as it stands there."""
+    kept: dict[str, Logged] = {}
+    held: dict[str, Kept] = {}
+    for row in _effects(run, signals):
+        if isinstance(row.what, Kept):
+            kept[row.what.name] = row
+            continue
+        yield from _news(kept, held)
+        yield row
+    yield from _news(kept, held)
+
+
+def _news(kept: dict[str, Logged], held: dict[str, Kept]) -> Iterator[Logged]:
+    """What shared data holds that held something else before."""
+    for name in sorted(kept):
+        row = kept.pop(name)
+        assert isinstance(row.what, Kept)
+        if held.get(name) != row.what:
+            held[name] = row.what
+            yield row
+
+
+def _effects(run: Run, signals: Bits) -> Iterator[Logged]:
     """The events that count, signals as the bits that change."""
     state: dict[str, float] = {}
     counted = [numbers for numbers in signals.values() if not isinstance(numbers, str)]
@@ -277,12 +375,12 @@ def _doings(run: Run, signals: Bits) -> Iterator[Logged]:
         match row.what:
             case Said() | Reported() | Noted() | Waited(seconds=0.0) | Waited(limit=True):
                 continue
-            case Switched(signal, value, at):
+            case Switched(signal, value, at, after):
                 for bit, on in _bits(signal, value, signals):
                     # A byte is written with what its other bits have, which are 0 at first.
                     before = None if bit in named or not bit.isdecimal() else 0.0
                     if state.get(bit, before) != on:
-                        yield _as(row, Switched(bit, on, at))
+                        yield _as(row, Switched(bit, on, at, after))
                     state[bit] = on
             case _:
                 yield row
@@ -317,6 +415,16 @@ def _bits(signal: str, value: float, signals: Bits) -> Iterator[tuple[str, float
         return
     for place, number in enumerate(numbers):
         yield str(number), float(int(value) >> place & 1)
+
+
+def _same_time(one: float | None, two: float | None) -> bool:
+    return one is two if one is None or two is None else abs(one - two) <= TIME
+
+
+def _same_value(one: Kept, two: Kept) -> bool:
+    if one.name != two.name or isinstance(one.value, str) or isinstance(two.value, str):
+        return one == two
+    return math.isclose(one.value, two.value, rel_tol=SHARED, abs_tol=SHARED)
 
 
 def _near(one: Sequence[float], two: Sequence[float], most: float) -> bool:

@@ -78,12 +78,14 @@ class OnWay:
 class Switched:
     """A signal that was set. signal: its name or number, as the language says it, lower case.
 
-    at: None for where the robot is when the program gets there.
+    at: None for where the robot is when the program gets there. after: seconds until it is set, as
+    at the end of a pulse, where that is told at once.
     """
 
     signal: str
     value: float
     at: OnWay | None = None
+    after: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,6 +109,21 @@ class Waited:
 
     seconds: float
     limit: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Awaited:
+    """A wait for inputs, which came to be these: wires and their values. Proofs alone tell it."""
+
+    inputs: tuple[tuple[str, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """What shared data holds from now on. Proofs alone tell it."""
+
+    name: str
+    value: float | str
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,7 +156,7 @@ class Noted:
     text: str
 
 
-Event = Moved | Switched | Waited | Said | Reported | Stopped | Noted
+Event = Moved | Switched | Waited | Awaited | Kept | Said | Reported | Stopped | Noted
 
 Place = tuple[str, int]
 """A file's name, and a line from 1."""
@@ -152,11 +169,16 @@ def said(event: Event) -> str:
             where = event.joints if event.flange is None else event.flange.position
             stated = "" if where is None else ", ".join(f"{v:.2f}" for v in where)
             return f"{event.kind} to ({stated}) at {event.speed} blend {event.blend}"
-        case Switched(signal, value, at):
+        case Switched(signal, value, at, after):
+            length = "" if after is None else f" after {after:g} s"
             place = "" if at is None else f" at {at.amount:g} of {at.measure}, {at.ahead:g} s ahead"
-            return f"signal {signal} = {value:g}{place}"
+            return f"signal {signal} = {value:g}{place}{length}"
         case Waited(seconds):
             return f"{seconds:g} s"
+        case Awaited(inputs):
+            return "a wait that ends with " + ", ".join(f"{n}={v:g}" for n, v in inputs)
+        case Kept(name, value):
+            return f"`{name}` is {value if isinstance(value, str) else f'{value:g}'}"
         case Stopped(end):
             return "an end for good" if end else "a stop"
         case Said(text):

@@ -167,15 +167,15 @@ def test_a_seed_gives_the_same_runs(compiled: Compiled) -> None:
 
 FAULTS = {
     "a condition": ("MN=11 Then", "MN=12 Then", "ended as `error` error 9100", 22),
-    "a count": ("MPICKCOUNT=2", "MPICKCOUNT=3", "370.00) at 100.0 blend 0.0 (CELL.prg:66)", 17),
-    "an operator": ("And M_In(8)=1", "Or M_In(8)=1", "signal 24 = 0, and linear to", 17),
+    "a count": ("MPICKCOUNT=2", "MPICKCOUNT=3", "370.00) at 100.0 blend 0.0 (CELL.prg:66)", 16),
+    "an operator": ("And M_In(8)=1", "Or M_In(8)=1", "9=0, and linear to", 16),
     "a place": ("+120.00,+200.00", "+120.00,+200.03", "0.03 mm and 0.00 degrees off", 8),
     "a turn": ("+180.00,+0.00,+15.00", "+180.00,+0.00,+15.10", "0.10 degrees off", 22),
     "a frame": ("PWTABLE=(-263.8958", "PWTABLE=(-263.9158", "0.02 mm", 8),
     "a frame that is turned": ("-15.0000)", "-15.0100)", "another flange", 8),
     "a tool": ("PTGRIP=(+0.00,+0.00,+100", "PTGRIP=(+0.00,+0.00,+101", "another tool", 8),
-    "a wait": ("Wait M_In(9)=1", "Wait M_In(9)=0", "another event", 17),
-    "a time limit": ("M_Timer(1)<2000", "M_Timer(1)<0", "ended as `error`", 17),
+    "a wait": ("Wait M_In(9)=1", "Wait M_In(9)=0", "another event", 9),
+    "a time limit": ("M_Timer(1)<2000", "M_Timer(1)<0", "ended as `error`", 16),
     "an error": ("Error 9100", "MN=MN", "ended as `error`", None),
     "an output": ("M_Out(4)=1", "M_Out(4)=0", "signal 4 = 1, and signal 4 = 0 (CELL.prg:68)", 23),
     "a corner": ("Cnt 1,10,10", "Cnt 1,20,20", "a wider corner", 18),
@@ -192,6 +192,69 @@ def test_a_fault_is_found_with_its_place(compiled: Compiled, name: str) -> None:
     (finding,) = [f for f in found.findings if f.code == "CO110"]
     assert said in finding.message.replace("410.00", "370.00")
     assert finding.line == source
+
+
+EFFECTS = (
+    HEAD.replace("CONST", "PERS num nDone:=0;\nPERS bool bOk:=FALSE;\nCONST", 1)
+    + """PROC main()
+  MoveL p10,v200,fine,tGrip\\WObj:=wTable;
+  WaitDI diReady,1;
+  SetDO doGrip,1;
+  WaitUntil diPart=1 OR giOrder=3;
+  IF (diPart=1 OR diReady=1) AND giOrder<5 THEN
+    PulseDO\\PLength:=0.4,doGlue;
+  ENDIF
+  WaitDI diReady,0;
+  nDone:=nDone+1;
+  bOk:=TRUE;
+  MoveL p20,v200,fine,tGrip\\WObj:=wTable;
+  SetDO doGrip,0;
+ENDPROC
+ENDMODULE
+"""
+)
+GLUE = "[signals.doGlue]\nnumber = 6\n"
+UNHEARD = {
+    "a dropped wait": ("Wait M_In(9)=1", "MNDONE=MNDONE"),
+    "a dropped wait for an input that is off": ("Wait M_In(9)=0", "MNDONE=MNDONE"),
+    "an inverted wait": ("Wait M_In(9)=0", "Wait M_In(9)=1"),
+    "a wait for another input": ("Wait M_In(9)=1", "Wait M_In(8)=1"),
+    "all of a wait": ("Or (M_In8(40)", "And (M_In8(40)"),
+    "one of two": ("M_In(8)=1 Or M_In(9)=1", "M_In(8)=1 Xor M_In(9)=1"),
+    "a term": ("(M_In(8)=1 Or M_In(9)=1)", "(M_In(8)=1)"),
+    "a bound": ("<5", "<=5"),
+    "a longer pulse": ("Dly 0.4", "Dly 0.8"),
+    "a number that is shared": ("MNDONE+1", "MNDONE+2"),
+    "a truth that is shared": ("MBOK=1", "MBOK=0"),
+}
+
+
+@pytest.fixture
+def with_effects(tmp_path: Path) -> Compiled:
+    return made(EFFECTS, "melfa-basic-5", tmp_path, GLUE)
+
+
+@pytest.mark.parametrize("name", UNHEARD)
+def test_what_no_motion_shows_is_found(with_effects: Compiled, name: str) -> None:
+    assert not with_fault(with_effects, *UNHEARD[name]).holds
+
+
+def test_waits_and_shared_data_are_counted(with_effects: Compiled) -> None:
+    found = proof(with_effects)
+    assert found.holds, found.findings
+    record = found.record()
+    assert record["waits"] > 2 and record["shared_values"] > 2
+    assert found.line().count("waits for inputs") == 1
+
+
+def test_a_longer_time_limit_is_found(tmp_path: Path) -> None:
+    """Where the time is over both go on, one of them late."""
+    text = HEAD + MAIN.replace("\\MaxTime:=2", "\\MaxTime:=2\\TimeFlag:=late")
+    text = text.replace("VAR num n;", "VAR num n;\n  VAR bool late;")
+    limited = made(text, "melfa-basic-5", tmp_path)
+    assert proof(limited).holds
+    for seconds in ("200", "20000"):
+        assert not with_fault(limited, "<2000", f"<{seconds}").holds
 
 
 ENDLESS = """PROC main()

@@ -104,7 +104,7 @@ def test_outputs_and_waits() -> None:
     main += "WaitTime\\InPos,0.5;\nPulseDO doB;"
     assert ran(main).events == (
         *(Switched("doa", 1), Switched("dob", 1), Switched("doa", 0), Switched("goc", 5)),
-        *(Switched("dob", 0), Waited(0.5), Switched("dob", 1), Switched("dob", 0)),
+        *(Switched("dob", 0), Waited(0.5), Switched("dob", 1), Switched("dob", 0, after=0.2)),
     )
 
 

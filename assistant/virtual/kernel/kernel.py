@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
 from greenlet import getcurrent
 
 from assistant.program.system.budgets import RUNNING, within
-from assistant.virtual.events import Called, Event, Logged, Moved, Place, Run, Switched
+from assistant.virtual.events import Called, Event, Kept, Logged, Moved, Place, Run, Switched
 from assistant.virtual.kernel.motion import Instant, Motion
 from assistant.virtual.kernel.script import Person
 from assistant.virtual.kernel.signals import Board
@@ -42,8 +42,10 @@ class Kernel:
     to trace it or to hold the run. branch: is told of each way that a statement goes on: its file,
     where it stands there, and which way, counted from 0. stuck: is asked where a task waits, before
     its time is over or the run ends; True if it has brought what is waited for. told: is told of
-    each event. timed: is told when a program sets a timer, as a wait of its own begins. clock:
-    simulated seconds, but behind `now` while a program runs ahead of its arm.
+    each event. met: is told of each wait that ends as it begins, with its condition. kept: gives
+    what shared data holds, by its name, which is told before the next event. timed: is told when a
+    program sets a timer, as a wait of its own begins. clock: simulated seconds, but behind `now`
+    while a program runs ahead of its arm.
     person: answers what programs ask. peers: what the other end of each line says, text by text,
     in a run that reaches nothing outside; None where lines lead where they do. shared: whether
     several tasks run. live: what the run is part of that goes on when all tasks have ended.
@@ -61,6 +63,8 @@ class Kernel:
     stuck: Callable[[Task], bool] | None = None
     told: Callable[[Logged], None] | None = None
     timed: Callable[[], None] | None = None
+    met: Callable[[Task, Callable[[], bool]], None] | None = None
+    kept: Callable[[], Mapping[str, float | str]] | None = None
     clock: float = 0.0
     steps: int = 0
     person: Person = field(default_factory=Person)
@@ -83,6 +87,7 @@ class Kernel:
         self.ended_in: tuple[str, Place | None] = "", None
         self.leaving: list[Callable[[], None]] = []
         """What is done when the run is over."""
+        self._held: dict[str, float | str] = {}
         self._timers = Timers()
         self._handed = 0
         self._began: float | None = None
@@ -142,6 +147,8 @@ class Kernel:
         try:
             while self.ending is None:
                 self._turns()
+            if self.kept is not None and self.ending.ended in ("end", "stopped"):
+                self._keep(self.ended_in[0], self.kept())
         except OutOfSteps:
             self.end(self._too_many())
         finally:
@@ -367,10 +374,19 @@ class Kernel:
 
     def tell(self, task: Task, event: Event, place: Place | None = None) -> None:
         """place: of the statement; None for the one at hand."""
+        if self.kept is not None:
+            self._keep(task.name, self.kept(), place or task.where())
         row = Logged(self.clock, task.name, place or task.where(), event)
         self.log.append(row)
         if self.told is not None and not self.motion.behind:
             self._hand_on()
+
+    def _keep(self, task: str, held: Mapping[str, float | str], place: Place | None = None) -> None:
+        """Tell what shared data has changed, and all of it at first."""
+        for name, value in sorted(held.items()):
+            if self._held.get(name) != value:
+                self._held[name] = value
+                self.log.append(Logged(self.clock, task, place, Kept(name, value)))
 
     def change(self, task: Task, what: Switched, place: Place | None = None) -> None:
         """What a motion does on its way: an output is set, or an interrupt raised."""

@@ -92,9 +92,11 @@ class Task:
         """Something happens to the world."""
         self.kernel.tell(self, event)
 
-    def switch(self, signal: str, value: float, at: OnWay | None = None) -> None:
+    def switch(
+        self, signal: str, value: float, at: OnWay | None = None, after: float | None = None
+    ) -> None:
         """Sets an output. at: where on the way of the motion before; None for here."""
-        self.kernel.tell(self, Switched(signal, value, at))
+        self.kernel.tell(self, Switched(signal, value, at, after))
         self.kernel.board.outputs.set(signal, value)
 
     def delay(self, seconds: float) -> None:
@@ -117,13 +119,17 @@ class Task:
         """
         end = math.inf if seconds is None else self.kernel.now + seconds
         self.kernel.stirred, self.wakes = True, -math.inf
+        first = True
         while True:
             if self._posted and not self.closed:
                 self._run_posted()
             if self.looks is not None:
                 self.looks()
             if until is not None and until():
+                if first:
+                    self.met(until)
                 return True
+            first = False
             if self.kernel.now >= end:
                 return False
             self.waiting, self.waits_for = True, what
@@ -132,6 +138,11 @@ class Task:
             self.until = until
             self._pause()
             self.waiting = self.outside = False
+
+    def met(self, until: Callable[[], bool]) -> None:
+        """What a program waits for is there when the wait begins."""
+        if self.kernel.met is not None:
+            self.kernel.met(self, until)
 
     # ------------------------------------------------------------------------- interrupts
 

@@ -19,9 +19,11 @@ from assistant.virtual.melfa.code import code_of
 from assistant.virtual.melfa.controller import Controller, Entry
 from assistant.virtual.melfa.looking import levels, place
 from assistant.virtual.melfa.machine import Machine
+from assistant.virtual.melfa.memory import Cell, is_external, kind_by_name
 from assistant.virtual.melfa.options import Options
 from assistant.virtual.melfa.plugins import Command, Given, by_name
 from assistant.virtual.melfa.stops import Failed, Unknown
+from assistant.virtual.melfa.values import Value
 from assistant.virtual.melfa.world import STEP_TIME, Inputs, World, inputs_of
 
 if TYPE_CHECKING:
@@ -84,10 +86,12 @@ def start_slot(
     options: Options | None = None,
     commands: Commands | None = None,
     repeat: bool = False,
+    shared: Mapping[str, str] | None = None,
 ) -> Task:
     """A slot of a controller that runs one cycle of a program; see `run`.
 
-    joints: degrees where it starts, None where they are not known.
+    joints: degrees where it starts, None where they are not known. shared: names that the kernel
+    tells values of variables by, by their own in lower case; those without a value are 0.
     """
 
     def body(task: Task) -> Ending:
@@ -101,6 +105,8 @@ def start_slot(
             programs = dict(zip((name.upper() for name in names), machines, strict=False))
             for machine in machines:
                 machine.programs = programs
+            if shared:
+                kernel.kept = lambda: _held(machines[0], shared)
             task.where = lambda: place(world)
             task.levels = lambda: levels(world)
             machines[0].run()
@@ -114,6 +120,20 @@ def start_slot(
         return Ending()
 
     return kernel.task(str(slot), body)
+
+
+def _held(machine: Machine, names: Mapping[str, str]) -> dict[str, float | str]:
+    found: dict[str, float | str] = {}
+    for own, name in names.items():
+        key = own.upper()
+        places = machine.world.shared if is_external(key) else machine.main
+        cell = places.places.get(key)
+        value: Value = "" if kind_by_name(key) == "text" or key.endswith("$") else 0
+        if isinstance(cell, Cell) and not cell.size and cell.is_set():
+            value = cell.get()
+        if isinstance(value, int | float | str):
+            found[name] = value if isinstance(value, str) else float(value)
+    return found
 
 
 def _machine(file: s.File, world: World, programs: Mapping[str, Machine]) -> Machine:

@@ -141,8 +141,10 @@ class World:
         read = (board.outputs if output else board.inputs).read
         return sum(bool(read(str(n))) << i for i, n in enumerate(numbers))
 
-    def switch(self, first: int, width: int, value: int, mask: int = -1) -> None:
-        """Sets outputs; each bit is an event. mask: the bits that are set."""
+    def switch(
+        self, first: int, width: int, value: int, mask: int = -1, after: float | None = None
+    ) -> None:
+        """Sets outputs; each bit is an event. mask: bits that are set. after: see `Switched`."""
         if first < 0:
             raise Failed(6600, f"there is no signal {first}")
         if not 0 <= value < 1 << width:
@@ -151,9 +153,9 @@ class World:
             if mask >> at & 1:
                 name, bit = str(first + at), float(value >> at & 1)
                 if self.held is None:
-                    self.task.switch(name, bit)
+                    self.task.switch(name, bit, after=after)
                 else:
-                    self.held.append(Switched(name, bit))
+                    self.held.append(Switched(name, bit, after=after))
 
     def set_register(self, number: int, value: Value) -> None:
         """A register of a field bus, which holds a whole number of 16 bits."""
@@ -193,7 +195,7 @@ class World:
         """Sets an output for a time; it stays if the program ends before (COSIROP: DLY)."""
         if self.options.pulses == "at once":
             self.switch(number, 1, value)
-            self.switch(number, 1, back)
+            self.switch(number, 1, back, after=seconds)
             return
         now = self.task.kernel.now
         self.pulses = [pulse for pulse in self.pulses if pulse.time > now]

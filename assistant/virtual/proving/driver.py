@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from typing import Final, Protocol
 
 from assistant.virtual.branches import Way
-from assistant.virtual.events import Logged, Moved, Stopped, Waited
+from assistant.virtual.events import Awaited, Logged, Moved, Stopped, Waited
 from assistant.virtual.kernel import Ending, Kernel, Signals, Task
 from assistant.virtual.proving.wires import Wiring
 
@@ -86,10 +86,11 @@ Readings = tuple[tuple[str, Moment], ...]
 
 @dataclass(frozen=True, slots=True)
 class Taken:
-    """A way that was gone, and the inputs that were read shortly before. moment: of the reading."""
+    """A way that was gone, and the inputs that were read shortly before. own: by the statement."""
 
     way: Way
     read: Readings
+    own: Readings = ()
 
 
 class Answering(Protocol):
@@ -109,7 +110,8 @@ class Driver(Mapping[str, float]):
     answering: who ends waits that the scenario does not end; None for nobody. played: the scenario
     with these answers. taken: each way that was gone, by its first time. reads: names ever read.
     ended: when a wait was answered that ends by itself, by its place. watched: beats at which an
-    input was looked at for an interrupt, by its name.
+    input was looked at for an interrupt, by its name. met: what waits read that ended as they
+    began, by their places.
     """
 
     kernel: Kernel
@@ -121,6 +123,7 @@ class Driver(Mapping[str, float]):
     reads: set[str] = field(default_factory=set)
     ended: dict[object, Moment] = field(default_factory=dict)
     watched: dict[str, dict[Moment, None]] = field(default_factory=dict)
+    met: dict[object, Readings] = field(default_factory=dict)
     answers: int = 0
 
     def __post_init__(self) -> None:
@@ -130,11 +133,13 @@ class Driver(Mapping[str, float]):
         self._polled: dict[tuple[object, str], int] = {}
         self._polling: dict[str, None] = {}
         self._asking = False
+        self._step, self._here = -1, dict[str, Moment]()
         self._seen: set[object] = set()
         self._apply(dict(self.scenario.at(Moment()) or ()))
         self.kernel.board.inputs = _Inputs(self)
         self.kernel.told, self.kernel.stuck = self._told, self._stuck
         self.kernel.branch, self.kernel.timed = self._branch, self._still
+        self.kernel.met = self._met
 
     # ------------------------------------------------------------------------ what is read
 
@@ -147,6 +152,10 @@ class Driver(Mapping[str, float]):
         """What an input reads now, which counts as a reading."""
         self.reads.add(name)
         self._recent.append((name, Moment(self.beat, self.idles)))
+        if self.kernel.steps != self._step:
+            self._step = self.kernel.steps
+            self._here.clear()
+        self._here[name] = Moment(self.beat, self.idles)
         if self.kernel.looking:
             self.watched.setdefault(name, {})[Moment(self.beat)] = None
         elif self._asking:
@@ -193,7 +202,24 @@ class Driver(Mapping[str, float]):
 
     def _branch(self, file: str, at: int, way: int) -> None:
         if (file, at, way) not in self.taken:
-            self.taken[file, at, way] = Taken((file, at, way), self.recent)
+            here = tuple(self._here.items()) if self.kernel.steps == self._step else ()
+            self.taken[file, at, way] = Taken((file, at, way), self.recent, here)
+
+    def _met(self, task: Task, until: Callable[[], bool]) -> None:
+        place = task.where()
+        if place not in self.met:
+            before = self._recent.copy()
+            moment = Moment(self.beat, self.idles)
+            self.met[place] = tuple((name, moment) for name in self._looked_at(until))
+            self._recent = before
+
+    def _looked_at(self, until: Callable[[], bool]) -> tuple[str, ...]:
+        """Names of inputs that a condition reads."""
+        self._polling.clear()
+        self._asking = True
+        until()
+        self._asking = False
+        return tuple(self._polling)
 
     def _stuck(self, task: Task) -> bool:
         ends = task.wakes < math.inf
@@ -201,11 +227,7 @@ class Driver(Mapping[str, float]):
         if task.until is None or (ends and task.until in self._seen and not more):
             return False
         self._seen.add(task.until)
-        self._polling.clear()
-        self._asking = True
-        task.until()
-        self._asking = False
-        read = tuple(self._polling)
+        read = self._looked_at(task.until)
         return bool(read) and self._idle(task, read, task.where() if ends else None)
 
     def would(self, change: Mapping[str, float], until: Callable[[], bool]) -> bool:
@@ -241,6 +263,7 @@ class Driver(Mapping[str, float]):
                     self.ended.setdefault(ends, moment)
         if change:
             self._still()
+            self.kernel.tell(task, Awaited(tuple(sorted(change.items()))))
         self._apply(change)
         return bool(change)
 

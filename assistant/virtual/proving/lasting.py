@@ -30,21 +30,23 @@ def first_run(seconds: float, source: bool) -> float:
     return max(seconds, LEAST_SECONDS) * (1 if source else LATER)
 
 
-def broken_off(kernel: Kernel, seconds: float, after: Run | None = None) -> None:
+def broken_off(
+    kernel: Kernel, seconds: float, after: Run | None = None, most: float = math.inf
+) -> None:
     """Has the run of a kernel end after so many seconds of the real clock.
 
     after: the run that it is compared with. Where that was broken off by its statements, what it
-    has told is all that can be compared.
+    has told is all that can be compared. most: events that the run may tell.
     """
-    until = time.monotonic() + seconds
+    until = time.thread_time() + seconds
     counted = 0
     endless = after is not None and after.ended == "steps"
-    enough = MORE_EVENTS[0] * len(after.events) + MORE_EVENTS[1] if after and endless else math.inf
+    enough = MORE_EVENTS[0] * len(after.events) + MORE_EVENTS[1] if after and endless else most
 
     def look(task: Task) -> None:
         nonlocal counted
         counted += 1
-        if counted % LOOKED == 0 and time.monotonic() > until:
+        if counted % LOOKED == 0 and time.thread_time() > until:
             kernel.halt(task, Ending(OVER, f"it takes more than {seconds:.3g} s"))
         elif counted % LOOKED == 0 and len(kernel.log) > enough:
             kernel.halt(task, Ending("steps", "it has told as much as the run before"))

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import math
 import re
 import time
 from collections import Counter, deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import product
 from random import Random
 from typing import Final
 
 from assistant.virtual.branches import Branch, Branches, Way
-from assistant.virtual.comparing import Bits, Unlike, likeness
+from assistant.virtual.comparing import Bits, Uncompared, Unlike, likeness
 from assistant.virtual.events import Run, Stopped
 from assistant.virtual.kernel import Board, Kernel
 from assistant.virtual.kernel.panel import Panel
@@ -41,6 +43,12 @@ TOGETHER: Final = 3
 """Scenarios in which all inputs that a branch may hang on are others, at random."""
 BELOW: Final = 12
 """Lines below a choice that its cases may stand in."""
+FIRST_EVENTS: Final = 2000
+"""Events that the first run may tell, beside four for each line of its text."""
+MORE_EVENTS: Final = 200
+"""Beside twice those of the longest run that came to an end: a run that tells more has none."""
+COMBINED: Final = 3
+"""Inputs of a statement that are tried in all combinations; of more they change one by one."""
 TRIED_VALUES: Final = 6
 """Of numbers that a group of signals may have, for each branch that hangs on it."""
 SMALL: Final = (1, 2)
@@ -81,6 +89,9 @@ class Found:
     runs: int = 0
     visits: int = 0
     changes: int = 0
+    waits: int = 0
+    values: int = 0
+    left: frozenset[Uncompared] = frozenset()
     apart: float = 0.0
     turned: float = 0.0
     unlike: Unlike | None = None
@@ -135,18 +146,23 @@ class _Search:
         self.ended: set[object] = set()
         self.watched: set[str] = set()
         self.pending: deque[Scenario] = deque([Scenario()])
-        self.steps = STEPS + 4 * max(side.text().count("\n") for side in (self.first, self.second))
+        self.later: deque[Scenario] = deque()
+        self.weighed: set[object] = set()
+        lines = max(side.text().count("\n") for side in (self.first, self.second))
+        self.most = FIRST_EVENTS + 4 * lines
+        self.longest = 0
+        self.steps = STEPS + 4 * lines
         self.reads = False
         self.missed = 0
         self.late = False  # whether the time was over in the middle of a run
 
     def run(self) -> Found:
-        self.until = time.monotonic() + self.budget.seconds
+        self.until = time.thread_time() + self.budget.seconds
         played: list[Scenario] = []
         vain = 0
         while self.found.runs < self.budget.runs and vain < IN_VAIN:
             scenario = Scenario() if self._begins() else self._next(played)
-            if scenario is None or (self.found.runs and time.monotonic() > self.until):
+            if scenario is None or (self.found.runs and time.thread_time() > self.until):
                 break
             aimed = scenario in self.aimed
             new, done = self._both(scenario)
@@ -156,8 +172,10 @@ class _Search:
             if self._begins():
                 continue
             vain = 0 if new else vain + (not aimed)
-            if self.script is not None or not self._open() or not self.reads:
+            if self.script is not None or not self.reads:
                 break
+            if not self._open():
+                self.pending.clear()
         if FEW * self.missed > self.found.runs:
             self.found.unknown = self.found.unjudged
         self.found.total = len(self.known[0]), len(self.known[1])
@@ -180,13 +198,14 @@ class _Search:
         )
 
     def _next(self, played: list[Scenario]) -> Scenario | None:
-        while self.pending:
-            scenario = self.pending.popleft()
-            if scenario not in self.tried:
-                self.tried.add(scenario)
-                self.aimed.add(scenario)
-                return scenario
-        for _ in range(IN_VAIN):
+        for aimed in (self.pending, self.later):
+            while aimed:
+                scenario = aimed.popleft()
+                if scenario not in self.tried:
+                    self.tried.add(scenario)
+                    self.aimed.add(scenario)
+                    return scenario
+        for _ in range(IN_VAIN if self._open() else 0):
             scenario = self._drawn(self.random.choice(played))
             if scenario not in self.tried:
                 self.tried.add(scenario)
@@ -225,6 +244,9 @@ class _Search:
             if strict.ended == "error":  # what nothing was given stops both of them
                 one = strict
         self._compare(one, two, ours.played)
+        if one.ended in ("end", "steps") and len(one.log) < self.most:
+            self.longest = max(self.longest, len(one.log))
+            self.most = MORE_EVENTS + 2 * self.longest
         new = False
         for at, driver in enumerate((ours, theirs)):
             self.reads |= bool(driver.reads)
@@ -268,10 +290,10 @@ class _Search:
             kernel.person.panel = Panel(lambda name: driver[name])
         kernel.peers = said(self.found.runs, self.messages, self.texts)
         side.begin(kernel)
-        left = self.until - time.monotonic()
+        left = self.until - time.thread_time()
         if not self.found.runs:
             left = first_run(self.budget.seconds, answered)
-        broken_off(kernel, left, after)
+        broken_off(kernel, left, after, self.most if answered else math.inf)
         return kernel.run(), driver
 
     def _compare(self, one: Run, two: Run, scenario: Scenario) -> None:
@@ -284,6 +306,9 @@ class _Search:
         found.runs += 1
         found.visits += like.visits
         found.changes += like.changes
+        found.waits += like.waits
+        found.values += like.values
+        found.left |= like.left
         found.apart, found.turned = max(found.apart, like.apart), max(found.turned, like.turned)
         if one.ended == "error":
             found.failing += 1
@@ -308,6 +333,44 @@ class _Search:
                 self.followed[taken.way[:2]] += 1
                 numbers = self._near(at, known[others[0]].line)
                 self.pending.extend(self._varied(driver.wiring, taken.read, played, numbers))
+        self.later.extend(self._weighed(at, driver, played))
+
+    def _weighed(self, at: int, driver: Driver, played: Scenario) -> Iterator[Scenario]:
+        """Scenarios that tell each input of a condition apart, once for each statement.
+
+        A wait whose condition holds as it begins lacks an input there, so that it has to wait.
+        """
+        read: dict[object, Readings] = {(at, place): n for place, n in driver.met.items()}
+        read |= {(at, *one.way[:2]): one.own for one in driver.taken.values()}
+        for place, names in read.items():
+            if names and place not in self.weighed:
+                self.weighed.add(place)
+                yield from self._combined(driver.wiring, dict(names), played)
+
+    def _combined(
+        self, wiring: Wiring, names: Mapping[str, Moment], played: Scenario
+    ) -> Iterator[Scenario]:
+        """Every combination of a few inputs where they are read; of more, each one changed."""
+        moment = max(names.values(), key=lambda one: one.order)
+        before = played.until(moment)
+        state = dict(_state(before))
+        values = {name: wiring.value(name, state) for name in names}
+        others = {
+            name: [value, *self._others(wiring, name, value, self.numbers)]
+            for name, value in values.items()
+        }
+        made: Iterable[tuple[float, ...]] = product(*others.values())
+        if len(names) > COMBINED:
+            made = (
+                tuple(other if n == name else v for n, v in values.items())
+                for name in names
+                for other in others[name][1:]
+            )
+        for combined in made:
+            bits: dict[str, float] = {}
+            for name, value in zip(names, combined, strict=True):
+                bits |= wiring.spread(name, value)
+            yield before.changed(moment, bits)
 
     def _interrupted(self, driver: Driver, played: Scenario) -> Iterator[Scenario]:
         """Scenarios in which an input that interrupts changes here and there, once for each."""

@@ -19,6 +19,7 @@ from assistant.virtual.rounding import Printed
 if TYPE_CHECKING:
     from assistant.robots import Robot
     from assistant.virtual.kernel.script import Script
+    from assistant.virtual.rapid.controller import Controller as RapidController
 
 PLAIN_START: Final = Pose((400.0, 0.0, 500.0), (0.0, 0.0, 1.0, 0.0))
 """Where the flange is before the first motion of a program without a robot: the same in both."""
@@ -28,6 +29,9 @@ PSEUDO: Final = "pseudo"
 STATEMENT_TIME: Final = 0.002
 """Seconds that a statement takes, so that a loop which looks at a clock comes to its end."""
 
+
+Held = dict[str, float | str]
+"""What shared data holds, by the names of the source."""
 
 CYCLES: Final = 3
 """That are compared where one leaves values to the next: in many a number grows beyond bounds."""
@@ -40,7 +44,9 @@ class Side:
 
     start: of the flange. joints: degrees there, None where they are not known. entry: the routine
     that it begins with. wiring: what it calls the inputs. outputs: what it calls outputs of a bit,
-    by what the other program calls them. repeats: it begins again behind its end. lenient: numbers
+    by what the other program calls them. shared: numbers, truths
+    and texts that outlive a run, as the source calls them, by their own names in lower case.
+    repeats: it begins again behind its end. lenient: numbers
     that nothing was given are 0, where the manuals leave open whether a controller says so or ends:
     the translation tells of each.
     """
@@ -55,6 +61,7 @@ class Side:
     outputs: Mapping[str, str] = field(default_factory=dict)
     lenient: bool = False
     repeats: bool = False
+    shared: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def answers(self) -> bool:
@@ -117,6 +124,8 @@ def _begin_rapid(side: Side, kernel: Kernel) -> None:
     cell = {name.lower() for name in side.outputs.values()}  # also those that are only read
     controller.outputs |= cell
     controller.known |= cell
+    if side.shared:
+        kernel.kept = lambda: _held_in_rapid(controller, side.shared)
     there, loaded = _apart(side.trees)
     for tree in loaded:
         name = _file_name(tree)
@@ -131,6 +140,19 @@ def _begin_rapid(side: Side, kernel: Kernel) -> None:
         controller=controller,
         cycles=again_and_again(side.entry, CYCLES) if side.repeats else None,
     )
+
+
+def _held_in_rapid(controller: RapidController, names: Mapping[str, str]) -> Held:
+    from assistant.virtual.rapid.scopes import Cell
+
+    found: Held = {}
+    for loaded, _ in controller.programs:
+        for known in (loaded.named, *(unit.names for unit in loaded.units.values())):
+            for own, name in names.items():
+                cell = known.get(own)
+                if isinstance(cell, Cell) and isinstance(cell.value, float | str | bool):
+                    found[name] = cell.value if isinstance(cell.value, str) else float(cell.value)
+    return found
 
 
 def _apart(trees: Sequence[Any]) -> tuple[tuple[Any, ...], list[Any]]:
@@ -164,6 +186,7 @@ def _begin_melfa(side: Side, kernel: Kernel) -> None:
         joints=side.joints,
         names=names,
         options=replace(options, unset="zero", signed=False) if side.lenient else options,
+        shared=side.shared,
     )
 
 

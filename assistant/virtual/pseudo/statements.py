@@ -134,7 +134,7 @@ def _set_signal(m: Machine, node: p.SetSignal) -> None:
     back = float(value == 0.0)
     kernel, task, name = m.task.kernel, m.task, node.signal.lower()
     if isinstance(kernel.motion, Instant):
-        task.switch(name, back)
+        task.switch(name, back, after=seconds)
     else:
         kernel.at(kernel.now + seconds, lambda: task.switch(name, back))
 

@@ -31,9 +31,11 @@ class Signals:
         board = self.task.kernel.board
         return (board.outputs if name in self.outputs else board.inputs).read(name)
 
-    def set(self, name: str, value: float, at: OnWay | None = None) -> None:
-        """at: see `Switched`."""
-        self.task.switch(name, value, at)
+    def set(
+        self, name: str, value: float, at: OnWay | None = None, after: float | None = None
+    ) -> None:
+        """at, after: see `Switched`."""
+        self.task.switch(name, value, at, after)
 
     def set_later(self, name: str, value: float, seconds: float) -> None:
         """While the program goes on; instead of what still is to become of the signal."""

@@ -52,7 +52,7 @@ def _pulse(given: Given) -> None:
     if has_time(given):
         signals.set_later(signal, 1.0 - value, length)
     else:
-        signals.set(signal, 1.0 - value)
+        signals.set(signal, 1.0 - value, after=length)
 
 
 def has_time(given: Given) -> bool:
@@ -66,7 +66,7 @@ def _delayed(value: Callable[[Given], float]) -> Callable[[Given], None]:
         delay = given.optional_number("sdelay")
         signal, signals = given.signal(0), given.machine.signals
         if delay is None or not has_time(given):
-            signals.set(signal, value(given))
+            signals.set(signal, value(given), after=delay)
         else:
             signals.set_later(signal, value(given), delay)
 
