@@ -353,7 +353,8 @@ def _doings(run: Run, signals: Bits) -> Iterator[Logged]:
             continue
         yield from _news(kept, held)
         yield row
-    yield from _news(kept, held)
+    if run.ended == "end":  # else the last values hang on where it was broken off
+        yield from _news(kept, held)
 
 
 def _news(kept: dict[str, Logged], held: dict[str, Kept]) -> Iterator[Logged]:

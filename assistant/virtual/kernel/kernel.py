@@ -147,7 +147,7 @@ class Kernel:
         try:
             while self.ending is None:
                 self._turns()
-            if self.kept is not None and self.ending.ended in ("end", "stopped"):
+            if self.kept is not None and self.ending.ended == "end":
                 self._keep(self.ended_in[0], self.kept())
         except OutOfSteps:
             self.end(self._too_many())
