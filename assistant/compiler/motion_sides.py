@@ -9,6 +9,10 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.compiler.arms import Arms, known_robot, taught_on
 from assistant.compiler.loading import language_of
+from assistant.program.analysis.uses import base
+from assistant.program.calls import Call
+from assistant.program.contents import everywhere
+from assistant.program.expressions import Apply
 from assistant.program.passes.cycles import repeats
 from assistant.program.program import Program, Signal, Variable
 from assistant.program.wanted import STANDS
@@ -87,7 +91,11 @@ def sides(
 def _shared_data(
     made: Made, trees: Sequence[Any], written: Sequence[Any]
 ) -> tuple[dict[str, str], dict[str, str]]:
-    """Names of the source for data that outlives a run, by the names in either text."""
+    """Names of the source for data that outlives a run, by the names in either text.
+
+    Without those that routines have by reference: one language changes them there, another one
+    behind the call.
+    """
     kept = made.source.variables, made.program.variables
     names = [
         {name.lower() for name, one in known.items() if one.storage == "persistent" and _plain(one)}
@@ -96,12 +104,25 @@ def _shared_data(
     texts = [_text(files) for files in (trees, written)]
     own = [{name.lower(): own.lower() for own, name in HEADED.findall(text)} for text in texts]
     found: tuple[dict[str, str], dict[str, str]] = {}, {}
-    for name in sorted(names[0] & names[1]):
+    for name in sorted((names[0] & names[1]) - _by_reference(made.source)):
         spoken = [known.get(name, name) for known in own]
         if all(re.search(rf"(?i)\b{s}\b", t) for s, t in zip(spoken, texts, strict=True)):
             for side, called in zip(found, spoken, strict=True):
                 side[called] = name
     return found
+
+
+def _by_reference(program: Program) -> set[str]:
+    """Names in lower case that calls give for `inout` parameters."""
+    modes = {q.name.lower(): [one.mode for one in q.parameters] for q in program.procedures}
+    calls = [(node.procedure, node.arguments) for node in everywhere(program, Call)]
+    calls += [(node.function, node.arguments) for node in everywhere(program, Apply)]
+    return {
+        base(given)
+        for called, arguments in calls
+        for mode, given in zip(modes.get(called.lower(), ()), arguments, strict=False)
+        if mode == "inout" and given is not None and base(given)
+    }
 
 
 def _plain(variable: Variable) -> bool:

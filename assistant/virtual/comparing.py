@@ -362,7 +362,8 @@ def _news(kept: dict[str, Logged], held: dict[str, Kept]) -> Iterator[Logged]:
     for name in sorted(kept):
         row = kept.pop(name)
         assert isinstance(row.what, Kept)
-        if held.get(name) != row.what:
+        before = held.get(name)
+        if before is None or not _same_value(before, row.what):
             held[name] = row.what
             yield row
 

@@ -247,6 +247,21 @@ def test_waits_and_shared_data_are_counted(with_effects: Compiled) -> None:
     assert found.line().count("waits for inputs") == 1
 
 
+def test_shared_data_that_a_routine_has_by_reference_is_no_difference(tmp_path: Path) -> None:
+    """RAPID changes it at once, MELFA-BASIC behind the call."""
+    text = HEAD.replace("CONST", "PERS num nDone:=0;\nCONST", 1) + """PROC main()
+  count nDone;
+  MoveL p20,v200,fine,tGrip\\WObj:=wTable;
+ENDPROC
+PROC count(INOUT num n)
+  n:=n+1;
+  MoveL p10,v200,fine,tGrip\\WObj:=wTable;
+ENDPROC
+ENDMODULE
+"""
+    assert proof(made(text, "melfa-basic-5", tmp_path)).holds
+
+
 def test_a_longer_time_limit_is_found(tmp_path: Path) -> None:
     """Where the time is over both go on, one of them late."""
     text = HEAD + MAIN.replace("\\MaxTime:=2", "\\MaxTime:=2\\TimeFlag:=late")
