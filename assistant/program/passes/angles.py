@@ -7,7 +7,7 @@ are set right behind each other become one assignment.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import replace
 from typing import Any, Final
 
@@ -20,7 +20,7 @@ from assistant.program.analysis.uses import base
 from assistant.program.contents import everywhere
 from assistant.program.geometry import Pose
 from assistant.program.passes.legalising import Legalising
-from assistant.program.program import Program
+from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import (
     Body,
     is_repeatable,
@@ -123,12 +123,10 @@ def with_read_angles(program: Program) -> Program:
     if not any(map(_is_angle, records(said))):
         return program
 
-    poses = _poses(program)
+    def body(statements: Body, poses: Set[str]) -> Body:
+        return tuple(one for node in statements for one in each(node, poses))
 
-    def body(statements: Body) -> Body:
-        return tuple(one for node in statements for one in each(node))
-
-    def each(node: p.Statement) -> Iterator[p.Statement]:
+    def each(node: p.Statement, poses: Set[str]) -> Iterator[p.Statement]:
         match node:
             case p.Assign(place, e.Apply("oriented", (turned, *given))) if not _copies(given):
                 numbers = [e.plain_number(one) for one in given]
@@ -142,20 +140,18 @@ def with_read_angles(program: Program) -> Program:
                     said = map(e.number_of, _read_back([n or 0.0 for n in numbers]))
                     yield replace(node, value=e.Apply("oriented", (turned, *said)))
             case _:
-                yield map_bodies(node, body)
+                yield map_bodies(node, lambda statements: body(statements, poses))
 
-    procedures = (replace(q, body=body(q.body)) for q in program.procedures)
+    procedures = (replace(q, body=body(q.body, _poses(program, q))) for q in program.procedures)
     return replace(program, procedures=tuple(procedures))
 
 
-def _poses(program: Program) -> frozenset[str]:
-    """Names in lower case that only poses have: targets have no products with other poses."""
-    tables = (program.variables, *(q.variables for q in program.procedures))
-    each = [(name.lower(), one.type) for table in tables for name, one in table.items()]
-    each += [(one.name.lower(), one.type) for q in program.procedures for one in q.parameters]
-    return frozenset(
-        {n for n, type in each if type == "pose"} - {n for n, t in each if t != "pose"}
-    )
+def _poses(program: Program, procedure: Procedure) -> frozenset[str]:
+    """Names in lower case of poses in a procedure: targets have no products with poses."""
+    known = {name.lower(): one.type for name, one in program.variables.items()}
+    known |= {one.name.lower(): one.type for one in procedure.parameters}
+    known |= {name.lower(): one.type for name, one in procedure.variables.items()}
+    return frozenset(name for name, type in known.items() if type == "pose")
 
 
 def _without_copies(x: Any) -> Any:
