@@ -249,7 +249,9 @@ def test_waits_and_shared_data_are_counted(with_effects: Compiled) -> None:
 
 def test_shared_data_that_a_routine_has_by_reference_is_no_difference(tmp_path: Path) -> None:
     """RAPID changes it at once, MELFA-BASIC behind the call."""
-    text = HEAD.replace("CONST", "PERS num nDone:=0;\nCONST", 1) + """PROC main()
+    text = (
+        HEAD.replace("CONST", "PERS num nDone:=0;\nCONST", 1)
+        + """PROC main()
   count nDone;
   MoveL p20,v200,fine,tGrip\\WObj:=wTable;
 ENDPROC
@@ -259,6 +261,7 @@ PROC count(INOUT num n)
 ENDPROC
 ENDMODULE
 """
+    )
     assert proof(made(text, "melfa-basic-5", tmp_path)).holds
 
 
