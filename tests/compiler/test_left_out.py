@@ -86,6 +86,7 @@ def test_a_wait_after_a_move_that_is_not_translated_costs_nothing_more(tmp_path:
 WAITING = {
     "behind the move": f"{CORNER}\n! there\nWaitRob\\InPos;\n{MOVE}",
     "in front of the next turn": f"WHILE n<3 DO\nWaitRob\\InPos;\nIncr n;\n{CORNER}\nENDWHILE",
+    "in the next cycle": f"WaitRob\\InPos;\n{MOVE}\n{CORNER}",
     "on either way": f"IF n=0 THEN\n{CORNER}\nELSE\n{MOVE}\nENDIF\nWaitTime\\InPos,1;",
     "in a routine": f"{CORNER}\nthere;\n{MOVE}\nthere;\nENDPROC\nPROC there()\nWaitRob\\InPos;",
 }

@@ -150,12 +150,12 @@ class Ways:
         return {n: entered.get(n) for n in self.procedures}
 
     def _begun(self, entry: str) -> State:
-        """State that may hold as a cycle begins, with the tool and frame of the one before."""
+        """State as a cycle begins, with the tool, frame and corner that the one before leaves."""
         left = _resolved(self.after.get(entry), _BEGUN)
         if left is None:
             return _BEGUN
         return tuple(
-            begun | left[part] if part in (TOOL, FRAME) else begun
+            begun | left[part] if part in (TOOL, FRAME, CORNER) else begun
             for part, begun in enumerate(_BEGUN)
         )
 
