@@ -169,6 +169,7 @@ async def _ended(tasks: set[asyncio.Task[object]]) -> None:
     for task in tasks:
         task.cancel()
     await asyncio.gather(*tasks, return_exceptions=True)
+    await asyncio.sleep(0.01)  # lines that were closed let go of their sockets in the next round
 
 
 def translated(folder: Path, text: str, proving: Proving | None = None) -> Translation:
