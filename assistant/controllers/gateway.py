@@ -148,19 +148,23 @@ class Gateway:
 
     async def _come(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         """One connection after the other: a line of a controller carries one."""
-        async with self._turn:
-            self.report(f"connected: {writer.get_extra_info('peername')[0]}")
-            try:
-                there = await self._connect(reader)
-                if there is not None:
-                    ends = (there, (reader, writer))
-                    line, (source, sink) = reversed(ends) if self.for_controller else ends
-                    await _led(*line, _Other(source, sink))
-            except (OSError, ValueError, asyncio.IncompleteReadError) as error:
-                self.report(f"closed: {error}" if str(error) else "closed")
-            finally:
-                writer.close()
-            self.report("closed")
+        try:
+            async with self._turn:
+                await self._serve(reader, writer)
+        finally:  # also of one that is cancelled while it waits for its turn
+            writer.close()
+
+    async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        self.report(f"connected: {writer.get_extra_info('peername')[0]}")
+        try:
+            there = await self._connect(reader)
+            if there is not None:
+                ends = (there, (reader, writer))
+                line, (source, sink) = reversed(ends) if self.for_controller else ends
+                await _led(*line, _Other(source, sink))
+        except (OSError, ValueError, asyncio.IncompleteReadError) as error:
+            self.report(f"closed: {error}" if str(error) else "closed")
+        self.report("closed")
 
     async def _connect(
         self, waiting: asyncio.StreamReader
@@ -185,8 +189,9 @@ async def _led(reader: asyncio.StreamReader, writer: asyncio.StreamWriter, other
                 await writer.drain()
     finally:
         reading.cancel()
+        writer.close()
+        other.writer.close()
         for one in (writer, other.writer):
-            one.close()
             with suppress(OSError):
                 await one.wait_closed()
 
