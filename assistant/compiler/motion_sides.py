@@ -126,7 +126,7 @@ def _by_reference(program: Program) -> set[str]:
 
 
 def _plain(variable: Variable) -> bool:
-    """Whether it holds one number, truth or text."""
+    """Return whether a variable holds one number, truth or text."""
     return not variable.size and variable.type in ("number", "integer", "truth", "text")
 
 

@@ -53,7 +53,7 @@ LATE: Final = 0.2
 STATEMENTS: Final = 5.0
 """Times as long as those of one program the statements of another may take."""
 SHARED: Final = 1e-5
-"""Of the value of shared data: some controllers reckon in single precision."""
+"""Part of a value that shared data may be off: some controllers use single precision."""
 BROKEN_OFF: Final[Set[Why]] = frozenset({"steps", "unknown"})
 """How runs end that would have gone on."""
 
@@ -344,7 +344,7 @@ def _end(run: Run) -> str:
 
 
 def _doings(run: Run, signals: Bits) -> Iterator[Logged]:
-    """The events that count, signals as the bits that change, shared data as it stands there."""
+    """Yield the events that count, with signals as changed bits, and new values of shared data."""
     kept: dict[str, Logged] = {}
     held: dict[str, Kept] = {}
     for row in _effects(run, signals):
