@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from tests.cli.test_commands import run
-from tests.cli.test_exploring_arms import WANDER, cell
+from tests.cli.test_exploring_arms import WANDER, cell, pace
 
-__all__ = ["cell"]
+__all__ = ["cell", "pace"]
 
 
 def test_a_speed_that_the_controller_cannot_keep_is_reported(capsys, cell) -> None:
