@@ -145,5 +145,5 @@ def test_many_random_programs_do_the_same(level: int, arms: Arms | None) -> None
     tally = tally_of(level, range(60), arms)
     assert tally.kept == []
     assert tally.counts["not judged"] == 0
-    assert tally.counts["failing"] <= 0.05 * tally.counts["tried"]
+    assert tally.counts["failing"] <= max(1, 0.01 * tally.counts["tried"])
     assert tally.counts["translated"] >= LEAST[level] * tally.counts["tried"], tally.reasons
