@@ -19,15 +19,17 @@ if TYPE_CHECKING:
     from assistant.api.simulating import simulate
     from assistant.cell.planning.planner import plan
     from assistant.cell.reading.cell_file import read_scene
-    from assistant.compiler import compile, load, translate
+    from assistant.compiler import Proving, compare, compile, load, translate
     from assistant.controllers import connect
     from assistant.program.diagnostics import Refused
     from assistant.program.geometry import Pose
 
 _LAZY: Final = {
     "Pose": ("assistant.program.geometry", "Pose"),
+    "Proving": ("assistant.compiler", "Proving"),
     "Refused": ("assistant.program.diagnostics", "Refused"),
     "check": ("assistant.api.checking", "check"),
+    "compare": ("assistant.compiler", "compare"),
     "compile": ("assistant.compiler", "compile"),
     "connect": ("assistant.controllers", "connect"),
     "deploy": ("assistant.deploy", None),
@@ -45,9 +47,11 @@ _LAZY: Final = {
 
 __all__ = [
     "Pose",
+    "Proving",
     "Refused",
     "__version__",
     "check",
+    "compare",
     "compile",
     "connect",
     "deploy",

@@ -24,14 +24,17 @@ the tutorial. Lengths are mm, angles degrees, times seconds and quaternions w, x
 is said otherwise.
 """
 FUNCTIONS: Final = (
-    "load", "compile", "translate", "check", "simulate", "from_poses", "from_joints", "plan",
-    "read_scene", "connect",
+    "load", "compile", "translate", "compare", "check", "simulate", "from_poses", "from_joints",
+    "plan", "read_scene", "connect",
 )  # fmt: skip
 """In the order of the page."""
 CLASSES: Final = (
     "assistant.compiler.loading.Loaded",
     "assistant.compiler.compiling.Compiled",
     "assistant.compiler.translating.Translation",
+    "assistant.compiler.comparing.Comparison",
+    "assistant.compiler.comparing.Difference",
+    "assistant.compiler.motion.Proving",
     "assistant.api.checking.Check",
     "assistant.api.simulating.Simulated",
     "assistant.program.diagnostics.Diagnostic",

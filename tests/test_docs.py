@@ -9,11 +9,13 @@ import subprocess
 import sys
 import tomllib
 from pathlib import Path
+from typing import get_args
 
 import jsonschema
 import pytest
 
 from assistant import languages, robots
+from assistant.compiler.pairing import read_names
 from assistant.compiler.project import configured
 from assistant.compiler.script_file import read_script
 from assistant.controllers import controllers_of
@@ -23,12 +25,13 @@ from assistant.program import pseudo
 from assistant.program.diagnostics import Severity
 from assistant.project.schema import schema
 from assistant.sources.process.file import read_process
+from assistant.virtual.comparing import NOT_COMPARED, Uncompared
 from assistant.virtual.melfa import Options
 from assistant.virtual.melfa.choosing import choose
 from assistant.vision.cameras.camera_file import read_cameras
 from assistant.vision.pointing.device_file import read_device
 from assistant.vision.servoing.task_file import read_servo
-from docs import api, findings, house, limits, pictures
+from docs import api, comparing, findings, house, limits, pictures
 from tests.forks import Forks
 
 PROJECT = Path(__file__).parent.parent
@@ -192,6 +195,9 @@ def test_the_files_of_a_page_are_read(page, text, tmp_path):
     if text.startswith("[cameras"):
         assert read_cameras(file).cameras
         return
+    if text.startswith("[names]"):
+        assert read_names(file)
+        return
     if text.startswith("kind = "):
         assert read_device(file).marks
         return
@@ -226,6 +232,12 @@ def test_the_findings_page_is_what_the_rules_say():
 def test_the_page_about_limits_is_what_they_are():
     written = (PROJECT / "docs" / "limits.md").read_text(encoding="utf-8")
     assert written == limits.page(), "python -m docs.limits > docs/limits.md"
+
+
+def test_the_page_about_comparing_is_what_is_compared():
+    written = (PROJECT / "docs" / "comparing.md").read_text(encoding="utf-8")
+    assert written == comparing.page(), "python -m docs.comparing > docs/comparing.md"
+    assert set(NOT_COMPARED) == set(get_args(Uncompared))
 
 
 def test_the_page_about_python_is_what_the_docstrings_say():

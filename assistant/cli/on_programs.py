@@ -46,6 +46,7 @@ from assistant.cli.options import (
     TranslationFormatOption,
     UnitOption,
     complete_language,
+    complete_robot,
     placing,
 )
 from assistant.cli.presentation import (
@@ -202,6 +203,61 @@ def translate(
     raise typer.Exit(run)
 
 
+def compare(
+    first: Annotated[str, typer.Argument(help="Program, or folder with programs.")],
+    second: Annotated[str, typer.Argument(help="What is to do the same, in any language.")],
+    robot: Annotated[
+        str | None,
+        typer.Option("--robot", "-r", help="Arm of the second one.", autocompletion=complete_robot),
+    ] = None,
+    from_robot: Annotated[
+        str | None,
+        typer.Option("--from-robot", help="Arm of the first one.", autocompletion=complete_robot),
+    ] = None,
+    process: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--process", "-p", help="File with signals, tools, frames of the first; then the other."
+        ),
+    ] = None,
+    cell: Annotated[
+        Path | None, typer.Option(help="File of what either uses and does not declare.")
+    ] = None,
+    names: Annotated[
+        Path | None,
+        typer.Option(help="File of what the second calls signals and data of the first."),
+    ] = None,
+    from_language: FromLanguage = None,
+    entry: EntryOption = None,
+    signals: Annotated[
+        Path | None,
+        typer.Option(help="Script of the inputs; default a search for all branches."),
+    ] = None,
+    seed: Annotated[
+        int, typer.Option(help="Of what the search draws; the same gives the same.")
+    ] = 0,
+    seconds: Annotated[
+        float, typer.Option(help="Of the processor, that the search may take.", min=0.1)
+    ] = 10.0,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Run two programs and tell what they do otherwise: motions, outputs, waits, shared data."""
+    from assistant.cli.comparing import Options, run_compare
+    from assistant.compiler.motion import Proving
+
+    options = Options(
+        robot=robot,
+        from_robot=from_robot,
+        process=tuple(process or ()),
+        cell=cell,
+        names=names,
+        language=from_language,
+        entry=entry,
+        proving=Proving(script=signals, seed=seed, seconds=seconds),
+    )
+    raise typer.Exit(run_compare(first, second, options, format))
+
+
 def show(
     source: Source,
     robot: RobotOption = None,
@@ -327,6 +383,7 @@ def coverage(
 COMMANDS: Final[tuple[Callable[..., None], ...]] = (
     compile,
     translate,
+    compare,
     show,
     check,
     explain,

@@ -19,7 +19,7 @@ from assistant.compiler.keeping.remembered import write_unedited
 from assistant.compiler.loading import Loaded, language_of
 from assistant.compiler.locations import with_locations
 from assistant.compiler.motion import MotionProof, Proving, prove_motion
-from assistant.compiler.motion_sides import Made
+from assistant.compiler.motion_sides import written
 from assistant.compiler.naming import named, not_called_so, wished
 from assistant.compiler.opening import load
 from assistant.compiler.proof import SAYS_OTHERWISE, Proof, prove
@@ -236,8 +236,8 @@ def proven_by_motion(
     """A program with its proof by motion, if one is asked for; without files if that fails."""
     if proving is None or not compiled.ok:
         return compiled
-    made = Made(compiled.source, compiled.program, compiled.language, compiled.files)
-    motion = prove_motion(made, arms, proving, entry)
+    pair = written(compiled.source, compiled.program, compiled.language, compiled.files)
+    motion = prove_motion(pair, arms, proving, entry)
     files = compiled.files if motion.holds else {}
     found = (*compiled.found, *motion.findings)
     return replace(compiled, motion=motion, files=files, found=found)

@@ -1,4 +1,4 @@
-"""Proof by motion: the source and what was written, run against the same signals and compared."""
+"""Proof by motion: two programs, run against the same signals and compared."""
 
 from __future__ import annotations
 
@@ -6,24 +6,28 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from pathlib import PurePath
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from assistant.compiler.arms import Arms
 from assistant.compiler.loading import language_of
 from assistant.compiler.motion_sides import (
-    Made,
+    Pair,
     in_the_cell,
     names_of_wires,
     on_stand_ins,
     outputs_of,
     sides,
 )
-from assistant.program.diagnostics import Diagnostic, error, has_errors, info, warning
+from assistant.program.diagnostics import Diagnostic, Rule, error, has_errors, info, warning
+from assistant.program.program import Program
 
 if TYPE_CHECKING:
+    from assistant.languages import Language
     from assistant.virtual.branches import Branch
     from assistant.virtual.events import Run
     from assistant.virtual.proving.search import Found
+    from assistant.virtual.proving.sides import Side
+    from assistant.virtual.rounding import Rounding
 
 MOVES_OTHERWISE = error(
     "CO110",
@@ -86,21 +90,37 @@ class MotionProof:
     def holds(self) -> bool:
         return self.found is not None and not has_errors(self.findings)
 
-    def line(self) -> str:
-        """The result in one line for people."""
-        if self.found is None or not self.holds:
-            return "not proven"
+    @property
+    def empty(self) -> bool:
+        """Whether no run did anything that could be compared."""
         found = self.found
+        return found is None or not (found.visits or found.changes or found.waits or found.values)
+
+    def line(self, word: str = "proven") -> str:
+        """The result in one line for people: what was run and compared, then the word for it."""
+        found = self.found
+        if found is None or not self.holds:
+            return f"not {word}"
+        return f"{self.compared()}: {'nothing to compare' if self.empty else word}{self.left_out()}"
+
+    def compared(self) -> str:
+        """What was run and compared."""
+        found = self.found
+        assert found is not None
         taken = [f"{t - len(n)} of {t} in {name}" for t, n, name in self._branches(found)]
         counts = [_counted(found.visits, "visit"), _counted(found.changes, "signal change")]
-        more = (found.waits, "wait for inputs"), (found.values, "shared value")
-        counts += [_counted(count, what) for count, what in more if count]
-        left = f"; not compared: {', '.join(sorted(found.left))}" if found.left else ""
+        more = (found.waits, "wait", "s for inputs"), (found.values, "shared value", "s")
+        counts += [_counted(count, *what) for count, *what in more if count]
         return (
-            f"proven: {_counted(found.runs, 'run')}, {', '.join(counts[:-1])} and {counts[-1]} "
-            f"alike, largest distance {found.apart:.4f} mm, {found.turned:.4f} degrees; "
-            f"branches taken: {', '.join(taken)}{left}"
+            f"branches taken: {', '.join(taken)}; {_counted(found.runs, 'run')}, "
+            f"{', '.join(counts[:-1])} and {counts[-1]}, "
+            f"largest distance {found.apart:.4f} mm, {found.turned:.4f} degrees"
         )
+
+    def left_out(self) -> str:
+        """What both programs do that was not compared."""
+        left = sorted(self.found.left) if self.found is not None else []
+        return f"; not compared: {', '.join(left)}" if left else ""
 
     def _branches(self, found: Found) -> Iterator[tuple[int, Sequence[Branch], str]]:
         yield from zip(found.total, found.never, self.names, strict=True)
@@ -127,86 +147,137 @@ class MotionProof:
         }
 
 
-def _counted(count: int, word: str) -> str:
-    first, space, rest = word.partition(" for ")
-    return f"{count:,} {first}{'' if count == 1 else 's'}{space}{rest}"
+def _counted(count: int, word: str, several: str = "s") -> str:
+    return f"{count:,} {word}{'' if count == 1 else several}"
 
 
-def prove_motion(made: Made, arms: Arms, proving: Proving, entry: str | None = None) -> MotionProof:
-    """Runs what was written and its source against the same signals.
+@dataclass(frozen=True, slots=True)
+class Terms:
+    """How two programs are compared. differs, not_run: the rules that tell of it.
 
-    entry: the procedure that the source begins with, None for its own. Raises Unreadable or
-    Refused for a script that cannot be used.
+    differences: after which the search is over. typed: both were typed by people, so that the
+    decimals of either count, and two of them at most.
+    """
+
+    differs: Rule = MOVES_OTHERWISE
+    not_run: Rule = NOT_RUN
+    differences: int = 1
+    typed: bool = False
+
+
+TRANSLATED: Final = Terms()
+"""A program and what was made of it, whose decimals are its own."""
+TYPED_POSITION: Final = 0.00501
+"""mm, half of the second decimal."""
+TYPED_ANGLE: Final = 0.0151
+"""Degrees: three angles that are off by half of their second decimal."""
+
+
+def prove_motion(
+    pair: Pair,
+    arms: Arms,
+    proving: Proving,
+    entry: str | None = None,
+    terms: Terms = TRANSLATED,
+) -> MotionProof:
+    """Runs two programs against the same signals.
+
+    entry: the procedure that the first begins with, None for its own. Raises Unreadable or Refused
+    for a script that cannot be used.
     """
     from assistant.compiler.script_file import read_script
     from assistant.virtual.proving.search import Budget, Found, compared
     from assistant.virtual.proving.sides import can_run
-    from assistant.virtual.rounding import Rounding
 
-    origin, target = made.source.origin, language_of(made.language)
-    for language in (target, *([] if origin is None else [language_of(origin.language)])):
+    source = pair.first
+    names = pair.first.name, pair.second.name
+    spoken = [None if source.origin is None else source.origin.language, pair.language]
+    languages = [language_of(name) for name in spoken if name is not None]
+    for language in languages:
         if not can_run(language.family):
-            return _not_run(f"programs in {language.name} cannot be run")
-    if not made.source.procedures:  # data that other programs use: nothing that could be run
-        return MotionProof(Found(), (), (made.source.name, made.program.name))
-    if entry is None and made.source.entry is None:
-        return _not_run("nothing of it was run, as no procedure is the one that it begins with")
-    trees, left = in_the_cell(made)
+            return _not_run(terms, f"programs in {language.name} cannot be run")
+    if not source.procedures:  # data that other programs use: nothing that could be run
+        return MotionProof(Found(), (), names)
+    if entry is None and source.entry is None:
+        reason = "nothing of it was run, as no procedure is the one that it begins with"
+        return _not_run(terms, reason)
+    trees, left = in_the_cell(source)
     if left:
         names_left = ", ".join(f"`{name}`" for name in left)
-        return _not_run(f"the source does not declare {names_left} by a value that can be changed")
-    written = [target.parse(target.decode(data, name)) for name, data in made.files.items()]
-    first, second = sides(made, trees, written, arms, entry)
-    precision = target.precision
-    rounding = Rounding(precision.position, precision.angle, precision.position)
-    rounding = rounding.of(second.constants())
-    outputs = outputs_of(made, (first.family, second.family))
-    names = made.source.name if origin is None else _path(trees[0]), _path(written[0])
+        reason = f"the source does not declare {names_left} by a value that can be changed"
+        return _not_run(terms, reason)
+    first, second = sides(pair, trees, arms, entry)
+    rounding = _rounding((first, second), languages, terms)
+    outputs = outputs_of(pair, (first.family, second.family))
+    names = _path(trees[0]) or names[0], _path(pair.trees[0]) or names[1]
     script = None if proving.script is None else read_script(proving.script)
-    budget = Budget(proving.seed, proving.runs, proving.seconds)
+    budget = Budget(proving.seed, proving.runs, proving.seconds, terms.differences)
     found = compared(first, second, outputs, rounding, budget, script)
-    told: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     if found.unknown is not None and first.robot is None and second.robot is None:
         for arm, one, two in on_stand_ins(first, second):
             again = compared(one, two, outputs, rounding, budget, script)
             if again.unknown is None and again.failing < again.runs:
                 found = again
-                told = [STAND_IN(title=arm.title)]
+                findings = [STAND_IN(title=arm.title)]
                 break
-    told += _findings(found, names, names_of_wires(made))
-    return MotionProof(found, tuple(told), names)
+    findings += _findings(found, names, names_of_wires(pair), terms)
+    return MotionProof(found, tuple(findings), names)
 
 
-def _not_run(reason: str) -> MotionProof:
-    return MotionProof(None, (NOT_RUN(reason=reason),))
+def _rounding(sides: Sequence[Side], languages: Sequence[Language[Any]], terms: Terms) -> Rounding:
+    """What the texts leave open of the places in them; only the second one, if it was made of the
+    first.
+    """
+    from assistant.virtual.rounding import Rounding
+
+    counted = languages if terms.typed else languages[-1:]
+    positions = [language.precision.position for language in counted]
+    angles = [language.precision.angle for language in counted]
+    if terms.typed:
+        positions, angles = [*positions, TYPED_POSITION], [*angles, TYPED_ANGLE]
+    rounding = Rounding(max(positions), max(angles), max(positions))
+    for side in sides if terms.typed else sides[1:]:
+        rounding = rounding.of(side.constants())
+    return rounding
 
 
-def _path(tree: Any) -> str:
+def _not_run(terms: Terms, reason: str) -> MotionProof:
+    return MotionProof(None, (terms.not_run(reason=reason),))
+
+
+def _path(tree: Any) -> str | None:
+    """The name of a file; None of a program that is run as it stands."""
+    if isinstance(tree, Program):
+        return None
     return PurePath((tree.source and tree.source.path) or "standard input").name
 
 
 def _findings(
-    found: Found, names: tuple[str, str], wires: Mapping[str, str]
+    found: Found, names: tuple[str, str], wires: Mapping[str, str], terms: Terms
 ) -> Iterator[Diagnostic]:
     """names: of both programs. wires: as the first one calls them."""
+    for one in found.differences:
+        unlike, scenario = one.unlike, one.scenario
+        what = str(unlike)
+        place, other = unlike.places
+        if other is not None:
+            what += f" ({other[0] or names[1]}:{other[1]})"
+        inputs = scenario.said(wires)
+        rule = terms.differs
+        yield rule(source=names[0], written=names[1], inputs=inputs, what=what, **_at(place))
     stop = found.unknown
     if stop is not None:
         reason = f"`{names[stop.side]}` cannot be run here ({_message(stop.run)})"
-        yield NOT_RUN(reason=reason, **_at(stop.run.place))
-    elif found.unlike is not None:
-        first, second = found.unlike.first, found.unlike.second
-        what = str(found.unlike)
-        if second is not None and second.place is not None:
-            what += f" ({second.place[0] or names[1]}:{second.place[1]})"
-        place = first.place if first is not None else None
-        inputs = found.scenario.said(wires) if found.scenario else ""
-        yield MOVES_OTHERWISE(written=names[1], inputs=inputs, what=what, **_at(place))
+        yield terms.not_run(reason=reason, **_at(stop.run.place))
+    elif found.differences:
+        pass
     elif found.failing == found.runs and found.failed is not None:
         reason = f"`{names[0]}` ends with an error of its own ({_message(found.failed.run)})"
-        yield NOT_RUN(reason=reason, **_at(found.failed.run.place))
+        yield terms.not_run(reason=reason, **_at(found.failed.run.place))
     elif found.idling == found.runs and found.idle is not None:
         reason = f"`{names[0]}` only waits, and nothing is compared ({_message(found.idle.run)})"
-        yield NOT_RUN(reason=reason, **_at(found.idle.run.place))
+        yield terms.not_run(reason=reason, **_at(found.idle.run.place))
     elif found.failed is not None:
         run = found.failed.run
         yield STOPS_ITSELF(
@@ -224,8 +295,8 @@ def _findings(
     if found.stalled is not None:
         yield STALLED(name=names[0], **_at(found.stalled.run.place))
     for branches, name in zip(found.never, names, strict=True):
-        for one in branches:
-            yield NO_BRANCH(said=one.said, **_at((one.file or name, one.line)))
+        for branch in branches:
+            yield NO_BRANCH(said=branch.said, **_at((branch.file or name, branch.line)))
 
 
 def _message(run: Run) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.compiler.arms import Arms, known_robot, taught_on
@@ -26,86 +26,113 @@ if TYPE_CHECKING:
 HAND_NUMBERS: Final = 9000
 """Numbers of no signal, for the hands that a language has words for."""
 HANDS: Final = 8
+FREE: Final = 30_000
+"""The first number of signals that have no number in either program."""
 HEADED: Final = re.compile(r"(?m)^.*\bvariable: (\w+) = (\w+) \w+ persistent\b")
 """A line above a program that tells what its source calls a variable."""
 
 
 @dataclass(frozen=True, slots=True)
-class Made:
-    """What was written: a program as its language says it, its files, and what it was made of."""
+class Pair:
+    """Two programs that are to do the same, in two languages or in one.
 
-    source: Program
-    program: Program
-    language: str
-    files: Mapping[str, bytes]
+    language, trees: of the second, None and the program itself where it is run as it stands. names:
+    of its signals and data by those that the first one has for them, in lower case; what has the
+    same name or number in both need not be there.
+    """
+
+    first: Program
+    second: Program
+    language: str | None
+    trees: Sequence[Any]
+    names: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def signals(self) -> dict[str, Signal]:
         """Of both programs by their names, with numbers where either has them."""
         found: dict[str, tuple[str, Signal]] = {}
-        for program in (self.source, self.program):
+        for program in (self.first, self.second):
             for name, signal in program.signals.items():
                 known = found.get(name.lower())
                 if known is None or known[1].number is None:
                     found[name.lower()] = name, signal
+        for free, (own, other) in enumerate(self.names.items(), FREE):
+            pair = found.get(own), found.get(other)
+            some = pair[0] or pair[1]
+            if some is None:  # data
+                continue
+            stated = int(other) if other.isdecimal() else None
+            numbers = [known[1].number for known in pair if known is not None]
+            number = next((n for n in (stated, *numbers) if n is not None), free)
+            for name, known in zip((own, other), pair, strict=True):
+                title, signal = known or (name, some[1])
+                found[name] = title, replace(signal, number=number)
         return dict(found.values())
 
+    def others_name(self, name: str) -> str:
+        """What the second program calls what has a name in the first one."""
+        return self.names.get(name.lower(), name)
 
-def sides(
-    made: Made, trees: Sequence[Any], written: Sequence[Any], arms: Arms, entry: str | None
-) -> tuple[Side, Side]:
-    """The source and what was written, parsed, before the same motion and with the same signals."""
+
+def written(source: Program, program: Program, language: str, files: Mapping[str, bytes]) -> Pair:
+    """A source, and the program that was made of it as its files say it."""
+    spoken = language_of(language)
+    trees = [spoken.parse(spoken.decode(data, name)) for name, data in files.items()]
+    return Pair(source, program, language, trees)
+
+
+def sides(pair: Pair, trees: Sequence[Any], arms: Arms, entry: str | None) -> tuple[Side, Side]:
+    """Both programs before the same motion and with the same signals. trees: of the first."""
     from assistant.virtual.proving.sides import PLAIN_JOINTS, PLAIN_START, PSEUDO, Side
     from assistant.virtual.running import home
 
-    source = made.source
-    spoken = None if source.origin is None else source.origin.language
-    here, there = taught_on(source, arms), arms.robot or known_robot(source.robot)
+    first = pair.first
+    spoken = None if first.origin is None else first.origin.language
+    here = taught_on(first, arms)
+    there = arms.robot or known_robot(pair.second.robot or first.robot)
     start = home(here) or home(there) or PLAIN_START
     joints = None if here or there else PLAIN_JOINTS
-    signals = {name.lower(): signal for name, signal in made.signals.items()}
+    signals = {name.lower(): signal for name, signal in pair.signals.items()}
+    again = repeats(first), repeats(pair.second)
+    shared = _shared_data(pair, trees)
+    arm = here if spoken else here or there
 
-    again = repeats(made.program) and not repeats(source)
-    shared = _shared_data(made, trees, written)
-
-    def side(language: str | None, files: Sequence[Any], robot: Robot | None, begin: str) -> Side:
+    def side(place: int, language: str | None, files: Sequence[Any]) -> Side:
         family = PSEUDO if language is None else language_of(language).family
         return Side(
             family=family,
             trees=tuple(files),
-            robot=robot,
+            robot=(arm, there)[place],
             start=start,
             joints=joints,
-            entry=begin,
+            entry=(entry or first.entry or "main", pair.second.entry or "main")[place],
             wiring=_wiring(signals, family),
             outputs=_other_names(signals, family),
-            repeats=again and language == spoken,
-            shared=shared[0] if files is trees else shared[1],
+            repeats=again[1 - place] and not again[place],
+            shared=shared[place],
+            lenient=place == 0,
         )
 
-    first = side(spoken, trees, here if spoken else here or there, entry or "main")
-    first = replace(first, lenient=True)
-    return first, side(made.language, written, there, "main")
+    return side(0, spoken, trees), side(1, pair.language, pair.trees)
 
 
-def _shared_data(
-    made: Made, trees: Sequence[Any], written: Sequence[Any]
-) -> tuple[dict[str, str], dict[str, str]]:
-    """Names of the source for data that outlives a run, by the names in either text.
+def _shared_data(pair: Pair, trees: Sequence[Any]) -> tuple[dict[str, str], dict[str, str]]:
+    """Names of the first program for data that outlives a run, by the names in either text.
 
     Without those that routines have by reference: one language changes them there, another one
     behind the call.
     """
-    kept = made.source.variables, made.program.variables
-    names = [
-        {name.lower() for name, one in known.items() if one.storage == "persistent" and _plain(one)}
-        for known in kept
-    ]
-    texts = [_text(files) for files in (trees, written)]
+    first, second = (
+        {name.lower() for name, one in program.variables.items() if _outlives(one)}
+        for program in (pair.first, pair.second)
+    )
+    stated = {n for n in pair.names if n in _plain_data(pair.first)}
+    texts = [_text(files) for files in (trees, pair.trees)]
     own = [{name.lower(): own.lower() for own, name in HEADED.findall(text)} for text in texts]
     found: tuple[dict[str, str], dict[str, str]] = {}, {}
-    for name in sorted((names[0] & names[1]) - _by_reference(made.source)):
-        spoken = [known.get(name, name) for known in own]
+    for name in sorted(((first & second) | stated) - _by_reference(pair.first)):
+        names = name, pair.others_name(name)
+        spoken = [known.get(one, one) for known, one in zip(own, names, strict=True)]
         if all(re.search(rf"(?i)\b{s}\b", t) for s, t in zip(spoken, texts, strict=True)):
             for side, called in zip(found, spoken, strict=True):
                 side[called] = name
@@ -123,6 +150,14 @@ def _by_reference(program: Program) -> set[str]:
         for mode, given in zip(modes.get(called.lower(), ()), arguments, strict=False)
         if mode == "inout" and given is not None and base(given)
     }
+
+
+def _plain_data(program: Program) -> set[str]:
+    return {name.lower() for name, one in program.variables.items() if _plain(one)}
+
+
+def _outlives(variable: Variable) -> bool:
+    return variable.storage == "persistent" and _plain(variable)
 
 
 def _plain(variable: Variable) -> bool:
@@ -156,15 +191,15 @@ def on_stand_ins(first: Side, second: Side) -> Iterator[tuple[Robot, Side, Side]
         )
 
 
-def in_the_cell(made: Made) -> tuple[list[Any], list[str]]:
-    """The trees of the source, and names of what stands elsewhere that cannot be put into them.
+def in_the_cell(program: Program) -> tuple[list[Any], list[str]]:
+    """The trees of a program, and names of what stands elsewhere that cannot be put into them.
 
-    Tools and frames that a process file states anew are in the source as it was lifted, not in the
+    Tools and frames that a process file states anew are in the program as it was lifted, not in the
     text that is run.
     """
     from assistant.virtual.proving.equipping import Cell, equipped
 
-    origin, program = made.source.origin, made.source
+    origin = program.origin
     if origin is None:  # it is run as it stands
         return [program], []
     tools = {n: t.tip for n, t in program.tools.items() if origin.lifted.tools.get(n) != t}
@@ -185,12 +220,13 @@ def in_the_cell(made: Made) -> tuple[list[Any], list[str]]:
     return trees, [name for name in (*tools, *frames) if name.lower() not in found]
 
 
-def names_of_wires(made: Made) -> dict[str, str]:
-    """What people call the wires of inputs, where that is one each."""
-    found = {}
-    for name, signal in made.signals.items():
+def names_of_wires(pair: Pair) -> dict[str, str]:
+    """What people call the wires of inputs, where that is one each: as the first program does."""
+    found: dict[str, str] = {}
+    for name, signal in pair.signals.items():
         if signal.direction == "input" and signal.number is not None and signal.bits == 1:
-            found[str(_register(signal) if signal.kind == "analog" else signal.number)] = name
+            wire = str(_register(signal) if signal.kind == "analog" else signal.number)
+            found.setdefault(wire, name)
     return found
 
 
@@ -228,9 +264,14 @@ def _register(signal: Signal) -> str | None:
     return None if signal.number is None else register(signal.number)
 
 
-def outputs_of(made: Made, families: Sequence[str]) -> Bits:
-    """Numbers of what one program names and the other one counts."""
-    if len(set(families)) == 1:
+def outputs_of(pair: Pair, families: Sequence[str]) -> Bits:
+    """Numbers of outputs, which two programs may call otherwise, by the names in either.
+
+    families: of their languages.
+    """
+    from assistant.virtual.proving.sides import counts_signals
+
+    if all(map(counts_signals, families)) and not pair.names:
         return {}
     hands = {
         name: (HAND_NUMBERS + hand,)
@@ -239,7 +280,7 @@ def outputs_of(made: Made, families: Sequence[str]) -> Bits:
     }
     given = {
         name.lower(): tuple(_numbers(signal)) or str(_register(signal))
-        for name, signal in made.signals.items()
+        for name, signal in pair.signals.items()
         if signal.direction == "output" and signal.number is not None
     }
     return {**hands, **given}

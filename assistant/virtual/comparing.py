@@ -20,9 +20,11 @@ from assistant.virtual.events import (
     Moved,
     Noted,
     OnWay,
+    Place,
     Reported,
     Run,
     Said,
+    Sent,
     Stopped,
     Switched,
     Waited,
@@ -58,9 +60,32 @@ BROKEN_OFF: Final[Set[Why]] = frozenset({"steps", "unknown"})
 """How runs end that would have gone on."""
 
 Uncompared = Literal[
-    "speeds of joint moves", "accelerations", "narrower corners", "texts for people"
+    "speeds of joint moves",
+    "accelerations",
+    "narrower corners",
+    "texts for people",
+    "texts over lines",
 ]
 """Kinds of effects that two programs may have without the same being asked of both."""
+
+COMPARED: Final[Mapping[str, str]] = {
+    "a motion": "kind, tool, place, speed along a line; a corner may not be wider",
+    "an output": "its value, where on a move it changes, and after which time: a pulse's length",
+    "a wait for inputs": "where it is, and which inputs end it",
+    "a longest time of a wait": f"seconds, to {LIMIT:.0%} and {LATE:g} s",
+    "a delay": "seconds",
+    "shared data": "a number, truth or text that outlives the program, before each other effect",
+    "a stop, an end, an error": "where it is",
+}
+"""Effects by their kinds, and what of each has to be the same."""
+NOT_COMPARED: Final[Mapping[Uncompared, str]] = {
+    "speeds of joint moves": "each arm has percentages of its own",
+    "accelerations": "each arm has others",
+    "narrower corners": "they stay nearer to the target",
+    "texts for people": "people read them, the cell does not",
+    "texts over lines": "one language sends through a gateway what another sends itself",
+}
+"""What is left out, with the reason."""
 
 Bits = Mapping[str, Sequence[int] | str]
 """Numbers of a signal's bits, the lowest first, or its other name, by its name in lower case."""
@@ -70,13 +95,15 @@ Bits = Mapping[str, Sequence[int] | str]
 class Unlike:
     """The first thing that two runs do differently. event: its number, 0 for how they end.
 
-    first, second: what either does there, None where it does nothing more.
+    first, second: what either does there, None where it does nothing more. places: files and lines
+    where either does it, or ends.
     """
 
     event: int
     what: str
     first: Logged | None = None
     second: Logged | None = None
+    places: tuple[Place | None, Place | None] = (None, None)
 
     def __str__(self) -> str:
         return f"event {self.event}: {self.what}" if self.event else self.what
@@ -88,17 +115,23 @@ class Likeness:
     that inputs end. values: of shared data. left: kinds of effects that were not compared.
 
     apart: mm between the tips of the tools where motions end, the most. turned: degrees.
-    unlike: None if both do the same.
+    differences: none if both do the same; behind one that is no other value of the same effect
+    nothing was compared.
     """
 
     visits: int = 0
     changes: int = 0
     apart: float = 0.0
     turned: float = 0.0
-    unlike: Unlike | None = None
+    differences: tuple[Unlike, ...] = ()
     waits: int = 0
     values: int = 0
     left: frozenset[Uncompared] = frozenset()
+
+    @property
+    def unlike(self) -> Unlike | None:
+        """The first difference, None if both do the same."""
+        return next(iter(self.differences), None)
 
 
 def difference(
@@ -110,11 +143,16 @@ def difference(
 
 
 def likeness(
-    first: Run, second: Run, signals: Bits | None = None, rounding: Rounding | None = None
+    first: Run,
+    second: Run,
+    signals: Bits | None = None,
+    rounding: Rounding | None = None,
+    most: int = 1,
 ) -> Likeness:
     """What two runs have in common, as far as they agree.
 
-    signals: where a name of one run is a number of the other. A signal that is set to what it is
+    most: differences that are told; behind them nothing is compared. signals: where a name of one
+    run is a number of the other. A signal that is set to what it is
     anyway does nothing; nor do texts, and delays of no time. A corner of the second may be
     narrower. Joints are compared where nothing tells which flange they give: two arms that stand
     alike have other ones. Speeds of joint motions are not compared: they are percentages of an
@@ -141,21 +179,40 @@ def likeness(
             others, halted = others[: len(ours)], True
     limits = _Limits((_expired(first), _expired(second)))
     told = (*first.events, *second.events)
-    comparing = _Comparing(rounding, reach_of([x.what for x in ours if isinstance(x.what, Moved)]))
+    reach = reach_of([row.what for row in ours if isinstance(row.what, Moved)])
+    comparing = _Comparing((first, second), rounding, reach)
     if any(isinstance(event, Said | Reported) for event in told):
         comparing.left.add("texts for people")
+    if any(isinstance(event, Sent) for event in told):
+        comparing.left.add("texts over lines")
     for number, (one, two) in enumerate(zip_longest(ours, others), 1):
         if one is None:
-            return comparing.found(number, f"{_end(first)}, and {said(two.what)}", one, two)
+            comparing.note(number, f"{_end(first)}, and {said(two.what)}", one, two)
+            return comparing.found()
         if two is None:
-            return comparing.found(number, f"{said(one.what)}, and {_end(second)}", one, two)
+            comparing.note(number, f"{said(one.what)}, and {_end(second)}", one, two)
+            return comparing.found()
         wrong = comparing.unlike(one.what, two.what) or limits.unlike(one.time, two.time)
         if wrong is not None:
             what = f"{wrong}: {said(one.what)}, and {said(two.what)}"
-            return comparing.found(number, what, one, two)
-    if halted or _end_alike(*both):
-        return comparing.found()
-    return comparing.found(0, f"{_end(first)}, and {_end(second)}")
+            comparing.note(number, what, one, two)
+            if len(comparing.differences) == most or not _same_effect(one.what, two.what):
+                return comparing.found()
+    if not halted and not _end_alike(*both):
+        comparing.note(0, f"{_end(first)}, and {_end(second)}")
+    return comparing.found()
+
+
+def _same_effect(one: Event, two: Event) -> bool:
+    """Whether two effects are the same one with other values: what follows can be compared."""
+    match one, two:
+        case (Moved(), Moved()) | (Waited(), Waited()):
+            return True
+        case Switched(), Switched():
+            return one.signal == two.signal
+        case Kept(), Kept():
+            return one.name == two.name
+    return False
 
 
 _BY_SPEED: Final = {("time", "end"), ("end", "end")}
@@ -205,20 +262,35 @@ class _Limits:
 class _Comparing:
     """Compares one event of either run after the other, and keeps how far they were apart."""
 
-    def __init__(self, rounding: Rounding | None, reach: float) -> None:
-        self.rounding, self.reach = rounding, reach
+    def __init__(self, runs: tuple[Run, Run], rounding: Rounding | None, reach: float) -> None:
+        self.runs, self.rounding, self.reach = runs, rounding, reach
         self.visits = self.changes = self.waits = self.values = 0
         self.apart = self.turned = 0.0
         self.left: set[Uncompared] = set()
+        self.differences: list[Unlike] = []
         self.place = POSITION
         self.speed: float | None = None
 
-    def found(
-        self, event: int = 0, what: str = "", one: Logged | None = None, two: Logged | None = None
-    ) -> Likeness:
-        unlike = Unlike(event, what, one, two) if what else None
-        counts, left = (self.waits, self.values), frozenset(self.left)
-        return Likeness(self.visits, self.changes, self.apart, self.turned, unlike, *counts, left)
+    def found(self) -> Likeness:
+        return Likeness(
+            visits=self.visits,
+            changes=self.changes,
+            apart=self.apart,
+            turned=self.turned,
+            differences=tuple(self.differences),
+            waits=self.waits,
+            values=self.values,
+            left=frozenset(self.left),
+        )
+
+    def note(
+        self, event: int, what: str, one: Logged | None = None, two: Logged | None = None
+    ) -> None:
+        places = tuple(
+            run.place if row is None else row.place
+            for row, run in zip((one, two), self.runs, strict=True)
+        )
+        self.differences.append(Unlike(event, what, one, two, (places[0], places[1])))
 
     def unlike(self, one: Event, two: Event) -> str | None:
         """What differs of two events, None if they are the same."""
@@ -375,7 +447,7 @@ def _effects(run: Run, signals: Bits) -> Iterator[Logged]:
     named = {str(number) for numbers in counted for number in numbers}
     for row in _in_order(run.log or [Logged(0.0, "", None, event) for event in run.events]):
         match row.what:
-            case Said() | Reported() | Noted() | Waited(seconds=0.0) | Waited(limit=True):
+            case Said() | Sent() | Reported() | Noted() | Waited(seconds=0.0) | Waited(limit=True):
                 continue
             case Switched(signal, value, at, after):
                 for bit, on in _bits(signal, value, signals):

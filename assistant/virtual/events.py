@@ -127,6 +127,13 @@ class Kept:
 
 
 @dataclass(frozen=True, slots=True)
+class Sent:
+    """Bytes that go out over a line. Proofs alone tell it."""
+
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
 class Said:
     """A text on the teach pendant."""
 
@@ -156,7 +163,7 @@ class Noted:
     text: str
 
 
-Event = Moved | Switched | Waited | Awaited | Kept | Said | Reported | Stopped | Noted
+Event = Moved | Switched | Waited | Awaited | Kept | Sent | Said | Reported | Stopped | Noted
 
 Place = tuple[str, int]
 """A file's name, and a line from 1."""
@@ -179,6 +186,8 @@ def said(event: Event) -> str:
             return "a wait that ends with " + ", ".join(f"{n}={v:g}" for n, v in inputs)
         case Kept(name, value):
             return f"`{name}` is {value if isinstance(value, str) else f'{value:g}'}"
+        case Sent(data):
+            return f"{data!r} over a line"
         case Stopped(end):
             return "an end for good" if end else "a stop"
         case Said(text):

@@ -11,7 +11,7 @@ from assistant.compiler import Compiled
 from assistant.compiler.arms import Arms
 from assistant.compiler.loading import load, load_text
 from assistant.compiler.motion import MotionProof, Proving, prove_motion
-from assistant.compiler.motion_sides import Made
+from assistant.compiler.motion_sides import written
 from assistant.program.diagnostics import Refused
 from assistant.program.text import SourceText
 from assistant.virtual.proving import lasting, search
@@ -82,7 +82,7 @@ def made(text: str, to: str, folder: Path, more: str = "") -> Compiled:
 
 
 def proof(done: Compiled, proving: Proving | None = None) -> MotionProof:
-    given = Made(done.source, done.program, done.language, done.files)
+    given = written(done.source, done.program, done.language, done.files)
     return prove_motion(given, Arms(), proving or Proving())
 
 
@@ -93,7 +93,7 @@ def with_fault(
     ((name, data),) = done.files.items()
     assert data.decode().count(line) == 1, data.decode()
     files = {name: data.decode().replace(line, other).encode()}
-    given = Made(done.source, done.program, done.language, files)
+    given = written(done.source, done.program, done.language, files)
     return prove_motion(given, Arms(), proving or Proving())
 
 
@@ -116,7 +116,7 @@ def test_of_a_library_nothing_is_run() -> None:
     assert done.ok
     (finding,) = proof(done).findings
     assert finding.code == "CO111" and "nothing of it was run" in finding.message
-    made_of = Made(done.source, done.program, done.language, done.files)
+    made_of = written(done.source, done.program, done.language, done.files)
     assert prove_motion(made_of, Arms(), Proving(), "count").found is not None
 
 
@@ -176,7 +176,7 @@ FAULTS = {
     "a tool": ("PTGRIP=(+0.00,+0.00,+100", "PTGRIP=(+0.00,+0.00,+101", "another tool", 8),
     "a wait": ("Wait M_In(9)=1", "Wait M_In(9)=0", "another event", 9),
     "a time limit": ("M_Timer(1)<2000", "M_Timer(1)<0", "ended as `error`", 16),
-    "an error": ("Error 9100", "MN=MN", "ended as `error`", None),
+    "an error": ("Error 9100", "MN=MN", "ended as `error`", 16),
     "an output": ("M_Out(4)=1", "M_Out(4)=0", "signal 4 = 1, and signal 4 = 0 (CELL.prg:68)", 23),
     "a corner": ("Cnt 1,10,10", "Cnt 1,20,20", "a wider corner", 18),
     "a speed": ("Spd 100", "Spd 110", "another speed", 22),
@@ -333,7 +333,8 @@ def test_an_output_of_the_cell_that_is_only_read_is_off(tmp_path: Path) -> None:
     text = HEAD + "PROC main()\nIF doGrip=0 MoveL p10,v100,fine,tGrip;\nENDPROC\nENDMODULE\n"
     there = proof(made(text, "melfa-basic-5", tmp_path))
     found = there.found
-    assert found is not None and found.visits and not found.failing and found.unlike is None
+    assert found is not None and found.visits and not found.failing
+    assert not found.differences
 
 
 def test_a_script_drives_both_programs(compiled: Compiled, tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ from assistant import languages, robots
 from assistant.compiler.arms import Arms as KnownArms
 from assistant.compiler.loading import Loaded, load, load_text
 from assistant.compiler.motion import Proving, prove_motion
-from assistant.compiler.motion_sides import Made
+from assistant.compiler.motion_sides import written as written_files
 from assistant.compiler.tasks import Task, load_task
 from assistant.program.diagnostics import Severity
 from assistant.program.geometry import Pose
@@ -161,7 +161,7 @@ def _judged(
             return "different", found
         judged = judged or two.ended != "unknown"
     compiled = translation.compiled
-    whole = Made(compiled.source, compiled.program, compiled.language, translation.files)
+    whole = written_files(compiled.source, compiled.program, compiled.language, translation.files)
     proof = prove_motion(whole, KnownArms(second, first), SOUGHT)
     for finding in proof.findings:
         if finding.code == "CO110" and not FAILS_ITSELF.search(finding.message):

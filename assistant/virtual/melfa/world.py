@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 from assistant.program.geometry import Pose
-from assistant.virtual.events import Moved, Stopped, Switched
+from assistant.virtual.events import Moved, Sent, Stopped, Switched
 from assistant.virtual.kernel.signals import Source
 from assistant.virtual.kernel.task import Task
 from assistant.virtual.melfa.arm import Arm, Settings
@@ -105,7 +105,9 @@ class World:
         said = self.task.kernel.peers
         if said is None:
             raise Unknown("lines of a program that runs without a controller")
-        return Peer(said)
+        peer = Peer(said)
+        peer.heard = lambda data: self.task.tell(Sent(data))
+        return peer
 
     def uses(self, line: Line) -> bool:
         return any(file.line is line for file in self.files.values())

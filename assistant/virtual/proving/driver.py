@@ -111,7 +111,7 @@ class Driver(Mapping[str, float]):
     with these answers. taken: each way that was gone, by its first time. reads: names ever read.
     ended: when a wait was answered that ends by itself, by its place. watched: beats at which an
     input was looked at for an interrupt, by its name. met: what waits read that ended as they
-    began, by their places.
+    began, by their places. last: the way that was gone last before so many events were told.
     """
 
     kernel: Kernel
@@ -124,6 +124,7 @@ class Driver(Mapping[str, float]):
     ended: dict[object, Moment] = field(default_factory=dict)
     watched: dict[str, dict[Moment, None]] = field(default_factory=dict)
     met: dict[object, Readings] = field(default_factory=dict)
+    last: dict[int, Way] = field(default_factory=dict)
     answers: int = 0
 
     def __post_init__(self) -> None:
@@ -201,6 +202,7 @@ class Driver(Mapping[str, float]):
         self._polled.clear()
 
     def _branch(self, file: str, at: int, way: int) -> None:
+        self.last[len(self.kernel.log)] = file, at, way
         if (file, at, way) not in self.taken:
             here = tuple(self._here.items()) if self.kernel.steps == self._step else ()
             self.taken[file, at, way] = Taken((file, at, way), self.recent, here)

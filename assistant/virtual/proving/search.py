@@ -58,11 +58,12 @@ want of inputs that it ends in an error with."""
 
 @dataclass(frozen=True, slots=True)
 class Budget:
-    """seed: of what is drawn. runs, seconds: after which the search is over."""
+    """seed: of what is drawn. runs, seconds, differences: after which the search is over."""
 
     seed: int = 0
     runs: int = MOST_RUNS
     seconds: float = SECONDS
+    differences: int = 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,14 +75,26 @@ class Stop:
     scenario: Scenario
 
 
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """What two runs do otherwise, and the scenario that it shows in.
+
+    behind: the branches that either took last before that.
+    """
+
+    unlike: Unlike
+    scenario: Scenario
+    behind: tuple[Branch | None, Branch | None]
+
+
 @dataclass(slots=True)
 class Found:
     """What all runs together have shown.
 
     failing: runs that end with an error of the program itself. idling: runs that wait for ever
     before anything is compared, idle the first of them. stalled: a run that a script leaves
-    waiting behind what is compared. unlike: the first difference, and
-    the scenario that it shows in. unknown: what an interpreter could not run, unjudged: so
+    waiting behind what is compared. differences: those of other places each. unknown: what an
+    interpreter could not run, unjudged: so
     behind runs that were compared. never: branches of
     either program that no run took. total: how many there are.
     """
@@ -94,8 +107,7 @@ class Found:
     left: frozenset[Uncompared] = frozenset()
     apart: float = 0.0
     turned: float = 0.0
-    unlike: Unlike | None = None
-    scenario: Scenario | None = None
+    differences: list[Difference] = field(default_factory=list)
     unknown: Stop | None = None
     unjudged: Stop | None = None
     failed: Stop | None = None
@@ -152,6 +164,7 @@ class _Search:
         self.most = FIRST_EVENTS + 4 * lines
         self.longest = 0
         self.steps = STEPS + 4 * lines
+        self.differing: set[object] = set()
         self.reads = False
         self.missed = 0
         self.late = False  # whether the time was over in the middle of a run
@@ -167,7 +180,7 @@ class _Search:
             aimed = scenario in self.aimed
             new, done = self._both(scenario)
             played.append(done)
-            if self.late or self.found.unlike is not None or self.found.unknown is not None:
+            if self.late or self._differ() or self.found.unknown is not None:
                 break
             if self._begins():
                 continue
@@ -185,6 +198,10 @@ class _Search:
         ]
         self.found.never = left[0], left[1]
         return self.found
+
+    def _differ(self) -> bool:
+        """Whether as many differences are found as were asked for."""
+        return len(self.found.differences) >= self.budget.differences
 
     def _begins(self) -> bool:
         """Whether all messages so far have ended the first program, and there are others."""
@@ -243,7 +260,7 @@ class _Search:
             strict, _ = self._play(replace(self.first, lenient=False), ours.played, self.steps)
             if strict.ended == "error":  # what nothing was given stops both of them
                 one = strict
-        self._compare(one, two, ours.played)
+        self._compare(one, two, ours, theirs)
         if one.ended in ("end", "steps") and len(one.log) < self.most:
             self.longest = max(self.longest, len(one.log))
             self.most = MORE_EVENTS + 2 * self.longest
@@ -296,13 +313,16 @@ class _Search:
         broken_off(kernel, left, after, self.most if answered else math.inf)
         return kernel.run(), driver
 
-    def _compare(self, one: Run, two: Run, scenario: Scenario) -> None:
-        found = self.found
-        like = likeness(one, two, self.signals, self.rounding)
-        unlike = like.unlike
-        if unlike is None and two.ended == "steps" and one.ended == "end":
+    def _compare(self, one: Run, two: Run, ours: Driver, theirs: Driver) -> None:
+        found, scenario = self.found, ours.played
+        left = self.budget.differences - len(found.differences)
+        like = likeness(one, two, self.signals, self.rounding, left)
+        differences = list(like.differences)
+        if not differences and two.ended == "steps" and one.ended == "end":
             if Stopped(end=True) not in one.events:
-                unlike = Unlike(0, f"came to its end, and went on for {two.steps:,} statements")
+                differences.append(
+                    Unlike(0, f"came to its end, and went on for {two.steps:,} statements")
+                )
         found.runs += 1
         found.visits += like.visits
         found.changes += like.changes
@@ -318,8 +338,20 @@ class _Search:
             found.idle = found.idle or Stop(0, one, scenario)
         elif self.script is not None and one.ended == "stopped":
             found.stalled = Stop(0, one, scenario)
-        if unlike is not None:
-            found.unlike, found.scenario = unlike, scenario
+        for unlike in differences:
+            if unlike.places not in self.differing:
+                self.differing.add(unlike.places)
+                behind = self._behind(0, one, ours, unlike), self._behind(1, two, theirs, unlike)
+                found.differences.append(Difference(unlike, scenario, behind))
+
+    def _behind(self, at: int, run: Run, driver: Driver, unlike: Unlike) -> Branch | None:
+        """The branch that a run took last before what it does otherwise."""
+        row = (unlike.first, unlike.second)[at]
+        told = len(run.log)
+        if row is not None:
+            told = next((n for n, one in enumerate(run.log) if one.time >= row.time), told)
+        before = [count for count in driver.last if count <= told]
+        return self.known[at].get(driver.last[max(before)]) if before else None
 
     # ------------------------------------------------------------------------- more scenarios
 

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
-from typing import IO, Final, Literal
+from typing import IO, ClassVar, Final, Literal
 
 from assistant.program.system.bounded import check_regular
 from assistant.virtual.rapid.ends import Fault, NotSimulated
@@ -70,7 +70,12 @@ class Disk:
 
 @dataclass(slots=True, eq=False)
 class Stream:
-    """A file that a program opened. binary: for bytes, else for lines in Latin-1."""
+    """A file that a program opened. binary: for bytes, else for lines in Latin-1.
+
+    is_line: what is written goes out over a serial line.
+    """
+
+    is_line: ClassVar[bool] = False
 
     file: IO[bytes]
     mode: Mode
@@ -137,6 +142,7 @@ class _Both(Stream):
     """What is written to it goes elsewhere."""
 
     __slots__ = ()
+    is_line = True
 
     def write(self, data: bytes) -> None:
         """Nobody looks at it."""

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Final, Literal
 
+from assistant.virtual.events import Sent
 from assistant.virtual.kernel.task import Task
 from assistant.virtual.rapid.ends import Fault, NotSimulated
 
@@ -209,8 +210,9 @@ class Peer(Link):
         self.status = "connected"
         self._left = deque(self._texts)
 
-    def send(self, data: bytes, task: Task) -> None:  # noqa: ARG002
+    def send(self, data: bytes, task: Task) -> None:
         self._there()
+        task.tell(Sent(data))
 
     def receive(self, most: int, least: int, task: Task, seconds: float | None) -> bytes:
         """A text without its end; a stated number of bytes of all texts with their ends."""

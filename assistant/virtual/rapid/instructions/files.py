@@ -13,6 +13,7 @@ from typing import Final
 
 from assistant.program.system.bounded import read_file
 from assistant.program.system.durably import write_whole
+from assistant.virtual.events import Sent
 from assistant.virtual.rapid.disk import CODES, MODES, UNITS, Stream
 from assistant.virtual.rapid.ends import UNSURE, Fault, NotSimulated
 from assistant.virtual.rapid.given import Given, takes
@@ -84,7 +85,7 @@ def _write(given: Given) -> None:
     values = [given.optional(kind, kind) for kind in KINDS.split() if given.has(kind)]
     texts = [given.text(1), *(text_of(value) for value in values if value is not None)]
     line = "".join(texts) + ("" if given.has("nonewline") else LINE)
-    _stream(given, binary=False).write(line.encode(CODES, "replace"))
+    _put(given, line.encode(CODES, "replace"), binary=False)
 
 
 def _write_bytes(given: Given) -> None:
@@ -94,11 +95,18 @@ def _write_bytes(given: Given) -> None:
     codes = [whole(number(item), "a byte") for item in buffer.items[:count]]
     if not all(0 <= code < 256 for code in codes):
         raise Fault("a byte that is not 0 to 255", UNSURE)
-    _stream(given, binary=True).write(bytes(codes))
+    _put(given, bytes(codes), binary=True)
 
 
 def _write_text(given: Given) -> None:
-    _stream(given, binary=True).write(given.text(1).encode(CODES, "replace"))
+    _put(given, given.text(1).encode(CODES, "replace"), binary=True)
+
+
+def _put(given: Given, data: bytes, *, binary: bool) -> None:
+    stream = _stream(given, binary)
+    stream.write(data)
+    if stream.is_line:
+        given.machine.task.tell(Sent(data))
 
 
 def _rewind(given: Given) -> None:

@@ -1,0 +1,129 @@
+"""`compare`: whether two programs do the same, and what they do otherwise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from assistant.cli.answering import Answers
+from assistant.cli.compiling import working
+from assistant.cli.presentation import Format, print_findings, print_json, say
+from assistant.program.diagnostics import Diagnostic, error
+
+if TYPE_CHECKING:
+    from assistant.compiler.comparing import Comparison, Difference
+    from assistant.compiler.motion import Proving
+    from assistant.compiler.source_map import Place
+
+ALONE: Final = error(
+    "CL015",
+    "there is no program `{name}` in `{folder}`",
+    "compare it with another one by naming both files",
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Options:
+    """What both programs are read and run with; see `compiler.comparing.compare`."""
+
+    robot: str | None
+    from_robot: str | None
+    process: tuple[Path, ...]
+    cell: Path | None
+    names: Path | None
+    language: str | None
+    entry: str | None
+    proving: Proving
+
+
+def run_compare(first: str, second: str, options: Options, format: Format) -> int:
+    """0 if both do the same, 1 if they differ, 2 if they cannot be read or compared."""
+    from assistant.compiler.comparing import compare, counterparts
+
+    pairs = counterparts(first, second, options.language)
+    answers = Answers()
+    done: list[Comparison] = []
+    for one, other in pairs.both:
+        with answers.of(one.name), working(f"comparing {one.name}"):
+            done.append(
+                compare(
+                    one.program(options.from_robot),
+                    other.program(options.robot),
+                    robot=options.robot,
+                    from_robot=options.from_robot,
+                    process=options.process,
+                    cell=options.cell,
+                    names=options.names,
+                    language=options.language,
+                    entry=options.entry,
+                    proving=options.proving,
+                )
+            )
+    lone = [ALONE(path=name, name=name, folder=folder) for name, folder in pairs.lone]
+    status = max([answers.status, int(bool(lone)), *(each.exit_status for each in done)])
+    refusals = [*answers.refusals, *lone]
+    if format is Format.JSON:
+        print_json(_record(done, refusals, status))
+        return status
+    print_findings(refusals)
+    for each in done:
+        _show(each)
+    if len(pairs.both) > 1:
+        equal = sum(each.equal for each in done)
+        say(f"{len(pairs.both)} pairs of programs, {equal} of them equal")
+    return status
+
+
+def _show(done: Comparison) -> None:
+    """The differences with both lines, then what was compared, then the word for it."""
+    from assistant.compiler.comparing import DIFFERS
+
+    print_findings(one for one in done.findings if one.code != DIFFERS.code)
+    for one in done.differences:
+        for name, place, behind in zip(done.names, one.places, one.behind, strict=True):
+            say(_line(name, place))
+            if behind is not None and behind != place:
+                say(f"  behind line {behind.line}: {behind.text}")
+        say(f"  {one.what}; with {one.inputs}")
+    say(f"{done.names[0]}, {done.names[1]}: {done.line()}")
+
+
+def _line(name: str, place: Place | None) -> str:
+    if place is None:
+        return f"{name}: does nothing there"
+    return f"{place.path or name}:{place.line}: {place.text}"
+
+
+def _record(done: list[Comparison], refusals: list[Diagnostic], status: int) -> dict[str, Any]:
+    from assistant.findings.formats import finding_record
+
+    return {
+        "ok": status == 0,
+        "comparisons": [
+            {
+                "first": one.names[0],
+                "second": one.names[1],
+                "answer": one.answer,
+                "differences": list(map(_difference, one.differences)),
+                "compared": one.motion.record(),
+                "names": dict(one.pairs),
+                "findings": list(map(finding_record, one.findings)),
+            }
+            for one in done
+        ],
+        "findings": list(map(finding_record, refusals)),
+    }
+
+
+def _difference(one: Difference) -> dict[str, Any]:
+    return {
+        "what": one.what,
+        "inputs": one.inputs,
+        "places": list(map(_place, one.places)),
+        "behind": list(map(_place, one.behind)),
+    }
+
+
+def _place(place: Place | None) -> dict[str, Any] | None:
+    return None if place is None else {"path": place.path, "line": place.line, "text": place.text}

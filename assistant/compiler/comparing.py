@@ -1,0 +1,246 @@
+"""Comparing: whether two programs do the same, in one language or in two."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Final, Literal
+
+from assistant import languages
+from assistant.compiler.arms import Arms, robot_of
+from assistant.compiler.filling import UNFILLED, with_cell
+from assistant.compiler.folders import programs_in
+from assistant.compiler.loading import Loaded, with_process
+from assistant.compiler.motion import MotionProof, Proving, Terms, prove_motion
+from assistant.compiler.motion_sides import Pair, in_the_cell, names_of_wires
+from assistant.compiler.opening import load
+from assistant.compiler.pairing import paired, read_names
+from assistant.compiler.source_map import Place
+from assistant.compiler.tasks import Task, load_task, tasks_of
+from assistant.program.diagnostics import Diagnostic, error
+from assistant.program.lines import lines_of
+from assistant.program.text import is_folder, read_bytes
+from assistant.sources.cell import said
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+
+DIFFERS: Final = error(
+    "CO118",
+    "`{written}` does something else than `{source}`, with {inputs}: {what}",
+    "see both lines; one of them is to be changed, unless the difference is meant",
+)
+NOT_COMPARED: Final = error(
+    "CO119",
+    "the programs cannot be compared: {reason}",
+    "see what stands there; --cell and --process say what a program does not declare",
+)
+NOTHING: Final = error(
+    "CO123",
+    "there is nothing to compare: in {runs} runs neither program moved or changed anything",
+    "say with --signals what lets them go on, or with --entry where they begin",
+)
+MOST_DIFFERENCES: Final = 5
+"""That are looked for: what follows from the first ones is of little use."""
+TERMS: Final = Terms(DIFFERS, NOT_COMPARED, MOST_DIFFERENCES, typed=True)
+
+Answer = Literal["equal", "different", "not compared"]
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """What two programs do otherwise. inputs: that it shows with.
+
+    places: the statements of both, None where none of its statements does it. behind: the
+    conditions that either decided last before that, None if there is none.
+    """
+
+    what: str
+    inputs: str
+    places: tuple[Place | None, Place | None] = (None, None)
+    behind: tuple[Place | None, Place | None] = (None, None)
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """Whether two programs do the same. names: of both.
+
+    pairs: what the second one calls signals and data that the first one calls otherwise.
+    """
+
+    names: tuple[str, str]
+    motion: MotionProof
+    differences: tuple[Difference, ...] = ()
+    findings: tuple[Diagnostic, ...] = ()
+    pairs: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def answer(self) -> Answer:
+        if self.differences:
+            return "different"
+        return "equal" if self.motion.holds and not self.motion.empty else "not compared"
+
+    @property
+    def equal(self) -> bool:
+        return self.answer == "equal"
+
+    @property
+    def exit_status(self) -> int:
+        """Of the command: 0 for equal, 1 for different, 2 where they cannot be compared."""
+        return {"equal": 0, "different": 1, "not compared": 2}[self.answer]
+
+    def line(self) -> str:
+        """The result in one line for people."""
+        if self.motion.found is None:
+            return self.answer
+        return f"{self.motion.compared()}: {self.answer}{self.motion.left_out()}"
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """One program of a path. name: for people. task: its files, None for a path by itself."""
+
+    name: str
+    task: Task | None = None
+
+    def program(self, robot: str | Robot | None) -> str | Loaded:
+        """What `compare` takes for it; robot: that it was written for."""
+        if self.task is None or len(self.task.files) == 1:
+            return self.task.files[0] if self.task is not None else self.name
+        return load_task(self.task, robot=robot_of(robot))
+
+
+@dataclass(frozen=True, slots=True)
+class Counterparts:
+    """Programs of two paths. lone: those that the other path lacks, each with that path."""
+
+    both: tuple[tuple[Part, Part], ...]
+    lone: tuple[tuple[str, str], ...] = ()
+
+
+def counterparts(first: str, second: str, language: str | None = None) -> Counterparts:
+    """The programs of two files or folders, by their names where a folder has several.
+
+    language: of files whose names do not tell. Raises Unreadable or Refused.
+    """
+    own, others = _parts(first, language), _parts(second, language)
+    if len(own) == len(others) == 1:
+        return Counterparts(((own[0], others[0]),))
+    by_name = {_key(part): part for part in others}
+    both = [(part, by_name[_key(part)]) for part in own if _key(part) in by_name]
+    known = {_key(part) for part in own}
+    lone = [(part.name, second) for part in own if _key(part) not in by_name]
+    lone += [(part.name, first) for part in others if _key(part) not in known]
+    return Counterparts(tuple(both), tuple(lone))
+
+
+def _parts(path: str, language: str | None) -> list[Part]:
+    if not is_folder(path):
+        return [Part(path)]
+    return [Part(task.name, task) for task in tasks_of(list(programs_in(path, language)), language)]
+
+
+def _key(part: Part) -> str:
+    return FilePath(part.name).stem.lower()
+
+
+def compare(
+    first: str | FilePath | Loaded,
+    second: str | FilePath | Loaded,
+    *,
+    robot: str | Robot | None = None,
+    from_robot: str | Robot | None = None,
+    process: str | FilePath | Sequence[str | FilePath] | None = None,
+    cell: str | FilePath | None = None,
+    names: str | FilePath | Mapping[str, str | int] | None = None,
+    language: str | None = None,
+    entry: str | None = None,
+    proving: Proving | None = None,
+) -> Comparison:
+    """Whether two programs do the same, each run by an interpreter of its own language.
+
+    first, second: files, or folders with one program each; drawings, tables and pseudo-programs are
+    run as they stand. robot: the arm that runs the second one, from_robot: the first one. process:
+    file with tools, frames and signals of the first one, or a file for each. cell: file of what
+    either uses and does not declare. names: what the second one calls signals and data, by what the
+    first one does, or a file of it, see `pairing`. language: of files whose names do not tell.
+    entry: the procedure that the first one begins with, if that is not `main`.
+    Raises Unreadable or Refused for what cannot be read at all.
+    """
+    arms = Arms(robot_of(robot), robot_of(from_robot))
+    files = [process] if process is None or isinstance(process, str | FilePath) else process
+    own, others = (*files, None, None)[:2]
+    one = _loaded(first, own, cell, arms.written_for, language)
+    other = _loaded(second, others, cell, arms.robot, language)
+    titles = _title(first, one), _title(second, other)
+    lacking = tuple(UNFILLED(what=said(w), place=w.name) for w in (*one.wanting, *other.wanting))
+    if names is None or isinstance(names, Mapping):
+        stated = {own: str(other) for own, other in (names or {}).items()}
+    else:
+        stated = read_names(names)
+    pairs = paired(one.program, other.program, stated)
+    trees, left = in_the_cell(other.program)
+    told = (*one.findings, *other.findings, *pairs.findings, *lacking)
+    if left:
+        reason = f"`{titles[1]}` does not declare {', '.join(f'`{name}`' for name in left)}"
+        return Comparison(titles, MotionProof(None), (), (*told, NOT_COMPARED(reason=reason)))
+    pair = Pair(one.program, other.program, other.language, trees, pairs.names)
+    motion = prove_motion(pair, arms, proving or Proving(), entry, TERMS)
+    if motion.holds and motion.empty and motion.found is not None:
+        motion = replace(motion, findings=(*motion.findings, NOTHING(runs=motion.found.runs)))
+    texts = {**_texts(one), **_texts(other)}
+    found, wires = motion.found, names_of_wires(pair)
+    place = partial(_place, texts)
+    differences = []
+    for difference in found.differences if found is not None else ():
+        first_place, second_place = map(place, difference.unlike.places)
+        one_behind, other_behind = (
+            None if branch is None else place((branch.file, branch.line))
+            for branch in difference.behind
+        )
+        differences.append(
+            Difference(
+                str(difference.unlike),
+                difference.scenario.said(wires),
+                (first_place, second_place),
+                (one_behind, other_behind),
+            )
+        )
+    return Comparison(titles, motion, tuple(differences), (*told, *motion.findings), pairs.names)
+
+
+def _loaded(
+    program: str | FilePath | Loaded,
+    process: str | FilePath | None,
+    cell: str | FilePath | None,
+    robot: Robot | None,
+    language: str | None,
+) -> Loaded:
+    if isinstance(program, Loaded):
+        loaded = program if process is None else with_process(program, process)
+    else:
+        tells = is_folder(program) or languages.of_file(FilePath(program), read_bytes(program))
+        spoken = None if tells else language
+        loaded = load(program, process=process, robot=robot, language=spoken)
+    return loaded if cell is None else with_cell(loaded, cell, taught=robot is not None)
+
+
+def _title(given: str | FilePath | Loaded, loaded: Loaded) -> str:
+    return loaded.program.name if isinstance(given, Loaded) else str(given)
+
+
+def _texts(loaded: Loaded) -> dict[str, list[str]]:
+    """Lines of the files of a program, by the paths that places have."""
+    origin = loaded.program.origin
+    sources = [tree.source for tree in origin.trees] if origin is not None else [loaded.text]
+    return {one.path or "": lines_of(one.text) for one in sources if one is not None}
+
+
+def _place(texts: Mapping[str, Sequence[str]], place: tuple[str, int] | None) -> Place | None:
+    if place is None:
+        return None
+    path, line = place
+    lines = texts.get(path, ())
+    return Place(path, line, lines[line - 1].strip() if 0 < line <= len(lines) else "")

@@ -1,0 +1,140 @@
+"""Pairing: which signals and data of two programs are the same, where each calls them otherwise.
+
+They are the same by a name or a number that both have (headers, process files and cell files give
+them), by what a user states, or else by their order, if either program has as many of a kind.
+
+    [names]                       # of the first program, and what the second one has for them
+    diPart = 4                    # the number of a signal, or
+    doGrip = "doGripper"          # its name
+    nTotal = "MTOTAL"             # data that outlives a run
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+from typing import Any, Final
+
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.contents import all_names, everywhere
+from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors, info
+from assistant.program.program import Program
+from assistant.program.system.budgets import SETTINGS_FILE
+from assistant.program.text import decode, read_bytes
+from assistant.sources.process import values
+from assistant.sources.process.file import ENCODINGS, read_toml
+from assistant.sources.process.values import Wrong
+
+NO_PAIR: Final = error(
+    "CO120",
+    "nothing says which {kind} of the second program is `{name}`: it has {others}",
+    "give both numbers with --process, or write `{name} = ...` under [names] in a file for --names",
+)
+BY_ORDER: Final = info(
+    "CO121",
+    "`{name}` is taken for `{other}`, as each is the {kind} with number {number} in its program",
+    "say with --names what it is, if that is wrong",
+)
+NOT_THERE: Final = error(
+    "CO122",
+    "there is no signal and no data `{name}` in the {which} program",
+    "write a name that it has",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Paired:
+    """names: what the second program calls what the first one does, in lower case."""
+
+    names: Mapping[str, str]
+    findings: tuple[Diagnostic, ...] = ()
+
+
+def read_names(path: str | FilePath) -> dict[str, str]:
+    """The names of a file; raises Unreadable or Refused."""
+    data = read_bytes(path, most=SETTINGS_FILE)
+    whole = read_toml(decode(data, str(path), ENCODINGS))
+    whole.read({"names": lambda value: value})
+    table = whole.table("names")
+    found = table.read(dict.fromkeys(table.content, _name))
+    if has_errors(whole.page.findings):
+        raise Refused(*whole.page.findings, exit_status=2)
+    return found
+
+
+def _name(value: Any) -> str:
+    if isinstance(value, int) and not isinstance(value, bool) and value >= 0:
+        return str(value)
+    name: str = values.text(value).strip()
+    if not name:
+        raise Wrong("is empty", "write a name, or the number of a signal")
+    return name
+
+
+def paired(first: Program, second: Program, stated: Mapping[str, str]) -> Paired:
+    """What the second program calls signals and data of the first one.
+
+    stated: by a user. Raises Refused (exit status 2) where nothing says which signals are the same.
+    """
+    names = {own.lower(): other.lower() for own, other in stated.items()}
+    findings = list(_unknown(first, second, stated))
+    mine = _alone(first, second, {*names})
+    theirs = _alone(second, first, {*names.values()})
+    for kind in mine:
+        own, other = mine[kind], theirs.get(kind, [])
+        if _numbered(first, own) and _numbered(second, other):  # these are other signals
+            continue
+        if len(own) == len(other):
+            for place, pair in enumerate(zip(own, other, strict=True), 1):
+                names[pair[0].lower()] = pair[1].lower()
+                findings.append(BY_ORDER(name=pair[0], other=pair[1], kind=kind, number=place))
+        elif other:
+            listed = ", ".join(f"`{name}`" for name in other)
+            findings.append(NO_PAIR(name=own[0], kind=kind, others=listed))
+    if has_errors(findings):
+        raise Refused(*findings, exit_status=2)
+    return Paired(names, tuple(findings))
+
+
+def _unknown(first: Program, second: Program, stated: Mapping[str, str]) -> Iterator[Diagnostic]:
+    """A finding for each stated name that a program does not have."""
+    for own, other in stated.items():
+        for name, program, which in ((own, first, "first"), (other, second, "second")):
+            if not name.isdecimal() and name.lower() not in _names(program):
+                yield NOT_THERE(name=name, which=which)
+
+
+def _names(program: Program) -> set[str]:
+    return {name.lower() for name in (*program.signals, *program.variables, *all_names(program))}
+
+
+def _alone(program: Program, other: Program, stated: set[str]) -> dict[str, list[str]]:
+    """By their kinds the signals that only one program has, in the order in which it uses them.
+
+    A number that the other program does not use is a number all the same, and says which signal it
+    is; a signal without one may be any that is left.
+    """
+    known = {name.lower() for name in other.signals} | stated
+    numbers = {signal.number for signal in other.signals.values()} - {None}
+    used = dict.fromkeys(name.lower() for name in _used(program))
+    order = {name: place for place, name in enumerate(used)}
+    found: dict[str, list[str]] = {}
+    for name in sorted(program.signals, key=lambda one: order.get(one.lower(), len(order))):
+        signal = program.signals[name]
+        if name.lower() in known or signal.number in numbers or str(signal.number) in stated:
+            continue
+        found.setdefault(f"{signal.kind} {signal.direction}", []).append(name)
+    return found
+
+
+def _numbered(program: Program, names: list[str]) -> bool:
+    return all(program.signals[name].number is not None for name in names)
+
+
+def _used(program: Program) -> Iterator[str]:
+    """Names of signals, in order of the text."""
+    used: Iterator[Any] = everywhere(program, p.WaitSignal, p.SetSignal, p.Trigger, e.Name)
+    for part in used:
+        yield part.name if isinstance(part, e.Name) else part.signal

@@ -1,0 +1,110 @@
+"""Prints `comparing.md`, the page about two programs, with what is compared from the tables.
+
+python -m docs.comparing > docs/comparing.md
+"""
+
+# ruff: noqa: E501 - a paragraph of the page stands as it is written
+
+from __future__ import annotations
+
+import sys
+
+from assistant.virtual.comparing import COMPARED, NOT_COMPARED
+
+HEAD = """\
+# Comparing two programs
+
+Somebody has translated a program by hand, a vendor has moved it to a new controller, or a new version
+is to do what the old one did. `compare` runs both, each by an interpreter of its own language, on
+an arm that is only calculated, and tells what they do otherwise:
+
+```console
+$ robot-assistant translate samples/rapid/gluing.mod --to melfa-basic-5 -r rv-4frl --from-robot irb1200-7-0.7 -p samples/rapid/cell.process.toml -o cr
+$ robot-assistant compare samples/rapid/gluing.mod cr/GLUING.prg -r rv-4frl --from-robot irb1200-7-0.7 -p samples/rapid/cell.process.toml
+$ sed -i 's/Dly 0.15/Dly 0.5/' cr/GLUING.prg
+$ robot-assistant compare samples/rapid/gluing.mod cr/GLUING.prg -r rv-4frl --from-robot irb1200-7-0.7 -p samples/rapid/cell.process.toml  # exits 1
+```
+
+```
+samples/rapid/gluing.mod:31: WaitTime 0.15;
+cr/GLUING.prg:30: 30 Dly 0.5
+  event 3: another delay: 0.15 s, and 0.5 s; with all inputs 0
+samples/rapid/gluing.mod, cr/GLUING.prg: branches taken: 0 of 0 in gluing.mod, 0 of 0 in GLUING.prg; 1 run, 12 visits and 4 signal changes, largest distance 0.0000 mm, 0.0000 degrees: different; not compared: accelerations, speeds of joint moves
+```
+
+For each difference there are the statements of both programs, the conditions that they decided last
+before it, and the inputs. Up to five are told, each with statements of its own; behind an effect that
+one program lacks, a run is not compared any further. The last line says first how much was looked at,
+then the word for it: *equal* (exit status 0), *different* (1), or *not compared* (2) with the reason:
+a program cannot be read, comes to what is not simulated, or does nothing that could be compared.
+
+Both may be files or folders, such as backups. Of folders with several programs those of one name are
+compared, and a program that only one of them has is a finding (CL015). Drawings, tables and
+pseudo-programs are run as they stand. Both have to be in the same place: give the arm of the first
+program as `--from-robot` and that of the second as `--robot`. `--format json` gives everything to
+programs.
+
+## What is compared
+
+Inputs are sought that take every branch of both programs, end each wait and let its longest time
+pass, see [Proven by motion](translating.md#proven-by-motion). `--seconds` bounds the search (10
+of the processor by default), `--seed` says what it draws; `--signals` names a script of the inputs,
+and there is one run. Both programs do the same in the same order:
+
+"""
+MIDDLE = """
+Places may be apart by what the decimals of either text leave open, with two decimals of a millimetre
+or degree at most. What a program has beside that is named in the answer:
+
+"""
+TAIL = """
+## Which names are the same
+
+Two programs call a signal or shared data otherwise. They are the same, in this order:
+
+1. by a table of yours, `--names FILE`;
+2. by a name that both have: in their texts, or in the lines above a program that this package wrote;
+3. by a number that both have: `--process` gives those of the first program, a second `--process`
+   those of the other one;
+4. by their order, where either program has as many of a kind that no number tells: the answer says
+   so (CO121).
+
+Otherwise nothing is compared (CO120). The table has a line for each name of the first program:
+
+```toml
+[names]
+diPart = 4                    # the number of a signal, or
+doGrip = "doGripper"          # its name
+nTotal = "MTOTAL"             # data that outlives a run
+```
+
+What neither program declares, such as tools of a system module, is said in a cell file: `--cell`.
+
+## From Python
+
+```python
+import assistant
+
+done = assistant.compare("samples/melfa/PALLET.prg", "samples/melfa/PALLET.prg", robot="rv-4frl")
+print(done.answer, done.motion.found.runs)
+for one in done.differences:
+    print(one.what, one.inputs, one.places)
+```
+"""
+
+
+def page() -> str:
+    """The whole page."""
+    compared = ["| effect | what has to be the same |", "|---|---|"]
+    compared += [f"| {effect} | {what} |" for effect, what in COMPARED.items()]
+    left = ["| not compared | as |", "|---|---|"]
+    left += [f"| {effect} | {why} |" for effect, why in NOT_COMPARED.items()]
+    return f"{HEAD}{_lines(compared)}{MIDDLE}{_lines(left)}{TAIL}"
+
+
+def _lines(rows: list[str]) -> str:
+    return "".join(f"{row}\n" for row in rows)
+
+
+if __name__ == "__main__":
+    sys.stdout.write(page())

@@ -1,0 +1,357 @@
+"""Two programs that people wrote: whether they do the same, and which lines differ."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from assistant import Proving, Refused, compare
+from assistant.compiler.comparing import Comparison, counterparts
+
+HEAD = """MODULE Cell
+PERS tooldata tGrip:=[TRUE,[[0,0,100],[1,0,0,0]],[1,[0,0,50],[1,0,0,0],0,0,0]];
+CONST robtarget pPick:=[[350,20,150],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+CONST robtarget pPlace:=[[300,-120,120],[0,0.130526192,0.991444861,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+CONST robtarget pHome:=[[330,0,300],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+"""  # noqa: E501
+POSITIONS = """PTOOL=(+0.00,+0.00,+100.00,+0.00,+0.00,+0.00)
+PPICK=(+350.00,+20.00,+150.00,+180.00,+0.00,+180.00)(7,0)
+PPLACE=(+300.00,-120.00,+120.00,+180.00,+0.00,+165.00)(7,0)
+PHOME=(+330.00,+0.00,+300.00,+180.00,+0.00,+180.00)(7,0)
+"""
+PICKING = """PROC main()
+  MoveL pHome,v200,fine,tGrip;
+  FOR i FROM 1 TO 2 DO
+    WaitDI diPart,1;
+    MoveL Offs(pPick,0,0,50),v200,z10,tGrip;
+    MoveL pPick,v100,fine,tGrip;
+    SetDO doGrip,1;
+    WaitTime 0.3;
+    MoveL Offs(pPick,0,0,50),v200,z10,tGrip;
+    MoveL pPlace,v100,fine,tGrip;
+    SetDO doGrip,0;
+    PulseDO\\PLength:=0.4,doDone;
+  ENDFOR
+ENDPROC
+ENDMODULE
+"""
+PICKED = """Tool PTOOL
+Spd 200
+Cnt 0
+Mvs PHOME
+M1=0
+While M1<2
+GoSub *PICK
+Spd 100
+Cnt 0
+Mvs PPLACE
+M_Out(10)=0
+M_Out(11)=1 Dly 0.4
+M1=M1+1
+WEnd
+End
+*PICK
+*WAITING
+If M_In(4)=0 Then GoTo *WAITING
+PABOVE=PPICK
+PABOVE.Z=PABOVE.Z+50
+Spd 200
+Cnt 1,10,10
+Mvs PABOVE
+Spd 100
+Cnt 0
+Mvs PPICK
+M_Out(10)=1
+Dly 0.3
+Spd 200
+Cnt 1,10,10
+Mvs PABOVE
+Return
+"""
+CHOOSING = """PROC main()
+  VAR num n;
+  MoveL pHome,v200,fine,tGrip;
+  n:=giKind;
+  TEST n
+  CASE 1:
+    MoveL pPick,v100,fine,tGrip;
+  CASE 2,3:
+    MoveL pPlace,v100,fine,tGrip;
+    SetDO doGrip,1;
+  DEFAULT:
+    SetDO doDone,1;
+  ENDTEST
+  IF diPart=1 AND (diOpen=1 OR n>2) THEN
+    MoveL pHome,v200,fine,tGrip;
+  ENDIF
+ENDPROC
+ENDMODULE
+"""
+CHOSEN = """Tool PTOOL
+Spd 200
+Cnt 0
+Mvs PHOME
+M1=M_In(20)+2*M_In(21)
+Spd 100
+If M1=1 Then *ONE
+If M1=2 Or M1=3 Then *TWO
+M_Out(11)=1
+GoTo *ON
+*ONE
+Mvs PPICK
+GoTo *ON
+*TWO
+Mvs PPLACE
+M_Out(10)=1
+*ON
+If M_In(4)=0 Then *OUT
+If M_In(5)=0 And M1<=2 Then *OUT
+Spd 200
+Mvs PHOME
+*OUT
+End
+"""
+GLUING = """PROC main()
+  VAR bool bLate;
+  MoveJ pHome,v200,fine,tGrip;
+  WaitDI diPart,1\\MaxTime:=3\\TimeFlag:=bLate;
+  IF bLate THEN
+    SetDO doDone,1;
+  ELSE
+    MoveL pPick,v100,fine,tGrip;
+    SetDO doGrip,1;
+    MoveC pHome,pPlace,v100,z5,tGrip;
+    SetDO doGrip,0;
+  ENDIF
+ENDPROC
+ENDMODULE
+"""
+GLUED = """JOvrd 20
+Tool PTOOL
+Cnt 0
+Mov PHOME
+M_Timer(1)=0
+*AGAIN
+If M_In(4)=1 Then *THERE
+If M_Timer(1)<3000 Then *AGAIN
+M_Out(11)=1
+End
+*THERE
+Spd 100
+Mvs PPICK
+M_Out(10)=1
+Cnt 1,5,5
+Mvr PPICK,PHOME,PPLACE
+M_Out(10)=0
+End
+"""
+CELL = """
+[signals.doGrip]
+number = 10
+[signals.doDone]
+number = 11
+[signals.diPart]
+direction = "input"
+number = 4
+[signals.diOpen]
+direction = "input"
+number = 5
+[signals.giKind]
+kind = "group"
+direction = "input"
+number = 20
+bits = 2
+"""
+
+
+def written(folder: Path, name: str, text: str) -> Path:
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def compared(folder: Path, rapid: str, melfa: str) -> Comparison:
+    """A program in RAPID, and what somebody wrote for it in MELFA-BASIC V."""
+    first = written(folder, "cell.mod", HEAD + rapid)
+    second = written(folder, "CELL.prg", melfa + POSITIONS)
+    process = written(folder, "cell.process.toml", CELL)
+    return compare(first, second, process=process, language="melfa-basic-5")
+
+
+SAME = {
+    "a subroutine, a loop that polls": (PICKING, PICKED),
+    "jumps for a choice": (CHOOSING, CHOSEN),
+    "a timer for a longest time": (GLUING, GLUED),
+    "a condition the other way round": (
+        CHOOSING.replace("diPart=1 AND (diOpen=1 OR n>2)", "NOT (diPart=0 OR (diOpen=0 AND n<3))"),
+        CHOSEN,
+    ),
+    "a loop that counts down": (
+        PICKING,
+        PICKED.replace("M1=0", "M1=2").replace("M1<2", "M1>0").replace("M1=M1+1", "M1=M1-1"),
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Fault:
+    """What somebody typed wrongly. lines: of both, where it shows. said: a part of the answer."""
+
+    pair: tuple[str, str]
+    typed: tuple[str, str]
+    lines: tuple[str | None, str | None]
+    said: str
+
+
+FAULTS = {
+    "a digit": Fault(
+        (PICKING, PICKED),
+        ("Z=PABOVE.Z+50", "Z=PABOVE.Z+5"),
+        ("MoveL Offs(pPick,0,0,50),v200,z10,tGrip;", "Mvs PABOVE"),
+        "another flange, 45.00 mm and 0.00 degrees off",
+    ),
+    "a wait that is missing": Fault(
+        (PICKING, PICKED),
+        ("If M_In(4)=0 Then GoTo *WAITING\n", ""),
+        ("WaitDI diPart,1;", "Mvs PABOVE"),
+        "a wait that ends with 4=1, and linear to",
+    ),
+    "one more of a loop": Fault(
+        (PICKING, PICKED),
+        ("While M1<2", "While M1<=2"),
+        (None, "Mvs PABOVE"),
+        "ended as `end`, and linear to",
+    ),
+    "another output": Fault(
+        (CHOOSING, CHOSEN),
+        ("M_Out(11)=1", "M_Out(10)=1"),
+        ("SetDO doDone,1;", "M_Out(10)=1"),
+        "signal 11 = 1, and signal 10 = 1",
+    ),
+    "a term of a condition": Fault(
+        (CHOOSING, CHOSEN),
+        ("If M_In(5)=0 And M1<=2 Then *OUT", "If M_In(5)=0 And M1<=3 Then *OUT"),
+        ("MoveL pHome,v200,fine,tGrip;", None),
+        "and ended as `end`",
+    ),
+    "the length of a pulse": Fault(
+        (PICKING, PICKED),
+        ("Dly 0.4", "Dly 4"),
+        ("PulseDO\\PLength:=0.4,doDone;", "M_Out(11)=1 Dly 4"),
+        "after 0.4 s, and signal 11 = 0 after 4 s",
+    ),
+    "a longest time": Fault(
+        (GLUING, GLUED),
+        ("M_Timer(1)<3000", "M_Timer(1)<300"),
+        ("SetDO doDone,1;", "M_Out(11)=1"),
+        "another longest time of a wait",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SAME)
+def test_programs_in_another_style_are_equal(tmp_path: Path, name: str) -> None:
+    done = compared(tmp_path, *SAME[name])
+    assert done.answer == "equal", [*done.differences, *done.findings]
+    assert done.exit_status == 0
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_a_fault_is_found_at_its_lines(tmp_path: Path, name: str) -> None:
+    fault = FAULTS[name]
+    rapid, melfa = fault.pair
+    assert melfa.count(fault.typed[0]) == 1
+    done = compared(tmp_path, rapid, melfa.replace(*fault.typed))
+    assert (done.answer, done.exit_status) == ("different", 1)
+    shown = [
+        (tuple(place.text if place else None for place in one.places), one.what)
+        for one in done.differences
+    ]
+    assert any(lines == fault.lines and fault.said in what for lines, what in shown), shown
+
+
+def test_the_inputs_and_the_condition_before_a_difference_are_told(tmp_path: Path) -> None:
+    done = compared(tmp_path, CHOOSING, CHOSEN.replace("And M1<=2", "And M1<=3"))
+    (one,) = done.differences
+    assert one.inputs == "di_20=1, di_21=1, diPart=1"
+    assert [place and place.text for place in one.behind] == [
+        "IF diPart=1 AND (diOpen=1 OR n>2) THEN",
+        "If M_In(5)=0 And M1<=3 Then *OUT",
+    ]
+    (finding,) = [f for f in done.findings if f.code == "CO118"]
+    assert finding.line == 20 and "CELL.prg:" not in finding.message
+
+
+def test_either_program_may_be_the_first(tmp_path: Path) -> None:
+    first = written(tmp_path, "CELL.mb5", PICKED + POSITIONS)
+    process = written(tmp_path, "cell.process.toml", CELL)
+    second = written(tmp_path, "cell.mod", HEAD + PICKING)
+    done = compare(first, second, names={"di_4": "diPart", "do_10": "doGrip", "do_11": "doDone"})
+    assert done.answer == "equal", [*done.differences, *done.findings]
+    assert compare(second, second, process=[process, process]).equal
+
+
+RENAMED = PICKING.replace("diPart", "diReady").replace("doGrip", "doTake").replace("doDone", "doOk")
+
+
+def test_names_of_a_table_and_by_their_order(tmp_path: Path) -> None:
+    first = written(tmp_path, "one.mod", HEAD + PICKING)
+    second = written(tmp_path, "two.mod", HEAD + RENAMED)
+    done = compare(first, second)
+    assert done.equal
+    told = [f.message for f in done.findings if f.code == "CO121"]
+    assert len(told) == 3 and any("`diPart` is taken for `diReady`" in one for one in told)
+    crossed = {"doGrip": "doOk", "doDone": "doTake"}
+    assert compare(first, second, names=crossed).answer == "different"
+    table = written(tmp_path, "names.toml", '[names]\ndoGrip = "doTake"\ndoDone = "doOk"\n')
+    done = compare(first, second, names=table)
+    assert done.equal and [f.code for f in done.findings] == ["CO121"]
+
+
+def test_what_nobody_can_pair_is_not_compared(tmp_path: Path) -> None:
+    first = written(tmp_path, "one.mod", HEAD + PICKING)
+    second = written(
+        tmp_path, "two.mod", HEAD + RENAMED.replace("SetDO doTake,0;", "SetDO doOff,1;")
+    )
+    with pytest.raises(Refused) as refused:
+        compare(first, second)
+    assert refused.value.exit_status == 2
+    assert {f.code for f in refused.value.findings} >= {"CO120"}
+    with pytest.raises(Refused) as refused:
+        compare(first, second, names={"doGrib": "doTake"})
+    assert "`doGrib` in the first program" in str(refused.value)
+
+
+def test_shared_data_is_paired_by_the_table(tmp_path: Path) -> None:
+    body = "PROC main()\n  nTotal:=nTotal+1;\n  SetDO doDone,1;\nENDPROC\nENDMODULE\n"
+    text = f"PERS num nTotal:=0;\n{body}"
+    first = written(tmp_path, "one.mod", HEAD + text)
+    other = text.replace("nTotal", "nCount").replace("+1", "+2")
+    second = written(tmp_path, "two.mod", HEAD + other)
+    assert compare(first, second).equal
+    done = compare(first, second, names={"nTotal": "nCount"})
+    assert done.differences[0].what.endswith("`ntotal` is 1, and `ntotal` is 2")
+
+
+def test_a_program_that_does_nothing_is_not_compared(tmp_path: Path) -> None:
+    script = written(tmp_path, "s.toml", '[[set]]\ninput = "diOpen"\n')
+    body = "PROC main()\n  WaitDI diPart,1;\nENDPROC\nENDMODULE\n"
+    waits = written(tmp_path, "one.mod", HEAD + body)
+    done = compare(waits, waits, proving=Proving(script=script))
+    assert (done.answer, done.exit_status) == ("not compared", 2)
+    none = written(tmp_path, "two.mod", HEAD + "PROC main()\nENDPROC\nENDMODULE\n")
+    done = compare(none, none)
+    assert (done.answer, done.exit_status) == ("not compared", 2)
+    assert [f.code for f in done.findings] == ["CO123"]
+
+
+def test_programs_of_folders_are_paired_by_their_names(tmp_path: Path) -> None:
+    for folder in ("old", "new"):
+        (tmp_path / folder).mkdir()
+        written(tmp_path / folder, "PICK.prg", PICKED + POSITIONS)
+    written(tmp_path / "old", "GLUE.prg", GLUED + POSITIONS)
+    pairs = counterparts(str(tmp_path / "old"), str(tmp_path / "new"), "melfa-basic-5")
+    assert [Path(one.name).name for one, _ in pairs.both] == ["PICK.prg"]
+    assert [Path(name).name for name, _ in pairs.lone] == ["GLUE.prg"]
