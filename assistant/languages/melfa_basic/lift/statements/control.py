@@ -12,7 +12,7 @@ from assistant.languages.melfa_basic.lift.statements.lines import Block, Lift, S
 from assistant.languages.melfa_basic.lift.structure.regions import next_word
 from assistant.languages.melfa_basic.lift.values import pallets
 from assistant.languages.melfa_basic.lift.values.operators import operator_name
-from assistant.languages.melfa_basic.lift.values.reasons import NO_LABEL, NO_PROCEDURE
+from assistant.languages.melfa_basic.lift.values.reasons import NO_LABEL, NO_PROCEDURE, PARTS
 from assistant.languages.melfa_basic.lift.values.symbols import Unliftable
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import block_word
@@ -79,6 +79,8 @@ class Control(Statements):
                 if not isinstance(name, e.Name):
                     raise Unliftable
                 counted = p.ONE if step is None else of(step)
+                if self.expressions.type_of(variable) == "integer" and not _is_whole(counted):
+                    raise Unliftable(PARTS)
                 limits = of(first), of(last)
                 inside = self.body(places[0] + 1, places[-1])
                 return p.For(name.name, *limits, inside, counted)
@@ -273,3 +275,8 @@ COMMANDS: Final[Mapping[str, tuple[int, Lift]]] = {
     "Act": (1, interrupts.switch),
     "SetMoTrg": (1, interrupts.watch),
 }
+
+
+def _is_whole(step: e.Expression) -> bool:
+    """Whether a step may be a whole number, for all that its text says."""
+    return not isinstance(step, e.Number) or float(step.value).is_integer()

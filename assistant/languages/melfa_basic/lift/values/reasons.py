@@ -43,6 +43,10 @@ SLIDING: Final = Reason(
     "no program tells whether an additional axis turns or slides",
     "copy its place from another position, or state it in the position's own line",
 )
+PARTS: Final = Reason(
+    "a variable of whole numbers counts by what is no whole number",
+    "count with a variable of other numbers",
+)
 DELAYED: Final = Reason("the assignment comes late, by `Dly`", "put Dly above a plain assignment")
 _HANDS: Final = Reason(
     "it drives a hand of the maker's with its own motor",

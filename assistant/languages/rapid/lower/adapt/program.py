@@ -34,7 +34,7 @@ from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
 from assistant.program.passes.angles import with_whole_angles
 from assistant.program.passes.comments import lines
 from assistant.program.passes.counted_loops import counted_loops
-from assistant.program.passes.integers import with_one_kind_of_numbers
+from assistant.program.passes.integers import with_one_kind_of_numbers, with_rounded_values
 from assistant.program.passes.interrupts import with_interrupts_first
 from assistant.program.passes.legalising import Legalising, Pass, legalised, pure
 from assistant.program.passes.named_places import with_named_places
@@ -122,6 +122,7 @@ def _rank(declaration: Declaration) -> int:
 
 
 PASSES: Final[tuple[Pass, ...]] = (
+    pure(with_rounded_values),
     with_interrupts_first,
     with_measured_places,
     with_named_places,
