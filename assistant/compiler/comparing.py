@@ -35,12 +35,12 @@ DIFFERS: Final = error(
 NOT_COMPARED: Final = error(
     "CO119",
     "the programs cannot be compared: {reason}",
-    "see what stands there; --cell and --process say what a program does not declare",
+    "see the place that it names; what no text declares is stated in a cell file",
 )
 NOTHING: Final = error(
     "CO123",
     "there is nothing to compare: in {runs} runs neither program moved or changed anything",
-    "say with --signals what lets them go on, or with --entry where they begin",
+    "see what both wait for, and where they begin",
 )
 MOST_DIFFERENCES: Final = 5
 """That are looked for: what follows from the first ones is of little use."""

@@ -30,7 +30,7 @@ from assistant.sources.process.values import Wrong
 NO_PAIR: Final = error(
     "CO120",
     "nothing says which {kind} of the second program is `{name}`: it has {others}",
-    "give both numbers with --process, or write `{name} = ...` under [names] in a file for --names",
+    "write in a file for --names what it is there",
 )
 BY_ORDER: Final = info(
     "CO121",

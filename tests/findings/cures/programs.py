@@ -52,6 +52,8 @@ end
 """
 
 
+SETTING: Final = rapid("SetDO ready,1;")
+SETTING_TWO: Final = rapid("SetDO fetched,1;", "SetDO placed,1;")
 READY: Final = '[signals.ready]\nkind = "digital"\ndirection = "input"\nnumber = 3\n'
 JOINED: Final = "x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z,motion,{}\n300,0,400,0,0,1,0,joint,{}\n"
 AT_ONCE: Final = '[[set]]\ninput = "ready"\nat = 0\n'
@@ -228,6 +230,21 @@ CASES: Final = (
             "s.toml": '[[set]]\ninput = "ready"\nvalue = 0\nat = 0\n',
         },
         change={"s.toml": '[[set]]\ninput = "ready"\nat = 1.5\n'},
+    ),
+    Case(
+        "CO120",
+        "compare one.mod two.mod",
+        {"one.mod": SETTING, "two.mod": SETTING_TWO},
+        change={"names.toml": '[names]\nready = "fetched"\n'},
+        then=("compare one.mod two.mod --names names.toml",),
+        others=("CO118",),
+    ),
+    Case(
+        "CO121",
+        "compare one.mod two.mod",
+        {"one.mod": SETTING, "two.mod": SETTING.replace("ready", "fetched")},
+        change={"names.toml": '[names]\nready = "fetched"\n'},
+        then=("compare one.mod two.mod --names names.toml",),
     ),
     Case(
         "CO111",

@@ -231,6 +231,8 @@ MOVES: Final = {
     "a sum of a target and a text": ("MoveL a1+text,v100,z10,t1;", "RA428"),
     "a function as instruction": ("Offs a1,0,0,0;", "RA415"),
     "a procedure as target": ("MoveL other(),v100,z10,t1;", "RA416"),
+    "the name of a procedure as target": ("MoveL other,v100,z10,t1;", "RA419"),
+    "a procedure in a target": ("MoveL Offs(a1,other,0,0),v100,z10,t1;", "RA419"),
     "data that are called": ("MoveL a1(1),v100,z10,t1;", "RA417"),
     "a declaration among moves": (f"CONST robtarget late:={_target(1)};", "RA209"),
     "moves that nothing reaches": ("RETURN;", "RA450"),

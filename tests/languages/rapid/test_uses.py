@@ -149,6 +149,7 @@ CASES = [
     Case(rules.FUNCTION_ALONE, "twice 2;", "a:=twice(2);"),
     Case(rules.FUNCTION_ALONE, "Offs p1,1,2,3;", "MoveL Offs(p1,1,2,3),v50,z1,gripper;"),
     Case(rules.NO_FUNCTION, "a:=Stop();", "Stop;"),
+    Case(rules.NO_VALUE, "a:=grip;", "a:=1;"),
     Case(rules.NOT_A_ROUTINE, "a 1;", "grip 1,a;"),
     Case(rules.NOT_A_ROUTINE, "stopped;", "CONNECT alarm WITH stopped;"),
     Case(rules.UNKNOWN_TYPE, "", "", "VAR weldseam x;", "VAR part x;"),

@@ -17,6 +17,7 @@ Rules = tuple[Callable[[Any, Scope], Found], ...]
 RULES: Final[Mapping[type, Rules]] = {
     s.ProcedureCall: (calls.procedure,),
     s.FunctionCall: (calls.function,),
+    s.NameRef: (names_used.without_value,),
     s.Connect: (calls.connected,),
     s.Component: (names_used.component,),
     s.Element: (names_used.element, values.indices),

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
 from itertools import takewhile
-from typing import Any, TypeVar, cast
+from typing import Any, Final, TypeVar, cast
 
 from assistant.languages.checks.symbols import Declaration, Symbols, find
 from assistant.languages.checks.views import Memory, by_type
@@ -23,6 +23,15 @@ Declared = Declaration[s.Node]
 """What declares a name: `VAR`, `PERS`, `CONST`, `PROC`, `FUNC`, `TRAP`, `RECORD` or `ALIAS`; of
 parameters `IN`, `VAR`, `PERS` or `INOUT`; `FOR` for the variable of a loop.
 """
+
+VALUELESS: Final = {
+    "PROC": "a procedure",
+    "FUNC": "a function",
+    "TRAP": "a trap routine",
+    "RECORD": "a type",
+    "ALIAS": "a type",
+}
+"""What declares names that are no data, for people."""
 
 
 class Task(Memory):
@@ -65,6 +74,13 @@ class Task(Memory):
     @property
     def has_main(self) -> bool:
         return bool(self._mains)
+
+    @cached_property
+    def valueless(self) -> frozenset[str]:
+        """Names in lower case of modules, and of what some module declares that is no data."""
+        declared = (one for names in (self.shared, *self.own.values()) for one in names)
+        found = {one.name.lower() for one in declared if one.kind in VALUELESS}
+        return frozenset(found | {module.name.lower() for module in self.modules})
 
     @property
     def unsure(self) -> Severity:

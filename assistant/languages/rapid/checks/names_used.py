@@ -8,9 +8,11 @@ from assistant.languages.checks.registry import Found
 from assistant.languages.checks.slips import misspelt
 from assistant.languages.rapid.checks import use_rules as rules
 from assistant.languages.rapid.checks.kinds import Scope
+from assistant.languages.rapid.checks.module_view import VALUELESS
 from assistant.languages.rapid.tables import predefined
 from assistant.languages.rapid.tables.words import TYPE_ENDING
 from assistant.languages.rapid.tree import syntax as s
+from assistant.program.diagnostics import Severity
 
 
 def component(node: s.Component, scope: Scope) -> Found:
@@ -51,6 +53,20 @@ def data(node: s.Expression, scope: Scope) -> Found:
         return
     if scope.look.first("data", low):
         yield scope.look.finding(rules.UNKNOWN_DATA, node, name=node.name)
+
+
+def without_value(node: s.NameRef, scope: Scope) -> Found:
+    """The name of a routine, of a type or of a module, where data should stand."""
+    found = scope.find(node.name)
+    if found is not None:
+        if found.kind in VALUELESS and not scope.doubtful(found):
+            yield scope.look.finding(
+                rules.NO_VALUE, node, name=node.name, what=VALUELESS[found.kind]
+            )
+    elif node.name.lower() not in predefined.data():  # of a module, or a signal that is called so
+        yield scope.look.finding(
+            rules.NO_VALUE, node, name=node.name, what="a module", severity=Severity.WARNING
+        )
 
 
 def errors(

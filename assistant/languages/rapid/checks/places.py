@@ -16,11 +16,14 @@ N = TypeVar("N", bound=s.Node)
 LEAVES: Final = frozenset(
     {s.NumberLiteral, s.StringLiteral, s.BoolLiteral, s.NameRef, s.CommentLine, s.Placeholder}
 )
-"""Most of a tree: nodes without rules and without anything inside."""
+"""Most of a tree: nodes without anything inside, and without rules but for few names."""
 
 
 def places(look: Look) -> list[tuple[s.Node, Scope]]:
-    """The nodes as they stand in the text, without leaves and rows of runs."""
+    """The nodes as they stand in the text, without rows of runs, and without leaves.
+
+    Names of routines, types and modules are no leaves: where data stands they are wrong.
+    """
     return list(_places(look))
 
 
@@ -34,11 +37,18 @@ def _by_type(look: Look) -> dict[type, list[tuple[Any, Scope]]]:
 
 
 def _places(look: Look) -> Iterator[tuple[s.Node, Scope]]:
+    odd = look.task.valueless
+
+    def is_leaf(node: Any) -> bool:
+        return type(node) in LEAVES and not (
+            isinstance(node, s.NameRef) and node.name.lower() in odd
+        )
+
     pending: list[tuple[Any, Scope]] = [(look.module.items, Scope(look.once(Types)))]
     while pending:
         item, scope = pending.pop()
         if isinstance(item, tuple):
-            pending.extend([(one, scope) for one in reversed(item) if type(one) not in LEAVES])
+            pending.extend([(one, scope) for one in reversed(item) if not is_leaf(one)])
         elif isinstance(item, s.ForLoop):
             pending.append((item.body, scope.inside(item)))
             pending.append(((item.first, item.last, item.step), scope))
@@ -48,7 +58,5 @@ def _places(look: Look) -> Iterator[tuple[s.Node, Scope]]:
             yield item, scope
             for name in inside(type(item)) or ():
                 part = getattr(item, name)
-                if isinstance(part, tuple) or (
-                    isinstance(part, s.Node) and type(part) not in LEAVES
-                ):
+                if isinstance(part, tuple) or (isinstance(part, s.Node) and not is_leaf(part)):
                     pending.append((part, scope))

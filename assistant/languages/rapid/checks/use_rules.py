@@ -86,6 +86,9 @@ NO_FUNCTION: Final = error(
     "call it as an instruction of its own, without parentheses",
 )
 NOT_A_ROUTINE: Final = error("RA417", "`{name}` is called, but is {what}", "correct the name")
+NO_VALUE: Final = error(
+    "RA419", "`{name}` is {what}, which has no value of its own", "name data, or call the routine"
+)
 UNKNOWN_TYPE: Final = warning(
     "RA421",
     "neither RobotWare nor a given module has a type `{name}`",
