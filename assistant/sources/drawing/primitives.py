@@ -33,6 +33,9 @@ ROUND: Final = 1e-9
 FARTHEST: Final = 1e7
 """mm; a coordinate beyond 10 km is no work piece but a broken file."""
 
+FLAT: Final = 1e-4
+"""mm; an arc that leaves its chord by less is a line, where its centre is no place."""
+
 SHORTEST: Final = 1e-9
 """mm; what is shorter has no direction."""
 
@@ -82,6 +85,10 @@ class Conic:
         return Conic(point(matrix, self.centre), u, v, self.sweep)
 
     def curve(self, layer: str, handle: str) -> Curve:
+        radius = max(math.hypot(*vector(self.u)), math.hypot(*vector(self.v)))
+        if radius >= FARTHEST and 2.0 * radius * math.sin(self.sweep / 4.0) ** 2 <= FLAT:
+            start, end = self._evaluate(np.array([0.0, 1.0]))
+            return Straight(start, end).curve(layer, handle)
         check_places(self.centre, self.u, self.v)
         # Plain numbers: a drawing may have thousands of these, of three numbers each.
         centre, u, v = vector(self.centre), vector(self.u), vector(self.v)

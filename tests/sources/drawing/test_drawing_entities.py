@@ -159,6 +159,34 @@ def test_lwpolyline_downwards(save: Save, drawing: Drawing) -> None:
     assert_arc(arc, (0, 0, -4), (-5, -5, -4), (-10, 0, -4))
 
 
+@pytest.mark.parametrize("bulge", [1e-7, -3e-8, 1e-9, 1e-12])
+def test_a_bulge_that_is_noise_is_straight(save: Save, drawing: Drawing, bulge: float) -> None:
+    rows = [(0, 0, bulge), (30, 0, 0), (30, 20, bulge), (0, 20, 0)]
+    drawing.modelspace().add_lwpolyline(rows, format="xyb", close=True)
+    path = save(drawing)
+    found = curves(path)
+    assert all(isinstance(one, Line) for one in found) and not findings(path, "DX205")
+    ends = [(0, 0, 0), (30, 0, 0), (30, 20, 0), (0, 20, 0)]
+    assert [one.start for one in found] == [pytest.approx(end, abs=1e-5) for end in ends]
+
+
+def test_an_arc_around_a_place_far_away_is_straight(save: Save, drawing: Drawing) -> None:
+    radius = 1e8
+    turn = math.degrees(30.0 / radius)
+    drawing.modelspace().add_arc((-radius, 0), radius, 0.0, turn)
+    (found,) = curves(save(drawing))
+    assert isinstance(found, Line)
+    assert found.start == pytest.approx((0, 0, 0), abs=1e-5)
+    assert found.end == pytest.approx((0, 30, 0), abs=1e-5)
+
+
+def test_an_arc_around_a_place_far_away_that_is_not_straight_is_refused(
+    save: Save, drawing: Drawing
+) -> None:
+    drawing.modelspace().add_arc((-1e8, 0), 1e8, 0.0, math.degrees(3e4 / 1e8))
+    assert len(findings(save(drawing), "DX205")) == 1
+
+
 @pytest.mark.parametrize("close", [False, True])
 def test_old_polylines(save: Save, drawing: Drawing, close: bool) -> None:
     model = drawing.modelspace()
