@@ -47,12 +47,17 @@ def read_unset(program: Program) -> Iterator[tuple[str, Variable, Span | None]]:
 
 
 def _first_named(program: Program) -> dict[str, Span | None]:
-    """Names in lower case, each with the place of the first statement that holds it."""
+    """Names in lower case of the program's own, each with the place of the first statement that
+    holds it.
+    """
     found: dict[str, Span | None] = {}
-    for statement in program.statements():
-        for part in records(head(statement)):
-            if isinstance(part, e.Name):
-                found.setdefault(part.name.lower(), statement.span)
+    for procedure in program.procedures:
+        own = {name.lower() for name in procedure.variables}
+        own |= {parameter.name.lower() for parameter in procedure.parameters}
+        for statement in walk(procedure.body):
+            for part in records(head(statement)):
+                if isinstance(part, e.Name) and part.name.lower() not in own:
+                    found.setdefault(part.name.lower(), statement.span)
     return found
 
 
