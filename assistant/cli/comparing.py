@@ -61,7 +61,9 @@ def run_compare(first: str, second: str, options: Options, format: Format) -> in
                 )
             )
     lone = [ALONE(path=name, name=name, folder=folder) for name, folder in pairs.lone]
-    status = max([answers.status, int(bool(lone)), *(each.exit_status for each in done)])
+    status = max(
+        [2 if answers.refusals else 0, int(bool(lone)), *(each.exit_status for each in done)]
+    )
     refusals = [*answers.refusals, *lone]
     if format is Format.JSON:
         print_json(_record(done, refusals, status))

@@ -1,0 +1,91 @@
+"""`compare`: what it says of two programs, for people and for programs, and its exit status."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from tests.cli.test_commands import run
+from tests.compiler.test_comparing import (
+    CELL,
+    CHOOSING,
+    CHOSEN,
+    HEAD,
+    PICKED,
+    PICKING,
+    POSITIONS,
+    written,
+)
+
+Capture = pytest.CaptureFixture[str]
+
+
+@pytest.fixture
+def cell(tmp_path: Path) -> Path:
+    written(tmp_path, "pick.mod", HEAD + PICKING)
+    written(tmp_path, "PICK.mb5", PICKED + POSITIONS)
+    written(tmp_path, "cell.process.toml", CELL)
+    return tmp_path
+
+
+def test_equal_programs(capsys: Capture, cell: Path) -> None:
+    given = cell / "pick.mod", cell / "PICK.mb5", "-p", cell / "cell.process.toml"
+    status, out, err = run(capsys, "compare", *given)
+    assert (status, err) == (0, "")
+    assert out.rstrip().endswith("largest distance 0.0000 mm, 0.0000 degrees: equal")
+    assert out.count("\n") == 1
+
+
+def test_both_lines_of_a_difference(capsys: Capture, cell: Path) -> None:
+    wrong = PICKED.replace("Dly 0.3", "Dly 3")
+    written(cell, "PICK.mb5", wrong + POSITIONS)
+    given = cell / "pick.mod", cell / "PICK.mb5", "-p", cell / "cell.process.toml"
+    status, out, err = run(capsys, "compare", *given)
+    assert (status, err) == (1, "")
+    first, second, third, what, line = out.splitlines()
+    assert first == f"{cell / 'pick.mod'}:13: WaitTime 0.3;"
+    assert second == f"{cell / 'PICK.mb5'}:28: Dly 3"
+    assert third == "  behind line 18: If M_In(4)=0 Then GoTo *WAITING"
+    assert what == "  event 6: another delay: 0.3 s, and 3 s; with diPart=1"
+    assert line.endswith(": different")
+
+
+def test_the_answer_for_programs(capsys: Capture, cell: Path) -> None:
+    written(cell, "pick.mod", HEAD + CHOOSING)
+    written(cell, "PICK.mb5", CHOSEN.replace("M_Out(11)=1", "M_Out(12)=1") + POSITIONS)
+    given = cell / "pick.mod", cell / "PICK.mb5", "-p", cell / "cell.process.toml"
+    status, out, _ = run(capsys, "compare", *given, "--format", "json")
+    answer = json.loads(out)
+    assert status == 1 and answer["ok"] is False
+    (one,) = answer["comparisons"]
+    assert one["answer"] == "different"
+    assert one["compared"]["runs"] > 1
+    (difference,) = one["differences"]
+    assert [place["text"] for place in difference["places"]] == ["SetDO doDone,1;", "M_Out(12)=1"]
+    assert difference["behind"][0]["text"] == "TEST n"
+
+
+@pytest.mark.parametrize(
+    ("second", "code"), [("none.mb5", "IN001"), ("broken.mb5", "MB002"), ("empty.mod", "IN005")]
+)
+def test_what_cannot_be_read(capsys: Capture, cell: Path, second: str, code: str) -> None:
+    written(cell, "broken.mb5", "10 Mvs (\n20 End\n")
+    written(cell, "empty.mod", "")
+    status, out, err = run(capsys, "compare", cell / "pick.mod", cell / second)
+    assert (status, out) == (2, "")
+    assert code in err and "Traceback" not in err
+
+
+def test_folders(capsys: Capture, cell: Path) -> None:
+    for folder in ("old", "new"):
+        (cell / folder).mkdir()
+        written(cell / folder, "PICK.mb5", PICKED + POSITIONS)
+        written(cell / folder, "CHOOSE.mb5", CHOSEN + POSITIONS)
+    status, out, _ = run(capsys, "compare", cell / "old", cell / "new")
+    assert status == 0
+    assert out.rstrip().endswith("2 pairs of programs, 2 of them equal")
+    written(cell / "old", "MORE.mb5", "M_Out(3)=1\nEnd\n")
+    status, out, err = run(capsys, "compare", cell / "old", cell / "new")
+    assert status == 1 and "CL015" in err and "MORE" in err
