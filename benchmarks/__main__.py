@@ -18,6 +18,7 @@ from benchmarks import (
     in_the_studio,
     learning,
     models,
+    mutants,
     planning,
     real_time,
     scenes,
@@ -69,8 +70,9 @@ def main() -> None:
             "scenes",
             "growth",
             "tasks",
+            "proofs",
         ],
-        help="one part of it; growth takes hours; it and tasks run only if they are named",
+        help="one part of it; growth takes hours; it, tasks and proofs run only if they are named",
     )
     arguments.add_argument("--construct", default="", help="of growth: part of a name")
     arguments.add_argument("--short", action="store_true", help="of growth: a handful, small")
@@ -79,6 +81,8 @@ def main() -> None:
     arguments.add_argument(
         "--seconds", type=float, help="of real-time control, 60 if left out; of models, 30"
     )
+    arguments.add_argument("--programs", type=int, default=40, help="of proofs, translations")
+    arguments.add_argument("--mutants", type=int, default=2, help="of proofs, of each kind")
     tasks.arguments(arguments.add_argument_group("of tasks"))
     chosen = arguments.parse_args()
     if chosen.case:
@@ -86,6 +90,9 @@ def main() -> None:
         return
     if chosen.only == "tasks":
         tasks.run(chosen)
+        return
+    if chosen.only == "proofs":
+        mutants.report(chosen.programs, chosen.mutants)
         return
     if chosen.only == "growth":
         runs = 1 if chosen.short else max(chosen.runs, 5)

@@ -1,0 +1,244 @@
+"""Proofs, examined: translations with one fault each, and how many of them the proof finds.
+
+    python -m benchmarks --only proofs [--programs 40] [--mutants 2]
+
+The programs are drawn at random, as many in either direction. Each translation has to be proven
+first; then each kind of fault is made in it at some places, and the proof runs again. What it does
+not find is printed with both lines: it is one that no run can tell, or a gap of the proof.
+"""
+
+from __future__ import annotations
+
+import re
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from random import Random
+from tempfile import TemporaryDirectory
+from typing import Final
+
+import assistant
+from assistant.compiler import Compiled
+from assistant.compiler.arms import Arms
+from assistant.compiler.loading import load_text
+from assistant.compiler.motion import Proving, prove_motion
+from assistant.compiler.motion_sides import written
+from assistant.program.diagnostics import Refused
+from assistant.program.text import SourceText
+
+Made = Callable[[re.Match[str], Random, Sequence[str]], str | None]
+"""What a line becomes, from what matches in it; None where there is nothing else to be."""
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """A kind of fault. melfa, rapid: what it is made of in a line of either language."""
+
+    name: str
+    made: Made
+    melfa: str
+    rapid: str
+
+
+def _nothing(*_: object) -> str:
+    return ""
+
+
+def _other_number(match: re.Match[str], rng: Random, _: Sequence[str]) -> str:
+    return _with(match, f"{float(match[1]) + rng.choice((1, 2)):g}")
+
+
+def _one_off(match: re.Match[str], rng: Random, _: Sequence[str]) -> str:
+    return _with(match, str(int(match[1]) + rng.choice((-1, 1))))
+
+
+def _larger(match: re.Match[str], _: Random, __: Sequence[str]) -> str:
+    return _with(match, f"{2 * float(match[1]):g}")
+
+
+def _negated(match: re.Match[str], _: Random, __: Sequence[str]) -> str:
+    return _with(match, "0" if match[1] == "1" else "1")
+
+
+def _other_word(match: re.Match[str], rng: Random, words: Sequence[str]) -> str | None:
+    others = [word for word in dict.fromkeys(words) if word.lower() != match[1].lower()]
+    return _with(match, rng.choice(others)) if others else None
+
+
+def _relation(match: re.Match[str], _: Random, __: Sequence[str]) -> str:
+    others = {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "=": "<>", "<>": "="}
+    return _with(match, others[match[1]])
+
+
+def _joined(match: re.Match[str], _: Random, __: Sequence[str]) -> str:
+    return _with(match, {"and": "Or", "or": "And", "xor": "Or"}[match[1].lower()])
+
+
+def _with(match: re.Match[str], other: str) -> str:
+    """The line with something else in the place of the first group."""
+    return match.string[: match.start(1)] + other + match.string[match.end(1) :]
+
+
+FAULTS: Final = (
+    Fault("a move dropped", _nothing,
+          r"^Mvs|^Mov\b|^Mvr",
+          r"^Move[LJC]"),
+    Fault("an output dropped", _nothing,
+          r"^M_Out",
+          r"^SetDO|^SetGO|^PulseDO"),
+    Fault("a wait dropped", _nothing,
+          r"^Wait ",
+          r"^WaitDI|^WaitUntil|^WaitDO"),
+    Fault("a delay dropped", _nothing,
+          r"^Dly",
+          r"^WaitTime"),
+    Fault("a call dropped", _nothing,
+          r"^GoSub|^CallP",
+          r"^r[A-Z]\w*( |;)"),
+    Fault("another value of an output", _negated,
+          r"^M_Out\(\d+\)=([01])\b",
+          r"^SetDO \w+,([01]);"),
+    Fault("another state to wait for", _negated,
+          r"^Wait M_In\(\d+\)=([01])",
+          r"^WaitDI \w+,([01])"),
+    Fault("another input", _other_word,
+          r"M_In\((\d+)\)",
+          r"^WaitDI (\w+),|IF (di\w+)="),
+    Fault("another output", _other_word,
+          r"^M_Out\((\d+)\)",
+          r"^SetDO (do\w+),"),
+    Fault("another target", _other_word,
+          r"^(?:Mvs|Mov) (\w+)$",
+          r"^Move[LJ] (\w+),"),
+    Fault("another number", _other_number,
+          r"^Dly (\d+(?:\.\d+)?)$",
+          r"^WaitTime (\d+(?:\.\d+)?);"),
+    Fault("one off", _one_off,
+          r"^(?:For|While|If).*\b(\d+)\b",
+          r"^(?:FOR|WHILE|IF).*\b(\d+)\b"),
+    Fault("another relation", _relation,
+          r"^(?:If|While).*?(<=|>=|<>|<|>)",
+          r"^(?:IF|WHILE).*?(<=|>=|<>|<|>)"),
+    Fault("another operator", _joined,
+          r"^(?:If|While|Wait).*\b(And|Or|Xor)\b",
+          r"^(?:IF|WHILE|WaitUntil).*\b(AND|OR|XOR)\b"),
+    Fault("another speed", _larger,
+          r"^Spd (\d+(?:\.\d+)?)$",
+          r"^Move[LC].*,v(\d+),"),
+    Fault("a wider corner", _larger,
+          r"^Cnt 1,\d+,(\d+)",
+          r",z(10|20|50),"),
+    Fault("another tool", _other_word,
+          r"^Tool (\w+)$",
+          r",(t[A-Z]\w*)(?:\\|;)"),
+    Fault("another pulse", _larger,
+          r"^M_Out.* Dly (\d+(?:\.\d+)?)$",
+          r"^PulseDO\\PLength:=(\d+(?:\.\d+)?)"),
+    Fault("another value of data", _one_off,
+          r"^M\w+=(\d+)$",
+          r"^\w+:=(\d+);"),
+)  # fmt: skip
+NUMBER: Final = re.compile(r"^\s*(?:\d+\s+)?")
+DATA: Final = re.compile(r"^\w+(?:\([\d,]+\))?=\([-+\d]|^(?:CONST|PERS|VAR|LOCAL)\b|^['!]")
+
+
+@dataclass
+class Exam:
+    """What was found. left: those that were not, each with both lines."""
+
+    tried: Counter[str] = field(default_factory=Counter)
+    found: Counter[str] = field(default_factory=Counter)
+    left: list[str] = field(default_factory=list)
+    proven: int = 0
+    seconds: list[float] = field(default_factory=list)
+
+
+def report(programs: int, mutants: int) -> None:
+    """Prints the rate of each fault, what was not found, and how long a proof takes."""
+    exam = Exam()
+    rng = Random("mutants")
+    with TemporaryDirectory() as folder:
+        for name, done in _translations(programs, Path(folder)):
+            began = time.thread_time()
+            if not _proves(done, done.files):
+                print(f"{name}: not proven", flush=True)
+                continue
+            exam.seconds.append(time.thread_time() - began)
+            exam.proven += 1
+            for fault in FAULTS:
+                for files, line, other in _mutants(done, fault, mutants, rng):
+                    exam.tried[fault.name] += 1
+                    if _proves(done, files):
+                        exam.left.append(f"{name}: {fault.name}: {line!r} -> {other!r}")
+                    else:
+                        exam.found[fault.name] += 1
+    print(f"{'fault':<34}{'made':>8}{'found':>8}{'%':>8}")
+    for fault in FAULTS:
+        _row(fault.name, exam.tried[fault.name], exam.found[fault.name])
+    _row("all", exam.tried.total(), exam.found.total())
+    slowest = max(exam.seconds, default=0.0)
+    print(f"\n{exam.proven} programs; the longest proof took {slowest:.1f} s of the processor")
+    print(f"not found: {len(exam.left)}")
+    for line in exam.left:
+        print(f"  {line}")
+
+
+def _row(name: str, tried: int, found: int) -> None:
+    share = f"{100 * found / tried:.0f}" if tried else "-"
+    print(f"{name:<34}{tried:>8,}{found:>8,}{share:>8}")
+
+
+def _translations(count: int, folder: Path) -> Iterator[tuple[str, Compiled]]:
+    """Translations of random programs, as many in either direction, and what they are called."""
+    from tests.virtual import random_melfa, rapid_words
+    from tests.virtual.random_rapid import program
+
+    process = folder / "cell.process.toml"
+    process.write_text(rapid_words.process_file(), encoding="utf-8")
+    sources = {
+        "rapid": (lambda seed: program(seed).text, "melfa-basic-6", process),
+        "melfa-basic-5": (lambda seed: random_melfa.program(5, seed, False), "rapid", None),
+    }
+    for language, (text, to, cell) in sources.items():
+        made, seed = 0, 0
+        while made < count // len(sources):
+            seed += 1
+            try:
+                loaded = load_text(SourceText(text(seed)), process=cell, language=language)
+                done = assistant.translate(loaded, to=to)
+            except Refused:
+                continue
+            if done.ok and len(done.files) == 1:
+                made += 1
+                yield f"{language} {seed}", done.compiled
+
+
+def _mutants(
+    done: Compiled, fault: Fault, most: int, rng: Random
+) -> Iterator[tuple[dict[str, bytes], str, str]]:
+    """Files with one fault each, the line that it is in, and what became of that."""
+    ((name, data),) = done.files.items()
+    lines = data.decode().split("\n")
+    pattern = re.compile(fault.rapid if done.language == "rapid" else fault.melfa)
+    plain = [NUMBER.sub("", line).rstrip("\r") for line in lines]
+    places = [at for at, text in enumerate(plain) if not DATA.match(text) and pattern.search(text)]
+    words = [m[1] for at in places if (m := pattern.search(plain[at])) and m.groups() and m[1]]
+    for at in sorted(rng.sample(places, min(most, len(places)))):
+        match = pattern.search(plain[at])
+        assert match is not None
+        other = None if match.groups() and match[1] is None else fault.made(match, rng, words)
+        if other is None or other == plain[at]:
+            continue
+        changed = [*lines[:at], other, *lines[at + 1 :]] if other else lines[:at] + lines[at + 1 :]
+        yield {name: "\n".join(changed).encode()}, plain[at], other
+
+
+def _proves(done: Compiled, files: Mapping[str, bytes]) -> bool:
+    """Whether files count as the same as the source; what cannot be read does not."""
+    try:
+        pair = written(done.source, done.program, done.language, files)
+        return prove_motion(pair, Arms(), Proving()).holds
+    except Refused:
+        return False
