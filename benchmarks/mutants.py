@@ -197,7 +197,7 @@ def _translations(count: int, folder: Path) -> Iterator[tuple[str, Compiled]]:
 
     process = folder / "cell.process.toml"
     process.write_text(rapid_words.process_file(), encoding="utf-8")
-    sources = {
+    sources: dict[str, tuple[Callable[[int], str], str, Path | None]] = {
         "rapid": (lambda seed: program(seed).text, "melfa-basic-6", process),
         "melfa-basic-5": (lambda seed: random_melfa.program(5, seed, False), "rapid", None),
     }
