@@ -80,6 +80,17 @@ nTotal = "MTOTAL"             # data that outlives a run
 
 What neither program declares, such as tools of a system module, is said in a cell file: `--cell`.
 
+## Without running them
+
+`--text` pairs the statements of both programs, as the pseudo-program says them: places by their
+numbers, tools and frames by where they are, signals as above. It tells which are missing or say
+something else; another order or style is a difference here. Nothing is run, so it also works where a
+program uses what is not simulated:
+
+```console
+$ robot-assistant compare samples/rapid/gluing.mod cr/GLUING.prg -p samples/rapid/cell.process.toml --text  # exits 1
+```
+
 ## From Python
 
 ```python

@@ -35,6 +35,7 @@ class Options:
     language: str | None
     entry: str | None
     proving: Proving
+    text: bool = False
 
 
 def run_compare(first: str, second: str, options: Options, format: Format) -> int:
@@ -58,6 +59,7 @@ def run_compare(first: str, second: str, options: Options, format: Format) -> in
                     language=options.language,
                     entry=options.entry,
                     proving=options.proving,
+                    text=options.text,
                 )
             )
     lone = [ALONE(path=name, name=name, folder=folder) for name, folder in pairs.lone]
@@ -82,6 +84,11 @@ def _show(done: Comparison) -> None:
     from assistant.compiler.comparing import DIFFERS
 
     print_findings(one for one in done.findings if one.code != DIFFERS.code)
+    for row in done.rows:
+        if not row.alike:
+            for sign, name, at in zip("-+", done.names, (row.first, row.second), strict=True):
+                if at is not None:
+                    say(f"{sign} {_line(name, at)}")
     for one in done.differences:
         for name, place, behind in zip(done.names, one.places, one.behind, strict=True):
             say(_line(name, place))
@@ -110,6 +117,10 @@ def _record(done: list[Comparison], refusals: list[Diagnostic], status: int) -> 
                 "differences": list(map(_difference, one.differences)),
                 "compared": one.motion.record(),
                 "names": dict(one.pairs),
+                "statements": [
+                    {"alike": row.alike, "places": [_place(row.first), _place(row.second)]}
+                    for row in one.rows
+                ],
                 "findings": list(map(finding_record, one.findings)),
             }
             for one in done

@@ -239,6 +239,9 @@ def compare(
     seconds: Annotated[
         float, typer.Option(help="Of the processor, that the search may take.", min=0.1)
     ] = 10.0,
+    text: Annotated[
+        bool, typer.Option("--text", help="Pair their statements, and run nothing.")
+    ] = False,
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Run two programs and tell what they do otherwise: motions, outputs, waits, shared data."""
@@ -254,6 +257,7 @@ def compare(
         language=from_language,
         entry=entry,
         proving=Proving(script=signals, seed=seed, seconds=seconds),
+        text=text,
     )
     raise typer.Exit(run_compare(first, second, options, format))
 

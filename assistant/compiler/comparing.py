@@ -17,7 +17,9 @@ from assistant.compiler.motion import MotionProof, Proving, Terms, prove_motion
 from assistant.compiler.motion_sides import Pair, in_the_cell, names_of_wires
 from assistant.compiler.opening import load
 from assistant.compiler.pairing import paired, read_names
-from assistant.compiler.source_map import Place
+from assistant.compiler.source_map import Place, Places
+from assistant.compiler.statement_pairs import Row
+from assistant.compiler.statement_pairs import rows as statement_rows
 from assistant.compiler.tasks import Task, load_task, tasks_of
 from assistant.program.diagnostics import Diagnostic, error
 from assistant.program.lines import lines_of
@@ -67,7 +69,8 @@ class Difference:
 class Comparison:
     """Whether two programs do the same. names: of both.
 
-    pairs: what the second one calls signals and data that the first one calls otherwise.
+    pairs: what the second one calls signals and data that the first one calls otherwise. rows:
+    their statements beside each other, where nothing was run.
     """
 
     names: tuple[str, str]
@@ -75,11 +78,14 @@ class Comparison:
     differences: tuple[Difference, ...] = ()
     findings: tuple[Diagnostic, ...] = ()
     pairs: Mapping[str, str] = field(default_factory=dict)
+    rows: tuple[Row, ...] = ()
 
     @property
     def answer(self) -> Answer:
-        if self.differences:
+        if self.differences or not all(row.alike for row in self.rows):
             return "different"
+        if self.rows:
+            return "equal"
         return "equal" if self.motion.holds and not self.motion.empty else "not compared"
 
     @property
@@ -93,6 +99,9 @@ class Comparison:
 
     def line(self) -> str:
         """The result in one line for people."""
+        if self.rows:
+            alike = sum(row.alike for row in self.rows)
+            return f"{alike} of {len(self.rows)} statements say the same: {self.answer}"
         if self.motion.found is None:
             return self.answer
         return f"{self.motion.compared()}: {self.answer}{self.motion.left_out()}"
@@ -158,6 +167,7 @@ def compare(
     language: str | None = None,
     entry: str | None = None,
     proving: Proving | None = None,
+    text: bool = False,
 ) -> Comparison:
     """Whether two programs do the same, each run by an interpreter of its own language.
 
@@ -166,7 +176,8 @@ def compare(
     file with tools, frames and signals of the first one, or a file for each. cell: file of what
     either uses and does not declare. names: what the second one calls signals and data, by what the
     first one does, or a file of it, see `pairing`. language: of files whose names do not tell.
-    entry: the procedure that the first one begins with, if that is not `main`.
+    entry: the procedure that the first one begins with, if that is not `main`. text: pair their
+    statements, and run nothing.
     Raises Unreadable or Refused for what cannot be read at all.
     """
     arms = Arms(robot_of(robot), robot_of(from_robot))
@@ -181,8 +192,13 @@ def compare(
     else:
         stated = read_names(names)
     pairs = paired(one.program, other.program, stated)
-    trees, left = in_the_cell(other.program)
     told = (*one.findings, *other.findings, *pairs.findings, *lacking)
+    if text:
+        both = Pair(one.program, other.program, other.language, (), pairs.names)
+        found_in = Places(one.program, one.text), Places(other.program, other.text)
+        beside = tuple(statement_rows(both, *found_in))
+        return Comparison(titles, MotionProof(None), (), told, pairs.names, beside)
+    trees, left = in_the_cell(other.program)
     if left:
         reason = f"`{titles[1]}` does not declare {', '.join(f'`{name}`' for name in left)}"
         return Comparison(titles, MotionProof(None), (), (*told, NOT_COMPARED(reason=reason)))

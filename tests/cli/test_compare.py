@@ -89,3 +89,32 @@ def test_folders(capsys: Capture, cell: Path) -> None:
     written(cell / "old", "MORE.mb5", "M_Out(3)=1\nEnd\n")
     status, out, err = run(capsys, "compare", cell / "old", cell / "new")
     assert status == 1 and "CL015" in err and "MORE" in err
+
+
+def test_statements_are_paired_without_running(capsys: Capture, cell: Path) -> None:
+    plain = PICKED.replace("Mvs PPICK\n", "Mvs PHOME\n")
+    for name, text in (("a.mb5", PICKED), ("b.mb5", plain.replace("Dly 0.3\n", ""))):
+        written(cell, name, text + POSITIONS)
+    given = cell / "a.mb5", cell / "b.mb5", "--text"
+    status, out, err = run(capsys, "compare", *given)
+    assert (status, err) == (1, "")
+    first, second, third, line = out.splitlines()
+    assert first == f"- {cell / 'a.mb5'}:26: Mvs PPICK"
+    assert second == f"+ {cell / 'b.mb5'}:26: Mvs PHOME"
+    assert third == f"- {cell / 'a.mb5'}:28: Dly 0.3"
+    assert line.endswith("statements say the same: different")
+    status, out, _ = run(capsys, "compare", cell / "a.mb5", cell / "a.mb5", "--text")
+    assert status == 0 and out.rstrip().endswith(": equal")
+
+
+def test_the_statements_of_two_languages_are_paired(capsys: Capture, cell: Path) -> None:
+    moving = "PROC main()\n  MoveL pPick,v100,fine,tGrip;\n  SetDO doGrip,1;\nENDPROC\nENDMODULE\n"
+    written(cell, "pick.mod", HEAD + moving)
+    code = "Tool PTOOL\nSpd 100\nCnt 0\nMvs PPICK\nM_Out(10)=1\nEnd\n"
+    written(cell, "PICK.mb5", code + POSITIONS)
+    given = cell / "pick.mod", cell / "PICK.mb5", "-p", cell / "cell.process.toml", "--text"
+    status, out, _ = run(capsys, "compare", *given)
+    assert (status, out.split(": ")[-2]) == (0, "2 of 2 statements say the same"), out
+    written(cell, "PICK.mb5", code.replace("PPICK", "PPLACE") + POSITIONS)
+    status, out, _ = run(capsys, "compare", *given)
+    assert status == 1 and "1 of 2 statements say the same" in out
