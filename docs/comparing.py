@@ -14,9 +14,9 @@ from assistant.virtual.comparing import COMPARED, NOT_COMPARED
 HEAD = """\
 # Comparing two programs
 
-Somebody has translated a program by hand, a vendor has moved it to a new controller, or a new version
-is to do what the old one did. `compare` runs both, each by an interpreter of its own language, on
-an arm that is only calculated, and tells what they do otherwise:
+Does a translation by hand do the same as the original? Does the new version of a program do what the
+old one did? `compare` runs both programs, each in an interpreter of its language and on a calculated
+arm, and prints the differences:
 
 ```console
 $ robot-assistant translate samples/rapid/gluing.mod --to melfa-basic-5 -r rv-4frl --from-robot irb1200-7-0.7 -p samples/rapid/cell.process.toml -o cr

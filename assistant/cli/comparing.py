@@ -1,4 +1,4 @@
-"""`compare`: whether two programs do the same, and what they do otherwise."""
+"""`compare`: the differences between two programs."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ ALONE: Final = error(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Options:
-    """What both programs are read and run with; see `compiler.comparing.compare`."""
+    """The options of the command; see `compiler.comparing.compare`."""
 
     robot: str | None
     from_robot: str | None
@@ -39,7 +39,7 @@ class Options:
 
 
 def run_compare(first: str, second: str, options: Options, format: Format) -> int:
-    """0 if both do the same, 1 if they differ, 2 if they cannot be read or compared."""
+    """Return 0 if the programs are equal, 1 if they differ, 2 if they cannot be compared."""
     from assistant.compiler.comparing import compare, counterparts
 
     pairs = counterparts(first, second, options.language)
@@ -80,7 +80,7 @@ def run_compare(first: str, second: str, options: Options, format: Format) -> in
 
 
 def _show(done: Comparison) -> None:
-    """The differences with both lines, then what was compared, then the word for it."""
+    """Print the differences with both lines, then what was compared and the answer."""
     from assistant.compiler.comparing import DIFFERS
 
     print_findings(one for one in done.findings if one.code != DIFFERS.code)

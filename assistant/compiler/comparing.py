@@ -1,4 +1,4 @@
-"""Comparing: whether two programs do the same, in one language or in two."""
+"""Compares two programs, in one language or in two."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ NOTHING: Final = error(
     "see what both wait for, and where they begin",
 )
 MOST_DIFFERENCES: Final = 5
-"""That are looked for: what follows from the first ones is of little use."""
+"""Differences to report; later ones mostly follow from the first."""
 TERMS: Final = Terms(DIFFERS, NOT_COMPARED, MOST_DIFFERENCES, typed=True)
 
 Answer = Literal["equal", "different", "not compared"]
@@ -53,10 +53,10 @@ Answer = Literal["equal", "different", "not compared"]
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """What two programs do otherwise. inputs: that it shows with.
+    """A difference between two programs. inputs: the input values that show it.
 
-    places: the statements of both, None where none of its statements does it. behind: the
-    conditions that either decided last before that, None if there is none.
+    places: the statement of each program, None if no statement does it. behind: the condition that
+    each program decided last before it, None without one.
     """
 
     what: str
@@ -67,10 +67,10 @@ class Difference:
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """Whether two programs do the same. names: of both.
+    """The result of a comparison. names: both programs.
 
-    pairs: what the second one calls signals and data that the first one calls otherwise. rows:
-    their statements beside each other, where nothing was run.
+    pairs: the second program's names of signals and data, by the first program's names. rows: the
+    statements in pairs, if the programs were not run.
     """
 
     names: tuple[str, str]
@@ -94,7 +94,7 @@ class Comparison:
 
     @property
     def exit_status(self) -> int:
-        """Of the command: 0 for equal, 1 for different, 2 where they cannot be compared."""
+        """The exit status of the command: 0 equal, 1 different, 2 not compared."""
         return {"equal": 0, "different": 1, "not compared": 2}[self.answer]
 
     def line(self) -> str:
@@ -109,13 +109,13 @@ class Comparison:
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """One program of a path. name: for people. task: its files, None for a path by itself."""
+    """A program in a file or folder. name: shown to people. task: its files, None for one path."""
 
     name: str
     task: Task | None = None
 
     def program(self, robot: str | Robot | None) -> str | Loaded:
-        """What `compare` takes for it; robot: that it was written for."""
+        """The argument for `compare`. robot: the arm that the program was written for."""
         if self.task is None or len(self.task.files) == 1:
             return self.task.files[0] if self.task is not None else self.name
         return load_task(self.task, robot=robot_of(robot))
@@ -123,14 +123,14 @@ class Part:
 
 @dataclass(frozen=True, slots=True)
 class Counterparts:
-    """Programs of two paths. lone: those that the other path lacks, each with that path."""
+    """Pairs of programs. lone: programs without a counterpart, each with the other path."""
 
     both: tuple[tuple[Part, Part], ...]
     lone: tuple[tuple[str, str], ...] = ()
 
 
 def counterparts(first: str, second: str, language: str | None = None) -> Counterparts:
-    """The programs of two files or folders, by their names where a folder has several.
+    """Pairs the programs of two files or folders, by name if a folder holds several.
 
     language: of files whose names do not tell. Raises Unreadable or Refused.
     """
@@ -169,15 +169,15 @@ def compare(
     proving: Proving | None = None,
     text: bool = False,
 ) -> Comparison:
-    """Whether two programs do the same, each run by an interpreter of its own language.
+    """Runs two programs in the interpreters of their languages and compares what they do.
 
-    first, second: files, or folders with one program each; drawings, tables and pseudo-programs are
-    run as they stand. robot: the arm that runs the second one, from_robot: the first one. process:
-    file with tools, frames and signals of the first one, or a file for each. cell: file of what
-    either uses and does not declare. names: what the second one calls signals and data, by what the
-    first one does, or a file of it, see `pairing`. language: of files whose names do not tell.
-    entry: the procedure that the first one begins with, if that is not `main`. text: pair their
-    statements, and run nothing.
+    first, second: files, or folders with one program each; drawings, tables and pseudo-programs
+    run as they are. robot: the arm of the second program. from_robot: the arm of the first.
+    process: process file of the first program, or one for each. cell: cell file with the data that
+    neither program declares. names: the second program's names of signals and data, by the first
+    program's names, or a file with them, see `pairing`. language: for files whose names do not tell
+    it. entry: the procedure where the first program begins, if not `main`. text: pair the
+    statements instead, without running them.
     Raises Unreadable or Refused for what cannot be read at all.
     """
     arms = Arms(robot_of(robot), robot_of(from_robot))

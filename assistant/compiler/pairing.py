@@ -1,9 +1,9 @@
-"""Pairing: which signals and data of two programs are the same, where each calls them otherwise.
+"""Pairs the signals and data of two programs that have other names for them.
 
-They are the same by a name or a number that both have (headers, process files and cell files give
-them), by what a user states, or else by their order, if either program has as many of a kind.
+A pair has the same name or the same number (from headers, process files and cell files), or the
+user states it. The rest is paired in order of use, if both programs have as many of that kind.
 
-    [names]                       # of the first program, and what the second one has for them
+    [names]                       # name in the first program = name in the second
     diPart = 4                    # the number of a signal, or
     doGrip = "doGripper"          # its name
     nTotal = "MTOTAL"             # data that outlives a run
@@ -46,7 +46,7 @@ NOT_THERE: Final = error(
 
 @dataclass(frozen=True, slots=True)
 class Paired:
-    """names: what the second program calls what the first one does, in lower case."""
+    """names: the second program's names by the first program's names, in lower case."""
 
     names: Mapping[str, str]
     findings: tuple[Diagnostic, ...] = ()
@@ -74,9 +74,9 @@ def _name(value: Any) -> str:
 
 
 def paired(first: Program, second: Program, stated: Mapping[str, str]) -> Paired:
-    """What the second program calls signals and data of the first one.
+    """Pairs the signals and data of two programs.
 
-    stated: by a user. Raises Refused (exit status 2) where nothing says which signals are the same.
+    stated: pairs of the user. Raises Refused (exit status 2) if signals cannot be paired.
     """
     names = {own.lower(): other.lower() for own, other in stated.items()}
     findings = list(_unknown(first, second, stated))

@@ -1,8 +1,8 @@
-"""Statements of two programs beside each other, told apart without running them.
+"""Pairs the statements of two programs without running them.
 
-Each program is told as the pseudo-program says it: places by their numbers, tools and frames by
-where they are, signals as they are paired, data by the order in which it is used. So names and the
-words of a language make no difference; another order, style or structure does.
+Both programs are printed as pseudo-program text in which places are numbers, tools and frames are
+poses, paired signals have one name, and data is numbered in order of use. Names and vendor words
+make no difference; order and structure do.
 """
 
 from __future__ import annotations
@@ -35,9 +35,7 @@ SMALL: Final = 5e-4
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """Two statements that stand for each other, None where a program has none. alike: whether both
-    say the same.
-    """
+    """A pair of statements, None where a program has no counterpart. alike: both say the same."""
 
     first: Place | None
     second: Place | None
@@ -49,7 +47,7 @@ Told = tuple[str, Any]
 
 
 def rows(pair: Pair, first: Places, second: Places) -> Iterator[Row]:
-    """The statements of both, in order. first, second: where their texts are."""
+    """Yield the pairs in order. first, second: where the texts of the programs are."""
     own, others = (
         list(_Telling(program, pair, is_second).all())
         for program, is_second in ((pair.first, False), (pair.second, True))
@@ -95,7 +93,7 @@ def _close(one: float, other: float) -> bool:
 
 @dataclass
 class _Telling:
-    """Tells the statements of a program without its own names. is_second: of the pair."""
+    """Prints the statements of a program without its own names."""
 
     program: Program
     pair: Pair

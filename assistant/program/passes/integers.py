@@ -71,7 +71,7 @@ class _Rounding:
 
 @dataclass
 class _Inside:
-    """What is said in one procedure. kinds: of the names that are known in it."""
+    """Rounds inside one procedure. kinds: the types of the names that it knows."""
 
     whole: _Rounding
     procedure: Procedure
