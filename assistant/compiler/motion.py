@@ -59,6 +59,12 @@ UNJUDGED = warning(
     "with {inputs} nobody knows what `{name}` does ({reason}): these inputs are not compared",
     "see whether a real cell has such inputs, and try them on the controller",
 )
+BY_TIME = warning(
+    "CO124",
+    "the script changes `{name}` at {at:g} s, which two programs of different speed reach at "
+    "different statements",
+    "change it when an output changes instead",
+)
 STAND_IN = info(
     "CO115",
     "both were run on the {title}, as nobody has named an arm and they read where it stands",
@@ -211,15 +217,17 @@ def prove_motion(
     outputs = outputs_of(pair, (first.family, second.family))
     names = _path(trees[0]) or names[0], _path(pair.trees[0]) or names[1]
     script = None if proving.script is None else read_script(proving.script)
+    changes = () if script is None else script.changes
     budget = Budget(proving.seed, proving.runs, proving.seconds, terms.differences)
     found = compared(first, second, outputs, rounding, budget, script)
-    findings: list[Diagnostic] = []
+    timed = next((one for one in changes if one.when is None and one.at), None)
+    findings = [] if timed is None else [BY_TIME(name=timed.name, at=timed.at)]
     if found.unknown is not None and first.robot is None and second.robot is None:
         for arm, one, two in on_stand_ins(first, second):
             again = compared(one, two, outputs, rounding, budget, script)
             if again.unknown is None and again.failing < again.runs:
                 found = again
-                findings = [STAND_IN(title=arm.title)]
+                findings.append(STAND_IN(title=arm.title))
                 break
     findings += _findings(found, names, names_of_wires(pair), terms)
     return MotionProof(found, tuple(findings), names)

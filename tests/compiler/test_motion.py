@@ -348,6 +348,16 @@ def test_a_script_drives_both_programs(compiled: Compiled, tmp_path: Path) -> No
     assert with_fault(compiled, "MPICKCOUNT=MN", "MPICKCOUNT=1", driven).holds  # nobody goes there
 
 
+def test_a_script_that_counts_seconds_is_warned_of(compiled: Compiled, tmp_path: Path) -> None:
+    script = tmp_path / "part.toml"
+    driven = Proving(script=script)
+    script.write_text(SCRIPT.replace("at = 1\n", ""), encoding="utf-8")
+    assert "CO124" not in [f.code for f in proof(compiled, driven).findings]
+    script.write_text(SCRIPT, encoding="utf-8")
+    told = [f.message for f in proof(compiled, driven).findings if f.code == "CO124"]
+    assert len(told) == 1 and "changes `diready` at 1 s" in told[0]
+
+
 def test_a_script_that_leaves_a_program_waiting_proves_nothing(tmp_path: Path) -> None:
     script = tmp_path / "part.toml"
     script.write_text('[[set]]\ninput = "diPart"\n', encoding="utf-8")
