@@ -49,7 +49,8 @@ programs.
 Inputs are sought that take every branch of both programs, end each wait and let its longest time
 pass, see [Proven by motion](translating.md#proven-by-motion). `--seconds` bounds the search (10
 of the processor by default), `--seed` says what it draws; `--signals` names a script of the inputs,
-and there is one run. Both programs do the same in the same order:
+and there is one run; inputs that it changes by seconds are warned of (CO124), as two programs take
+different times. Both programs do the same in the same order:
 
 """
 MIDDLE = """
