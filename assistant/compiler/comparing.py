@@ -21,7 +21,7 @@ from assistant.compiler.source_map import Place, Places
 from assistant.compiler.statement_pairs import Row
 from assistant.compiler.statement_pairs import rows as statement_rows
 from assistant.compiler.tasks import Task, load_task, tasks_of
-from assistant.program.diagnostics import Diagnostic, error
+from assistant.program.diagnostics import Diagnostic, Refused, error
 from assistant.program.lines import lines_of
 from assistant.program.text import is_folder, read_bytes
 from assistant.sources.cell import said
@@ -43,6 +43,11 @@ NOTHING: Final = error(
     "CO123",
     "there is nothing to compare: in {runs} runs neither program moved or changed anything",
     "see what both wait for, and where they begin",
+)
+TOO_MANY: Final = error(
+    "CO125",
+    "there are {count} process files for two programs",
+    "give one for the first program, or one for each",
 )
 MOST_DIFFERENCES: Final = 5
 """Differences to report; later ones mostly follow from the first."""
@@ -182,6 +187,8 @@ def compare(
     """
     arms = Arms(robot_of(robot), robot_of(from_robot))
     files = [process] if process is None or isinstance(process, str | FilePath) else process
+    if len(files) > 2:
+        raise Refused(TOO_MANY(count=len(files)), exit_status=2)
     own, others = (*files, None, None)[:2]
     one = _loaded(first, own, cell, arms.written_for, language)
     other = _loaded(second, others, cell, arms.robot, language)

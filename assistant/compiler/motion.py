@@ -278,9 +278,25 @@ def _findings(
     if stop is not None:
         reason = f"`{names[stop.side]}` cannot be run here ({_message(stop.run)})"
         yield terms.not_run(reason=reason, **_at(stop.run.place))
-    elif found.differences:
-        pass
-    elif found.failing == found.runs and found.failed is not None:
+    elif not found.differences:
+        yield from _endings(found, names, wires, terms)
+    if found.unjudged is not None:
+        stop = found.unjudged
+        inputs, reason = stop.scenario.said(wires), _message(stop.run)
+        unjudged = UNJUDGED(name=names[stop.side], inputs=inputs, reason=reason)
+        yield replace(unjudged, **_at(stop.run.place))
+    if found.stalled is not None:
+        yield STALLED(name=names[0], **_at(found.stalled.run.place))
+    for branches, name in zip(found.never, names, strict=True):
+        for branch in branches:
+            yield NO_BRANCH(said=branch.said, **_at((branch.file or name, branch.line)))
+
+
+def _endings(
+    found: Found, names: tuple[str, str], wires: Mapping[str, str], terms: Terms
+) -> Iterator[Diagnostic]:
+    """Findings on runs of the first program that end with an error or wait for ever."""
+    if found.failing == found.runs and found.failed is not None:
         reason = f"`{names[0]}` ends with an error of its own ({_message(found.failed.run)})"
         yield terms.not_run(reason=reason, **_at(found.failed.run.place))
     elif found.idling == found.runs and found.idle is not None:
@@ -295,16 +311,6 @@ def _findings(
             what=_message(run),
             **_at(run.place),
         )
-    if found.unjudged is not None:
-        stop = found.unjudged
-        inputs, reason = stop.scenario.said(wires), _message(stop.run)
-        unjudged = UNJUDGED(name=names[stop.side], inputs=inputs, reason=reason)
-        yield replace(unjudged, **_at(stop.run.place))
-    if found.stalled is not None:
-        yield STALLED(name=names[0], **_at(found.stalled.run.place))
-    for branches, name in zip(found.never, names, strict=True):
-        for branch in branches:
-            yield NO_BRANCH(said=branch.said, **_at((branch.file or name, branch.line)))
 
 
 def _message(run: Run) -> str:

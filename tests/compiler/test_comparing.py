@@ -291,6 +291,9 @@ def test_either_program_may_be_the_first(tmp_path: Path) -> None:
     done = compare(first, second, names={"di_4": "diPart", "do_10": "doGrip", "do_11": "doDone"})
     assert done.answer == "equal", [*done.differences, *done.findings]
     assert compare(second, second, process=[process, process]).equal
+    with pytest.raises(Refused) as refused:
+        compare(second, second, process=[process] * 3)
+    assert (refused.value.findings[0].code, refused.value.exit_status) == ("CO125", 2)
 
 
 RENAMED = PICKING.replace("diPart", "diReady").replace("doGrip", "doTake").replace("doDone", "doOk")
