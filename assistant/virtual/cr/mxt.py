@@ -74,8 +74,9 @@ class Bits:
 class MxtEnd:
     """How it ended and what was seen. number: of an error, 0 for none. reason: end, error, stopped.
 
-    answers: seconds from the reply to a move to the arrival of the next one. late: of these, beyond
-    half a cycle. overrun: cycles that this controller itself was late for.
+    answers: seconds from the reply to a move to the arrival of the next one; a packet that arrived
+    before the reply answers none. late: of these, beyond half a cycle. overrun: cycles that this
+    controller itself was late for.
     """
 
     reason: Literal["end", "error", "stopped"] = "stopped"
@@ -206,8 +207,11 @@ class MxtControl:
                 continue
             found = (np.frombuffer(data.ljust(196, b"\0"), PACKET)[0], sender)
             moves = int(found[0]["Command"]) == MOVE
-            if self._sent is not None and moves and self._moving:
-                self.result.answers.append(_arrival(extra) - self._sent)
+            seconds = None if self._sent is None else _arrival(extra) - self._sent
+            if seconds is not None and seconds < 0.0:
+                continue  # sent without the reply, so it answers none
+            if seconds is not None and moves and self._moving:
+                self.result.answers.append(seconds)
             self._sent, self._moving = None, moves
 
     def _take(self, packet: np.void, sender: tuple[str, int]) -> bool:

@@ -3,6 +3,7 @@
 import contextlib
 import socket
 import struct
+import sys
 import threading
 import time
 
@@ -10,7 +11,7 @@ import numpy as np
 import pytest
 
 from assistant import robots
-from assistant.virtual.cr.mxt import MxtControl
+from assistant.virtual.cr.mxt import Bits, MxtControl
 from assistant.virtual.cr.mxt_arm import MxtArm
 
 ARM = robots.get("rv-4frl")
@@ -69,6 +70,23 @@ def ended(peer, control, *given, **fields):
 
 
 HOME = tuple(np.radians(ARM.home))
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="packets carry their moment on Linux only")
+def test_a_packet_that_came_before_the_reply_answers_none():
+    class Meanwhile(Bits):
+        def write(self, first, mask, word):
+            peer.send(angles=HOME)
+
+    signals = Meanwhile()
+    with running(signals=signals) as (peer, control):
+        peer.ask(angles=HOME, at48=1)
+        peer.socket.recv(2048)
+        assert control.result.answers == []
+        peer.ask(angles=HOME)
+        ended(peer, control, 255, 0, 0)
+    (seconds,) = control.result.answers
+    assert seconds > 0.0
 
 
 def test_the_first_packet_is_answered_with_the_position_and_moves_nothing():
