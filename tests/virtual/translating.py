@@ -69,8 +69,10 @@ def parsed(language: str, text: Text) -> tuple[list[Any], tuple[str, ...]]:
     return [spoken.parse(one) for one in texts.values()], tuple(texts)
 
 
-RUN = ("equal", "different", "not judged", "failing")
+RUN = ("equal", "different", "open", "not judged", "failing")
 """What may become of a program that is translated and run."""
+OPEN = frozenset({"MB259"})
+"""Findings on what the controller of the source leaves open."""
 
 
 @dataclass(slots=True)
@@ -108,14 +110,15 @@ def judge(
 
     source, target: a language and what runs its texts. arms: for which robot it is written, and for
     which it is to be. A program that comes to nothing its interpreter knows is `not judged`, one
-    whose source stops with an error whatever its inputs are is `failing`.
+    whose source stops with an error whatever its inputs are is `failing`, and one that is different
+    where a finding says that its own controller leaves it open is `open`.
     """
     tally.counts["tried"] += 1
     word, said = _judged(text, scenarios, source, target, process, signals, arms, tally)
     if word in RUN:
         tally.counts["translated"] += 1
     tally.counts[word] += 1
-    if word in ("different", "crashed"):
+    if word in ("different", "open", "crashed"):
         tally.kept.append(f"{name}: {word}: {said}")
     return word
 
@@ -149,6 +152,7 @@ def _judged(
     }
     written: Text = made if len(made) > 1 else next(iter(made.values()))
     rounding = rounding_of(target[0], written)
+    different = "open" if OPEN & {f.code for f in translation.findings} else "different"
     judged, ends = False, set()
     for inputs in scenarios:
         one = source[1](text, inputs, MOST_STEPS)
@@ -158,14 +162,14 @@ def _judged(
         two = target[1](written, inputs, MORE_STEPS)
         found = difference(one, two, signals, rounding)
         if found is not None:
-            return "different", found
+            return different, found
         judged = judged or two.ended != "unknown"
     compiled = translation.compiled
     whole = written_files(compiled.source, compiled.program, compiled.language, translation.files)
     proof = prove_motion(whole, KnownArms(second, first), SOUGHT)
     for finding in proof.findings:
         if finding.code == "CO110" and not FAILS_ITSELF.search(finding.message):
-            return "different", finding.message
+            return different, finding.message
     if judged or proof.holds:
         return "equal", ""
     return ("failing" if ends == {"error"} else "not judged"), ""

@@ -355,6 +355,12 @@ STRAIGHT_ARC = warning(
     "are written at equal distances from its start to its end",
     "see on the controller where they are, or define a pallet of one row",
 )  # fmt: skip
+PALLET_TURNED = warning(
+    "MB259", "the pallet {number:g} divides the angles of `{name}`, which the program works out: "
+    "where one of them is 180 or -180 degrees its sign is open, and with it how far a point turns",
+    "add 10 to the direction of the pallet, which keeps the angles of its start, or set the angles "
+    "of `{name}` by numbers",
+)  # fmt: skip
 OUTSIDE = warning(
     "MB256",
     "`{what}` is said as a call of `{name}`, a routine that the cell has to give",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -81,6 +83,29 @@ def test_an_arc_through_places_on_a_line(tmp_path) -> None:  # type: ignore[no-u
     assert made.ok
     assert np.allclose(points(made.compiled.source)[1], (310, 0, 300), atol=1e-9)
     assert "MB255" in {finding.code for finding in made.findings}
+
+
+@pytest.mark.parametrize(
+    ("first", "direction", "told"),
+    [
+        ("PA=P_Curr", 2, True),
+        ("PA=PS*PB", 2, True),
+        ("PQ=PS/PB\nPA=PQ", 2, True),
+        ("PA=Inv(PB)", 2, True),
+        ("PA=P_Curr", 12, False),  # keeps the angles of the start
+        ("PA=PS*2", 2, False),
+        ("PA=PD\nPA.C=170", 2, False),
+        ("PQ=P_Curr\nPA=PD", 2, False),
+    ],
+)
+def test_angles_that_are_worked_out_have_an_open_sign(
+    tmp_path: Path, first: str, direction: int, told: bool
+) -> None:
+    source = tmp_path / "JOB.prg"
+    text = f"Mvs PS\n{first}\nDef Plt 1,PS,PA,PB,,4,3,{direction}\nMvs (Plt 1,2)\nEnd\n{CORNERS}"
+    source.write_text(text)
+    made = translate(source, to="rapid", language="melfa-basic-5")
+    assert ("MB259" in {finding.code for finding in made.findings}) is told
 
 
 @pytest.mark.parametrize("direction", [11, 12])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 from typing import Any, Final, Literal
 
 import numpy as np
@@ -44,6 +44,8 @@ without it, that said in words, and the status variable that sets it as well."""
 
 STRAIGHT: Final = 1e-6
 """mm that places may be beside a line that they lie on."""
+COMPOSED: Final = frozenset({"P_CURR", "P_FBC", "ALIGN", "FRAM", "INV", "JTOP"})
+"""Variables and functions that work out an orientation, and its angles from that."""
 FIRST: Final[Mapping[str, str]] = {"number": "0", "integer": "0", "text": "an empty text"}
 """What a variable of a type begins with in other languages."""
 
@@ -79,6 +81,7 @@ def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
         yield from _signed_bits(program)
         yield from _without_value(program)
         yield from unordered(program, rules.CANNOT_SAY)
+        worked_out = _worked_out(node for _, node in commands)
         for span in _reading(trees, "P_FBC"):
             yield rules.MEASURED(span=span)
         for span, node in commands:
@@ -88,6 +91,8 @@ def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
                     yield rules.STATE(name=state, span=span)
             if isinstance(node, s.DefOther) and _is_straight_arc(node, program):
                 yield rules.STRAIGHT_ARC(number=literal(node.arguments[0]), span=span)
+            if isinstance(node, s.DefOther) and (name := _worked_out_corner(node, worked_out)):
+                yield rules.PALLET_TURNED(number=literal(node.arguments[0]), name=name, span=span)
             if isinstance(node, s.Command) and node.keyword == "Cnt" and _cuts_nothing(node):
                 yield rules.NO_CORNER(span=span)
             if isinstance(node, s.Command) and node.keyword == "JOvrd":
@@ -181,6 +186,42 @@ def _is_straight_arc(node: s.DefOther, program: Program) -> bool:
         item.target.pose.position for item in found.initial.items if isinstance(item, e.TargetValue)
     ]
     return int(np.linalg.matrix_rank(np.subtract(places, places[0]), tol=STRAIGHT)) <= 1
+
+
+def _worked_out(statements: Iterable[s.Statement]) -> frozenset[str]:
+    """Positions whose angles the controller works out, as those of a product or of the arm."""
+    given: dict[str, list[s.Expression]] = {}
+    for node in statements:
+        if isinstance(node, s.Assign) and not node.target.component:
+            given.setdefault(node.target.key, []).append(node.value)
+    found: set[str] = set()
+    while new := {
+        name
+        for name, values in given.items()
+        if name not in found and any(_is_worked_out(value, found) for value in values)
+    }:
+        found |= new
+    return frozenset(found)
+
+
+def _is_worked_out(value: s.Expression, names: Container[str]) -> bool:
+    match value:
+        case s.Variable(component=""):
+            return value.key in names or value.key in COMPOSED
+        case s.Binary("*" | "/", _, by):
+            return literal(by) is None
+    return False
+
+
+def _worked_out_corner(node: s.DefOther, names: Container[str]) -> str:
+    """A corner of a pallet that divides the angles of what is worked out; empty for none."""
+    if node.kind != "Plt" or len(node.arguments) != 8:
+        return ""
+    direction = literal(node.arguments[7])
+    corners = [corner for corner in node.arguments[1:5] if isinstance(corner, s.Variable)]
+    if direction is not None and direction > FIXED:
+        return ""
+    return next((one.name for one in corners if _is_worked_out(one, names)), "")
 
 
 def _cuts_nothing(node: s.Command) -> bool:
