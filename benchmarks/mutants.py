@@ -28,6 +28,7 @@ from assistant.compiler.motion import Proving, prove_motion
 from assistant.compiler.motion_sides import written
 from assistant.program.diagnostics import Refused
 from assistant.program.text import SourceText
+from benchmarks import drawn_cells
 
 Made = Callable[[re.Match[str], Random, Sequence[str]], str | None]
 """What a line becomes, from what matches in it; None where there is nothing else to be."""
@@ -204,28 +205,22 @@ def _row(name: str, tried: int, found: int) -> None:
 
 
 def _translations(count: int, folder: Path) -> Iterator[tuple[str, Compiled]]:
-    """Translations of random programs, as many in either direction, and what they are called."""
-    from tests.virtual import random_melfa, rapid_words
-    from tests.virtual.random_rapid import program
-
+    """Translations of drawn programs, as many in either direction, and what they are called."""
     process = folder / "cell.process.toml"
-    process.write_text(rapid_words.process_file(), encoding="utf-8")
-    sources: dict[str, tuple[Callable[[int], str], str, Path | None]] = {
-        "rapid": (lambda seed: program(seed).text, "melfa-basic-6", process),
-        "melfa-basic-5": (lambda seed: random_melfa.program(5, seed, False), "rapid", None),
+    process.write_text(drawn_cells.process_file(), encoding="utf-8")
+    directions: dict[drawn_cells.Language, tuple[str, Path | None]] = {
+        "rapid": ("melfa-basic-6", process),
+        "melfa-basic-5": ("rapid", None),
     }
-    for language, (text, to, cell) in sources.items():
-        made, seed = 0, 0
-        while made < count // len(sources):
-            seed += 1
-            try:
-                loaded = load_text(SourceText(text(seed)), process=cell, language=language)
-                done = assistant.translate(loaded, to=to)
-            except Refused:
+    for language, (to, cell) in directions.items():
+        for seed in range(1, count // len(directions) + 1):
+            text = SourceText(drawn_cells.drawn(language, seed))
+            loaded = load_text(text, process=cell, language=language)
+            done = assistant.translate(loaded, to=to)
+            if not done.ok:
+                print(f"{language} {seed}: not translated", flush=True)
                 continue
-            if done.ok and len(done.files) == 1:
-                made += 1
-                yield f"{language} {seed}", done.compiled
+            yield f"{language} {seed}", done.compiled
 
 
 def _mutants(

@@ -26,9 +26,9 @@ $ robot-assistant compare samples/rapid/gluing.mod cr/GLUING.prg -r rv-4frl --fr
 ```
 
 ```
-samples/rapid/gluing.mod:31: WaitTime 0.15;
+samples/rapid/gluing.mod:29: WaitTime 0.15;
 cr/GLUING.prg:30: 30 Dly 0.5
-  event 3: another delay: 0.15 s, and 0.5 s; with all inputs 0
+  event 6: another delay: 0.15 s, and 0.5 s; with all inputs 0
 samples/rapid/gluing.mod, cr/GLUING.prg: branches taken: 0 of 0 in gluing.mod, 0 of 0 in GLUING.prg; 1 run, 12 visits and 4 signal changes, largest distance 0.0000 mm, 0.0000 degrees: different; not compared: accelerations, speeds of joint moves
 ```
 
@@ -42,7 +42,8 @@ Both may be files or folders, such as backups. Of folders with several programs 
 compared, and a program that only one of them has is a finding (CL015). Drawings, tables and
 pseudo-programs are run as they stand. Both have to be in the same place: give the arm of the first
 program as `--from-robot` and that of the second as `--robot`. `--format json` gives everything to
-programs.
+programs. `--report page.html` writes a page for the browser: the statements of both programs side by
+side, with the differences, and the second program as its arm goes through it.
 
 ## What is compared
 

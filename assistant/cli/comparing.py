@@ -12,6 +12,7 @@ from assistant.cli.presentation import Format, print_findings, print_json, say
 from assistant.program.diagnostics import Diagnostic, error
 
 if TYPE_CHECKING:
+    from assistant.cli.pages import Asked
     from assistant.compiler.comparing import Comparison, Difference
     from assistant.compiler.motion import Proving
     from assistant.compiler.source_map import Place
@@ -37,10 +38,22 @@ class Options:
     proving: Proving
     text: bool = False
 
+    def read(self) -> list[str]:
+        """The files beside the programs."""
+        given = (*self.process, self.cell, self.names, self.proving.script)
+        return [str(path) for path in given if path is not None]
 
-def run_compare(first: str, second: str, options: Options, format: Format) -> int:
-    """Return 0 if the programs are equal, 1 if they differ, 2 if they cannot be compared."""
+
+def run_compare(first: str, second: str, options: Options, format: Format, asked: Asked) -> int:
+    """Return 0 if the programs are equal, 1 if they differ, 2 if they cannot be compared.
+
+    asked: the page with both programs side by side. Raises Refused (exit status 2) for a page that
+    cannot be.
+    """
+    from assistant.cli.sheets import compared_page
     from assistant.compiler.comparing import compare, counterparts
+
+    asked.only_page()
 
     pairs = counterparts(first, second, options.language)
     answers = Answers()
@@ -66,9 +79,14 @@ def run_compare(first: str, second: str, options: Options, format: Format) -> in
     status = max(
         [2 if answers.refusals else 0, int(bool(lone)), *(each.exit_status for each in done)]
     )
-    refusals = [*answers.refusals, *lone]
+    files: list[Path] = []
+    told: list[Diagnostic] = []
+    if asked:
+        read = [*(part.name for pair in pairs.both for part in pair), *options.read()]
+        files, told = compared_page(asked, done, read)
+    refusals = [*answers.refusals, *lone, *told]
     if format is Format.JSON:
-        print_json(_record(done, refusals, status))
+        print_json(_record(done, refusals, status) | {"written": list(map(str, files))})
         return status
     print_findings(refusals)
     for each in done:
@@ -76,6 +94,8 @@ def run_compare(first: str, second: str, options: Options, format: Format) -> in
     if len(pairs.both) > 1:
         equal = sum(each.equal for each in done)
         say(f"{len(pairs.both)} pairs of programs, {equal} of them equal")
+    for path in files:
+        say(f"wrote {path}")
     return status
 
 

@@ -242,10 +242,13 @@ def compare(
     text: Annotated[
         bool, typer.Option("--text", help="Pair their statements, and run nothing.")
     ] = False,
+    report: PageOption = None,
+    opened: OpenOption = False,
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Run two programs and tell what they do otherwise: motions, outputs, waits, shared data."""
     from assistant.cli.comparing import Options, run_compare
+    from assistant.cli.pages import Asked
     from assistant.compiler.motion import Proving
 
     options = Options(
@@ -259,7 +262,7 @@ def compare(
         proving=Proving(script=signals, seed=seed, seconds=seconds),
         text=text,
     )
-    raise typer.Exit(run_compare(first, second, options, format))
+    raise typer.Exit(run_compare(first, second, options, format, Asked(report, opened)))
 
 
 def show(

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from assistant.cli.simulating import Options
     from assistant.compiler import Compiled
     from assistant.compiler.checking import Looked
+    from assistant.compiler.comparing import Comparison
     from assistant.compiler.scenes import InCell
     from assistant.compiler.solving import Solved
     from assistant.report.drawn import Line
@@ -78,6 +79,34 @@ def translated_sheet(one: Translated, scene: Scene | None, robot: Robot | None) 
         found=tuple(dict.fromkeys(placed)),
         notes=(said, *draft, *sheet.notes),
         beside=beside(translation),
+    )
+
+
+def compared_sheet(done: Comparison) -> Sheet:
+    """Two programs that were compared, the second as its arm goes through it."""
+    from assistant.compiler.comparing import DIFFERS
+    from assistant.compiler.source_map import Places
+    from assistant.view.beside import compared
+
+    second = done.programs[1]
+    found = [one for one in done.findings if one.code != DIFFERS.code]
+    for difference in done.differences:
+        told = DIFFERS(
+            written=done.names[1],
+            source=done.names[0],
+            inputs=difference.inputs,
+            what=difference.what,
+        )
+        place = difference.places[1] or difference.places[0]
+        found.append(told if place is None else replace(told, path=place.path, line=place.line))
+    return Sheet(
+        f"{named(done.names[0])} and {named(done.names[1])}: {done.answer}",
+        found,
+        second.program,
+        Places(second.program, second.text),
+        done.arm,
+        notes=(done.line(),),
+        beside=compared(done),
     )
 
 
@@ -171,6 +200,15 @@ def simulated_page(
         return written
 
     return write if asked else None
+
+
+def compared_page(
+    asked: Asked, done: Sequence[Comparison], sources: Iterable[str]
+) -> tuple[list[Path], list[Diagnostic]]:
+    """Writes the page of comparisons; the file, and what is told of it. sources: what was read."""
+    sheets = [compared_sheet(one) for one in done]
+    stem = stem_of(done[0].names[0]) if done else "comparison"
+    return write_page(asked, sheets, sources, stem)
 
 
 def _arm(name: str | None, scene: Scene | None) -> Robot | None:

@@ -72,10 +72,10 @@ class Difference:
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """The result of a comparison. names: both programs.
+    """The result of a comparison. names: both programs. programs: the same, as they were read.
 
     pairs: the second program's names of signals and data, by the first program's names. rows: the
-    statements in pairs, if the programs were not run.
+    statements in pairs, if the programs were not run. arm: of the second program.
     """
 
     names: tuple[str, str]
@@ -84,6 +84,8 @@ class Comparison:
     findings: tuple[Diagnostic, ...] = ()
     pairs: Mapping[str, str] = field(default_factory=dict)
     rows: tuple[Row, ...] = ()
+    programs: tuple[Loaded, ...] = ()
+    arm: Robot | None = None
 
     @property
     def answer(self) -> Answer:
@@ -200,15 +202,15 @@ def compare(
         stated = read_names(names)
     pairs = paired(one.program, other.program, stated)
     told = (*one.findings, *other.findings, *pairs.findings, *lacking)
+    done = Comparison(
+        titles, MotionProof(None), (), told, pairs.names, (), (one, other), arms.robot
+    )
     if text:
-        both = Pair(one.program, other.program, other.language, (), pairs.names)
-        found_in = Places(one.program, one.text), Places(other.program, other.text)
-        beside = tuple(statement_rows(both, *found_in))
-        return Comparison(titles, MotionProof(None), (), told, pairs.names, beside)
+        return replace(done, rows=statements(done))
     trees, left = in_the_cell(other.program)
     if left:
         reason = f"`{titles[1]}` does not declare {', '.join(f'`{name}`' for name in left)}"
-        return Comparison(titles, MotionProof(None), (), (*told, NOT_COMPARED(reason=reason)))
+        return replace(done, findings=(*told, NOT_COMPARED(reason=reason)))
     pair = Pair(one.program, other.program, other.language, trees, pairs.names)
     motion = prove_motion(pair, arms, proving or Proving(), entry, TERMS)
     if motion.holds and motion.empty and motion.found is not None:
@@ -231,7 +233,20 @@ def compare(
                 (one_behind, other_behind),
             )
         )
-    return Comparison(titles, motion, tuple(differences), (*told, *motion.findings), pairs.names)
+    return replace(
+        done,
+        motion=motion,
+        differences=tuple(differences),
+        findings=(*told, *motion.findings),
+    )
+
+
+def statements(done: Comparison) -> tuple[Row, ...]:
+    """The statements of both programs of a comparison in pairs, as their texts say them."""
+    one, other = done.programs
+    both = Pair(one.program, other.program, other.language, (), done.pairs)
+    places = (Places(loaded.program, loaded.text) for loaded in done.programs)
+    return tuple(statement_rows(both, *places))
 
 
 def _loaded(

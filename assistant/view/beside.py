@@ -1,4 +1,4 @@
-"""A translated program beside what it was made of, line by line."""
+"""A program beside what it was made of, or beside another one, line by line."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Final
 
 import numpy as np
 
+from assistant.compiler.comparing import Comparison, statements
 from assistant.compiler.source_map import Place, Places
 from assistant.compiler.translating import LEVELS, Translation
 from assistant.program.lines import lines_of
@@ -31,18 +32,26 @@ Row = tuple[int, int, int]
 class Beside:
     """texts: of the source. rows: each line of them once or more often, and each line that was
     written at least once, in order of the source. Lines are counted through all texts from 1; a
-    line stands beside one that it became. reasons: why a line is not said as it stands.
+    line stands beside one that it became. reasons: why a line is not said as it stands. heading:
+    above both.
     """
 
     texts: Sequence[SourceText]
     rows: Sequence[Row]
     reasons: Mapping[int, str] = field(default_factory=dict)
+    heading: str = "What each line became"
 
     def record(self) -> Record:
         texts, left = text_records(self.texts)
         rows = np.array(self.rows, dtype=np.int64).reshape(-1, 3)
         reasons = dict(list(self.reasons.items())[:MOST_REASONS])
-        return {"texts": texts, "left": left, "rows": column(rows), "reasons": reasons}
+        return {
+            "heading": self.heading,
+            "texts": texts,
+            "left": left,
+            "rows": column(rows),
+            "reasons": reasons,
+        }
 
 
 def beside(translation: Translation) -> Beside:
@@ -75,6 +84,30 @@ def beside(translation: Translation) -> Beside:
     rows = _rows(source.count, written.count, links, levels)
     said = [one for one in rows if one[0] not in source.ends or one[1] not in written.ends]
     return Beside(source.texts, said, reasons)
+
+
+def compared(done: Comparison) -> Beside:
+    """The lines of two programs that were compared, their statements in pairs."""
+    one, other = done.programs
+    own = _Counted(Places(one.program, one.text).texts)
+    others = _Counted(Places(other.program, other.text).texts)
+    links, levels, reasons = list[tuple[list[int], list[int]]](), dict[int, int](), dict[int, str]()
+    for row in done.rows or statements(done):
+        first = 0 if row.first is None else own.line(row.first)
+        second = 0 if row.second is None else others.line(row.second)
+        if first:
+            level = LEVELS.index("supported" if row.alike else "partial" if second else "not")
+            levels[first] = max(levels.get(first, 0), level)
+        if first and second:
+            links.append(([first], [second]))
+    for difference in done.differences:
+        place = difference.places[0]
+        if place is not None and (line := own.line(place)):
+            levels[line] = LEVELS.index("not")
+            reasons[line] = visible(f"{difference.what}; with {difference.inputs}")
+    rows = _rows(own.count, others.count, links, levels)
+    said = [one for one in rows if one[0] not in own.ends or one[1] not in others.ends]
+    return Beside(own.texts, said, reasons, "Statements of both programs")
 
 
 class _Counted:

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import base64
 import json
+import re
+import shlex
+import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from tests.cli.test_commands import run
+from tests.cli.test_commands import SAMPLES, run
 from tests.compiler.test_comparing import (
     CELL,
     CHOOSING,
@@ -18,8 +23,10 @@ from tests.compiler.test_comparing import (
     POSITIONS,
     written,
 )
+from tests.view.cases import data_of
 
 Capture = pytest.CaptureFixture[str]
+PAGE = Path(__file__).parents[2] / "docs" / "comparing.md"
 
 
 @pytest.fixture
@@ -118,3 +125,58 @@ def test_the_statements_of_two_languages_are_paired(capsys: Capture, cell: Path)
     written(cell, "PICK.mb5", code.replace("PPICK", "PPLACE") + POSITIONS)
     status, out, _ = run(capsys, "compare", *given)
     assert status == 1 and "1 of 2 statements say the same" in out
+
+
+def test_the_page_shows_both_programs_side_by_side(capsys: Capture, cell: Path) -> None:
+    wrong = PICKED.replace("Dly 0.3", "Dly 3")
+    written(cell, "PICK.mb5", wrong + POSITIONS)
+    page = cell / "page.html"
+    given = cell / "pick.mod", cell / "PICK.mb5", "-p", cell / "cell.process.toml"
+    status, out, err = run(capsys, "compare", *given, "--report", page)
+    assert (status, err) == (1, "") and out.endswith(f"wrote {page}\n")
+    data = data_of(page.read_text(encoding="utf-8"))
+    assert data["title"] == "pick.mod and PICK.mb5: different"
+    assert [one["lines"] for one in data["texts"]] == [(cell / "PICK.mb5").read_text().split("\n")]
+    (first,) = data["beside"]["texts"]
+    rows = np.frombuffer(base64.b64decode(data["beside"]["rows"]), "<u4").reshape(-1, 3).tolist()
+    beside = {one: other for one, other, _ in rows if one and other}
+    assert first["lines"][12].strip() == "WaitTime 0.3;" and beside[13] == 28
+    assert data["beside"]["reasons"] == {
+        "13": "event 6: another delay: 0.3 s, and 3 s; with diPart=1"
+    }
+    (finding,) = [one for one in data["findings"] if one["code"] == "CO118"]
+    assert finding["line"] == 28
+
+
+@pytest.mark.parametrize("name", ["pick.mod", "PICK.mb5", "cell.process.toml"])
+def test_a_page_is_not_written_over_what_is_compared(
+    capsys: Capture, cell: Path, name: str
+) -> None:
+    given = cell / "pick.mod", cell / "PICK.mb5", "-p", cell / "cell.process.toml"
+    page = cell / f"{name}.html"
+    page.symlink_to(cell / name)
+    before = (cell / name).read_bytes()
+    status, _, err = run(capsys, "compare", *given, "--report", page)
+    assert status == 2 and name in err and (cell / name).read_bytes() == before
+    status, _, err = run(capsys, "compare", *given, "--report", cell / "page.txt")
+    assert status == 2 and "page.txt" in err
+
+
+def test_what_the_page_of_the_documentation_prints(
+    capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    commands, printed = re.findall(r"^```(?:console)?\n(.*?)^```", PAGE.read_text(), re.M | re.S)[
+        :2
+    ]
+    shutil.copytree(SAMPLES, tmp_path / "samples")
+    monkeypatch.chdir(tmp_path)
+    out = ""
+    for line in commands.splitlines():
+        name, *given = shlex.split(line.removeprefix("$ "), comments=True)
+        if name == "robot-assistant":
+            _, out, _ = run(capsys, *given)
+        else:
+            made = Path(given[-1])
+            old, new = given[1].split("/")[1:3]
+            made.write_text(made.read_text().replace(old, new))
+    assert out == printed

@@ -27,7 +27,7 @@ if (data.beside) {
   const long = Math.min(64, Math.max(30, ...texts.map((one) => one.mine?.text.length ?? 0)));
   listing.style.setProperty("--left", `${long}ch`);
   document.body.classList.add("beside");
-  find("source").querySelector("h2").textContent = "What each line became";
+  find("source").querySelector("h2").textContent = data.beside.heading;
   if (data.beside.left) listing.after(made("p", `${data.beside.left} more lines`, "where"));
 }
 const rowOf = new Map(), besideRow = new Map();
