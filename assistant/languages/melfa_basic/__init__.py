@@ -84,7 +84,7 @@ class MelfaBasic(Language["File"]):
     joint_words = re.compile(r"(?i)\bj")  # which the names of joint variables begin with
     family = "MB"
     family_title = "MELFA-BASIC"
-    fixed = ("MB0", "MB2", "MB5")
+    fixed = ("MB0", "MB107", "MB2", "MB5")
     restated = MappingProxyType({"CK101": "MB703", "CK102": "MB703"})
     steps = True
     surroundings = staticmethod(_surroundings)
