@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from assistant import Proving, Refused, compare
+from assistant import Proving, Refused, compare, translate
 from assistant.compiler.comparing import Comparison, counterparts
 
 HEAD = """MODULE Cell
@@ -358,3 +358,48 @@ def test_programs_of_folders_are_paired_by_their_names(tmp_path: Path) -> None:
     pairs = counterparts(str(tmp_path / "old"), str(tmp_path / "new"), "melfa-basic-5")
     assert [Path(one.name).name for one, _ in pairs.both] == ["PICK.prg"]
     assert [Path(name).name for name, _ in pairs.lone] == ["GLUE.prg"]
+
+
+def test_a_counter_is_one_less_where_a_loop_ends_early(tmp_path: Path) -> None:
+    retried = """PROC main()
+  VAR num n;
+  n:=0;
+  WHILE diPart=1 AND n<3 DO
+    MoveL pPick,v200,fine,tGrip;
+    MoveL pHome,v200,fine,tGrip;
+    n:=n+1;
+  ENDWHILE
+  IF n>=3 THEN
+    PulseDO\\PLength:=0.5,doGrip;
+  ENDIF
+ENDPROC
+ENDMODULE
+"""
+    one = written(tmp_path, "one.mod", HEAD + retried)
+    other = written(tmp_path, "other.mod", HEAD + retried.replace("n>=3", "n>=2"))
+    cell = written(tmp_path, "cell.process.toml", CELL)
+    done = compare(one, other, process=[cell, cell])
+    assert done.answer == "different"
+    assert "diPart=1, then diPart=0" in done.differences[0].inputs
+    assert compare(one, one, process=[cell, cell]).equal
+
+
+def test_an_interrupt_whose_input_stays_is_answered_alike(tmp_path: Path) -> None:
+    code = """Def Act 1,M_In(4)=1 GoSub *SAFE
+Tool PTOOL
+Spd 100
+Act 1=1
+Mvs PPICK
+Mvs PPLACE
+Dly 1
+Mvs PHOME
+Act 1=0
+End
+*SAFE
+M_Out(10)=1 Dly 0.5
+Return 0
+"""
+    source = written(tmp_path, "SAFE.mb5", code + POSITIONS)
+    done = translate(source, to="rapid", language="melfa-basic-5", proving=Proving())
+    assert done.ok and done.motion is not None and done.motion.found is not None
+    assert done.motion.holds, done.motion.findings

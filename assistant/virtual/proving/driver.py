@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from typing import Final, Protocol
 
 from assistant.virtual.branches import Way
-from assistant.virtual.events import Awaited, Logged, Moved, Stopped, Waited
+from assistant.virtual.events import Awaited, Logged, Moved, Stopped, Switched, Waited
 from assistant.virtual.kernel import Ending, Kernel, Signals, Task
 from assistant.virtual.proving.wires import Wiring
 
@@ -24,6 +24,8 @@ MOST_ANSWERS: Final = 60
 """Waits that are answered in one run: a program of an endless cycle has seen enough by then."""
 MOST_SAID: Final = 5
 """Changes of inputs that a finding names."""
+MOST_TURNS: Final = 5
+"""Times that a condition is decided, of which each is told: a loop counts them."""
 RECENT: Final = 12
 """Readings before a branch that it may hang on."""
 
@@ -111,7 +113,8 @@ class Driver(Mapping[str, float]):
     with these answers. taken: each way that was gone, by its first time. reads: names ever read.
     ended: when a wait was answered that ends by itself, by its place. watched: beats at which an
     input was looked at for an interrupt, by its name. met: what waits read that ended as they
-    began, by their places. last: the way that was gone last before so many events were told.
+    began, by their places. turns: what a statement read each time that it was decided, at different
+    moments, by its place. last: the way that was gone last before so many events were told.
     """
 
     kernel: Kernel
@@ -124,6 +127,7 @@ class Driver(Mapping[str, float]):
     ended: dict[object, Moment] = field(default_factory=dict)
     watched: dict[str, dict[Moment, None]] = field(default_factory=dict)
     met: dict[object, Readings] = field(default_factory=dict)
+    turns: dict[tuple[str, int], list[Readings]] = field(default_factory=dict)
     last: dict[int, Way] = field(default_factory=dict)
     answers: int = 0
 
@@ -190,6 +194,8 @@ class Driver(Mapping[str, float]):
                 self._next()
             case Waited(seconds=seconds, limit=False) if seconds > 0.0:
                 self._next()
+            case Switched():
+                self._still()
 
     def _next(self) -> None:
         self.beat, self.idles = self.beat + 1, 0
@@ -203,8 +209,11 @@ class Driver(Mapping[str, float]):
 
     def _branch(self, file: str, at: int, way: int) -> None:
         self.last[len(self.kernel.log)] = file, at, way
+        here = tuple(self._here.items()) if self.kernel.steps == self._step else ()
+        turns = self.turns.setdefault((file, at), [])
+        if here and len(turns) < MOST_TURNS and here not in turns:
+            turns.append(here)
         if (file, at, way) not in self.taken:
-            here = tuple(self._here.items()) if self.kernel.steps == self._step else ()
             self.taken[file, at, way] = Taken((file, at, way), self.recent, here)
 
     def _met(self, task: Task, until: Callable[[], bool]) -> None:

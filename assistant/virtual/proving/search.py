@@ -160,6 +160,7 @@ class _Search:
         self.pending: deque[Scenario] = deque([Scenario()])
         self.later: deque[Scenario] = deque()
         self.weighed: set[object] = set()
+        self.turned: set[object] = set()
         lines = max(side.text().count("\n") for side in (self.first, self.second))
         self.most = FIRST_EVENTS + 4 * lines
         self.longest = 0
@@ -366,6 +367,7 @@ class _Search:
                 numbers = self._near(at, known[others[0]].line)
                 self.pending.extend(self._varied(driver.wiring, taken.read, played, numbers))
         self.later.extend(self._weighed(at, driver, played))
+        self.later.extend(self._turned(at, driver, played))
 
     def _weighed(self, at: int, driver: Driver, played: Scenario) -> Iterator[Scenario]:
         """Scenarios that tell each input of a condition apart, once for each statement.
@@ -378,6 +380,21 @@ class _Search:
             if names and place not in self.weighed:
                 self.weighed.add(place)
                 yield from self._combined(driver.wiring, dict(names), played)
+
+    def _turned(self, at: int, driver: Driver, played: Scenario) -> Iterator[Scenario]:
+        """Scenarios in which the inputs of a condition change at each of its first turns, once for
+        each: a loop ends early, and its counter is one less than it was to be.
+        """
+        for place, turns in driver.turns.items():
+            for turn, names in enumerate(turns[1:], 1):
+                if (at, place, turn) in self.turned:
+                    continue
+                self.turned.add((at, place, turn))
+                for name, moment in names:
+                    before = played.until(moment)
+                    value = driver.wiring.value(name, dict(_state(before)))
+                    for other in self._others(driver.wiring, name, value, self.numbers):
+                        yield before.changed(moment, driver.wiring.spread(name, other))
 
     def _combined(
         self, wiring: Wiring, names: Mapping[str, Moment], played: Scenario
