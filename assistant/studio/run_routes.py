@@ -46,8 +46,12 @@ def start(studio: Studio, asked: Asked) -> dict[str, Any]:
         wanted = _wanted(studio, asked, asked.text("path"))
         points = {name: _lines(lines) for name, lines in asked.table("points").items()}
         made = Running(wanted, points, studio.windows.tell)
-        made.start()
-        studio.live[RUN] = made
+        studio.live[RUN] = made  # before it tells anybody of its end, who then asks for its log
+        try:
+            made.start()
+        except BaseException:
+            studio.live.pop(RUN, None)
+            raise
         if not studio.windows.writes(asked.window):  # it has gone meanwhile
             studio.drop(RUN)
     return dict(made.now())

@@ -113,7 +113,7 @@ class Running:
         """Ends it before its next statement, wherever it is."""
         self.over = True
         self._commands.put(lambda: None)
-        if threading.current_thread() is not self._thread:
+        if self._thread.is_alive() and threading.current_thread() is not self._thread:
             self._thread.join(ENDING)
 
     def now(self) -> Mapping[str, Any]:

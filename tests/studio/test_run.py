@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import shutil
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 import pytest
 
+from assistant.studio.answering import Asked
+from assistant.studio.run_routes import RUN, log, start
+from assistant.studio.studio import Studio
 from tests.cli.test_commands import SAMPLES, run
 from tests.studio.browsing import clean, studio_page, until
 from tests.studio.serving import Page
@@ -263,3 +266,30 @@ def test_in_a_browser(browser: Any, address: str, folder: Path) -> None:
         page.wait_for_selector(".arm-here:has-text('MoveJ p1')")
         assert page.inner_text("#run-at") == "0.00 s"
         page.select_option("#compare-with", path)
+
+
+def test_what_a_run_did_is_there_when_its_end_is_told(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(folder)
+    studio = Studio(folder)
+    told: list[tuple[str, int]] = []
+
+    def window(message: Mapping[str, object]) -> None:
+        if message["kind"] == "run":
+            rows = log(studio, Asked({}))["rows"] if RUN in studio.live else []
+            told.append((str(message["state"]), len(rows)))
+
+    name = studio.windows.opened(window)
+    path = module(folder, 'TPWrite "one";', 'TPWrite "two";')
+    start(studio, Asked({"path": path, "robot": "", "script": "", "points": {}}, window=name))
+    until_told(told)
+    assert told[-1] == ("ended", 2)
+    studio.drop(RUN)
+
+
+def until_told(told: list[tuple[str, int]]) -> None:
+    for _ in range(600):
+        if told and told[-1][0] == "ended":
+            return
+        time.sleep(0.02)
