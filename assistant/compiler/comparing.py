@@ -37,7 +37,8 @@ DIFFERS: Final = error(
 NOT_COMPARED: Final = error(
     "CO119",
     "the programs cannot be compared: {reason}",
-    "see the place that it names; what no text declares is stated in a cell file",
+    "state in a cell file what no text declares, or add `--text`: it pairs the statements and runs "
+    "nothing",
 )
 NOTHING: Final = error(
     "CO123",

@@ -232,6 +232,12 @@ CASES: Final = (
         change={"s.toml": '[[set]]\ninput = "ready"\nat = 1.5\n'},
     ),
     Case(
+        "CO119",
+        "compare a.mb5 b.mb5",
+        dict.fromkeys(("a.mb5", "b.mb5"), "M1=M_Run(2)\nM_Out(1)=1\nEnd\n"),
+        ("compare a.mb5 b.mb5 --text",),
+    ),
+    Case(
         "CO120",
         "compare one.mod two.mod",
         {"one.mod": SETTING, "two.mod": SETTING_TWO},
