@@ -384,6 +384,22 @@ ENDMODULE
     assert compare(one, one, process=[cell, cell]).equal
 
 
+@pytest.mark.parametrize("idle", ["WHILE TRUE DO\n  ENDWHILE", "here:\n  GOTO here;"])
+def test_a_program_that_goes_on_without_doing_anything_is_another_one(
+    tmp_path: Path, idle: str
+) -> None:
+    cycle = (
+        "PROC main()\n  WHILE TRUE DO\n  MoveL pPick,v200,fine,tGrip;\n{}"
+        "  MoveL pHome,v200,fine,tGrip;\n  ENDWHILE\nENDPROC\n"
+    )
+    one = written(tmp_path, "one.mod", HEAD + cycle.format("") + "ENDMODULE\n")
+    other = written(tmp_path, "other.mod", HEAD + cycle.format(f"  {idle}\n") + "ENDMODULE\n")
+    done = compare(one, other)
+    assert done.answer == "different"
+    assert "does nothing in" in done.differences[0].what
+    assert compare(other, other).answer != "different"
+
+
 def test_an_interrupt_whose_input_stays_is_answered_alike(tmp_path: Path) -> None:
     code = """Def Act 1,M_In(4)=1 GoSub *SAFE
 Tool PTOOL

@@ -139,6 +139,7 @@ class Driver(Mapping[str, float]):
         self._polling: dict[str, None] = {}
         self._asking = False
         self._step, self._here = -1, dict[str, Moment]()
+        self._active = 0
         self._seen: set[object] = set()
         self._apply(dict(self.scenario.at(Moment()) or ()))
         self.kernel.board.inputs = _Inputs(self)
@@ -153,8 +154,14 @@ class Driver(Mapping[str, float]):
         """The last readings, which what happens now may hang on."""
         return tuple(self._recent)
 
+    @property
+    def quiet(self) -> int:
+        """Statements since anything was told, read or timed."""
+        return self.kernel.steps - self._active
+
     def __getitem__(self, name: str) -> float:
         """What an input reads now, which counts as a reading."""
+        self._active = self.kernel.steps
         self.reads.add(name)
         self._recent.append((name, Moment(self.beat, self.idles)))
         if self.kernel.steps != self._step:
@@ -189,6 +196,7 @@ class Driver(Mapping[str, float]):
     # --------------------------------------------------------------------- what is told of it
 
     def _told(self, row: Logged) -> None:
+        self._active = self.kernel.steps
         match row.what:
             case Moved() | Stopped():
                 self._next()
@@ -205,6 +213,7 @@ class Driver(Mapping[str, float]):
 
     def _still(self) -> None:
         """Nothing has been read since."""
+        self._active = self.kernel.steps
         self._polled.clear()
 
     def _branch(self, file: str, at: int, way: int) -> None:

@@ -324,6 +324,11 @@ class _Search:
                 differences.append(
                     Unlike(0, f"came to its end, and went on for {two.steps:,} statements")
                 )
+        silent = two.ended == "steps" and theirs.quiet >= MORE_STEPS // 2 * self.steps
+        if not differences and silent and not self._as_much(one, two):
+            differences.append(
+                Unlike(0, f"goes on, and does nothing in {theirs.quiet:,} statements")
+            )
         found.runs += 1
         found.visits += like.visits
         found.changes += like.changes
