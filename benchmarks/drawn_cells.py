@@ -39,11 +39,14 @@ WORDS: Final[Mapping[Language, Mapping[str, str]]] = {
         "pulse": "PulseDO\\PLength:={seconds},do{signal};",
         "wait": "WaitDI di{signal},{value};",
         "wait for": "WaitUntil {condition};",
+        "limited": "WaitDI di{signal},1\\MaxTime:={seconds}\\TimeFlag:=bLate;\nIF bLate THEN",
+        "shared": "nTotal:=nTotal+{step};",
         "delay": "WaitTime {seconds};",
         "set": "{count}:={value};",
         "if": "IF {condition} THEN",
         "else": "ELSE",
         "end if": "ENDIF",
+        "come": "ENDIF",
         "for": "FOR {count} FROM {first} TO {last} DO",
         "next": "ENDFOR",
         "while": "WHILE {condition} DO",
@@ -67,6 +70,12 @@ WORDS: Final[Mapping[Language, Mapping[str, str]]] = {
         "pulse": "M_Out({signal})=1 Dly {seconds}",
         "wait": "Wait M_In({signal})={value}",
         "wait for": "Wait {condition}",
+        "limited": (
+            "M_Timer(1)=0\n*LATE{number}\nIf M_In({signal})=1 Then GoTo *COME{number}\n"
+            "If M_Timer(1)<{seconds}000 Then GoTo *LATE{number}"
+        ),
+        "come": "*COME{number}",
+        "shared": "M_01=M_01+{step}",
         "delay": "Dly {seconds}",
         "set": "{count}={value}",
         "if": "If {condition} Then",
@@ -185,6 +194,22 @@ def _together(draft: Draft) -> None:
     draft.move()
 
 
+def _limited(draft: Draft) -> None:
+    """Waits for an input, a few seconds at most."""
+    draft.counts += 1
+    signal, seconds = draft.rng.choice(INPUTS), draft.rng.choice((2, 3))
+    draft.say("limited", signal=signal, seconds=seconds, number=draft.counts)
+    draft.switched(lambda: _delay(draft))
+    draft.say("come", number=draft.counts)
+    draft.move()
+
+
+def _shared(draft: Draft) -> None:
+    """Counts in data that others read."""
+    draft.say("shared", step=draft.rng.choice((1, 2)))
+    draft.move()
+
+
 def _row(draft: Draft) -> None:
     """Places of a row or a stack, one of them treated otherwise."""
     count, last = draft.count(), draft.rng.choice((3, 4))
@@ -271,7 +296,7 @@ def _changed_tool(draft: Draft) -> None:
 
 DOES: Final = (
     *(_visit, _handshake, _pulse, _together, _row, _counted, _retried, _chosen, _sorted, _called),
-    _changed_tool,
+    *(_changed_tool, _limited, _shared),
 )
 
 
@@ -296,8 +321,11 @@ def _rapid(draft: Draft) -> str:
         for n, place in TOOLS.items()
     ]
     looped = {line.split()[1] for line in draft.lines if line.startswith("FOR ")}
-    counters = [f"n{n}" for n in range(1, draft.counts + 1)]
+    text = "\n".join([*draft.lines, *(line for part in draft.parts for line in part)])
+    counters = [f"n{n}" for n in range(1, draft.counts + 1) if f"n{n}:=" in text]
     data += [f"  VAR num {name};" for name in counters if name not in looped]
+    data += ["  VAR bool bLate;"] if "bLate" in text else []
+    data += ["  PERS num nTotal:=0;"] if "nTotal" in text else []
     routines = {"main": draft.lines}
     routines |= {f"rPart{n}": lines for n, lines in enumerate(draft.parts, 1)}
     bodies = []

@@ -36,12 +36,13 @@ Made = Callable[[re.Match[str], Random, Sequence[str]], str | None]
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """A kind of fault. melfa, rapid: what it is made of in a line of either language."""
+    """A kind of fault. melfa, rapid: what it is made of in so many lines of either language."""
 
     name: str
     made: Made
     melfa: str
     rapid: str
+    lines: int = 1
 
 
 def _nothing(*_: object) -> str:
@@ -49,43 +50,53 @@ def _nothing(*_: object) -> str:
 
 
 def _other_number(match: re.Match[str], rng: Random, _: Sequence[str]) -> str:
-    return _with(match, f"{float(match[1]) + rng.choice((1, 2)):g}")
+    return _with(match, f"{float(_what(match)) + rng.choice((1, 2)):g}")
 
 
 def _one_off(match: re.Match[str], rng: Random, _: Sequence[str]) -> str:
-    return _with(match, str(int(match[1]) + rng.choice((-1, 1))))
+    return _with(match, str(int(_what(match)) + rng.choice((-1, 1))))
 
 
 def _larger(match: re.Match[str], _: Random, __: Sequence[str]) -> str:
-    return _with(match, f"{2 * float(match[1]):g}")
+    return _with(match, f"{2 * float(_what(match)):g}")
 
 
 def _both_larger(match: re.Match[str], _: Random, __: Sequence[str]) -> str:
     """Of the two distances of `Cnt` the smaller one counts, so that both have to grow."""
-    return _with(match, ",".join(f"{2 * int(number)}" for number in match[1].split(",")))
+    return _with(match, ",".join(f"{2 * int(number)}" for number in _what(match).split(",")))
 
 
 def _negated(match: re.Match[str], _: Random, __: Sequence[str]) -> str:
-    return _with(match, "0" if match[1] == "1" else "1")
+    return _with(match, "0" if _what(match) == "1" else "1")
 
 
 def _other_word(match: re.Match[str], rng: Random, words: Sequence[str]) -> str | None:
-    others = [word for word in dict.fromkeys(words) if word.lower() != match[1].lower()]
+    others = [word for word in dict.fromkeys(words) if word.lower() != _what(match).lower()]
     return _with(match, rng.choice(others)) if others else None
 
 
 def _relation(match: re.Match[str], _: Random, __: Sequence[str]) -> str:
     others = {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "=": "<>", "<>": "="}
-    return _with(match, others[match[1]])
+    return _with(match, others[_what(match)])
 
 
 def _joined(match: re.Match[str], _: Random, __: Sequence[str]) -> str:
-    return _with(match, {"and": "Or", "or": "And", "xor": "Or"}[match[1].lower()])
+    return _with(match, {"and": "Or", "or": "And", "xor": "Or"}[_what(match).lower()])
+
+
+def _swapped(match: re.Match[str], _: Random, __: Sequence[str]) -> str | None:
+    return None if match[1] == match[2] else f"{match[2]}\n{match[1]}"
+
+
+def _what(match: re.Match[str]) -> str:
+    """The group that matched."""
+    return match[match.lastindex or 0]
 
 
 def _with(match: re.Match[str], other: str) -> str:
-    """The line with something else in the place of the first group."""
-    return match.string[: match.start(1)] + other + match.string[match.end(1) :]
+    """The line with something else in the place of the group that matched."""
+    group = match.lastindex or 0
+    return match.string[: match.start(group)] + other + match.string[match.end(group) :]
 
 
 FAULTS: Final = (
@@ -103,7 +114,10 @@ FAULTS: Final = (
           r"^WaitTime"),
     Fault("a call dropped", _nothing,
           r"^GoSub|^CallP",
-          r"^r[A-Z]\w*( |;)"),
+          r"^(?!END|EXIT|ELSE|RETURN)[A-Za-z]\w*;$"),
+    Fault("two effects swapped", _swapped,
+          r"^(M_Out\(\d+\)=[01]|Dly \S+|Wait .*|Mvs \w+)\n(M_Out\(\d+\)=[01]|Dly \S+|Wait .*)$",
+          r"^(SetDO .*|WaitTime .*|WaitDI .*|WaitUntil .*|Move.*)\n(SetDO .*|Wait.*)$", 2),
     Fault("another value of an output", _negated,
           r"^M_Out\(\d+\)=([01])\b",
           r"^SetDO \w+,([01]);"),
@@ -146,6 +160,12 @@ FAULTS: Final = (
     Fault("another value of data", _one_off,
           r"^M\w+=(\d+)$",
           r"^\w+:=(\d+);"),
+    Fault("another step of a counter", _larger,
+          r"^M\w+=M\w+\+(\d+)$",
+          r"^\w+:=\w+\+(\d+);"),
+    Fault("another time limit", _larger,
+          r"M_Timer\(\d+\)<(\d+)",
+          r"\\MaxTime:=(\d+)|ClkRead\(\w+\)<(\d+)"),
 )  # fmt: skip
 NUMBER: Final = re.compile(r"^\s*(?:\d+\s+)?")
 DATA: Final = re.compile(r"^\w+(?:\([\d,]+\))?=\([-+\d]|^(?:CONST|PERS|VAR|LOCAL)\b|^['!]")
@@ -154,13 +174,14 @@ DATA: Final = re.compile(r"^\w+(?:\([\d,]+\))?=\([-+\d]|^(?:CONST|PERS|VAR|LOCAL
 @dataclass
 class Exam:
     """What was found. left: those that were not, each with both lines. unreached: in lines that no
-    run reaches.
+    run reaches. unreadable: those that no reader takes, and no proof is needed for.
     """
 
     tried: Counter[str] = field(default_factory=Counter)
     found: Counter[str] = field(default_factory=Counter)
     left: list[str] = field(default_factory=list)
     unreached: int = 0
+    unreadable: int = 0
     proven: int = 0
     seconds: list[float] = field(default_factory=list)
 
@@ -179,7 +200,11 @@ def report(programs: int, mutants: int) -> None:
             exam.proven += 1
             for fault in FAULTS:
                 for files, ending, line, other in _mutants(done, fault, mutants, rng):
-                    found = not _proves(done, files)
+                    try:
+                        found = not _proves(done, files)
+                    except Refused:
+                        exam.unreadable += 1
+                        continue
                     if not found and _proves(done, ending):
                         exam.unreached += 1
                         continue
@@ -194,6 +219,7 @@ def report(programs: int, mutants: int) -> None:
     slowest = max(exam.seconds, default=0.0)
     print(f"\n{exam.proven} programs; the longest proof took {slowest:.1f} s of the processor")
     print(f"not counted, as no run reaches their lines: {exam.unreached}")
+    print(f"not counted, as no reader takes them: {exam.unreadable}")
     print(f"not found: {len(exam.left)}")
     for line in exam.left:
         print(f"  {line}")
@@ -231,24 +257,24 @@ def _mutants(
     lines = data.decode().split("\n")
     pattern = re.compile(fault.rapid if done.language == "rapid" else fault.melfa)
     plain = [NUMBER.sub("", line).rstrip("\r") for line in lines]
-    places = [at for at, text in enumerate(plain) if not DATA.match(text) and pattern.search(text)]
-    words = [m[1] for at in places if (m := pattern.search(plain[at])) and m.groups() and m[1]]
+    starts = range(len(plain) + 1 - fault.lines)
+    texts = {at: "\n".join(plain[at : at + fault.lines]) for at in starts}
+    places = [at for at, text in texts.items() if not DATA.match(text) and pattern.search(text)]
+    words = [_what(m) for at in places if (m := pattern.search(texts[at])) and m.lastindex]
     for at in sorted(rng.sample(places, min(most, len(places)))):
-        match = pattern.search(plain[at])
+        match = pattern.search(texts[at])
         assert match is not None
-        other = None if match.groups() and match[1] is None else fault.made(match, rng, words)
-        if other is None or other == plain[at]:
+        other = fault.made(match, rng, words)
+        if other is None or other == texts[at]:
             continue
-        changed = [*lines[:at], other, *lines[at + 1 :]] if other else lines[:at] + lines[at + 1 :]
+        behind = lines[at + fault.lines :]
+        changed = [*lines[:at], *([other] if other else []), *behind]
         end = "EXIT;" if done.language == "rapid" else "Hlt"
-        texts = ("\n".join(one).encode() for one in (changed, [*lines[:at], end, *lines[at:]]))
-        yield {name: next(texts)}, {name: next(texts)}, plain[at], other
+        made = ("\n".join(one).encode() for one in (changed, [*lines[:at], end, *lines[at:]]))
+        yield {name: next(made)}, {name: next(made)}, texts[at], other
 
 
 def _proves(done: Compiled, files: Mapping[str, bytes]) -> bool:
-    """Whether files count as the same as the source; what cannot be read does not."""
-    try:
-        pair = written(done.source, done.program, done.language, files)
-        return prove_motion(pair, Arms(), Proving()).holds
-    except Refused:
-        return False
+    """Whether files count as the same as the source; raises Refused for what cannot be read."""
+    pair = written(done.source, done.program, done.language, files)
+    return prove_motion(pair, Arms(), Proving()).holds

@@ -20,4 +20,4 @@ def test_faults_of_translations_are_made_and_found() -> None:
     assert rows["a move dropped"] == ["2", "2", "100"]
     made, found, _ = map(int, rows["all"])
     left = said.partition("not found: ")[2].splitlines()
-    assert 0.6 * made <= found and int(left[0]) == len(left[1:]) == made - found
+    assert 0.9 * made <= found and int(left[0]) == len(left[1:]) == made - found
