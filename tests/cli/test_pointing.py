@@ -251,7 +251,6 @@ def test_the_arm_is_led_to_a_place_and_what_it_reached_is_stored(
     tell(f"virtual RV-2AJ led to a shown place, and what it reached stored: {off:.3f} mm off")
 
 
-# Pictures are drawn here beside all else, and on a busy machine that takes seconds.
 SEEN = """law = "pose"
 cameras = ["watch_left", "watch_right"]
 [mark]
@@ -263,7 +262,7 @@ turning = 180
 part = 0.9
 [servo]
 share = 0.8
-stale = 10
+stale = 2
 distance = 0.3
 turn = 0.3
 """
