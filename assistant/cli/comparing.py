@@ -47,14 +47,13 @@ class Options:
 def run_compare(first: str, second: str, options: Options, format: Format, asked: Asked) -> int:
     """Return 0 if the programs are equal, 1 if they differ, 2 if they cannot be compared.
 
-    asked: the page with both programs side by side. Raises Refused (exit status 2) for a page that
-    cannot be.
+    asked: the page with both programs side by side. Raises Refused (exit status 2) for a file name
+    that is not a page's.
     """
     from assistant.cli.sheets import compared_page
     from assistant.compiler.comparing import compare, counterparts
 
     asked.only_page()
-
     pairs = counterparts(first, second, options.language)
     answers = Answers()
     done: list[Comparison] = []
@@ -79,12 +78,12 @@ def run_compare(first: str, second: str, options: Options, format: Format, asked
     status = max(
         [2 if answers.refusals else 0, int(bool(lone)), *(each.exit_status for each in done)]
     )
+    refusals = [*answers.refusals, *lone]
     files: list[Path] = []
-    told: list[Diagnostic] = []
     if asked:
         read = [*(part.name for pair in pairs.both for part in pair), *options.read()]
-        files, told = compared_page(asked, done, read)
-    refusals = [*answers.refusals, *lone, *told]
+        files, findings = compared_page(asked, done, read)
+        refusals += findings
     if format is Format.JSON:
         print_json(_record(done, refusals, status) | {"written": list(map(str, files))})
         return status

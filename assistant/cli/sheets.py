@@ -83,7 +83,7 @@ def translated_sheet(one: Translated, scene: Scene | None, robot: Robot | None) 
 
 
 def compared_sheet(done: Comparison) -> Sheet:
-    """Two programs that were compared, the second as its arm goes through it."""
+    """Two compared programs side by side; the arm of the second one is simulated."""
     from assistant.compiler.comparing import DIFFERS
     from assistant.compiler.source_map import Places
     from assistant.view.beside import compared
@@ -91,14 +91,16 @@ def compared_sheet(done: Comparison) -> Sheet:
     second = done.programs[1]
     found = [one for one in done.findings if one.code != DIFFERS.code]
     for difference in done.differences:
-        told = DIFFERS(
+        finding = DIFFERS(
             written=done.names[1],
             source=done.names[0],
             inputs=difference.inputs,
             what=difference.what,
         )
         place = difference.places[1] or difference.places[0]
-        found.append(told if place is None else replace(told, path=place.path, line=place.line))
+        if place is not None:
+            finding = replace(finding, path=place.path, line=place.line)
+        found.append(finding)
     return Sheet(
         f"{named(done.names[0])} and {named(done.names[1])}: {done.answer}",
         found,
@@ -205,7 +207,10 @@ def simulated_page(
 def compared_page(
     asked: Asked, done: Sequence[Comparison], sources: Iterable[str]
 ) -> tuple[list[Path], list[Diagnostic]]:
-    """Writes the page of comparisons; the file, and what is told of it. sources: what was read."""
+    """Write the page of some comparisons and return its file and the findings.
+
+    sources: the files that were read; none of them is overwritten.
+    """
     sheets = [compared_sheet(one) for one in done]
     stem = stem_of(done[0].names[0]) if done else "comparison"
     return write_page(asked, sheets, sources, stem)

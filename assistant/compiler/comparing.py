@@ -204,7 +204,12 @@ def compare(
     pairs = paired(one.program, other.program, stated)
     told = (*one.findings, *other.findings, *pairs.findings, *lacking)
     done = Comparison(
-        titles, MotionProof(None), (), told, pairs.names, (), (one, other), arms.robot
+        titles,
+        MotionProof(None),
+        findings=told,
+        pairs=pairs.names,
+        programs=(one, other),
+        arm=arms.robot,
     )
     if text:
         return replace(done, rows=statements(done))
@@ -243,7 +248,7 @@ def compare(
 
 
 def statements(done: Comparison) -> tuple[Row, ...]:
-    """The statements of both programs of a comparison in pairs, as their texts say them."""
+    """Pair the statements of both programs without running them."""
     one, other = done.programs
     both = Pair(one.program, other.program, other.language, (), done.pairs)
     places = (Places(loaded.program, loaded.text) for loaded in done.programs)

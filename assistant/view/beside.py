@@ -32,8 +32,8 @@ Row = tuple[int, int, int]
 class Beside:
     """texts: of the source. rows: each line of them once or more often, and each line that was
     written at least once, in order of the source. Lines are counted through all texts from 1; a
-    line stands beside one that it became. reasons: why a line is not said as it stands. heading:
-    above both.
+    line stands beside one that it became. reasons: why a line is not said as it stands. heading: of
+    both columns.
     """
 
     texts: Sequence[SourceText]
@@ -81,13 +81,11 @@ def beside(translation: Translation) -> Beside:
             spans.setdefault(went, []).extend(range(first, first + max(1, count)))
     links += [(sources, list(went)) for went, sources in spans.items()]
     links += _declared(translation, source, written)
-    rows = _rows(source.count, written.count, links, levels)
-    said = [one for one in rows if one[0] not in source.ends or one[1] not in written.ends]
-    return Beside(source.texts, said, reasons)
+    return Beside(source.texts, _rows(source, written, links, levels), reasons)
 
 
 def compared(done: Comparison) -> Beside:
-    """The lines of two programs that were compared, their statements in pairs."""
+    """The lines of two compared programs, with their statements in pairs."""
     one, other = done.programs
     own = _Counted(Places(one.program, one.text).texts)
     others = _Counted(Places(other.program, other.text).texts)
@@ -105,9 +103,8 @@ def compared(done: Comparison) -> Beside:
         if place is not None and (line := own.line(place)):
             levels[line] = LEVELS.index("not")
             reasons[line] = visible(f"{difference.what}; with {difference.inputs}")
-    rows = _rows(own.count, others.count, links, levels)
-    said = [one for one in rows if one[0] not in own.ends or one[1] not in others.ends]
-    return Beside(own.texts, said, reasons, "Statements of both programs")
+    rows = _rows(own, others, links, levels)
+    return Beside(own.texts, rows, reasons, "Statements of both programs")
 
 
 class _Counted:
@@ -187,8 +184,8 @@ _VALUE: Final = re.compile(r"(\w+)\s*:?=")
 
 
 def _rows(
-    sources: int,
-    written: int,
+    source: _Counted,
+    written: _Counted,
     links: Iterable[tuple[Sequence[int], Sequence[int]]],
     levels: Mapping[int, int],
 ) -> list[Row]:
@@ -210,9 +207,9 @@ def _rows(
     for line, lines in sorted(became.items()):
         for one in lines:
             sources_of.setdefault(one, line)
-    before, after, first, last = _alone(sources_of, written)
+    before, after, first, last = _alone(sources_of, written.count)
     rows = [(0, one, NO_LEVEL) for one in first]
-    for line in range(1, sources + 1):
+    for line in range(1, source.count + 1):
         level = levels.get(line, NO_LEVEL)
         goals = became.get(line, [])
         if not goals:
@@ -222,7 +219,8 @@ def _rows(
             rows += [(0, extra, NO_LEVEL) for extra in before.get(goal, ()) if once]
             rows.append((0 if number else line, goal, level))
             rows += [(0, extra, NO_LEVEL) for extra in after.get(goal, ()) if once]
-    return rows + [(0, goal, NO_LEVEL) for goal in last]
+    rows += [(0, goal, NO_LEVEL) for goal in last]
+    return [one for one in rows if one[0] not in source.ends or one[1] not in written.ends]
 
 
 def _alone(

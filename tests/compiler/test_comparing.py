@@ -9,6 +9,8 @@ import pytest
 
 from assistant import Proving, Refused, compare, translate
 from assistant.compiler.comparing import Comparison, counterparts
+from assistant.compiler.loading import load_text
+from assistant.program.text import SourceText
 
 HEAD = """MODULE Cell
 PERS tooldata tGrip:=[TRUE,[[0,0,100],[1,0,0,0]],[1,[0,0,50],[1,0,0,0],0,0,0]];
@@ -396,7 +398,7 @@ def test_a_program_that_goes_on_without_doing_anything_is_another_one(
     other = written(tmp_path, "other.mod", HEAD + cycle.format(f"  {idle}\n") + "ENDMODULE\n")
     done = compare(one, other)
     assert done.answer == "different"
-    assert "does nothing in" in done.differences[0].what
+    assert "without any effect" in done.differences[0].what
     assert compare(other, other).answer != "different"
 
 
@@ -419,3 +421,22 @@ Return 0
     done = translate(source, to="rapid", language="melfa-basic-5", proving=Proving())
     assert done.ok and done.motion is not None and done.motion.found is not None
     assert done.motion.holds, done.motion.findings
+
+
+@pytest.mark.parametrize("seconds", [300, 2000])
+def test_a_loop_that_waits_for_the_time_is_not_without_effect(seconds: int) -> None:
+    body = f"""PROC main()
+  VAR clock timer;
+  WHILE TRUE DO
+    MoveL pPick,v200,fine,tGrip;
+    ClkReset timer;
+    ClkStart timer;
+    WaitUntil ClkRead(timer)>{seconds};
+    MoveL pHome,v200,fine,tGrip;
+  ENDWHILE
+ENDPROC
+ENDMODULE
+"""
+    loaded = load_text(SourceText(HEAD + body), language="rapid")
+    done = translate(loaded, to="melfa-basic-6", proving=Proving())
+    assert done.ok and done.motion is not None and done.motion.holds

@@ -356,10 +356,10 @@ STRAIGHT_ARC = warning(
     "see on the controller where they are, or define a pallet of one row",
 )  # fmt: skip
 PALLET_TURNED = warning(
-    "MB259", "the pallet {number:g} divides the angles of `{name}`, which the program works out: "
-    "where one of them is 180 or -180 degrees its sign is open, and with it how far a point turns",
-    "add 10 to the direction of the pallet, which keeps the angles of its start, or set the angles "
-    "of `{name}` by numbers",
+    "MB259", "the pallet {number:g} interpolates the angles of `{name}`, which the controller "
+    "calculates: the sign of an angle of 180 degrees is undetermined, and so is the path of the "
+    "angle to it",
+    "add 10 to the direction of the pallet, so that all points have the angles of its start",
 )  # fmt: skip
 OUTSIDE = warning(
     "MB256",

@@ -207,11 +207,12 @@ class MxtControl:
                 continue
             found = (np.frombuffer(data.ljust(196, b"\0"), PACKET)[0], sender)
             moves = int(found[0]["Command"]) == MOVE
-            seconds = None if self._sent is None else _arrival(extra) - self._sent
-            if seconds is not None and seconds < 0.0:
-                continue  # sent without the reply, so it answers none
-            if seconds is not None and moves and self._moving:
-                self.result.answers.append(seconds)
+            if self._sent is not None:
+                seconds = _arrival(extra) - self._sent
+                if seconds < 0.0:
+                    continue  # it was sent before the reply, so it does not answer it
+                if moves and self._moving:
+                    self.result.answers.append(seconds)
             self._sent, self._moving = None, moves
 
     def _take(self, packet: np.void, sender: tuple[str, int]) -> bool:

@@ -80,6 +80,8 @@ class Kernel:
         self.ending: Ending | None = None
         self.stirred = False
         """Whether a task has begun to wait, or an interrupt has run, since the round began."""
+        self.clocked = 0
+        """Statements that had run when the time was last read."""
         self.attached = 0
         """How much there is outside of the run that may act on it at any time."""
         self.looking = False
@@ -230,6 +232,7 @@ class Kernel:
     @property
     def now(self) -> float:
         """Simulated seconds, with those that the arm took for what it was told."""
+        self.clocked = self.steps
         if self.motion.behind:
             self.catch_up()
         return self.clock

@@ -24,8 +24,8 @@ MOST_ANSWERS: Final = 60
 """Waits that are answered in one run: a program of an endless cycle has seen enough by then."""
 MOST_SAID: Final = 5
 """Changes of inputs that a finding names."""
-MOST_TURNS: Final = 5
-"""Times that a condition is decided, of which each is told: a loop counts them."""
+MOST_ITERATIONS: Final = 5
+"""Evaluations of one condition that are recorded; in a loop a counter may depend on them."""
 RECENT: Final = 12
 """Readings before a branch that it may hang on."""
 
@@ -113,7 +113,7 @@ class Driver(Mapping[str, float]):
     with these answers. taken: each way that was gone, by its first time. reads: names ever read.
     ended: when a wait was answered that ends by itself, by its place. watched: beats at which an
     input was looked at for an interrupt, by its name. met: what waits read that ended as they
-    began, by their places. turns: what a statement read each time that it was decided, at different
+    began, by their places. iterations: the inputs that a condition read each time, at different
     moments, by its place. last: the way that was gone last before so many events were told.
     """
 
@@ -127,7 +127,7 @@ class Driver(Mapping[str, float]):
     ended: dict[object, Moment] = field(default_factory=dict)
     watched: dict[str, dict[Moment, None]] = field(default_factory=dict)
     met: dict[object, Readings] = field(default_factory=dict)
-    turns: dict[tuple[str, int], list[Readings]] = field(default_factory=dict)
+    iterations: dict[tuple[str, int], list[Readings]] = field(default_factory=dict)
     last: dict[int, Way] = field(default_factory=dict)
     answers: int = 0
 
@@ -156,8 +156,8 @@ class Driver(Mapping[str, float]):
 
     @property
     def quiet(self) -> int:
-        """Statements since anything was told, read or timed."""
-        return self.kernel.steps - self._active
+        """Statements since the last event, and since an input or the time was read."""
+        return self.kernel.steps - max(self._active, self.kernel.clocked)
 
     def __getitem__(self, name: str) -> float:
         """What an input reads now, which counts as a reading."""
@@ -213,15 +213,14 @@ class Driver(Mapping[str, float]):
 
     def _still(self) -> None:
         """Nothing has been read since."""
-        self._active = self.kernel.steps
         self._polled.clear()
 
     def _branch(self, file: str, at: int, way: int) -> None:
         self.last[len(self.kernel.log)] = file, at, way
         here = tuple(self._here.items()) if self.kernel.steps == self._step else ()
-        turns = self.turns.setdefault((file, at), [])
-        if here and len(turns) < MOST_TURNS and here not in turns:
-            turns.append(here)
+        iterations = self.iterations.setdefault((file, at), [])
+        if here and len(iterations) < MOST_ITERATIONS and here not in iterations:
+            iterations.append(here)
         if (file, at, way) not in self.taken:
             self.taken[file, at, way] = Taken((file, at, way), self.recent, here)
 

@@ -160,7 +160,7 @@ class _Search:
         self.pending: deque[Scenario] = deque([Scenario()])
         self.later: deque[Scenario] = deque()
         self.weighed: set[object] = set()
-        self.turned: set[object] = set()
+        self.left_early: set[object] = set()
         lines = max(side.text().count("\n") for side in (self.first, self.second))
         self.most = FIRST_EVENTS + 4 * lines
         self.longest = 0
@@ -327,7 +327,7 @@ class _Search:
         silent = two.ended == "steps" and theirs.quiet >= MORE_STEPS // 2 * self.steps
         if not differences and silent and not self._as_much(one, two):
             differences.append(
-                Unlike(0, f"goes on, and does nothing in {theirs.quiet:,} statements")
+                Unlike(0, f"continues, and runs {theirs.quiet:,} statements without any effect")
             )
         found.runs += 1
         found.visits += like.visits
@@ -372,7 +372,7 @@ class _Search:
                 numbers = self._near(at, known[others[0]].line)
                 self.pending.extend(self._varied(driver.wiring, taken.read, played, numbers))
         self.later.extend(self._weighed(at, driver, played))
-        self.later.extend(self._turned(at, driver, played))
+        self.later.extend(self._early_exits(at, driver, played))
 
     def _weighed(self, at: int, driver: Driver, played: Scenario) -> Iterator[Scenario]:
         """Scenarios that tell each input of a condition apart, once for each statement.
@@ -386,20 +386,25 @@ class _Search:
                 self.weighed.add(place)
                 yield from self._combined(driver.wiring, dict(names), played)
 
-    def _turned(self, at: int, driver: Driver, played: Scenario) -> Iterator[Scenario]:
-        """Scenarios in which the inputs of a condition change at each of its first turns, once for
-        each: a loop ends early, and its counter is one less than it was to be.
+    def _early_exits(self, at: int, driver: Driver, played: Scenario) -> Iterator[Scenario]:
+        """Scenarios that change the inputs of a condition at its second and later evaluations, once
+        for each: a loop ends early, and its counter stays below its limit.
         """
-        for place, turns in driver.turns.items():
-            for turn, names in enumerate(turns[1:], 1):
-                if (at, place, turn) in self.turned:
-                    continue
-                self.turned.add((at, place, turn))
-                for name, moment in names:
-                    before = played.until(moment)
-                    value = driver.wiring.value(name, dict(_state(before)))
-                    for other in self._others(driver.wiring, name, value, self.numbers):
-                        yield before.changed(moment, driver.wiring.spread(name, other))
+        for place, iterations in driver.iterations.items():
+            for number, names in enumerate(iterations[1:], 1):
+                if (at, place, number) not in self.left_early:
+                    self.left_early.add((at, place, number))
+                    for one in names:
+                        yield from self._changed(driver.wiring, *one, played, self.numbers)
+
+    def _changed(
+        self, wiring: Wiring, name: str, moment: Moment, played: Scenario, numbers: list[int]
+    ) -> Iterator[Scenario]:
+        """The scenario up to a moment, with each other value of an input from then on."""
+        before = played.until(moment)
+        value = wiring.value(name, dict(_state(before)))
+        for other in self._others(wiring, name, value, numbers):
+            yield before.changed(moment, wiring.spread(name, other))
 
     def _combined(
         self, wiring: Wiring, names: Mapping[str, Moment], played: Scenario
@@ -433,9 +438,7 @@ class _Search:
                 continue
             self.watched.add(name)
             for moment in [*moments][1 : 1 + MOST_FOLLOWED]:
-                value = driver.wiring.value(name, dict(_state(played.until(moment))))
-                for other in self._others(driver.wiring, name, value, [1]):
-                    yield played.until(moment).changed(moment, driver.wiring.spread(name, other))
+                yield from self._changed(driver.wiring, name, moment, played, [1])
 
     def _near(self, at: int, line: int) -> list[int]:
         """Numbers that a statement compares with: of its line, else of those below it."""
@@ -449,10 +452,7 @@ class _Search:
         """The scenario up to what a branch hangs on, with another value of each of its inputs."""
         names = dict(reversed(read))
         for name, moment in names.items():
-            before = played.until(moment)
-            value = wiring.value(name, dict(_state(before)))
-            for other in self._others(wiring, name, value, numbers):
-                yield before.changed(moment, wiring.spread(name, other))
+            yield from self._changed(wiring, name, moment, played, numbers)
         if len(names) > 1:
             for _ in range(TOGETHER):
                 yield self._together(wiring, names, played, numbers)

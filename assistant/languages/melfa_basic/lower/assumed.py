@@ -45,7 +45,7 @@ without it, that said in words, and the status variable that sets it as well."""
 STRAIGHT: Final = 1e-6
 """mm that places may be beside a line that they lie on."""
 COMPOSED: Final = frozenset({"P_CURR", "P_FBC", "ALIGN", "FRAM", "INV", "JTOP"})
-"""Variables and functions that work out an orientation, and its angles from that."""
+"""Status variables and functions whose angles are calculated from an orientation."""
 FIRST: Final[Mapping[str, str]] = {"number": "0", "integer": "0", "text": "an empty text"}
 """What a variable of a type begins with in other languages."""
 
@@ -189,7 +189,7 @@ def _is_straight_arc(node: s.DefOther, program: Program) -> bool:
 
 
 def _worked_out(statements: Iterable[s.Statement]) -> frozenset[str]:
-    """Positions whose angles the controller works out, as those of a product or of the arm."""
+    """Position variables whose angles the controller calculates from an orientation."""
     given: dict[str, list[s.Expression]] = {}
     for node in statements:
         if isinstance(node, s.Assign) and not node.target.component:
@@ -214,14 +214,14 @@ def _is_worked_out(value: s.Expression, names: Container[str]) -> bool:
 
 
 def _worked_out_corner(node: s.DefOther, names: Container[str]) -> str:
-    """A corner of a pallet that divides the angles of what is worked out; empty for none."""
+    """The first corner with calculated angles that a pallet interpolates; empty without one."""
     if node.kind != "Plt" or len(node.arguments) != 8:
         return ""
     direction = literal(node.arguments[7])
-    corners = [corner for corner in node.arguments[1:5] if isinstance(corner, s.Variable)]
     if direction is not None and direction > FIXED:
         return ""
-    return next((one.name for one in corners if _is_worked_out(one, names)), "")
+    corners = [corner for corner in node.arguments[1:5] if corner is not None]
+    return next((printer.expression(one) for one in corners if _is_worked_out(one, names)), "")
 
 
 def _cuts_nothing(node: s.Command) -> bool:
