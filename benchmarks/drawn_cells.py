@@ -1,7 +1,7 @@
-"""Programs of cells, drawn at random, in which whatever is said shows in what the cell does.
+"""Random programs of robot cells in which every statement has an effect that can be observed.
 
-Each output is switched on and off again, each branch does something else, and each counter is
-compared with a value that it comes to. A fault in such a program is one of the cell.
+Each output is switched on and off again, the branches of a condition differ, and each counter
+reaches the value that it is compared with. A fault in any line changes what the cell does.
 
     text = drawn("rapid", seed)
 """
@@ -61,7 +61,7 @@ WORDS: Final[Mapping[Language, Mapping[str, str]]] = {
         "or": "OR",
     },
     "melfa-basic-5": {
-        "move": "Tool PT{tool}\nSpd {speed}\n{corner}\n{how} P{target}",
+        "move": "Tool PT{tool}\nSpd {speed}\n{corner}\nMvs P{target}",
         "above": "Tool PT{tool}\nSpd {speed}\n{corner}\nMvs P{target}+(0,0,{z},0,0,0)",
         "raised": (
             "Tool PT{tool}\nSpd {speed}\n{corner}\nP9=P{target}\nP9.Z=P9.Z+{count}*{z}\nMvs P9"
@@ -99,7 +99,7 @@ WORDS: Final[Mapping[Language, Mapping[str, str]]] = {
 
 @dataclass
 class Draft:
-    """A program as it grows. parts: lines of each routine that is called."""
+    """A program while it is drawn. parts: the lines of each routine. on: outputs that are on."""
 
     language: Language
     rng: Random
@@ -122,10 +122,9 @@ class Draft:
 
     def move(self, word: str = "move", **given: object) -> None:
         corner = self.rng.choice(CORNERS)
-        ways = ("MoveL", "MoveJ") if self.language == "rapid" else ("Mvs", "Mvs")
         self.say(
             word,
-            how=self.rng.choice(ways),
+            how=self.rng.choice(("MoveL", "MoveJ")),
             target=given.pop("target", self.rng.choice(list(TARGETS))),
             speed=self.rng.choice(SPEEDS),
             zone=f"z{corner}" if corner else "fine",
@@ -205,13 +204,13 @@ def _limited(draft: Draft) -> None:
 
 
 def _shared(draft: Draft) -> None:
-    """Counts in data that others read."""
+    """A counter in shared data."""
     draft.say("shared", step=draft.rng.choice((1, 2)))
     draft.move()
 
 
 def _row(draft: Draft) -> None:
-    """Places of a row or a stack, one of them treated otherwise."""
+    """A row or a stack of places; some of them get a different treatment."""
     count, last = draft.count(), draft.rng.choice((3, 4))
     draft.say("for", count=count, first=draft.rng.choice((0, 1)), last=last)
     draft.move("raised", count=count, z=draft.rng.choice((5, 10)))
@@ -226,7 +225,7 @@ def _row(draft: Draft) -> None:
 
 
 def _counted(draft: Draft) -> None:
-    """Something until a counter comes to its end."""
+    """A loop until a counter reaches its limit."""
     count = draft.count()
     draft.say("set", count=count, value=draft.rng.choice((0, 1)))
     draft.say("while", condition=f"{count}{draft.rng.choice(('<', '<='))}{3}")
@@ -262,7 +261,7 @@ def _chosen(draft: Draft) -> None:
 
 
 def _sorted(draft: Draft) -> None:
-    """What the turns of a loop do differs."""
+    """A loop whose iterations do different things."""
     count = draft.count()
     draft.say("for", count=count, first=1, last=3)
     draft.say("select", count=count)
@@ -320,10 +319,9 @@ def _rapid(draft: Draft) -> str:
         f"  PERS tooldata tTool{n}:=[TRUE,[{_list(place)},[1,0,0,0]],[1,[0,0,50],[1,0,0,0],0,0,0]];"
         for n, place in TOOLS.items()
     ]
-    looped = {line.split()[1] for line in draft.lines if line.startswith("FOR ")}
     text = "\n".join([*draft.lines, *(line for part in draft.parts for line in part)])
     counters = [f"n{n}" for n in range(1, draft.counts + 1) if f"n{n}:=" in text]
-    data += [f"  VAR num {name};" for name in counters if name not in looped]
+    data += [f"  VAR num {name};" for name in counters]
     data += ["  VAR bool bLate;"] if "bLate" in text else []
     data += ["  PERS num nTotal:=0;"] if "nTotal" in text else []
     routines = {"main": draft.lines}

@@ -275,6 +275,6 @@ def _mutants(
 
 
 def _proves(done: Compiled, files: Mapping[str, bytes]) -> bool:
-    """Whether files count as the same as the source; raises Refused for what cannot be read."""
+    """True if the proof holds for these files. Raises Refused for files that cannot be read."""
     pair = written(done.source, done.program, done.language, files)
     return prove_motion(pair, Arms(), Proving()).holds
