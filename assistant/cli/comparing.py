@@ -82,7 +82,7 @@ def run_compare(first: str, second: str, options: Options, format: Format, asked
     files: list[Path] = []
     if asked:
         read = [*(part.name for pair in pairs.both for part in pair), *options.read()]
-        files, findings = compared_page(asked, done, read)
+        files, findings = compared_page(asked, done, refusals, read)
         refusals += findings
     if format is Format.JSON:
         print_json(_record(done, refusals, status) | {"written": list(map(str, files))})

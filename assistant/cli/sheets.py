@@ -205,13 +205,17 @@ def simulated_page(
 
 
 def compared_page(
-    asked: Asked, done: Sequence[Comparison], sources: Iterable[str]
+    asked: Asked,
+    done: Sequence[Comparison],
+    refusals: Sequence[Diagnostic],
+    sources: Iterable[str],
 ) -> tuple[list[Path], list[Diagnostic]]:
     """Write the page of some comparisons and return its file and the findings.
 
-    sources: the files that were read; none of them is overwritten.
+    refusals: of programs that were not compared. sources: the files that were read; none of them is
+    overwritten.
     """
-    sheets = [compared_sheet(one) for one in done]
+    sheets = [*map(compared_sheet, done), *refused_sheets(refusals)]
     stem = stem_of(done[0].names[0]) if done else "comparison"
     return write_page(asked, sheets, sources, stem)
 

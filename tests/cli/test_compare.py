@@ -24,6 +24,7 @@ from tests.compiler.test_comparing import (
     written,
 )
 from tests.view.cases import data_of
+from tests.view.test_reports import programs_of
 
 Capture = pytest.CaptureFixture[str]
 PAGE = Path(__file__).parents[2] / "docs" / "comparing.md"
@@ -146,6 +147,18 @@ def test_the_page_shows_both_programs_side_by_side(capsys: Capture, cell: Path) 
     }
     (finding,) = [one for one in data["findings"] if one["code"] == "CO118"]
     assert finding["line"] == 28
+
+
+def test_the_page_lists_programs_without_a_counterpart(capsys: Capture, cell: Path) -> None:
+    for folder in ("old", "new"):
+        (cell / folder).mkdir()
+        written(cell / folder, "PICK.mb5", PICKED + POSITIONS)
+    written(cell / "old", "MORE.mb5", "M_Out(3)=1\nEnd\n")
+    page = cell / "page.html"
+    status, _, _ = run(capsys, "compare", cell / "old", cell / "new", "--report", page)
+    first, other = programs_of(page.read_text(encoding="utf-8"))
+    assert (status, first["title"]) == (1, "PICK.mb5 and PICK.mb5: equal")
+    assert [one["code"] for one in other["findings"]] == ["CL015"]
 
 
 @pytest.mark.parametrize("name", ["pick.mod", "PICK.mb5", "cell.process.toml"])
