@@ -278,6 +278,12 @@ def _findings(
     if stop is not None:
         reason = f"`{names[stop.side]}` cannot be run here ({_message(stop.run)})"
         yield terms.not_run(reason=reason, **_at(stop.run.place))
+    elif found.unfinished is not None and not found.differences:
+        until = _counted(found.visits, "visit")
+        reason = (
+            f"`{names[0]}` takes too long ({_message(found.unfinished.run)}), and only {until} "
+        )
+        yield terms.not_run(reason=f"{reason}were compared by then")
     elif not found.differences:
         yield from _endings(found, names, wires, terms)
     if found.unjudged is not None:

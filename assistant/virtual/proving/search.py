@@ -94,9 +94,9 @@ class Found:
     failing: runs that end with an error of the program itself. idling: runs that wait for ever
     before anything is compared, idle the first of them. stalled: a run that a script leaves
     waiting behind what is compared. differences: those of other places each. unknown: what an
-    interpreter could not run, unjudged: so
-    behind runs that were compared. never: branches of
-    either program that no run took. total: how many there are.
+    interpreter could not run, unjudged: so after runs that were compared. unfinished: a first run
+    that took all the time. never: branches of either program that no run took. total: how many
+    there are.
     """
 
     runs: int = 0
@@ -110,6 +110,7 @@ class Found:
     differences: list[Difference] = field(default_factory=list)
     unknown: Stop | None = None
     unjudged: Stop | None = None
+    unfinished: Stop | None = None
     failed: Stop | None = None
     failing: int = 0
     idle: Stop | None = None
@@ -239,6 +240,7 @@ class _Search:
             if self.found.runs:
                 self.late = True
                 return False, ours.played
+            self.found.unfinished = Stop(0, one, ours.played)
             one = replace(one, ended="steps")  # what it did by then is compared
         if one.ended == "error" and self.first.repeats:
             cycle, _ = self._play(replace(self.first, repeats=False), ours.played, self.steps)
