@@ -310,12 +310,12 @@ def test_a_proof_by_motion(tmp_path: Path, capsys: Capture) -> None:
     assert status == 0
     assert f"{PALLET}: text read back: proven: " in out
     assert f"{PALLET}: motion compared: branches taken: 4 of 4 in PALLET.prg" in out
-    assert "7 runs, 518 visits, 203 signal changes and 9 waits for inputs" in out
+    assert "11 runs, 814 visits, 319 signal changes and 13 waits for inputs" in out
     assert "0.0000 degrees: proven; not compared: speeds of joint moves" in out
     assert (tmp_path / "PALLET.mod").is_file()
     status, out, _ = run(capsys, *given, "--format", "json")
     (program,) = json.loads(out)["programs"]
-    assert (status, program["motion"]["holds"], program["motion"]["visits"]) == (0, True, 518)
+    assert (status, program["motion"]["holds"], program["motion"]["visits"]) == (0, True, 814)
     assert program["motion"]["branches"][1] == {"program": "PALLET.mod", "taken": 4, "of": 4}
 
 
