@@ -51,7 +51,10 @@ Inputs are sought that take every branch of both programs, end each wait and let
 pass, see [Proven by motion](translating.md#proven-by-motion). `--seconds` bounds the search (10
 of the processor by default), `--seed` says what it draws; `--signals` names a script of the inputs,
 and there is one run; inputs that it changes by seconds are warned of (CO124), as two programs take
-different times. Both programs do the same in the same order:
+different times. `when = "visit 3 of pPick"` names a place as the first program does, and the second
+one sees the input with the same motion, whatever it calls the place. A run without an end is cut off,
+and so is one of more than 20,000 statements beside four for each line: the answer counts these runs,
+and what they did by then is compared. Both programs do the same in the same order:
 
 """
 MIDDLE = """

@@ -176,7 +176,7 @@ class _Running:
         self.kernel = prepared(programs, settings)
         if arm is None:
             self.findings.append(NO_MOTION())
-        self.given = follow(self.kernel, script)
+        self.given = follow(self.kernel, script, self.sources)
         self.tasks = [task.name for task in self.kernel.tasks]
         self.columns = Columns.of(self.tasks, self.sources)
         self.printed = self.changed = 0
@@ -185,7 +185,7 @@ class _Running:
         self.reached: set[Place] = set()
         self.interrupted = False
         if self.live:
-            self.kernel.told = lambda _: self.flush()
+            self.kernel.told.append(lambda _: self.flush())
         if options.ask:
             ask_here(self.kernel, self.flush if self.live else lambda: None)
 
@@ -347,13 +347,14 @@ class _Running:
 def _unused(programs: Programs, script: Script) -> Iterator[Diagnostic]:
     """Signals of a script that no program uses, most likely misspelled."""
     from assistant.sources.process.table import nearest
+    from assistant.virtual.kernel.script import When
 
     known = programs.signals()
     if known is None:
         return
     for name in dict.fromkeys(
         [one.name for one in script.changes]
-        + [one.when.name for one in script.changes if one.when is not None]
+        + [one.when.name for one in script.changes if isinstance(one.when, When)]
     ):
         if name not in known:
             near = nearest(name, known)

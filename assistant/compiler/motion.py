@@ -63,7 +63,7 @@ BY_TIME = warning(
     "CO124",
     "the script changes `{name}` at {at:g} s, which two programs of different speed reach at "
     "different statements",
-    "change it when an output changes instead",
+    "change it when an output changes, or with a visit, instead",
 )
 STAND_IN = info(
     "CO115",
@@ -117,8 +117,9 @@ class MotionProof:
         counts = [_counted(found.visits, "visit"), _counted(found.changes, "signal change")]
         more = (found.waits, "wait", "s for inputs"), (found.values, "shared value", "s")
         counts += [_counted(count, *what) for count, *what in more if count]
+        cut = f" ({found.cut:,} cut off)" if found.cut else ""
         return (
-            f"branches taken: {', '.join(taken)}; {_counted(found.runs, 'run')}, "
+            f"branches taken: {', '.join(taken)}; {_counted(found.runs, 'run')}{cut}, "
             f"{', '.join(counts[:-1])} and {counts[-1]}, "
             f"largest distance {found.apart:.4f} mm, {found.turned:.4f} degrees"
         )
@@ -139,6 +140,7 @@ class MotionProof:
         return {
             "holds": self.holds,
             "runs": found.runs,
+            "cut_off": found.cut,
             "visits": found.visits,
             "signal_changes": found.changes,
             "waits": found.waits,

@@ -12,7 +12,8 @@ Times are seconds of the run. Signals go by their name, in any case, or by their
     [[set]]
     input = "diClosed"
     value = 1
-    when = "doGrip = 1"       # each time that this output gets this value; or "input NAME = VALUE"
+    when = "doGrip = 1"       # each time that this output gets this value; or "input NAME = VALUE",
+                              # "visit 3 of pPick", "visit pPick" (each), "visit 3" (of the run)
     after = 0.3               # 0 if left out
 
     [[answer]]
@@ -39,7 +40,7 @@ from assistant.sources.process import values
 from assistant.sources.process.file import ENCODINGS, read_toml
 from assistant.sources.process.table import Table
 from assistant.sources.process.values import Read, Wrong, kind_of, shown
-from assistant.virtual.kernel.script import Answer, Change, Script, When
+from assistant.virtual.kernel.script import Answer, Change, Script, Visit, When
 
 NO_ROWS: Final = error("CO031", "`{key}` is {what}, not rows", "write [[{key}]] above each of them")
 MISSING: Final = error("CO032", "the {row} states no `{key}`", "write `{example}`")
@@ -51,6 +52,9 @@ TOO_LONG: Final = error(
 )
 
 _WHEN: Final = re.compile(r"\s*(?:(input|output)\s+)?([A-Za-z]\w*|\d+)\s*=\s*(\S+)\s*", re.I)
+_VISIT: Final = re.compile(
+    r"\s*visit\s+(?:(\d{1,9})(?:\s+of\s+([A-Za-z_]\w*))?|([A-Za-z_]\w*))\s*", re.I
+)
 _SIGNAL: Final = re.compile(r"[A-Za-z]\w*|\d+")
 _TRUTHS: Final = {"true": 1.0, "false": 0.0, "high": 1.0, "low": 0.0}
 MOST_SECONDS: Final = 1e9
@@ -78,9 +82,15 @@ def _value(value: Any) -> float:
     return found
 
 
-def _when(value: Any) -> When:
-    cure = 'write "NAME = VALUE" of an output, or "input NAME = VALUE"'
+def _when(value: Any) -> When | Visit:
+    cure = 'write "NAME = VALUE" of an output, "input NAME = VALUE", or "visit 3 of NAME"'
     text = values.text(value)
+    visit = _VISIT.fullmatch(text)
+    if visit is not None:
+        if visit[1] is not None and int(visit[1]) == 0:
+            raise Wrong(f'is "{shown(text)}"', "count visits from 1")
+        place = (visit[2] or visit[3] or "").lower()
+        return Visit(place, None if visit[1] is None else int(visit[1]))
     found = _WHEN.fullmatch(text)
     if found is None:
         raise Wrong(f'is "{shown(text)}"', cure)

@@ -235,8 +235,9 @@ class Running:
         self.findings += wanted.programs.findings
         if wanted.robot is None:
             self.findings.append(rules.RUN_WITHOUT_ARM())
-        self.given = follow(kernel, wanted.script)
-        kernel.watch, kernel.stuck, kernel.told = self._watch, self._stuck, self._hear
+        self.given = follow(kernel, wanted.script, wanted.programs.sources())
+        kernel.watch, kernel.stuck = self._watch, self._stuck
+        kernel.told.append(self._hear)
         kernel.person.console = self._asked
         if wanted.real_time:
             kernel.at(TICK, self._tick)

@@ -72,7 +72,7 @@ COMPARED: Final[Mapping[str, str]] = {
     "a motion": "kind, tool, place, speed along a line; a corner may not be wider",
     "an output": "its value, where on a move it changes, and after which time: a pulse's length",
     "a wait for inputs": "where it is, and which inputs end it",
-    "a longest time of a wait": f"seconds, to {LIMIT:.0%} and {LATE:g} s",
+    "a longest time of a wait, a wait for a timer": f"seconds, to {LIMIT:.0%} and {LATE:g} s",
     "a delay": "seconds",
     "shared data": "a number, truth or text that outlives the program, before each other effect",
     "a stop, an end, an error": "where it is",

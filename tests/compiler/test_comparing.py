@@ -298,6 +298,24 @@ def test_either_program_may_be_the_first(tmp_path: Path) -> None:
     assert (refused.value.findings[0].code, refused.value.exit_status) == ("CO125", 2)
 
 
+def test_a_visit_of_the_script_is_the_same_motion_of_both(tmp_path: Path) -> None:
+    waiting = "WaitDI diPart,1;\nMoveL pPick,v100,fine,tGrip;\n"
+    looks = "PROC main()\nMoveL pHome,v100,fine,tGrip;\n"
+    rapid = f"{looks}MoveL pPick,v100,fine,tGrip;\nMoveL pHome,v100,fine,tGrip;\n"
+    first = written(tmp_path, "one.mod", f"{HEAD}{rapid}{waiting}ENDPROC\nENDMODULE\n")
+    renamed = (HEAD + rapid).replace("pHome", "p1").replace("pPick", "p2")
+    early = renamed.replace("PROC main()", "PROC main()\nWaitDI diPart,1;")
+    text = f"{renamed}{waiting.replace('pPick', 'p2')}ENDPROC\nENDMODULE\n"
+    second = written(tmp_path, "two.mod", text)
+    script = written(
+        tmp_path, "part.toml", '[[set]]\ninput = "diPart"\nwhen = "visit 2 of pHome"\n'
+    )
+    driven = Proving(script=script)
+    assert compare(first, second, proving=driven).equal
+    second.write_text(f"{early}MoveL p2,v100,fine,tGrip;\nENDPROC\nENDMODULE\n")
+    assert compare(first, second, proving=driven).answer == "different"
+
+
 RENAMED = PICKING.replace("diPart", "diReady").replace("doGrip", "doTake").replace("doDone", "doOk")
 
 

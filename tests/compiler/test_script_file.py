@@ -8,7 +8,7 @@ from assistant import languages
 from assistant.compiler.script_file import parse_script
 from assistant.program.diagnostics import Refused
 from assistant.program.text import SourceText
-from assistant.virtual.events import Run, Switched
+from assistant.virtual.events import Moved, Run, Switched
 from assistant.virtual.kernel import Kernel
 from assistant.virtual.kernel.script import Given, follow
 from assistant.virtual.melfa import start_slot
@@ -48,11 +48,10 @@ for = 0.5
 
 def scripted(text: str, program: str) -> tuple[Run, list[Given]]:
     kernel = Kernel(most_time=100.0, most_steps=2000)
-    if program.startswith("MODULE"):
-        start_task(kernel, [languages.get("rapid").parse(program)])
-    else:
-        start_slot(kernel, [languages.get("melfa-basic-4").parse(program)])
-    given = follow(kernel, parse_script(SourceText(text, "cell.toml")))
+    language = languages.get("rapid" if program.startswith("MODULE") else "melfa-basic-4")
+    tree = language.parse(program)
+    (start_task if language.family == "RA" else start_slot)(kernel, [tree])
+    given = follow(kernel, parse_script(SourceText(text, "cell.toml")), [SourceText(program)])
     return kernel.run(), given
 
 
@@ -72,6 +71,35 @@ def test_inputs_change_at_times_and_after_outputs(
     assert [value for _, value in on_off] == [1.0, 0.0]
     assert [time for time, _ in on_off] == pytest.approx([2.5, 2.75], abs=0.01)
     assert run.seconds == pytest.approx(4.25, abs=0.01)
+
+
+MOVES = """10 P1=(400,0,500,180,0,180)(7,0)
+20 P2=(400,50,500,180,0,180)(7,0)
+30 FOR M1=1 TO 3
+40 MVS P1
+50 MVS P2
+55 DLY 0.1
+60 NEXT M1
+70 END
+"""
+
+
+@pytest.mark.parametrize(
+    ("when", "lines"),
+    [
+        ("visit P2", [50, 50, 50]),
+        ("Visit 2 of p2", [50]),
+        ("visit 3", [40]),
+        ("visit 4 of P2", []),
+        ("visit P3", []),
+    ],
+)
+def test_an_input_comes_with_a_motion(when: str, lines: list[int]) -> None:
+    text = f'[[set]]\ninput = 3\nwhen = "{when}"\nfor = 0.001\nafter = 0\n'
+    run, given = scripted(text, MOVES)
+    before = [run.log[one.row - 1] for one in given if one.value == 1.0]
+    assert [10 * row.place[1] for row in before if row.place] == lines
+    assert all(isinstance(row.what, Moved) for row in before)
 
 
 def test_an_input_comes_again_and_again() -> None:
@@ -110,6 +138,8 @@ def test_inputs_that_set_each_other_for_ever_end_at_the_limit() -> None:
         ('[[set]]\ninput = 1\nwhen = "do1 = nan"\n', "CT303", 3, "NAME = VALUE"),
         ('[[set]]\ninput = 1\nwhen = "do1 = 1"\nat = 2\n', "CO033", 4, "keep one"),
         ("[[set]]\ninput = 1\nafter = 2\n", "CO032", 3, "when"),
+        ('[[set]]\ninput = 1\nwhen = "visit 0 of p1"\n', "CT303", 3, "from 1"),
+        ('[[set]]\ninput = 1\nwhen = "visit 1 p1"\n', "CT303", 3, "visit 3 of NAME"),
         ("[[set]]\ninput = 1\nfor = 2\nevery = 2\n", "CO034", 3, "shorter"),
         ('[[answer]]\nto = "x"\n', "CO032", 1, "value"),
         ("[[answer]]\nvalue = true\n", "CT303", 2, "a text in quotes"),

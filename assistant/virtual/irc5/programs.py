@@ -116,7 +116,7 @@ class Programs:
 
     def __post_init__(self) -> None:
         self.kernel.watch = self._hold
-        self.kernel.told = self._told
+        self.kernel.told.append(self._told)
         self._task: Task | None = None
         self._entry = MAIN
         self._inside = False

@@ -41,11 +41,12 @@ class Kernel:
     seconds for each real one, None for as fast as possible. watch: is asked before each statement,
     to trace it or to hold the run. branch: is told of each way that a statement goes on: its file,
     where it stands there, and which way, counted from 0. stuck: is asked where a task waits, before
-    its time is over or the run ends; True if it has brought what is waited for. told: is told of
+    its time is over or the run ends; True if it has brought what is waited for. told: are told of
     each event. met: is told of each wait that ends as it begins, with its condition. kept: gives
     what shared data holds, by its name, which is told before the next event. timed: is told when a
-    program sets a timer, as a wait of its own begins. clock: simulated seconds, but behind `now`
-    while a program runs ahead of its arm.
+    program sets a timer, as a wait of its own begins. lasted: is told when a wait for what a timer
+    reads began that is over. clock: simulated seconds, but behind `now` while a program runs ahead
+    of its arm.
     person: answers what programs ask. peers: what the other end of each line says, text by text,
     in a run that reaches nothing outside; None where lines lead where they do. shared: whether
     several tasks run. live: what the run is part of that goes on when all tasks have ended.
@@ -61,8 +62,9 @@ class Kernel:
     watch: Callable[[Task], None] | None = None
     branch: Callable[[str, int, int], None] | None = None
     stuck: Callable[[Task], bool] | None = None
-    told: Callable[[Logged], None] | None = None
+    told: list[Callable[[Logged], None]] = field(default_factory=list)
     timed: Callable[[], None] | None = None
+    lasted: Callable[[Task, float], None] | None = None
     met: Callable[[Task, Callable[[], bool]], None] | None = None
     kept: Callable[[], Mapping[str, float | str]] | None = None
     clock: float = 0.0
@@ -381,7 +383,7 @@ class Kernel:
             self._keep(task.name, self.kept(), place or task.where())
         row = Logged(self.clock, task.name, place or task.where(), event)
         self.log.append(row)
-        if self.told is not None and not self.motion.behind:
+        if self.told and not self.motion.behind:
             self._hand_on()
 
     def _keep(self, task: str, held: Mapping[str, float | str], place: Place | None = None) -> None:
@@ -401,10 +403,12 @@ class Kernel:
 
     def _hand_on(self) -> None:
         """Tells of the events whose times are known by now."""
-        if self.told is not None:
+        if self.told:
             while self._handed < len(self.log):
                 self._handed += 1
-                self.told(self.log[self._handed - 1])
+                row = self.log[self._handed - 1]
+                for hear in self.told:
+                    hear(row)
 
     def forget(self) -> None:
         """Lets go of what has happened, while the arm stands; who is told of it has been."""

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+import re
 from collections import defaultdict
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
+from assistant.virtual.events import Logged, Moved
+
 if TYPE_CHECKING:
+    from assistant.program.text import SourceText
     from assistant.virtual.kernel.kernel import Kernel
     from assistant.virtual.kernel.panel import Panel
     from assistant.virtual.kernel.task import Task
+
+
+_NAME = re.compile(r"[a-z_]\w*")
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,9 +30,20 @@ class When:
     is_input: bool = False
 
 
+@dataclass(frozen=True, slots=True)
+class Visit:
+    """A motion that begins. place: a name that its statement contains, in lower case; empty for any
+    motion. number: the how manieth of them, from 1; None for each.
+    """
+
+    place: str = ""
+    number: int | None = None
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Change:
-    """An input that gets a value: at a time, or each time that a signal gets another one.
+    """An input that gets a value: at a time, each time that a signal gets another one, or with a
+    motion.
 
     name: in lower case, or a number as text. at, after: seconds, behind the start or behind
     `when`. lasts: seconds after which it is what it was before; None to stay. every: seconds from
@@ -35,7 +53,7 @@ class Change:
     name: str
     value: float
     at: float = 0.0
-    when: When | None = None
+    when: When | Visit | None = None
     after: float = 0.0
     lasts: float | None = None
     every: float | None = None
@@ -105,8 +123,11 @@ class Given:
     row: int
 
 
-def follow(kernel: Kernel, script: Script) -> list[Given]:
-    """Has a kernel do what a script says; gives the inputs that are changed, as the run goes on."""
+def follow(kernel: Kernel, script: Script, sources: Sequence[SourceText] = ()) -> list[Given]:
+    """Has a kernel do what a script says; gives the inputs that are changed, as the run goes on.
+
+    sources: texts of the programs, which tell what the motions visit.
+    """
     given: list[Given] = []
     inputs = kernel.board.inputs
 
@@ -130,12 +151,63 @@ def follow(kernel: Kernel, script: Script) -> list[Given]:
     for is_input, signals in ((False, kernel.board.outputs), (True, inputs)):
         awaited: dict[tuple[str, float], list[Change]] = defaultdict(list)
         for one in script.changes:
-            if one.when is not None and one.when.is_input is is_input:
+            if isinstance(one.when, When) and one.when.is_input is is_input:
                 awaited[one.when.name, one.when.value].append(one)
         if awaited:
             signals.listeners.append(_listener(kernel, awaited, change))
+    counts = [
+        (one, _Count(one.when, sources)) for one in script.changes if isinstance(one.when, Visit)
+    ]
+
+    def hear(row: Logged) -> None:
+        for one, count in counts:
+            if count.meets(row):
+                kernel.at(row.time + one.after, partial(change, one))
+
+    if counts:
+        kernel.told.append(hear)
     kernel.person.answers.extend(script.answers)
     return given
+
+
+def by_numbers(script: Script, log: Iterable[Logged], sources: Sequence[SourceText]) -> Script:
+    """A script whose visits are the numbers of the motions of a run, so that they are the same for
+    a program that calls its places otherwise.
+    """
+    moves = [row for row in log if isinstance(row.what, Moved)]
+    changes: list[Change] = []
+    for one in script.changes:
+        if not isinstance(one.when, Visit):
+            changes.append(one)
+            continue
+        count = _Count(one.when, sources)
+        met = [number for number, row in enumerate(moves, 1) if count.meets(row)]
+        changes += [replace(one, when=Visit(number=number)) for number in met]
+    return replace(script, changes=tuple(changes))
+
+
+@dataclass(slots=True)
+class _Count:
+    """Counts motions until the one that a script means."""
+
+    visit: Visit
+    sources: Sequence[SourceText]
+    count: int = 0
+
+    def meets(self, row: Logged) -> bool:
+        """Whether an event is such a motion; each has to be told once, in order."""
+        if not isinstance(row.what, Moved):
+            return False
+        if self.visit.place and self.visit.place not in self._names(row):
+            return False
+        self.count += 1
+        return self.visit.number in (None, self.count)
+
+    def _names(self, row: Logged) -> set[str]:
+        """Names in the statement of a motion, in lower case."""
+        path, line = row.place or ("", 0)
+        found = next((one for one in self.sources if (one.path or "") == path), None)
+        return set() if found is None else set(_NAME.findall(found.line_text(line).lower()))
 
 
 def _listener(

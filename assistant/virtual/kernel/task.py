@@ -144,6 +144,11 @@ class Task:
         if self.kernel.met is not None:
             self.kernel.met(self, until)
 
+    def lasted(self, since: float) -> None:
+        """A wait for what a timer reads is over. since: when it began."""
+        if self.kernel.lasted is not None:
+            self.kernel.lasted(self, since)
+
     # ------------------------------------------------------------------------- interrupts
 
     def _sample(self, end: float) -> float:

@@ -153,8 +153,10 @@ def _wait(m: Machine, node: s.Expression) -> None:
     task = m.world.task
     m.world.stand()
     if any(isinstance(part, s.Variable) and part.key == "M_TIMER" for part in nodes(node)):
+        since = task.kernel.now
         while not holds(expressions.value(m, node)):
             task.step()
+        task.lasted(since)
     else:
         interrupts.attend(m, node)
         try:

@@ -231,7 +231,7 @@ class World:
             timer.cancelled = True
 
     def timer(self, number: int) -> float:
-        return self.clock - self.timers.get(number, 0.0)
+        return self.clock - self.timers.get(number, -self.options.timers)
 
     def set_timer(self, number: int, value: float) -> None:
         self.timers[number] = self.clock - value

@@ -26,6 +26,14 @@ MOST_SAID: Final = 5
 """Changes of inputs that a finding names."""
 MOST_ITERATIONS: Final = 5
 """Evaluations of one condition that are recorded; in a loop a counter may depend on them."""
+TIMED: Final = 10
+"""Evaluations of a condition with a timer, all with one outcome, that are a wait for its time."""
+MANY: Final = 1000
+HASTE: Final = 0.01
+"""Evaluations behind which each makes such a wait longer by this part of its time, so that a long
+one comes to its end."""
+LONG: Final = 1e5
+"""Seconds of a wait that is made no longer."""
 RECENT: Final = 12
 """Readings before a branch that it may hang on."""
 
@@ -115,6 +123,9 @@ class Driver(Mapping[str, float]):
     input was looked at for an interrupt, by its name. met: what waits read that ended as they
     began, by their places. iterations: the inputs that a condition read each time, at different
     moments, by its place. last: the way that was gone last before so many events were told.
+    timing: conditions with a timer since the last event: when each was first evaluated, its
+    outcome, and how often it was that, by its place. counted: whether such a condition has ended a
+    loop.
     """
 
     kernel: Kernel
@@ -129,7 +140,9 @@ class Driver(Mapping[str, float]):
     met: dict[object, Readings] = field(default_factory=dict)
     iterations: dict[tuple[str, int], list[Readings]] = field(default_factory=dict)
     last: dict[int, Way] = field(default_factory=dict)
+    timing: dict[tuple[str, int], tuple[float, int, int]] = field(default_factory=dict)
     answers: int = 0
+    counted: bool = False
 
     def __post_init__(self) -> None:
         self.beat = self.idles = 0
@@ -143,9 +156,10 @@ class Driver(Mapping[str, float]):
         self._seen: set[object] = set()
         self._apply(dict(self.scenario.at(Moment()) or ()))
         self.kernel.board.inputs = _Inputs(self)
-        self.kernel.told, self.kernel.stuck = self._told, self._stuck
+        self.kernel.told.append(self._told)
+        self.kernel.stuck = self._stuck
         self.kernel.branch, self.kernel.timed = self._branch, self._still
-        self.kernel.met = self._met
+        self.kernel.met, self.kernel.lasted = self._met, self._lasted
 
     # ------------------------------------------------------------------------ what is read
 
@@ -197,6 +211,8 @@ class Driver(Mapping[str, float]):
 
     def _told(self, row: Logged) -> None:
         self._active = self.kernel.steps
+        if not (isinstance(row.what, Waited) and row.what.limit):
+            self.timing.clear()
         match row.what:
             case Moved() | Stopped():
                 self._next()
@@ -223,6 +239,25 @@ class Driver(Mapping[str, float]):
             iterations.append(here)
         if (file, at, way) not in self.taken:
             self.taken[file, at, way] = Taken((file, at, way), self.recent, here)
+        if self.kernel.clocked == self.kernel.steps:
+            self._evaluated((file, at), way)
+
+    def _evaluated(self, place: tuple[str, int], way: int) -> None:
+        """A loop that looks at a timer does what a wait with a longest time does."""
+        kernel = self.kernel
+        since, before, count = self.timing.pop(place, (kernel.clock, way, 0))
+        if way == before:
+            self.timing[place] = since, way, count + 1
+            if count >= MANY and kernel.clock - since < LONG:
+                kernel.clock += HASTE * (kernel.clock - since)
+        elif count >= TIMED:
+            self.counted = True
+            self._lasted(kernel.tasks[0], since)
+
+    def _lasted(self, task: Task, since: float) -> None:
+        """Only what has passed since the event before can be compared."""
+        last = self.kernel.log[-1].time if self.kernel.log else 0.0
+        self.kernel.tell(task, Waited(self.kernel.clock - max(since, last), limit=True))
 
     def _met(self, task: Task, until: Callable[[], bool]) -> None:
         place = task.where()

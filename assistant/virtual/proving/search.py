@@ -6,7 +6,7 @@ import math
 import re
 import time
 from collections import Counter, deque
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 from random import Random
@@ -14,10 +14,10 @@ from typing import Final
 
 from assistant.virtual.branches import Branch, Branches, Way
 from assistant.virtual.comparing import Bits, Uncompared, Unlike, likeness
-from assistant.virtual.events import Run, Stopped
+from assistant.virtual.events import Logged, Run, Stopped, Waited
 from assistant.virtual.kernel import Board, Kernel
 from assistant.virtual.kernel.panel import Panel
-from assistant.virtual.kernel.script import Script, follow
+from assistant.virtual.kernel.script import Script, by_numbers, follow
 from assistant.virtual.proving.answers import PLAIN, Answers, rows
 from assistant.virtual.proving.driver import Driver, Moment, Readings, Scenario
 from assistant.virtual.proving.lasting import OVER, broken_off, first_run
@@ -31,6 +31,9 @@ SECONDS: Final = 10.0
 STEPS: Final = 20_000
 """Statements of a run beside four for each line of its text: a program without end has shown
 enough by then."""
+SLOWER: Final = 2.0
+"""Times as long a statement takes in a second run, which tells what timers end from what a program
+counts."""
 MORE_STEPS: Final = 20
 """Of the written program: one statement may have become several."""
 IN_VAIN: Final = 10
@@ -91,15 +94,16 @@ class Difference:
 class Found:
     """What all runs together have shown.
 
-    failing: runs that end with an error of the program itself. idling: runs that wait for ever
-    before anything is compared, idle the first of them. stalled: a run that a script leaves
-    waiting behind what is compared. differences: those of other places each. unknown: what an
-    interpreter could not run, unjudged: so after runs that were compared. unfinished: a first run
-    that took all the time. never: branches of either program that no run took. total: how many
-    there are.
+    cut: runs of the source that had no end, or none behind so many statements. failing: runs that
+    end with an error of the program itself. idling: runs that wait for ever before anything is
+    compared, idle the first of them. stalled: a run that a script leaves waiting behind what is
+    compared. differences: those of other places each. unknown: what an interpreter could not run,
+    unjudged: so after runs that were compared. unfinished: a first run that took all the time.
+    never: branches of either program that no run took. total: how many there are.
     """
 
     runs: int = 0
+    cut: int = 0
     visits: int = 0
     changes: int = 0
     waits: int = 0
@@ -300,12 +304,26 @@ class _Search:
         self, side: Side, scenario: Scenario, steps: int, after: Run | None = None
     ) -> tuple[Run, Driver]:
         """after: the run of the source, for what was written; None for that of the source."""
+        run, driver = self._run_through(side, scenario, steps, after, STATEMENT_TIME)
+        if driver.counted:
+            slower, _ = self._run_through(
+                side, driver.played, steps, after, SLOWER * STATEMENT_TIME
+            )
+            run = replace(run, log=tuple(_by_timers(run.log, slower.log)))
+        return run, driver
+
+    def _run_through(
+        self, side: Side, scenario: Scenario, steps: int, after: Run | None, statement_time: float
+    ) -> tuple[Run, Driver]:
         answered = after is None
-        kernel = Kernel(Board(), most_steps=steps, statement_time=STATEMENT_TIME)
+        kernel = Kernel(Board(), most_steps=steps, statement_time=statement_time)
         answers = Answers(self.random, self.numbers) if answered and not self.script else None
         driver = Driver(kernel, side.wiring, scenario, answers)
         if self.script is not None:
-            follow(kernel, side.scripted(self.script))
+            script, first = self.script, self.first.sources()
+            if after is not None:
+                script = by_numbers(script, after.log, first)
+            follow(kernel, side.scripted(script), first)
         if side.answers:
             kernel.person.panel = Panel(lambda name: driver[name])
         kernel.peers = said(self.found.runs, self.messages, self.texts)
@@ -332,6 +350,7 @@ class _Search:
                 Unlike(0, f"continues, and runs {theirs.quiet:,} statements without any effect")
             )
         found.runs += 1
+        found.cut += one.ended == "steps"
         found.visits += like.visits
         found.changes += like.changes
         found.waits += like.waits
@@ -501,6 +520,18 @@ class _Search:
             bits = wiring.bits(name)
             state |= wiring.spread(name, float(self.random.choice(self._some(self.numbers, bits))))
         return played.until(moment).changed(moment, state)
+
+
+def _by_timers(log: Sequence[Logged], slower: Sequence[Logged]) -> Iterator[Logged]:
+    """What was told, without longest times of waits that grow with the time of a statement: a loop
+    that looks at a timer, too, has come to its end by what it counts.
+    """
+    others = iter([r.what.seconds for r in slower if isinstance(r.what, Waited) and r.what.limit])
+    for row in log:
+        if isinstance(row.what, Waited) and row.what.limit:
+            if next(others, 0.0) > (1.0 + SLOWER) / 2.0 * row.what.seconds:
+                continue
+        yield row
 
 
 def _state(scenario: Scenario) -> Iterator[tuple[str, float]]:

@@ -17,6 +17,7 @@ from assistant.virtual.proving.wires import Wiring
 from assistant.virtual.rounding import Printed
 
 if TYPE_CHECKING:
+    from assistant.program.text import SourceText
     from assistant.robots import Robot
     from assistant.virtual.kernel.script import Script
     from assistant.virtual.rapid.controller import Controller as RapidController
@@ -30,6 +31,8 @@ STATEMENT_TIME: Final = 0.002
 """Seconds that a statement takes, so that a loop which looks at a clock comes to its end."""
 
 
+LONG_AGO: Final = 1e6
+"""Milliseconds that timers show before a program sets them."""
 Held = dict[str, float | str]
 """What shared data holds, by the names of the source."""
 
@@ -74,9 +77,11 @@ class Side:
 
     def scripted(self, script: Script) -> Script:
         """A script that may name outputs as the other program does."""
+        from assistant.virtual.kernel.script import When
+
         changes = [
             one
-            if one.when is None or one.when.is_input
+            if not isinstance(one.when, When) or one.when.is_input
             else replace(one, when=replace(one.when, name=self._own(one.when.name)))
             for one in script.changes
         ]
@@ -92,10 +97,14 @@ class Side:
         """Poses that its text holds, and what it prints of them; none where it is all the same."""
         return _KINDS[self.family].constants(self.text())
 
-    def text(self) -> str:
+    def sources(self) -> list[SourceText]:
         """Of all files; a pseudo-program has none."""
-        sources = [getattr(tree, "source", None) for tree in self.trees]
-        return "\n".join(source.text for source in sources if source is not None)
+        found = [getattr(tree, "source", None) for tree in self.trees]
+        return [source for source in found if source is not None]
+
+    def text(self) -> str:
+        """Of all files."""
+        return "\n".join(source.text for source in self.sources())
 
 
 def can_run(family: str) -> bool:
@@ -177,7 +186,8 @@ def _begin_melfa(side: Side, kernel: Kernel) -> None:
     from assistant.virtual.melfa.options import Options
 
     names = [PurePath((tree.source and tree.source.path) or "").stem for tree in side.trees]
-    options = Options(slides=True, shared="zero")  # what is written here is the same if they turn
+    # What is written here is the same if they turn; a timer that nothing sets shows any time.
+    options = Options(slides=True, shared="zero", timers=LONG_AGO)
     start_slot(
         kernel,
         list(side.trees),

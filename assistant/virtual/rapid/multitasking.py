@@ -81,5 +81,6 @@ def run_tasks(
             kind=task.kind,
             moves=task.moves,
         )
-    follow(kernel, happens)
+    sources = [tree.source for task in tasks for tree in task.modules if tree.source is not None]
+    follow(kernel, happens, sources)
     return kernel.run()

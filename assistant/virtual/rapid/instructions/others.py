@@ -58,9 +58,11 @@ def _reset(given: Given) -> None:
 
 
 def _start(given: Given) -> None:
-    one = clock(given)
+    one, kernel = clock(given), given.machine.task.kernel
     if one.since is None:
-        one.since = given.machine.task.kernel.now
+        one.since = kernel.now
+        if kernel.timed is not None:
+            kernel.timed()
 
 
 def _stop(given: Given) -> None:

@@ -83,12 +83,15 @@ def _comes(given: Given, asked: Callable[[], bool], longest: float, what: str) -
     """
     hangs_on, task = given.machine.hangs_on, given.machine.task
     poll = max(given.optional_number("pollrate") or POLL, LEAST_POLL)
-    end = task.kernel.now + longest
+    since = task.kernel.now
+    end = since + longest
     while task.kernel.now < end:
         left = end - task.kernel.now
         if hangs_on:
             task.kernel.spend()
             if task.wait(asked, min(poll, left), what, outside="outside" in hangs_on):
+                if "time" in hangs_on:
+                    task.lasted(since)
                 return True
         else:
             came = task.wait(

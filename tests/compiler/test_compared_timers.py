@@ -1,0 +1,105 @@
+"""Times that programs count with timers of their own, compared between two programs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from assistant import compare
+
+HEAD = """MODULE Cell
+! signal: di_3 digital input 3
+! signal: do_5 digital output 5
+PERS tooldata tGrip:=[TRUE,[[0,0,100],[1,0,0,0]],[1,[0,0,50],[1,0,0,0],0,0,0]];
+CONST robtarget p1:=[[350,20,150],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+VAR clock c;
+VAR num n;
+PROC main()
+  MoveL p1,v100,fine,tGrip;
+  ClkReset c;
+  ClkStart c;
+"""
+FOOT = """  SetDO do_5,1;
+  MoveL p1,v100,fine,tGrip;
+ENDPROC
+ENDMODULE
+"""
+MELFA_HEAD = """Tool PTOOL
+Spd 100
+Mvs P1
+M_Timer(1)=0
+"""
+MELFA_FOOT = """M_Out(5)=1
+Mvs P1
+End
+PTOOL=(+0.00,+0.00,+100.00,+0.00,+0.00,+0.00)
+P1=(+350.00,+20.00,+150.00,+180.00,+0.00,+180.00)(7,0)
+"""
+BOTH = """*LATE
+If M_In(3)=1 Then *COME
+If M_Timer(1)<2000 Then *LATE
+*COME
+"""
+TOGETHER = "WHILE ClkRead(c)<2 AND di_3=0 DO\nENDWHILE\n"
+UNTIL = "WaitUntil ClkRead(c)>0.5;\n"
+LONG = "WHILE ClkRead(c)<600 DO\nENDWHILE\n"
+COUNTING = "n:=0;\nWHILE ClkRead(c)<60 AND n<200 DO\n  n:=n+1;\nENDWHILE\n"
+
+
+def compared(folder: Path, first: str, second: str) -> str:
+    """Either is the part that waits, in RAPID or in MELFA-BASIC V."""
+    paths = []
+    for name, text in (("one", first), ("two", second)):
+        melfa = "M_" in text
+        path = folder / f"{name}.{'mb5' if melfa else 'mod'}"
+        path.write_text(
+            MELFA_HEAD + text + MELFA_FOOT if melfa else HEAD + text + FOOT, encoding="utf-8"
+        )
+        paths.append(path)
+    done = compare(*paths)
+    return done.answer + "".join(f" {one.what}" for one in done.differences)
+
+
+SAME = {
+    "a jump, a loop": (BOTH, TOGETHER),
+    "a loop, a jump": (TOGETHER, BOTH),
+    "a wait until a timer": (UNTIL, "Wait M_Timer(1)>500\n"),
+    "a wait, a loop": (UNTIL, "WHILE ClkRead(c)<=0.5 DO\nENDWHILE\n"),
+    "ten minutes": (LONG, "While M_Timer(1)<600000\nWEnd\n"),
+    "a loop that ends by what it counts": (
+        COUNTING,
+        COUNTING.replace("  n:=n+1;\n", "  n:=n+2;\n  n:=n-2;\n  n:=n*1;\n  n:=n+1;\n"),
+    ),
+}
+OTHER = {
+    "a jump, a longer loop": (BOTH, TOGETHER.replace("<2", "<4")),
+    "a jump, a shorter loop": (BOTH, TOGETHER.replace("<2", "<1")),
+    "a loop, a longer jump": (TOGETHER, BOTH.replace("<2000", "<20000")),
+    "a jump, another operator": (BOTH, TOGETHER.replace("AND", "OR")),
+    "a longer wait until a timer": (UNTIL, "Wait M_Timer(1)>1000\n"),
+    "in one language": (UNTIL, UNTIL.replace("0.5", "0.9")),
+    "no wait at all": (UNTIL, "M_Timer(2)=0\n"),
+    "twenty minutes": (LONG, LONG.replace("600", "1200")),
+}
+
+
+@pytest.mark.parametrize("name", SAME)
+def test_the_same_time_is_equal(tmp_path: Path, name: str) -> None:
+    assert compared(tmp_path, *SAME[name]) == "equal"
+
+
+@pytest.mark.parametrize("name", OTHER)
+def test_another_time_is_a_difference(tmp_path: Path, name: str) -> None:
+    done = compared(tmp_path, *OTHER[name])
+    assert done.startswith("different event") and "another longest time of a wait" in done
+
+
+def test_a_timer_that_is_not_set_is_a_difference(tmp_path: Path) -> None:
+    right, wrong = tmp_path / "right.mb5", tmp_path / "wrong.mb5"
+    right.write_text(MELFA_HEAD + BOTH + MELFA_FOOT, encoding="utf-8")
+    wrong.write_text(
+        MELFA_HEAD.replace("M_Timer(1)=0", "M_Timer(2)=0") + BOTH + MELFA_FOOT, encoding="utf-8"
+    )
+    assert compare(right, right).equal
+    assert compare(right, wrong).answer == "different"
