@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 from assistant.cli.compiling import STANDARD
 from assistant.cli.pages import Asked, stem_of, write_page
 from assistant.program.diagnostics import Diagnostic, Refused, fold, warning
-from assistant.view.sheets import Sheet
+from assistant.view.sheets import Sheet, compared_sheet
 
 if TYPE_CHECKING:
     from assistant.cell.scene import Scene
@@ -79,36 +79,6 @@ def translated_sheet(one: Translated, scene: Scene | None, robot: Robot | None) 
         found=tuple(dict.fromkeys(placed)),
         notes=(said, *draft, *sheet.notes),
         beside=beside(translation),
-    )
-
-
-def compared_sheet(done: Comparison) -> Sheet:
-    """Two compared programs side by side; the arm of the second one is simulated."""
-    from assistant.compiler.comparing import DIFFERS
-    from assistant.compiler.source_map import Places
-    from assistant.view.beside import compared
-
-    second = done.programs[1]
-    found = [one for one in done.findings if one.code != DIFFERS.code]
-    for difference in done.differences:
-        finding = DIFFERS(
-            written=done.names[1],
-            source=done.names[0],
-            inputs=difference.inputs,
-            what=difference.what,
-        )
-        place = difference.places[1] or difference.places[0]
-        if place is not None:
-            finding = replace(finding, path=place.path, line=place.line)
-        found.append(finding)
-    return Sheet(
-        f"{named(done.names[0])} and {named(done.names[1])}: {done.answer}",
-        found,
-        second.program,
-        Places(second.program, second.text),
-        done.arm,
-        notes=(done.line(),),
-        beside=compared(done),
     )
 
 

@@ -105,6 +105,19 @@ class Comparison:
         """The exit status of the command: 0 equal, 1 different, 2 not compared."""
         return {"equal": 0, "different": 1, "not compared": 2}[self.answer]
 
+    def told(self) -> list[Diagnostic]:
+        """The findings, each difference at its line in the second program, else in the first."""
+        found = [one for one in self.findings if one.code != DIFFERS.code]
+        for one in self.differences:
+            finding = DIFFERS(
+                written=self.names[1], source=self.names[0], inputs=one.inputs, what=one.what
+            )
+            place = one.places[1] or one.places[0]
+            if place is not None:
+                finding = replace(finding, path=place.path, line=place.line)
+            found.append(finding)
+        return found
+
     def line(self) -> str:
         """The result in one line for people."""
         if self.rows:

@@ -25,6 +25,12 @@ WRITES = "x-window"
 """Header that names the window which asks; a page from elsewhere cannot send it."""
 UNTIDY = 422
 FAILED = 500
+NOT_THERE: Final = 404
+POLICY: Final = (
+    "default-src 'none'; script-src 'nonce-{nonce}'; style-src 'nonce-{nonce}'; img-src data:; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'self'"
+)
+"""Of a page of `view`: nothing is run but what was written for it, and it asks for nothing."""
 LARGEST: Final = 1e300
 """Of a number that is asked with."""
 

@@ -1,49 +1,54 @@
-"""Two programs, each run to its end by itself, and what is unlike in how they move."""
+"""Two programs compared: whether they do the same, and how each moves when it runs by itself."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import replace
-from typing import Any, Final
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from assistant.compiler.comparing import Comparison, compare
+from assistant.compiler.motion import Proving
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Diagnostic
-from assistant.studio import rules
 from assistant.studio.answering import findings
 from assistant.studio.motions import Columns, deviation, shown
 from assistant.studio.running import Wanted
 from assistant.studio.watching import Inputs
-from assistant.virtual.comparing import Unlike, likeness
 from assistant.virtual.events import Moved, Run
 from assistant.virtual.kernel import Ending, Task
 from assistant.virtual.kernel.script import follow
 from assistant.virtual.running import Settings, prepared
-from assistant.virtual.telling import at_place, ending
+from assistant.virtual.telling import ending
 from assistant.virtual.tracing import motion_columns
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
 
 LONGEST: Final = 60.0
 """Seconds that each of them may run here, where nobody can switch what it waits for."""
 
 
-def compared(first: Wanted, second: Wanted) -> dict[str, Any]:
-    """Both motions in columns, the greatest deviation of their paths, and the first event that is
-    unlike; programs of two languages are compared by their motions alone, since each calls signals
-    otherwise. Raises Refused where a program can not be run.
+def judged(first: str, second: str, robot: Robot | None, script: str) -> Comparison:
+    """What `compare` finds of two files of the project. script: drives both; empty for none.
+
+    Raises Unreadable or Refused where they cannot be compared at all.
+    """
+    proving = Proving(script=FilePath(script) if script else None)
+    return compare(first, second, robot=robot, from_robot=robot, proving=proving)
+
+
+def shown_motions(first: Wanted, second: Wanted) -> dict[str, Any]:
+    """Both motions in columns, and the greatest deviation of their paths. Raises Refused where a
+    program cannot be run.
     """
     pair = (first, second)
     done = [_run(one) for one in pair]
     runs = [run for run, _, _ in done]
-    spoken = {None if one.programs.language is None else one.programs.language.family
-              for one in pair}  # fmt: skip
-    same = len(spoken) == 1
-    like = likeness(*(runs if same else map(_motions, runs)))
     far = deviation(done[0][1], done[1][1], (_begins(runs[0]), _begins(runs[1])))
     found = [finding for _, _, one in done for finding in one]
-    if like.unlike is not None:
-        found.append(_differs(like.unlike, second))
     return {
         "names": [first.programs.title, second.programs.title],
         "seconds": [run.seconds for run in runs],
@@ -51,9 +56,6 @@ def compared(first: Wanted, second: Wanted) -> dict[str, Any]:
         "deviation": None if far is None else {
             "distance": far.distance, "angle": far.angle, "time": far.time, "of": far.of,
         },
-        "same": like.unlike is None,
-        "visits": like.visits,
-        "signals": same,
         "findings": findings(found),
     }  # fmt: skip
 
@@ -83,14 +85,3 @@ def _run(wanted: Wanted) -> tuple[Run, Columns, Sequence[Diagnostic]]:
 def _begins(run: Run) -> Floats:
     """(k,) seconds."""
     return np.array([row.time for row in run.log if isinstance(row.what, Moved)])
-
-
-def _motions(run: Run) -> Run:
-    """A run of which only the motions are told."""
-    log = tuple(row for row in run.log if isinstance(row.what, Moved))
-    return replace(run, log=log, events=tuple(row.what for row in log))
-
-
-def _differs(unlike: Unlike, second: Wanted) -> Diagnostic:
-    place = None if unlike.second is None else unlike.second.place
-    return at_place(rules.RUN_DIFFERS, place, second.programs.sources(), what=unlike)

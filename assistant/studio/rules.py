@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from assistant.program.diagnostics import error, info, warning
+from assistant.program.diagnostics import error, info
 
 NO_LIBRARY = error(
     "ST001",
@@ -66,11 +66,6 @@ RUN_WITHOUT_ARM = info(
     "ST064",
     "no robot is chosen, so motions take no time and reach anything",
     "choose a robot and start again",
-)
-RUN_DIFFERS = warning(
-    "ST065",
-    "the two programs do not do the same: {what}",
-    "look at that line of both, and at the curves",
 )
 NO_SCENE = error(
     "ST050", "what the scene shows has changed since", "show the file in the scene again"

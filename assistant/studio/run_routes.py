@@ -5,12 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Final
 
+from starlette.concurrency import run_in_threadpool
+from starlette.requests import Request
+from starlette.responses import PlainTextResponse, Response
+from starlette.routing import Route
+
 from assistant.program.diagnostics import Refused
 from assistant.studio import rules
-from assistant.studio.answering import Asked, changes, looks
+from assistant.studio.answering import NOT_THERE, POLICY, Asked, changes, findings, looks
 from assistant.studio.studio import Studio
 
 if TYPE_CHECKING:
+    from assistant.compiler.comparing import Comparison
     from assistant.studio.running import Running, Wanted
     from assistant.virtual.debugging.holding import Stride
 
@@ -159,11 +165,45 @@ def motion(studio: Studio, asked: Asked) -> dict[str, Any]:
 
 
 def compare(studio: Studio, asked: Asked) -> dict[str, Any]:
-    """Runs two programs to their ends, and tells how far their motions are apart."""
-    from assistant.studio.comparing import compared
+    """Tells whether two programs do the same, and how far their motions are apart."""
+    from assistant.studio.comparing import judged, shown_motions
 
-    pair = [_wanted(studio, asked, asked.text(key)) for key in ("first", "second")]
-    return compared(pair[0], pair[1])
+    paths = asked.text("first"), asked.text("second")
+    pair = [_wanted(studio, asked, path) for path in paths]
+    shown = shown_motions(pair[0], pair[1])
+    studio.comparison = None
+    try:
+        done = judged(*paths, pair[0].robot, asked.text("script", ""))
+    except Refused as refused:
+        told, answer, line = list(refused.findings), "not compared", ""
+    else:
+        told, answer, line = done.told(), done.answer, done.line()
+        studio.comparison = done
+    return {
+        **shown,
+        "answer": answer,
+        "line": line,
+        "findings": [*findings(told), *shown["findings"]],
+    }
+
+
+async def side_by_side(request: Request) -> Response:
+    """The page of the programs that were compared last."""
+    studio: Studio = request.app.state.studio
+    done, nonce = studio.comparison, request.scope["state"]["nonce"]
+    if done is None:
+        return PlainTextResponse("not here", NOT_THERE)
+    text = await run_in_threadpool(_page, done, nonce)
+    headers = {"Content-Security-Policy": POLICY.format(nonce=nonce)}
+    return Response(text, media_type="text/html; charset=utf-8", headers=headers)
+
+
+def _page(done: Comparison, nonce: str) -> str:
+    from assistant.view.page import filled
+    from assistant.view.record import record
+    from assistant.view.sheets import compared_sheet, shown_sheet
+
+    return filled(record(shown_sheet(compared_sheet(done))), nonce=nonce)
 
 
 def _running(studio: Studio) -> Running:
@@ -191,4 +231,5 @@ ROUTES: Final = (
     looks("/run/log", log),
     looks("/run/motion", motion),
     *(changes(f"/run/{name}", does) for name, does in DOES.items()),
+    Route("/run/compared", side_by_side),
 )

@@ -10,18 +10,11 @@ from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route
 
 from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.studio.answering import Asked, asks, findings, not_asked
+from assistant.studio.answering import NOT_THERE, POLICY, Asked, asks, findings, not_asked
 from assistant.studio.studio import Studio
 
 if TYPE_CHECKING:
     from assistant.studio.stages import Handle, Stage
-
-POLICY: Final = (
-    "default-src 'none'; script-src 'nonce-{nonce}'; style-src 'nonce-{nonce}'; img-src data:; "
-    "base-uri 'none'; form-action 'none'; frame-ancestors 'self'"
-)
-"""Of the page of a scene: nothing is run but what was written for it, and it asks for nothing."""
-NOT_THERE: Final = 404
 
 
 def show(studio: Studio, asked: Asked) -> dict[str, Any]:

@@ -8,11 +8,15 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path as FilePath
+from typing import TYPE_CHECKING
 
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.text import is_file
 from assistant.studio import rules
 from assistant.studio.windows import Windows
+
+if TYPE_CHECKING:
+    from assistant.compiler.comparing import Comparison
 
 KEPT_OUT = frozenset({".git", ".robot-assistant", ".venv", "__pycache__", "node_modules"})
 """Folders that are not looked into."""
@@ -25,7 +29,7 @@ class Studio:
     live: what runs or is connected to while windows are open, by its kind. leaving: what was live
     and is being ended. left_on: why motors may still be on that nobody has control of. beginning:
     held by whoever puts something there in place of another, so that of two none is left without
-    an end.
+    an end. comparison: of the programs that were compared last.
     """
 
     folder: FilePath
@@ -34,6 +38,7 @@ class Studio:
     leaving: tuple[object, ...] = ()
     left_on: tuple[Diagnostic, ...] = ()
     beginning: threading.RLock = field(default_factory=threading.RLock, repr=False)
+    comparison: Comparison | None = None
     _taking: threading.Lock = field(default_factory=threading.Lock, repr=False)
 
     def file(self, name: str) -> FilePath:

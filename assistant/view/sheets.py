@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import PurePath
 from typing import TYPE_CHECKING
 
 from assistant.program.diagnostics import Diagnostic, Refused, Severity
@@ -12,6 +13,7 @@ from assistant.program.diagnostics import Diagnostic, Refused, Severity
 if TYPE_CHECKING:
     from assistant.cell.clearances import Closeness
     from assistant.cell.scene import Placed, Scene
+    from assistant.compiler.comparing import Comparison
     from assistant.compiler.source_map import Places
     from assistant.program.program import Program
     from assistant.report.drawn import Line
@@ -48,6 +50,24 @@ class Sheet:
     spans: Places | None = None
     acceleration: float | None = None
     plan: bool | None = None
+
+
+def compared_sheet(done: Comparison) -> Sheet:
+    """Two compared programs side by side; the arm of the second one is simulated."""
+    from assistant.compiler.source_map import Places
+    from assistant.view.beside import compared
+
+    first, second = (PurePath(name).name for name in done.names)
+    program, text = done.programs[1].program, done.programs[1].text
+    return Sheet(
+        f"{first} and {second}: {done.answer}",
+        done.told(),
+        program,
+        Places(program, text),
+        done.arm,
+        notes=(done.line(),),
+        beside=compared(done),
+    )
 
 
 def shown_sheet(sheet: Sheet) -> Shown:

@@ -163,13 +163,19 @@ def test_two_programs_are_compared_by_their_motion(page: Page, folder: Path) -> 
     (folder / "go.signals.toml").write_text('[[set]]\ninput = "diGo"\n', encoding="utf-8")
     chosen = {"robot": ARM, "script": "go.signals.toml"}
     same = page.post("run/compare", first=first, second=first, **chosen).value
-    assert (same["same"], same["deviation"]["distance"], same["findings"]) == (True, 0.0, [])
+    assert (same["answer"], same["deviation"]["distance"]) == ("equal", 0.0)
+    assert not [one for one in same["findings"] if one["severity"] == "error"]
     done = page.post("run/compare", first=first, second=second, **chosen).value
     far = done["deviation"]
     assert far["distance"] == pytest.approx(3.0, abs=1e-6)
     assert far["angle"] < 1.0  # as much as the arm turns between two samples
-    assert (done["same"], done["findings"][0]["code"]) == (False, "ST065")
-    assert (done["findings"][0]["path"], done["findings"][0]["line"]) == (second, 9)
+    told = [one for one in done["findings"] if one["severity"] == "error"]
+    assert done["answer"] == "different"
+    assert {one["code"] for one in told} == {"CO118"}
+    assert (second, 9) in [(one["path"], one["line"]) for one in told]
+    assert ": different" in done["line"]
+    beside = page.get("run/compared")
+    assert beside.status == 200 and f"{first} and {second}: different" in beside.value
     assert done["seconds"][1] > done["seconds"][0]
 
 
@@ -266,6 +272,11 @@ def test_in_a_browser(browser: Any, address: str, folder: Path) -> None:
         page.wait_for_selector(".arm-here:has-text('MoveJ p1')")
         assert page.inner_text("#run-at") == "0.00 s"
         page.select_option("#compare-with", path)
+        page.click("#compare-form button")
+        page.wait_for_selector("#compare-result strong:has-text('Equal')")
+        with page.context.expect_page() as opened:
+            page.click("#compare-page")
+        opened.value.wait_for_selector("text=lines.mod and lines.mod: equal")
 
 
 def test_what_a_run_did_is_there_when_its_end_is_told(

@@ -105,7 +105,8 @@ function play() {
   find("run-play").setAttribute("aria-pressed", "true");
   playing = requestAnimationFrame(frame);
 }
-/** Runs two programs to their ends, as a run is asked for now, and lays their curves over each other. */
+const ANSWERS = { equal: "compared_equal", different: "compared_different", "not compared": "compared_not" };
+/** Compares two programs as a run is asked for now, and lays their curves over each other. */
 export async function compare(asked) {
   const second = find("compare-with").value, result = find("compare-result");
   if (!second || !await saveAll()) return;
@@ -117,7 +118,8 @@ export async function compare(asked) {
   showOfDoing(done.findings);
   const far = done.deviation, names = done.names.map((name) => name.split("/").at(-1));
   const told = far ? `${word("deviation")}: ${far.distance.toFixed(3)} mm, ${far.angle.toFixed(3)}° (${names[far.of]}, ${far.time.toFixed(2)} s)` : word("no_motion");
-  result.append(made("strong", told, "numbers"), made("br"), word(done.same ? "same_motion" : "other_motion"), made("br"), names.map((name, i) => `${name}: ${done.seconds[i].toFixed(2)} s`).join(" · "));
+  result.append(made("strong", told, "numbers"), made("br"), made("strong", word(ANSWERS[done.answer])), made("br"), done.line, made("br"), names.map((name, i) => `${name}: ${done.seconds[i].toFixed(2)} s`).join(" · "));
+  if (done.line) result.append(" · ", Object.assign(made("a", word("side_by_side")), { href: "run/compared", target: "_blank", id: "compare-page" }));
   showPlots("compare-plots", figures(done.motions.map((found, i) => ({ name: names[i], found })), undefined, "compare"));
 }
 export function beginRunTime() {
