@@ -153,6 +153,7 @@ class _Running:
         script: Script,
         format: Format,
     ) -> None:
+        from assistant.compiler.script_file import not_visited
         from assistant.virtual.kernel.script import follow
         from assistant.virtual.running import Settings, prepared
         from assistant.virtual.telling import Columns
@@ -160,7 +161,11 @@ class _Running:
         self.programs, self.options, self.format = programs, options, format
         self.arm, self.sources = arm, programs.sources()
         self.read = list(fold(finding.within(programs.title) for finding in programs.findings))
-        self.findings = [*self.read, *_unused(programs, script)]
+        self.findings = [
+            *self.read,
+            *_unused(programs, script),
+            *not_visited(script, self.sources),
+        ]
         settings = Settings(
             robot=arm,
             entry=options.entry,

@@ -193,7 +193,7 @@ def prove_motion(
     entry: the procedure that the first begins with, None for its own. Raises Unreadable or Refused
     for a script that cannot be used.
     """
-    from assistant.compiler.script_file import read_script
+    from assistant.compiler.script_file import not_visited, read_script
     from assistant.virtual.proving.search import Budget, Found, compared
     from assistant.virtual.proving.sides import can_run
 
@@ -224,6 +224,7 @@ def prove_motion(
     found = compared(first, second, outputs, rounding, budget, script)
     timed = next((one for one in changes if one.when is None and one.at), None)
     findings = [] if timed is None else [BY_TIME(name=timed.name, at=timed.at)]
+    findings += [] if script is None else not_visited(script, first.sources())
     if found.unknown is not None and first.robot is None and second.robot is None:
         for arm, one, two in on_stand_ins(first, second):
             again = compared(one, two, outputs, rounding, budget, script)

@@ -29,18 +29,18 @@ Times are seconds of the run. Signals go by their name, in any case, or by their
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path as FilePath
 from typing import Any, Final
 
-from assistant.program.diagnostics import Refused, error, has_errors
+from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors, warning
 from assistant.program.system.budgets import SETTINGS_FILE
 from assistant.program.text import SourceText, decode, read_bytes
 from assistant.sources.process import values
 from assistant.sources.process.file import ENCODINGS, read_toml
 from assistant.sources.process.table import Table
 from assistant.sources.process.values import Read, Wrong, kind_of, shown
-from assistant.virtual.kernel.script import Answer, Change, Script, Visit, When
+from assistant.virtual.kernel.script import Answer, Change, Script, Visit, When, names_in
 
 NO_ROWS: Final = error("CO031", "`{key}` is {what}, not rows", "write [[{key}]] above each of them")
 MISSING: Final = error("CO032", "the {row} states no `{key}`", "write `{example}`")
@@ -49,6 +49,12 @@ NOT_BOTH: Final = error(
 )
 TOO_LONG: Final = error(
     "CO034", "it lasts {lasts:g} s and comes again every {every:g} s", "write a shorter `for`"
+)
+
+NOT_VISITED: Final = warning(
+    "CO126",
+    "the script changes `{name}` with a visit of `{target}`, which no statement names",
+    "write the name of a place as the program has it",
 )
 
 _WHEN: Final = re.compile(r"\s*(?:(input|output)\s+)?([A-Za-z]\w*|\d+)\s*=\s*(\S+)\s*", re.I)
@@ -147,6 +153,15 @@ def _options(value: Any) -> Any:
 
 
 TOP: Final[Mapping[str, Read]] = {"set": _as_it_is, "answer": _as_it_is, "options": _options}
+
+
+def not_visited(script: Script, sources: Sequence[SourceText]) -> Iterator[Diagnostic]:
+    """Findings on visits of a script that no text of the programs names."""
+    names = {word for one in sources for word in names_in(one.text)}
+    for change in script.changes:
+        place = change.when.place if isinstance(change.when, Visit) else ""
+        if place and place not in names:
+            yield NOT_VISITED(name=change.name, target=place)
 
 
 def read_script(path: str | FilePath) -> Script:

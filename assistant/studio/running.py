@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, TypeVar
 
 import numpy as np
 
+from assistant.compiler.script_file import not_visited
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.failing import failure
 from assistant.program.system.watchdog import Reached
@@ -233,6 +234,7 @@ class Running:
         )
         kernel = prepared(wanted.programs, settings)
         self.findings += wanted.programs.findings
+        self.findings += not_visited(wanted.script, self.sources)
         if wanted.robot is None:
             self.findings.append(rules.RUN_WITHOUT_ARM())
         self.given = follow(kernel, wanted.script, wanted.programs.sources())

@@ -279,6 +279,17 @@ def test_in_a_browser(browser: Any, address: str, folder: Path) -> None:
         opened.value.wait_for_selector("text=lines.mod and lines.mod: equal")
 
 
+def test_a_visit_that_nothing_names_is_told(page: Page, folder: Path) -> None:
+    visit = '[[set]]\ninput = "diGo"\nwhen = "visit 1 of {}"\n'
+    (folder / "go.signals.toml").write_text(visit.format("p9"), encoding="utf-8")
+    page.post("run/start", path=written(folder), script="go.signals.toml")
+    waits = stands(page, lambda now: now["state"] == "waits")
+    assert "CO126" in [one["code"] for one in waits["findings"]]
+    (folder / "go.signals.toml").write_text(visit.format("p1"), encoding="utf-8")
+    page.post("run/start", path=written(folder), script="go.signals.toml")
+    assert "CO126" not in [one["code"] for one in ended(page)["findings"]]
+
+
 def test_what_a_run_did_is_there_when_its_end_is_told(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

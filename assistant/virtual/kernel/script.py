@@ -18,7 +18,9 @@ if TYPE_CHECKING:
     from assistant.virtual.kernel.task import Task
 
 
-_NAME = re.compile(r"[a-z_]\w*")
+def names_in(text: str) -> set[str]:
+    """Words of a text of a program that may be names, in lower case."""
+    return set(re.findall(r"[a-z_]\w*", text.lower()))
 
 
 @dataclass(frozen=True, slots=True)
@@ -207,7 +209,7 @@ class _Count:
         """Names in the statement of a motion, in lower case."""
         path, line = row.place or ("", 0)
         found = next((one for one in self.sources if (one.path or "") == path), None)
-        return set() if found is None else set(_NAME.findall(found.line_text(line).lower()))
+        return set() if found is None else names_in(found.line_text(line))
 
 
 def _listener(
