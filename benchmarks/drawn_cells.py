@@ -41,6 +41,9 @@ WORDS: Final[Mapping[Language, Mapping[str, str]]] = {
         "wait for": "WaitUntil {condition};",
         "limited": "WaitDI di{signal},1\\MaxTime:={seconds}\\TimeFlag:=bLate;\nIF bLate THEN",
         "shared": "nTotal:=nTotal+{step};",
+        "watch": "CONNECT i{number} WITH tWatch{number};\nISignalDI di{signal},1,i{number};",
+        "end of watch": "IDelete i{number};",
+        "alarm": "  TRAP tWatch{number}\n    SetDO do{signal},1;\n  ENDTRAP",
         "delay": "WaitTime {seconds};",
         "set": "{count}:={value};",
         "if": "IF {condition} THEN",
@@ -76,6 +79,9 @@ WORDS: Final[Mapping[Language, Mapping[str, str]]] = {
         ),
         "come": "*COME{number}",
         "shared": "M_01=M_01+{step}",
+        "watch": "Def Act {number},M_In({signal})=1 GoSub *WATCH{number}\nAct {number}=1",
+        "end of watch": "Act {number}=0",
+        "alarm": "*WATCH{number}\nM_Out({signal})=1\nAct {number}=0\nReturn 0",
         "delay": "Dly {seconds}",
         "set": "{count}={value}",
         "if": "If {condition} Then",
@@ -99,7 +105,10 @@ WORDS: Final[Mapping[Language, Mapping[str, str]]] = {
 
 @dataclass
 class Draft:
-    """A program while it is drawn. parts: the lines of each routine. on: outputs that are on."""
+    """A program while it is drawn. parts: the lines of each routine. on: outputs that are on.
+
+    alarms: the output that each interrupt sets.
+    """
 
     language: Language
     rng: Random
@@ -107,6 +116,7 @@ class Draft:
     parts: list[list[str]] = field(default_factory=list)
     counts: int = 0
     on: list[int] = field(default_factory=list)
+    alarms: list[int] = field(default_factory=list)
     tool: int = 1
 
     def said(self, word: str, **given: object) -> str:
@@ -209,6 +219,20 @@ def _shared(draft: Draft) -> None:
     draft.move()
 
 
+def _watched(draft: Draft) -> None:
+    """An input that interrupts a few moves; its output tells of it."""
+    signal = draft.rng.choice(OUTPUTS)
+    draft.alarms.append(signal)
+    number = len(draft.alarms)
+    draft.say("watch", number=number, signal=draft.rng.choice(INPUTS))
+    draft.move()
+    _delay(draft)
+    draft.move()
+    draft.say("end of watch", number=number)
+    draft.move()
+    draft.say("output", signal=signal, value=0)
+
+
 def _row(draft: Draft) -> None:
     """A row or a stack of places; some of them get a different treatment."""
     count, last = draft.count(), draft.rng.choice((3, 4))
@@ -295,7 +319,7 @@ def _changed_tool(draft: Draft) -> None:
 
 DOES: Final = (
     *(_visit, _handshake, _pulse, _together, _row, _counted, _retried, _chosen, _sorted, _called),
-    *(_changed_tool, _limited, _shared),
+    *(_changed_tool, _limited, _shared, _watched),
 )
 
 
@@ -324,11 +348,14 @@ def _rapid(draft: Draft) -> str:
     data += [f"  VAR num {name};" for name in counters]
     data += ["  VAR bool bLate;"] if "bLate" in text else []
     data += ["  PERS num nTotal:=0;"] if "nTotal" in text else []
+    alarms = [*enumerate(draft.alarms, 1)]
+    data += [f"  VAR intnum i{number};" for number, _ in alarms]
     routines = {"main": draft.lines}
     routines |= {f"rPart{n}": lines for n, lines in enumerate(draft.parts, 1)}
     bodies = []
     for name, lines in routines.items():
         bodies += [f"  PROC {name}()", *(f"    {line}" for line in lines), "  ENDPROC"]
+    bodies += [draft.said("alarm", number=number, signal=signal) for number, signal in alarms]
     return "\n".join(["MODULE Cell", *data, *bodies, "ENDMODULE", ""])
 
 
@@ -336,6 +363,8 @@ def _melfa(draft: Draft) -> str:
     lines = [*draft.lines, "End"]
     for n, part in enumerate(draft.parts, 1):
         lines += [f"*PART{n}", *part, "Return"]
+    for n, signal in enumerate(draft.alarms, 1):
+        lines += draft.said("alarm", number=n, signal=signal).split("\n")
     data = [
         f"P{n}=({_numbers(place)},{_numbers(angles)})(7,0)"
         for n, (place, angles, _) in TARGETS.items()

@@ -75,6 +75,7 @@ COMPARED: Final[Mapping[str, str]] = {
     "a longest time of a wait, a wait for a timer": f"seconds, to {LIMIT:.0%} and {LATE:g} s",
     "a delay": "seconds",
     "shared data": "a number, truth or text that outlives the program, before each other effect",
+    "an interrupt": "between which motions it may come, once in a run, and what it does",
     "a stop, an end, an error": "where it is",
 }
 """Effects by their kinds, and what of each has to be the same."""

@@ -461,3 +461,66 @@ ENDMODULE
     loaded = load_text(SourceText(HEAD + body), language="rapid")
     done = translate(loaded, to="melfa-basic-6", proving=Proving())
     assert done.ok and done.motion is not None and done.motion.holds
+
+
+WATCHING = """VAR intnum iWatch;
+PROC main()
+MoveL pHome,v100,fine,tGrip;
+CONNECT iWatch WITH tWatch;
+ISignalDI diPart,1,iWatch;
+MoveL pPick,v100,fine,tGrip;
+WaitTime 1;
+MoveL pHome,v100,fine,tGrip;
+IDelete iWatch;
+MoveL pPick,v100,fine,tGrip;
+SetDO doDone,0;
+ENDPROC
+TRAP tWatch
+SetDO doDone,1;
+ENDTRAP
+ENDMODULE
+"""
+WATCHED = """Def Act 1,M_In(4)<>MSEEN GoSub *CAME
+Tool PTOOL
+Spd 100
+Cnt 0
+Mvs PHOME
+MSEEN=M_In(4)
+Act 1=1
+Mvs PPICK
+Dly 1
+Mvs PHOME
+Act 1=0
+Mvs PPICK
+M_Out(11)=0
+End
+*CAME
+MSEEN=M_In(4)
+If MSEEN=1 Then M_Out(11)=1
+Return 0
+"""
+
+
+@pytest.mark.parametrize(
+    ("typed", "instead"),
+    [
+        ("Def Act 1,M_In(4)<>MSEEN GoSub *CAME\n", "Def Act 1,M_In(5)<>MSEEN GoSub *CAME\n"),
+        ("Act 1=1\n", ""),
+        ("Act 1=0\n", ""),
+        ("Mvs PHOME\nAct 1=0\n", "Act 1=0\nMvs PHOME\n"),
+        ("If MSEEN=1 Then M_Out(11)=1", "If MSEEN=0 Then M_Out(11)=1"),
+        ("If MSEEN=1 Then M_Out(11)=1", "If MSEEN=1 Then M_Out(10)=1"),
+        ("*CAME\nMSEEN=M_In(4)\n", "*CAME\n"),
+    ],
+)
+def test_a_fault_of_an_interrupt_is_found(tmp_path: Path, typed: str, instead: str) -> None:
+    assert compared(tmp_path, WATCHING, WATCHED).answer == "equal"
+    assert WATCHED.count(typed) == 1
+    done = compared(tmp_path, WATCHING, WATCHED.replace(typed, instead))
+    assert done.answer == "different"
+
+
+def test_a_loop_that_only_looks_does_less(tmp_path: Path) -> None:
+    endless = WATCHED.replace("*CAME\n", "*CAME\nWhile M_In(4)=1\nWEnd\n")
+    done = compared(tmp_path, WATCHING, endless)
+    assert done.answer == "different", done.line()

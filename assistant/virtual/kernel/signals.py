@@ -18,12 +18,13 @@ NOTHING: Final[Mapping[str, float]] = {}
 class Signals:
     """Signals of one direction by their name in lower case, or their number as text.
 
-    source: what those read that nothing has set.
+    source: what those read that nothing has set. watched: those that interrupts listen to.
     """
 
     source: Source = field(default_factory=dict)
     values: dict[str, float] = field(default_factory=dict)
     listeners: list[Listener] = field(default_factory=list)
+    watched: list[str] = field(default_factory=list)
 
     def read(self, name: str) -> float:
         if name in self.values:

@@ -152,7 +152,6 @@ class Driver(Mapping[str, float]):
         self._polling: dict[str, None] = {}
         self._asking = False
         self._step, self._here = -1, dict[str, Moment]()
-        self._active = 0
         self._seen: set[object] = set()
         self._apply(dict(self.scenario.at(Moment()) or ()))
         self.kernel.board.inputs = _Inputs(self)
@@ -168,14 +167,8 @@ class Driver(Mapping[str, float]):
         """The last readings, which what happens now may hang on."""
         return tuple(self._recent)
 
-    @property
-    def quiet(self) -> int:
-        """Statements since the last event, and since an input or the time was read."""
-        return self.kernel.steps - max(self._active, self.kernel.clocked)
-
     def __getitem__(self, name: str) -> float:
         """What an input reads now, which counts as a reading."""
-        self._active = self.kernel.steps
         self.reads.add(name)
         self._recent.append((name, Moment(self.beat, self.idles)))
         if self.kernel.steps != self._step:
@@ -210,7 +203,6 @@ class Driver(Mapping[str, float]):
     # --------------------------------------------------------------------- what is told of it
 
     def _told(self, row: Logged) -> None:
-        self._active = self.kernel.steps
         if not (isinstance(row.what, Waited) and row.what.limit):
             self.timing.clear()
         match row.what:
@@ -220,6 +212,8 @@ class Driver(Mapping[str, float]):
                 self._next()
             case Switched():
                 self._still()
+        for name in self.kernel.board.inputs.watched:
+            self.watched.setdefault(name, {})[Moment(self.beat)] = None
 
     def _next(self) -> None:
         self.beat, self.idles = self.beat + 1, 0

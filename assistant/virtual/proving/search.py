@@ -36,6 +36,10 @@ SLOWER: Final = 2.0
 counts."""
 MORE_STEPS: Final = 20
 """Of the written program: one statement may have become several."""
+LOOKS: Final = 2
+"""Times as many statements as the time of a wait holds."""
+LEAST_STEPS: Final = 500
+"""Statements that a run of the source counts as having at least."""
 IN_VAIN: Final = 10
 """Runs with inputs at random that take no new branch before the search gives up."""
 FEW: Final = 2
@@ -161,7 +165,7 @@ class _Search:
         self.aimed: set[Scenario] = set()
         self.followed: Counter[tuple[str, int]] = Counter()
         self.ended: set[object] = set()
-        self.watched: set[str] = set()
+        self.watched: set[tuple[int, str]] = set()
         self.pending: deque[Scenario] = deque([Scenario()])
         self.later: deque[Scenario] = deque()
         self.weighed: set[object] = set()
@@ -253,7 +257,7 @@ class _Search:
         if one.ended == "unknown":
             self._not_judged(Stop(0, one, ours.played))
             return False, ours.played
-        two, theirs = self._play(self.second, ours.played, MORE_STEPS * self.steps, one)
+        two, theirs = self._play(self.second, ours.played, self._enough(one), one)
         if two.ended == OVER:
             if self.found.runs:
                 self.late = True
@@ -293,6 +297,15 @@ class _Search:
             self.missed += 1
         else:
             self.found.unknown = stop
+
+    def _enough(self, one: Run) -> int:
+        """Statements in which the written program does what a run of the source has done.
+
+        One that looks again and again where the source waits takes as many as that time holds.
+        """
+        looks = math.ceil(LOOKS * one.seconds / STATEMENT_TIME)
+        least = max(one.steps, LEAST_STEPS)
+        return min(MORE_STEPS * self.steps, MORE_STEPS * least + looks)
 
     def _as_much(self, one: Run, two: Run) -> bool:
         """Whether a run that was broken off did all that the first one did."""
@@ -344,11 +357,9 @@ class _Search:
                 differences.append(
                     Unlike(0, f"came to its end, and went on for {two.steps:,} statements")
                 )
-        silent = two.ended == "steps" and theirs.quiet >= MORE_STEPS // 2 * self.steps
-        if not differences and silent and not self._as_much(one, two):
-            differences.append(
-                Unlike(0, f"continues, and runs {theirs.quiet:,} statements without any effect")
-            )
+        exhausted = two.ended == "steps" and two.steps >= self._enough(one)
+        if not differences and exhausted and not self._as_much(one, two):
+            differences.append(Unlike(0, f"continues, and does less in {two.steps:,} statements"))
         found.runs += 1
         found.cut += one.ended == "steps"
         found.visits += like.visits
@@ -385,7 +396,7 @@ class _Search:
     def _follow(self, at: int, driver: Driver, played: Scenario) -> None:
         """Scenarios that may take the other ways of the statements that this one came by."""
         known, gone = self.known[at], self.taken[at]
-        self.pending.extend(self._interrupted(driver, played))
+        self.pending.extend(self._interrupted(at, driver, played))
         for taken in driver.taken.values():
             others = [way for way in known if way[:2] == taken.way[:2] and way not in gone]
             if others and taken.read and self.followed[taken.way[:2]] < MOST_FOLLOWED:
@@ -452,13 +463,16 @@ class _Search:
                 bits |= wiring.spread(name, value)
             yield before.changed(moment, bits)
 
-    def _interrupted(self, driver: Driver, played: Scenario) -> Iterator[Scenario]:
-        """Scenarios in which an input that interrupts changes here and there, once for each."""
+    def _interrupted(self, at: int, driver: Driver, played: Scenario) -> Iterator[Scenario]:
+        """Scenarios in which an input that interrupts changes where it is watched, once for each
+        program: as it begins to be, here and there, and as it ends.
+        """
         for name, moments in driver.watched.items():
-            if name in self.watched:
+            if (at, name) in self.watched:
                 continue
-            self.watched.add(name)
-            for moment in [*moments][1 : 1 + MOST_FOLLOWED]:
+            self.watched.add((at, name))
+            most = MOST_FOLLOWED
+            for moment in dict.fromkeys([*[*moments][:most], *[*moments][-most:]]):
                 yield from self._changed(driver.wiring, name, moment, played, [1])
 
     def _near(self, at: int, line: int) -> list[int]:

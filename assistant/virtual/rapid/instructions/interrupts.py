@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Final
 
-from assistant.virtual.kernel.signals import Listener
 from assistant.virtual.rapid.ends import Fault
 from assistant.virtual.rapid.expressions import place
 from assistant.virtual.rapid.given import Given, takes
@@ -59,14 +58,16 @@ def _listening(given: Given, index: int, hears: Callable[[float, float], bool]) 
                 occur()
 
         side.listeners.append(listener)
-        return lambda: _leave(side.listeners, listener)
+        side.watched.append(signal)
+
+        def leave() -> None:
+            if listener in side.listeners:
+                side.listeners.remove(listener)
+                side.watched.remove(signal)
+
+        return leave
 
     _order(given, index, begin)
-
-
-def _leave(listeners: list[Listener], listener: Listener) -> None:
-    if listener in listeners:
-        listeners.remove(listener)
 
 
 def _digital(given: Given) -> None:
