@@ -18,7 +18,7 @@ from assistant.compiler.joint_speeds import at_a_percent, at_a_speed, at_the_pac
 from assistant.compiler.keeping.remembered import write_unedited
 from assistant.compiler.loading import Loaded, language_of
 from assistant.compiler.locations import with_locations
-from assistant.compiler.motion import MotionProof, Proving, prove_motion
+from assistant.compiler.motion import MotionProof, Proving, Terms, prove_motion
 from assistant.compiler.motion_sides import written
 from assistant.compiler.naming import named, not_called_so, wished
 from assistant.compiler.opening import load
@@ -237,7 +237,8 @@ def proven_by_motion(
     if proving is None or not compiled.ok:
         return compiled
     pair = written(compiled.source, compiled.program, compiled.language, compiled.files)
-    motion = prove_motion(pair, arms, proving, entry)
+    changes = {f.code for f in compiled.found if f.severity is Severity.WARNING}
+    motion = prove_motion(pair, arms, proving, entry, Terms(changes=tuple(sorted(changes))))
     files = compiled.files if motion.holds else {}
     found = (*compiled.found, *motion.findings)
     return replace(compiled, motion=motion, files=files, found=found)

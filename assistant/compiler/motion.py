@@ -32,8 +32,9 @@ if TYPE_CHECKING:
 MOVES_OTHERWISE = error(
     "CO110",
     "run, `{written}` does something else, with {inputs}: {what}",
-    "nothing was written; report this with the program",
+    "nothing was written; {cure}",
 )
+REPORT: Final = "report this with the program"
 NOT_RUN = error(
     "CO111",
     "there is no proof by motion: {reason}",
@@ -164,13 +165,23 @@ class Terms:
     """How two programs are compared. differs, not_run: the rules that tell of it.
 
     differences: after which the search is over. typed: both were typed by people, so that the
-    decimals of either count, and two of them at most.
+    decimals of either count, and two of them at most. changes: codes of the findings that tell of
+    changes between both.
     """
 
     differs: Rule = MOVES_OTHERWISE
     not_run: Rule = NOT_RUN
     differences: int = 1
     typed: bool = False
+    changes: tuple[str, ...] = ()
+
+    @property
+    def cure(self) -> str:
+        """What to do about a difference."""
+        if not self.changes:
+            return REPORT
+        codes = ", ".join(self.changes)
+        return f"see whether it is a change that {codes} told of; if not, {REPORT}"
 
 
 TRANSLATED: Final = Terms()
@@ -276,7 +287,14 @@ def _findings(
             what += f" ({other[0] or names[1]}:{other[1]})"
         inputs = scenario.said(wires)
         rule = terms.differs
-        yield rule(source=names[0], written=names[1], inputs=inputs, what=what, **_at(place))
+        yield rule(
+            source=names[0],
+            written=names[1],
+            inputs=inputs,
+            what=what,
+            cure=terms.cure,
+            **_at(place),
+        )
     stop = found.unknown
     if stop is not None:
         reason = f"`{names[stop.side]}` cannot be run here ({_message(stop.run)})"

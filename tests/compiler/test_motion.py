@@ -10,7 +10,7 @@ import assistant
 from assistant.compiler import Compiled
 from assistant.compiler.arms import Arms
 from assistant.compiler.loading import load, load_text
-from assistant.compiler.motion import MotionProof, Proving, prove_motion
+from assistant.compiler.motion import MotionProof, Proving, Terms, prove_motion
 from assistant.compiler.motion_sides import written
 from assistant.program.diagnostics import Refused
 from assistant.program.text import SourceText
@@ -87,14 +87,18 @@ def proof(done: Compiled, proving: Proving | None = None) -> MotionProof:
 
 
 def with_fault(
-    done: Compiled, line: str, other: str, proving: Proving | None = None
+    done: Compiled,
+    line: str,
+    other: str,
+    proving: Proving | None = None,
+    terms: Terms | None = None,
 ) -> MotionProof:
     """The proof of what was written with another line in it."""
     ((name, data),) = done.files.items()
     assert data.decode().count(line) == 1, data.decode()
     files = {name: data.decode().replace(line, other).encode()}
     given = written(done.source, done.program, done.language, files)
-    return prove_motion(given, Arms(), proving or Proving())
+    return prove_motion(given, Arms(), proving or Proving(), None, terms or Terms())
 
 
 def test_every_branch_of_the_source_is_taken(compiled: Compiled) -> None:
@@ -194,6 +198,15 @@ def test_a_fault_is_found_with_its_place(compiled: Compiled, name: str) -> None:
     (finding,) = [f for f in found.findings if f.code == "CO110"]
     assert said in finding.message.replace("410.00", "370.00")
     assert finding.line == source
+
+
+def test_a_change_that_was_told_is_named_with_a_difference(compiled: Compiled) -> None:
+    line, other, *_ = next(iter(FAULTS.values()))
+    found = with_fault(compiled, line, other, terms=Terms(changes=("MB206", "MB233")))
+    (finding,) = [f for f in found.findings if f.code == "CO110"]
+    assert "a change that MB206, MB233 told of; if not, report this" in finding.cure
+    (finding,) = [f for f in with_fault(compiled, line, other).findings if f.code == "CO110"]
+    assert finding.cure == "nothing was written; report this with the program"
 
 
 EFFECTS = (
