@@ -44,9 +44,9 @@ class Kernel:
     its time is over or the run ends; True if it has brought what is waited for. told: are told of
     each event. met: is told of each wait that ends as it begins, with its condition. kept: gives
     what shared data holds, by its name, which is told before the next event. timed: is told when a
-    program sets a timer, as a wait of its own begins. lasted: is told when a wait for what a timer
-    reads began that is over. clock: simulated seconds, but behind `now` while a program runs ahead
-    of its arm.
+    program sets a timer, as a wait of its own begins. looked: is told each time that a wait for
+    what a timer reads is looked at, when it began and whether it is over. clock: simulated seconds,
+    but behind `now` while a program runs ahead of its arm.
     person: answers what programs ask. peers: what the other end of each line says, text by text,
     in a run that reaches nothing outside; None where lines lead where they do. shared: whether
     several tasks run. live: what the run is part of that goes on when all tasks have ended.
@@ -64,7 +64,7 @@ class Kernel:
     stuck: Callable[[Task], bool] | None = None
     told: list[Callable[[Logged], None]] = field(default_factory=list)
     timed: Callable[[], None] | None = None
-    lasted: Callable[[Task, float], None] | None = None
+    looked: Callable[[Task, float, bool], None] | None = None
     met: Callable[[Task, Callable[[], bool]], None] | None = None
     kept: Callable[[], Mapping[str, float | str]] | None = None
     clock: float = 0.0

@@ -144,10 +144,10 @@ class Task:
         if self.kernel.met is not None:
             self.kernel.met(self, until)
 
-    def lasted(self, since: float) -> None:
-        """A wait for what a timer reads is over. since: when it began."""
-        if self.kernel.lasted is not None:
-            self.kernel.lasted(self, since)
+    def looked(self, since: float, *, over: bool) -> None:
+        """A wait for what a timer reads is looked at. since: when it began."""
+        if self.kernel.looked is not None:
+            self.kernel.looked(self, since, over)
 
     # ------------------------------------------------------------------------- interrupts
 

@@ -155,8 +155,9 @@ def _wait(m: Machine, node: s.Expression) -> None:
     if any(isinstance(part, s.Variable) and part.key == "M_TIMER" for part in nodes(node)):
         since = task.kernel.now
         while not holds(expressions.value(m, node)):
+            task.looked(since, over=False)
             task.step()
-        task.lasted(since)
+        task.looked(since, over=True)
     else:
         interrupts.attend(m, node)
         try:

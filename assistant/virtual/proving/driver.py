@@ -151,6 +151,7 @@ class Driver(Mapping[str, float]):
         self._polled: dict[tuple[object, str], int] = {}
         self._polling: dict[str, None] = {}
         self._asking = False
+        self._looks = 0
         self._step, self._here = -1, dict[str, Moment]()
         self._seen: set[object] = set()
         self._apply(dict(self.scenario.at(Moment()) or ()))
@@ -158,7 +159,7 @@ class Driver(Mapping[str, float]):
         self.kernel.told.append(self._told)
         self.kernel.stuck = self._stuck
         self.kernel.branch, self.kernel.timed = self._branch, self._still
-        self.kernel.met, self.kernel.lasted = self._met, self._lasted
+        self.kernel.met, self.kernel.looked = self._met, self._looked
 
     # ------------------------------------------------------------------------ what is read
 
@@ -205,6 +206,7 @@ class Driver(Mapping[str, float]):
     def _told(self, row: Logged) -> None:
         if not (isinstance(row.what, Waited) and row.what.limit):
             self.timing.clear()
+            self._looks = 0
         match row.what:
             case Moved() | Stopped():
                 self._next()
@@ -242,11 +244,23 @@ class Driver(Mapping[str, float]):
         since, before, count = self.timing.pop(place, (kernel.clock, way, 0))
         if way == before:
             self.timing[place] = since, way, count + 1
-            if count >= MANY and kernel.clock - since < LONG:
-                kernel.clock += HASTE * (kernel.clock - since)
+            self._hasten(since, count)
         elif count >= TIMED:
             self.counted = True
             self._lasted(kernel.tasks[0], since)
+
+    def _looked(self, task: Task, since: float, over: bool) -> None:
+        self._looks = 0 if over else self._looks + 1
+        if over:
+            self._lasted(task, since)
+        else:
+            self._hasten(since, self._looks)
+
+    def _hasten(self, since: float, count: int) -> None:
+        """Time passes faster in a wait for a timer that was looked at so often."""
+        waited = self.kernel.clock - since
+        if count >= MANY and waited < LONG:
+            self.kernel.clock += HASTE * waited
 
     def _lasted(self, task: Task, since: float) -> None:
         """Only what has passed since the event before can be compared."""

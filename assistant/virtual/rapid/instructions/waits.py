@@ -89,9 +89,10 @@ def _comes(given: Given, asked: Callable[[], bool], longest: float, what: str) -
         left = end - task.kernel.now
         if hangs_on:
             task.kernel.spend()
-            if task.wait(asked, min(poll, left), what, outside="outside" in hangs_on):
-                if "time" in hangs_on:
-                    task.lasted(since)
+            came = task.wait(asked, min(poll, left), what, outside="outside" in hangs_on)
+            if "time" in hangs_on:
+                task.looked(since, over=came)
+            if came:
                 return True
         else:
             came = task.wait(
