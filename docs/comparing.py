@@ -52,9 +52,9 @@ pass, see [Proven by motion](translating.md#proven-by-motion). `--seconds` bound
 of the processor by default), `--seed` says what it draws; `--signals` names a script of the inputs,
 and there is one run; inputs that it changes by seconds are warned of (CO124), as two programs take
 different times. `when = "visit 3 of pPick"` names a place as the first program does, and the second
-one sees the input with the same motion, whatever it calls the place. A run without an end is cut off,
-and so is one of more than 20,000 statements beside four for each line: the answer counts these runs,
-and what they did by then is compared. Both programs do the same in the same order:
+one sees the input with the same motion, whatever it calls the place. A run that does not
+end is cut off after 20,000 statements and four for each line: the answer counts these runs, and what
+they did until then is compared. Both programs do the same in the same order:
 
 """
 MIDDLE = """

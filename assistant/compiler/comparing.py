@@ -105,7 +105,7 @@ class Comparison:
         """The exit status of the command: 0 equal, 1 different, 2 not compared."""
         return {"equal": 0, "different": 1, "not compared": 2}[self.answer]
 
-    def told(self) -> list[Diagnostic]:
+    def located_findings(self) -> list[Diagnostic]:
         """The findings, each difference at its line in the second program, else in the first."""
         found = [one for one in self.findings if one.code != DIFFERS.code]
         for one in self.differences:

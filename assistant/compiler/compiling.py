@@ -237,8 +237,8 @@ def proven_by_motion(
     if proving is None or not compiled.ok:
         return compiled
     pair = written(compiled.source, compiled.program, compiled.language, compiled.files)
-    changes = {f.code for f in compiled.found if f.severity is Severity.WARNING}
-    motion = prove_motion(pair, arms, proving, entry, Terms(changes=tuple(sorted(changes))))
+    warnings = {f.code for f in compiled.found if f.severity is Severity.WARNING}
+    motion = prove_motion(pair, arms, proving, entry, Terms(warnings=tuple(sorted(warnings))))
     files = compiled.files if motion.holds else {}
     found = (*compiled.found, *motion.findings)
     return replace(compiled, motion=motion, files=files, found=found)

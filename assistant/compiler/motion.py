@@ -64,7 +64,7 @@ BY_TIME = warning(
     "CO124",
     "the script changes `{name}` at {at:g} s, which two programs of different speed reach at "
     "different statements",
-    "change it when an output changes, or with a visit, instead",
+    "change it at an output or at a visit instead",
 )
 STAND_IN = info(
     "CO115",
@@ -165,23 +165,22 @@ class Terms:
     """How two programs are compared. differs, not_run: the rules that tell of it.
 
     differences: after which the search is over. typed: both were typed by people, so that the
-    decimals of either count, and two of them at most. changes: codes of the findings that tell of
-    changes between both.
+    decimals of either count, and two of them at most. warnings: codes of those of the translation.
     """
 
     differs: Rule = MOVES_OTHERWISE
     not_run: Rule = NOT_RUN
     differences: int = 1
     typed: bool = False
-    changes: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
 
     @property
     def cure(self) -> str:
         """What to do about a difference."""
-        if not self.changes:
+        if not self.warnings:
             return REPORT
-        codes = ", ".join(self.changes)
-        return f"see whether it is a change that {codes} told of; if not, {REPORT}"
+        codes = ", ".join(self.warnings)
+        return f"see whether a warning explains it ({codes}); if not, {REPORT}"
 
 
 TRANSLATED: Final = Terms()

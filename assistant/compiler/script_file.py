@@ -34,13 +34,14 @@ from pathlib import Path as FilePath
 from typing import Any, Final
 
 from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors, warning
+from assistant.program.lines import lines_of
 from assistant.program.system.budgets import SETTINGS_FILE
 from assistant.program.text import SourceText, decode, read_bytes
 from assistant.sources.process import values
 from assistant.sources.process.file import ENCODINGS, read_toml
-from assistant.sources.process.table import Table
+from assistant.sources.process.table import Table, nearest
 from assistant.sources.process.values import Read, Wrong, kind_of, shown
-from assistant.virtual.kernel.script import Answer, Change, Script, Visit, When, names_in
+from assistant.virtual.kernel.script import Answer, Change, Script, Visit, When, words_of
 
 NO_ROWS: Final = error("CO031", "`{key}` is {what}, not rows", "write [[{key}]] above each of them")
 MISSING: Final = error("CO032", "the {row} states no `{key}`", "write `{example}`")
@@ -53,8 +54,8 @@ TOO_LONG: Final = error(
 
 NOT_VISITED: Final = warning(
     "CO126",
-    "the script changes `{name}` with a visit of `{target}`, which no statement names",
-    "write the name of a place as the program has it",
+    "the script changes `{name}` at a visit of `{target}`, which no statement names",
+    "{cure}",
 )
 
 _WHEN: Final = re.compile(r"\s*(?:(input|output)\s+)?([A-Za-z]\w*|\d+)\s*=\s*(\S+)\s*", re.I)
@@ -157,11 +158,16 @@ TOP: Final[Mapping[str, Read]] = {"set": _as_it_is, "answer": _as_it_is, "option
 
 def not_visited(script: Script, sources: Sequence[SourceText]) -> Iterator[Diagnostic]:
     """Findings on visits of a script that no text of the programs names."""
-    names = {word for one in sources for word in names_in(one.text)}
+    names = {word for one in sources for line in lines_of(one.text) for word in words_of(line)}
     for change in script.changes:
         place = change.when.place if isinstance(change.when, Visit) else ""
-        if place and place not in names:
-            yield NOT_VISITED(name=change.name, target=place)
+        if not place or place in names:
+            continue
+        near = nearest(place, names)
+        cure = f"write `{near}`" if near else "write the name of a target as the program has it"
+        if not sources:
+            cure = "write the number of the visit, as `visit 3`: no text names targets"
+        yield NOT_VISITED(name=change.name, target=place, cure=cure)
 
 
 def read_script(path: str | FilePath) -> Script:

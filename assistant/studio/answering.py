@@ -12,7 +12,7 @@ from typing import Any, Final
 from anyio import CapacityLimiter
 from anyio.to_thread import run_sync
 from starlette.requests import ClientDisconnect, Request
-from starlette.responses import JSONResponse, Response
+from starlette.responses import JSONResponse, PlainTextResponse, Response
 from starlette.routing import Route
 
 from assistant.program.diagnostics import Diagnostic, Refused
@@ -26,7 +26,7 @@ WRITES = "x-window"
 UNTIDY = 422
 FAILED = 500
 NOT_THERE: Final = 404
-POLICY: Final = (
+VIEW_POLICY: Final = (
     "default-src 'none'; script-src 'nonce-{nonce}'; style-src 'nonce-{nonce}'; img-src data:; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'self'"
 )
@@ -110,6 +110,22 @@ def asks(path: str, does: Does, *, urgent: bool = False) -> Route:
 def changes(path: str, does: Does, *, urgent: bool = False) -> Route:
     """A route that changes something: only for the window that writes."""
     return Route(path, _posted(does, writes=True, urgent=urgent), methods=["POST"])
+
+
+async def view_page(request: Request, make: Callable[[], dict[str, Any]] | None) -> Response:
+    """A page of `view`, of the record that is made for it; not found if there is none to make."""
+    if make is None:
+        return PlainTextResponse("not here", NOT_THERE)
+    nonce = request.scope["state"]["nonce"]
+    text = await run_sync(_filled, make, nonce)
+    headers = {"Content-Security-Policy": VIEW_POLICY.format(nonce=nonce)}
+    return Response(text, media_type="text/html; charset=utf-8", headers=headers)
+
+
+def _filled(make: Callable[[], dict[str, Any]], nonce: str) -> str:
+    from assistant.view.page import filled
+
+    return filled(make(), nonce=nonce)
 
 
 def findings(found: Sequence[Diagnostic]) -> list[dict[str, Any]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -24,23 +24,25 @@ from assistant.virtual.running import Settings, prepared
 from assistant.virtual.telling import ending
 from assistant.virtual.tracing import motion_columns
 
-if TYPE_CHECKING:
-    from assistant.robots import Robot
-
 LONGEST: Final = 60.0
 """Seconds that each of them may run here, where nobody can switch what it waits for."""
 
 
-def judged(first: str, second: str, robot: Robot | None, script: str) -> Comparison:
-    """What `compare` finds of two files of the project. script: drives both; empty for none.
+def compare_files(first: Wanted, second: Wanted, script: str) -> Comparison:
+    """Compare two files of the project as `compare` does. script: drives both; empty for none.
 
     Raises Unreadable or Refused where they cannot be compared at all.
     """
-    proving = Proving(script=FilePath(script) if script else None)
-    return compare(first, second, robot=robot, from_robot=robot, proving=proving)
+    return compare(
+        first.path,
+        second.path,
+        robot=second.robot,
+        from_robot=first.robot,
+        proving=Proving(script=FilePath(script) if script else None),
+    )
 
 
-def shown_motions(first: Wanted, second: Wanted) -> dict[str, Any]:
+def motions(first: Wanted, second: Wanted) -> dict[str, Any]:
     """Both motions in columns, and the greatest deviation of their paths. Raises Refused where a
     program cannot be run.
     """
@@ -68,7 +70,7 @@ def _run(wanted: Wanted) -> tuple[Run, Columns, Sequence[Diagnostic]]:
         options=wanted.script.options,
     )
     kernel = prepared(wanted.programs, settings)
-    given = follow(kernel, wanted.script)
+    given = follow(kernel, wanted.script, wanted.programs.sources())
     end = time.monotonic() + LONGEST
 
     def watch(task: Task) -> None:

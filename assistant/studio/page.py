@@ -13,6 +13,8 @@ from starlette.requests import Request
 from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route
 
+from assistant.studio.answering import NOT_THERE
+
 KINDS: Final = {
     ".css": "text/css; charset=utf-8",
     ".js": "text/javascript; charset=utf-8",
@@ -21,7 +23,6 @@ FOLDERS: Final = ("", "scripts", "codemirror")
 """Folders of files that the page loads."""
 FIRST: Final = "en"
 """The language whose words all others are measured by."""
-NOT_THERE: Final = 404
 
 
 async def page(request: Request) -> Response:

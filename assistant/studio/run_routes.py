@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
-from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
-from starlette.responses import PlainTextResponse, Response
+from starlette.responses import Response
 from starlette.routing import Route
 
 from assistant.program.diagnostics import Refused
 from assistant.studio import rules
-from assistant.studio.answering import NOT_THERE, POLICY, Asked, changes, findings, looks
+from assistant.studio.answering import Asked, changes, findings, looks, view_page
 from assistant.studio.studio import Studio
 
 if TYPE_CHECKING:
@@ -166,44 +166,34 @@ def motion(studio: Studio, asked: Asked) -> dict[str, Any]:
 
 def compare(studio: Studio, asked: Asked) -> dict[str, Any]:
     """Tells whether two programs do the same, and how far their motions are apart."""
-    from assistant.studio.comparing import judged, shown_motions
+    from assistant.studio.comparing import compare_files, motions
 
-    paths = asked.text("first"), asked.text("second")
-    pair = [_wanted(studio, asked, path) for path in paths]
-    shown = shown_motions(pair[0], pair[1])
     studio.comparison = None
+    first, second = (_wanted(studio, asked, asked.text(key)) for key in ("first", "second"))
+    shown = motions(first, second)
     try:
-        done = judged(*paths, pair[0].robot, asked.text("script", ""))
+        done = compare_files(first, second, asked.text("script", ""))
     except Refused as refused:
-        told, answer, line = list(refused.findings), "not compared", ""
+        answer, line, found = "not compared", "", list(refused.findings)
     else:
-        told, answer, line = done.told(), done.answer, done.line()
+        answer, line, found = done.answer, done.line(), done.located_findings()
         studio.comparison = done
-    return {
-        **shown,
-        "answer": answer,
-        "line": line,
-        "findings": [*findings(told), *shown["findings"]],
-    }
+    both = [*findings(found), *shown["findings"]]
+    return {**shown, "answer": answer, "line": line, "findings": both}
 
 
 async def side_by_side(request: Request) -> Response:
     """The page of the programs that were compared last."""
     studio: Studio = request.app.state.studio
-    done, nonce = studio.comparison, request.scope["state"]["nonce"]
-    if done is None:
-        return PlainTextResponse("not here", NOT_THERE)
-    text = await run_in_threadpool(_page, done, nonce)
-    headers = {"Content-Security-Policy": POLICY.format(nonce=nonce)}
-    return Response(text, media_type="text/html; charset=utf-8", headers=headers)
+    done = studio.comparison
+    return await view_page(request, None if done is None else partial(_beside, done))
 
 
-def _page(done: Comparison, nonce: str) -> str:
-    from assistant.view.page import filled
+def _beside(done: Comparison) -> dict[str, Any]:
     from assistant.view.record import record
     from assistant.view.sheets import compared_sheet, shown_sheet
 
-    return filled(record(shown_sheet(compared_sheet(done))), nonce=nonce)
+    return record(shown_sheet(compared_sheet(done)))
 
 
 def _running(studio: Studio) -> Running:

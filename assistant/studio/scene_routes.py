@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
-from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
-from starlette.responses import PlainTextResponse, Response
+from starlette.responses import Response
 from starlette.routing import Route
 
 from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.studio.answering import NOT_THERE, POLICY, Asked, asks, findings, not_asked
+from assistant.studio.answering import Asked, asks, findings, not_asked, view_page
 from assistant.studio.studio import Studio
 
 if TYPE_CHECKING:
@@ -56,21 +56,15 @@ async def page(request: Request) -> Response:
     from assistant.studio.stages import stages
 
     studio: Studio = request.app.state.studio
-    nonce = request.scope["state"]["nonce"]
     try:
         stage = stages(studio).get(request.path_params["name"])
     except Refused:
-        return PlainTextResponse("not here", NOT_THERE)
-    text = await run_in_threadpool(_page, stage, nonce)
-    headers = {"Content-Security-Policy": POLICY.format(nonce=nonce)}
-    return Response(text, media_type="text/html; charset=utf-8", headers=headers)
+        return await view_page(request, None)
+    return await view_page(request, partial(_record, stage))
 
 
-def _page(stage: Stage, nonce: str) -> str:
-    from assistant.view.page import filled
-
-    handles = [one.record() for one in stage.handles]
-    return filled(stage.record | {"handles": handles}, nonce=nonce)
+def _record(stage: Stage) -> dict[str, Any]:
+    return stage.record | {"handles": [one.record() for one in stage.handles]}
 
 
 def _found(stage: Stage) -> list[Diagnostic]:

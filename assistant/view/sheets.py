@@ -61,7 +61,7 @@ def compared_sheet(done: Comparison) -> Sheet:
     program, text = done.programs[1].program, done.programs[1].text
     return Sheet(
         f"{first} and {second}: {done.answer}",
-        done.told(),
+        done.located_findings(),
         program,
         Places(program, text),
         done.arm,

@@ -72,10 +72,10 @@ COMPARED: Final[Mapping[str, str]] = {
     "a motion": "kind, tool, place, speed along a line; a corner may not be wider",
     "an output": "its value, where on a move it changes, and after which time: a pulse's length",
     "a wait for inputs": "where it is, and which inputs end it",
-    "a longest time of a wait, a wait for a timer": f"seconds, to {LIMIT:.0%} and {LATE:g} s",
+    "a longest time of a wait, a condition with a timer": f"seconds, to {LIMIT:.0%} and {LATE:g} s",
     "a delay": "seconds",
     "shared data": "a number, truth or text that outlives the program, before each other effect",
-    "an interrupt": "between which motions it may come, once in a run, and what it does",
+    "an interrupt": "between which motions it may come (once in a run), and what its routine does",
     "a stop, an end, an error": "where it is",
 }
 """Effects by their kinds, and what of each has to be the same."""

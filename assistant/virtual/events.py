@@ -104,7 +104,8 @@ class Called(Switched):
 class Waited:
     """A delay that the program states, in seconds.
 
-    limit: it is the longest time of a wait that was over, which other programs count by a timer.
+    limit: it is the longest time of a wait that was over, or the time of a wait for a timer, which
+    another program may do in another way.
     """
 
     seconds: float

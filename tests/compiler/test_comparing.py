@@ -316,7 +316,7 @@ def test_a_visit_of_the_script_is_the_same_motion_of_both(tmp_path: Path) -> Non
     assert compare(first, second, proving=driven).answer == "different"
     script.write_text(script.read_text().replace("pHome", "pHomme"))
     (told,) = [f for f in compare(first, second, proving=driven).findings if f.code == "CO126"]
-    assert "`diPart`" not in told.message and "with a visit of `phomme`" in told.message
+    assert "at a visit of `phomme`" in told.message and "`phome`" in told.cure
 
 
 RENAMED = PICKING.replace("diPart", "diReady").replace("doGrip", "doTake").replace("doDone", "doOk")

@@ -200,11 +200,11 @@ def test_a_fault_is_found_with_its_place(compiled: Compiled, name: str) -> None:
     assert finding.line == source
 
 
-def test_a_change_that_was_told_is_named_with_a_difference(compiled: Compiled) -> None:
+def test_warnings_are_named_beside_a_difference(compiled: Compiled) -> None:
     line, other, *_ = next(iter(FAULTS.values()))
-    found = with_fault(compiled, line, other, terms=Terms(changes=("MB206", "MB233")))
+    found = with_fault(compiled, line, other, terms=Terms(warnings=("MB206", "MB233")))
     (finding,) = [f for f in found.findings if f.code == "CO110"]
-    assert "a change that MB206, MB233 told of; if not, report this" in finding.cure
+    assert "a warning explains it (MB206, MB233); if not, report this" in finding.cure
     (finding,) = [f for f in with_fault(compiled, line, other).findings if f.code == "CO110"]
     assert finding.cure == "nothing was written; report this with the program"
 
@@ -311,7 +311,7 @@ def test_an_end_is_no_loop_without_end(tmp_path: Path) -> None:
     ends = made(HEAD + once, "melfa-basic-5", tmp_path)
     assert proof(ends, few).holds
     found = with_fault(ends, "Dly 0.5", "*LEND : GoTo *LEND", few)
-    assert "came to its end, and went on for" in found.findings[0].message
+    assert "the first program ended, the second went on for" in found.findings[0].message
 
 
 def test_rounding_of_the_last_decimal_is_no_fault(compiled: Compiled) -> None:

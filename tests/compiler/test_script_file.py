@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
-from assistant import languages
+from assistant import languages, robots
+from assistant.compiler.running import programs
 from assistant.compiler.script_file import parse_script
 from assistant.program.diagnostics import Refused
 from assistant.program.text import SourceText
@@ -13,6 +16,7 @@ from assistant.virtual.kernel import Kernel
 from assistant.virtual.kernel.script import Given, follow
 from assistant.virtual.melfa import start_slot
 from assistant.virtual.rapid.running import start_task
+from assistant.virtual.running import Settings, prepared
 
 RAPID = """MODULE cell
 PROC main()
@@ -100,6 +104,25 @@ def test_an_input_comes_with_a_motion(when: str, lines: list[int]) -> None:
     before = [run.log[one.row - 1] for one in given if one.value == 1.0]
     assert [10 * row.place[1] for row in before if row.place] == lines
     assert all(isinstance(row.what, Moved) for row in before)
+
+
+def test_a_program_sees_an_input_of_a_visit_while_its_arm_is_on_its_way(tmp_path: Path) -> None:
+    path = tmp_path / "MOVES.mb4"
+    path.write_text(MOVES.replace("55 DLY 0.1", "55 IF M_IN(3)=1 THEN M_OUT(9)=1"))
+    found = programs([str(path)])
+    kernel = prepared(found, Settings(robot=robots.get("rv-4frl"), most_time=60.0))
+    script = parse_script(SourceText('[[set]]\ninput = 3\nwhen = "visit 2 of P2"\n', "cell.toml"))
+    follow(kernel, script, found.sources())
+    run = kernel.run()
+    assert run.ended == "end", run.message
+    moved = [one for one in run.events if isinstance(one, Moved | Switched)]
+    assert isinstance(moved[4], Switched), moved
+
+
+def test_a_comment_names_no_place() -> None:
+    text = '[[set]]\ninput = 3\nwhen = "visit P2"\n'
+    _, given = scripted(text, MOVES.replace("50 MVS P2", "50 MVS P1 ' P2"))
+    assert not given
 
 
 def test_an_input_comes_again_and_again() -> None:

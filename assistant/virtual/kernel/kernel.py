@@ -49,7 +49,8 @@ class Kernel:
     but behind `now` while a program runs ahead of its arm.
     person: answers what programs ask. peers: what the other end of each line says, text by text,
     in a run that reaches nothing outside; None where lines lead where they do. shared: whether
-    several tasks run. live: what the run is part of that goes on when all tasks have ended.
+    several tasks run. reacts: whether a script reacts to motions, so that no program runs ahead of
+    its arm. live: what the run is part of that goes on when all tasks have ended.
     """
 
     board: Board = field(default_factory=Board)
@@ -72,6 +73,7 @@ class Kernel:
     person: Person = field(default_factory=Person)
     peers: tuple[str, ...] | None = None
     shared: bool = False
+    reacts: bool = False
     live: Live | None = None
     tasks: list[Task] = field(default_factory=list)
     log: list[Logged] = field(default_factory=list)
@@ -94,6 +96,7 @@ class Kernel:
         self._held: dict[str, float | str] = {}
         self._timers = Timers()
         self._handed = 0
+        self._handing = False
         self._began: float | None = None
         self._idle, self._moved = 0, 0.0
         self._since: tuple[float, float] | None = None
@@ -250,6 +253,7 @@ class Kernel:
         board = self.board
         return not (
             self.shared
+            or self.reacts
             or self._timers.due < math.inf
             or self.pace is not None
             or self._since is not None
@@ -403,12 +407,17 @@ class Kernel:
 
     def _hand_on(self) -> None:
         """Tells of the events whose times are known by now."""
-        if self.told:
+        if not self.told or self._handing:
+            return
+        self._handing = True  # what a listener does may end here again: rows are told in order
+        try:
             while self._handed < len(self.log):
                 self._handed += 1
                 row = self.log[self._handed - 1]
                 for hear in self.told:
                     hear(row)
+        finally:
+            self._handing = False
 
     def forget(self) -> None:
         """Lets go of what has happened, while the arm stands; who is told of it has been."""

@@ -18,9 +18,10 @@ if TYPE_CHECKING:
     from assistant.virtual.kernel.task import Task
 
 
-def names_in(text: str) -> set[str]:
-    """Words of a text of a program that may be names, in lower case."""
-    return set(re.findall(r"[a-z_]\w*", text.lower()))
+def words_of(line: str) -> set[str]:
+    """Words of a line of a program that may be names, in lower case; none of a text or comment."""
+    code = re.split(r"[!']", re.sub(r'"[^"]*"', "", line), maxsplit=1)[0]
+    return set(re.findall(r"[a-z_]\w*", code.lower()))
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,8 +35,8 @@ class When:
 
 @dataclass(frozen=True, slots=True)
 class Visit:
-    """A motion that begins. place: a name that its statement contains, in lower case; empty for any
-    motion. number: the how manieth of them, from 1; None for each.
+    """A motion that starts. place: a name in the line of its statement, in lower case; empty for
+    any motion. number: which of these motions, counted from 1; None for each.
     """
 
     place: str = ""
@@ -125,7 +126,7 @@ class Given:
     row: int
 
 
-def follow(kernel: Kernel, script: Script, sources: Sequence[SourceText] = ()) -> list[Given]:
+def follow(kernel: Kernel, script: Script, sources: Sequence[SourceText]) -> list[Given]:
     """Has a kernel do what a script says; gives the inputs that are changed, as the run goes on.
 
     sources: texts of the programs, which tell what the motions visit.
@@ -162,11 +163,11 @@ def follow(kernel: Kernel, script: Script, sources: Sequence[SourceText] = ()) -
     ]
 
     def hear(row: Logged) -> None:
-        for one, count in counts:
-            if count.meets(row):
-                kernel.at(row.time + one.after, partial(change, one))
+        for one in [one for one, count in counts if count.meets(row)]:
+            kernel.at(row.time + one.after, partial(change, one))
 
     if counts:
+        kernel.reacts = True
         kernel.told.append(hear)
     kernel.person.answers.extend(script.answers)
     return given
@@ -206,10 +207,10 @@ class _Count:
         return self.visit.number in (None, self.count)
 
     def _names(self, row: Logged) -> set[str]:
-        """Names in the statement of a motion, in lower case."""
+        """Names in the line of a motion, in lower case."""
         path, line = row.place or ("", 0)
         found = next((one for one in self.sources if (one.path or "") == path), None)
-        return set() if found is None else names_in(found.line_text(line))
+        return set() if found is None else words_of(found.line_text(line))
 
 
 def _listener(

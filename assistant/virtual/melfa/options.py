@@ -67,7 +67,8 @@ class Options:
 
     The clock.
     began: when the simulated clock is at 0, as C_Date and C_Time tell it.
-    timers: what each `M_Timer` is then, ms: a controller counts on while it is switched on.
+    timers: milliseconds that each `M_Timer` shows then; a controller counts from when it is
+    switched on.
     """
 
     truth: Literal[1, -1] = 1
@@ -103,4 +104,4 @@ class Options:
     waits_end_corners: bool = False
     pulses: Literal["at once", "timed"] = "at once"
     began: datetime = BEGAN
-    timers: float = 0.0
+    timers: int = 0

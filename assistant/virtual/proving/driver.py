@@ -28,12 +28,12 @@ MOST_ITERATIONS: Final = 5
 """Evaluations of one condition that are recorded; in a loop a counter may depend on them."""
 TIMED: Final = 10
 """Evaluations of a condition with a timer, all with one outcome, that are a wait for its time."""
-MANY: Final = 1000
+MANY_EVALUATIONS: Final = 1000
+"""Evaluations of a wait for a timer after which its time passes faster, so that a long one ends."""
 HASTE: Final = 0.01
-"""Evaluations behind which each makes such a wait longer by this part of its time, so that a long
-one comes to its end."""
+"""Part of the time of a wait by which each further evaluation lengthens it."""
 LONG: Final = 1e5
-"""Seconds of a wait that is made no longer."""
+"""Seconds after which a wait is no longer lengthened."""
 RECENT: Final = 12
 """Readings before a branch that it may hang on."""
 
@@ -122,10 +122,9 @@ class Driver(Mapping[str, float]):
     ended: when a wait was answered that ends by itself, by its place. watched: beats at which an
     input was looked at for an interrupt, by its name. met: what waits read that ended as they
     began, by their places. iterations: the inputs that a condition read each time, at different
-    moments, by its place. last: the way that was gone last before so many events were told.
-    timing: conditions with a timer since the last event: when each was first evaluated, its
-    outcome, and how often it was that, by its place. counted: whether such a condition has ended a
-    loop.
+    moments, by its place. last: the way that was gone last before so many events were told. timing:
+    conditions with a timer since the last event: when each was first evaluated, its outcome, and
+    how often it was that, by its place. ended_by_timer: whether such a condition has ended a loop.
     """
 
     kernel: Kernel
@@ -142,7 +141,7 @@ class Driver(Mapping[str, float]):
     last: dict[int, Way] = field(default_factory=dict)
     timing: dict[tuple[str, int], tuple[float, int, int]] = field(default_factory=dict)
     answers: int = 0
-    counted: bool = False
+    ended_by_timer: bool = False
 
     def __post_init__(self) -> None:
         self.beat = self.idles = 0
@@ -246,7 +245,7 @@ class Driver(Mapping[str, float]):
             self.timing[place] = since, way, count + 1
             self._hasten(since, count)
         elif count >= TIMED:
-            self.counted = True
+            self.ended_by_timer = True
             self._lasted(kernel.tasks[0], since)
 
     def _looked(self, task: Task, since: float, over: bool) -> None:
@@ -259,7 +258,7 @@ class Driver(Mapping[str, float]):
     def _hasten(self, since: float, count: int) -> None:
         """Time passes faster in a wait for a timer that was looked at so often."""
         waited = self.kernel.clock - since
-        if count >= MANY and waited < LONG:
+        if count >= MANY_EVALUATIONS and waited < LONG:
             self.kernel.clock += HASTE * waited
 
     def _lasted(self, task: Task, since: float) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import time
-from collections import Counter, deque
+from collections import Counter, defaultdict, deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
@@ -14,12 +14,12 @@ from typing import Final
 
 from assistant.virtual.branches import Branch, Branches, Way
 from assistant.virtual.comparing import Bits, Uncompared, Unlike, likeness
-from assistant.virtual.events import Logged, Run, Stopped, Waited
+from assistant.virtual.events import Awaited, Logged, Place, Run, Stopped, Waited
 from assistant.virtual.kernel import Board, Kernel
 from assistant.virtual.kernel.panel import Panel
 from assistant.virtual.kernel.script import Script, by_numbers, follow
 from assistant.virtual.proving.answers import PLAIN, Answers, rows
-from assistant.virtual.proving.driver import Driver, Moment, Readings, Scenario
+from assistant.virtual.proving.driver import POLLS, Driver, Moment, Readings, Scenario
 from assistant.virtual.proving.lasting import OVER, broken_off, first_run
 from assistant.virtual.proving.messages import messages, said
 from assistant.virtual.proving.sides import STATEMENT_TIME, Side
@@ -98,7 +98,7 @@ class Difference:
 class Found:
     """What all runs together have shown.
 
-    cut: runs of the source that had no end, or none behind so many statements. failing: runs that
+    cut: runs of the source that were cut off because they did not end. failing: runs that
     end with an error of the program itself. idling: runs that wait for ever before anything is
     compared, idle the first of them. stalled: a run that a script leaves waiting behind what is
     compared. differences: those of other places each. unknown: what an interpreter could not run,
@@ -301,11 +301,13 @@ class _Search:
     def _enough(self, one: Run) -> int:
         """Statements in which the written program does what a run of the source has done.
 
-        One that looks again and again where the source waits takes as many as that time holds.
+        One that looks again and again where the source waits takes as many as that time holds, and
+        looks for an input until the driver sees that it waits.
         """
+        waits = POLLS * sum(isinstance(event, Awaited) for event in one.events)
         looks = math.ceil(LOOKS * one.seconds / STATEMENT_TIME)
         least = max(one.steps, LEAST_STEPS)
-        return min(MORE_STEPS * self.steps, MORE_STEPS * least + looks)
+        return min(MORE_STEPS * self.steps, MORE_STEPS * (least + waits) + looks)
 
     def _as_much(self, one: Run, two: Run) -> bool:
         """Whether a run that was broken off did all that the first one did."""
@@ -318,7 +320,7 @@ class _Search:
     ) -> tuple[Run, Driver]:
         """after: the run of the source, for what was written; None for that of the source."""
         run, driver = self._run_through(side, scenario, steps, after, STATEMENT_TIME)
-        if driver.counted:
+        if driver.ended_by_timer:
             slower, _ = self._run_through(
                 side, driver.played, steps, after, SLOWER * STATEMENT_TIME
             )
@@ -355,11 +357,15 @@ class _Search:
         if not differences and two.ended == "steps" and one.ended == "end":
             if Stopped(end=True) not in one.events:
                 differences.append(
-                    Unlike(0, f"came to its end, and went on for {two.steps:,} statements")
+                    Unlike(
+                        0,
+                        f"the first program ended, the second went on for {two.steps:,} statements",
+                    )
                 )
         exhausted = two.ended == "steps" and two.steps >= self._enough(one)
         if not differences and exhausted and not self._as_much(one, two):
-            differences.append(Unlike(0, f"continues, and does less in {two.steps:,} statements"))
+            less = f"does less in {two.steps:,} statements"
+            differences.append(Unlike(0, f"the first program continues, the second {less}"))
         found.runs += 1
         found.cut += one.ended == "steps"
         found.visits += like.visits
@@ -465,7 +471,7 @@ class _Search:
 
     def _interrupted(self, at: int, driver: Driver, played: Scenario) -> Iterator[Scenario]:
         """Scenarios in which an input that interrupts changes where it is watched, once for each
-        program: as it begins to be, here and there, and as it ends.
+        program: at the first and at the last moments of that.
         """
         for name, moments in driver.watched.items():
             if (at, name) in self.watched:
@@ -537,13 +543,17 @@ class _Search:
 
 
 def _by_timers(log: Sequence[Logged], slower: Sequence[Logged]) -> Iterator[Logged]:
-    """What was told, without longest times of waits that grow with the time of a statement: a loop
-    that looks at a timer, too, has come to its end by what it counts.
+    """What was told, without the waits that grow with the time of a statement: a counter has ended
+    them, not a timer.
     """
-    others = iter([r.what.seconds for r in slower if isinstance(r.what, Waited) and r.what.limit])
+    others: dict[Place | None, deque[float]] = defaultdict(deque)
+    for row in slower:
+        if isinstance(row.what, Waited) and row.what.limit:
+            others[row.place].append(row.what.seconds)
     for row in log:
         if isinstance(row.what, Waited) and row.what.limit:
-            if next(others, 0.0) > (1.0 + SLOWER) / 2.0 * row.what.seconds:
+            seconds = others[row.place].popleft() if others[row.place] else 0.0
+            if seconds > (1.0 + SLOWER) / 2.0 * row.what.seconds:
                 continue
         yield row
 

@@ -31,7 +31,7 @@ STATEMENT_TIME: Final = 0.002
 """Seconds that a statement takes, so that a loop which looks at a clock comes to its end."""
 
 
-LONG_AGO: Final = 1e6
+LONG_AGO: Final = 1_000_000
 """Milliseconds that timers show before a program sets them."""
 Held = dict[str, float | str]
 """What shared data holds, by the names of the source."""
