@@ -63,6 +63,7 @@ Uncompared = Literal[
     "speeds of joint moves",
     "accelerations",
     "narrower corners",
+    "stops for interrupts",
     "texts for people",
     "texts over lines",
 ]
@@ -83,6 +84,7 @@ NOT_COMPARED: Final[Mapping[Uncompared, str]] = {
     "speeds of joint moves": "each arm has percentages of its own",
     "accelerations": "each arm has others",
     "narrower corners": "they stay nearer to the target",
+    "stops for interrupts": "motions take no time here, so no arm is stopped on its way",
     "texts for people": "people read them, the cell does not",
     "texts over lines": "one language sends through a gateway what another sends itself",
 }

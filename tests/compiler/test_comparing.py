@@ -514,7 +514,8 @@ Return 0
     ],
 )
 def test_a_fault_of_an_interrupt_is_found(tmp_path: Path, typed: str, instead: str) -> None:
-    assert compared(tmp_path, WATCHING, WATCHED).answer == "equal"
+    equal = compared(tmp_path, WATCHING, WATCHED)
+    assert equal.answer == "equal" and "not compared: stops for interrupts" in equal.line()
     assert WATCHED.count(typed) == 1
     done = compared(tmp_path, WATCHING, WATCHED.replace(typed, instead))
     assert done.answer == "different"

@@ -373,6 +373,8 @@ class _Search:
         found.waits += like.waits
         found.values += like.values
         found.left |= like.left
+        if ours.watched or theirs.watched:
+            found.left |= {"stops for interrupts"}
         found.apart, found.turned = max(found.apart, like.apart), max(found.turned, like.turned)
         if one.ended == "error":
             found.failing += 1
