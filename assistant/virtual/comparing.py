@@ -195,7 +195,7 @@ def likeness(
         if two is None:
             comparing.note(number, f"{said(one.what)}, and {_end(second)}", one, two)
             return comparing.found()
-        wrong = comparing.unlike(one.what, two.what) or limits.unlike(one.time, two.time)
+        wrong = comparing.unlike(one.what, two.what) or limits.unlike(one, two)
         if wrong is not None:
             what = f"{wrong}: {said(one.what)}, and {said(two.what)}"
             comparing.note(number, what, one, two)
@@ -234,27 +234,33 @@ def _expired(run: Run) -> dict[float, float]:
     return {r.time: r.what.seconds for r in rows if isinstance(r.what, Waited) and r.what.limit}
 
 
+def _over(row: Logged) -> float:
+    """When an event is over: a delay takes its time, all others none."""
+    return row.time + (row.what.seconds if isinstance(row.what, Waited) else 0.0)
+
+
 @dataclass(slots=True)
 class _Limits:
     """Compares how long waits with a limit take: one language states it, another counts a timer.
 
-    expired: of either run, see `_expired`. since: when the events before were.
+    expired: of either run, see `_expired`. since: when the events before were over.
     """
 
     expired: tuple[Mapping[float, float], Mapping[float, float]]
     since: tuple[float, float] = (0.0, 0.0)
 
-    def unlike(self, first: float, second: float) -> str | None:
+    def unlike(self, first: Logged, second: Logged) -> str | None:
         """What differs in how long both took from the events before, which are alike, to these."""
-        before, self.since = self.since, (first, second)
+        before, ends = self.since, (first.time, second.time)
+        self.since = _over(first), _over(second)
         stated = [
             math.fsum(seconds for when, seconds in known.items() if start < when <= end)
-            for known, start, end in zip(self.expired, before, self.since, strict=True)
+            for known, start, end in zip(self.expired, before, ends, strict=True)
         ]
         longest = max(stated)
         if longest <= 0.0:
             return None
-        took = [end - start for start, end in zip(before, self.since, strict=True)]
+        took = [end - start for start, end in zip(before, ends, strict=True)]
         side = stated.index(longest)
         spare = STATEMENTS * max(took[side] - longest, 0.0)
         if abs(took[0] - took[1]) <= LIMIT * longest + LATE + spare:

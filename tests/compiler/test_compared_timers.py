@@ -44,6 +44,8 @@ If M_Timer(1)<2000 Then *LATE
 TOGETHER = "WHILE ClkRead(c)<2 AND di_3=0 DO\nENDWHILE\n"
 UNTIL = "WaitUntil ClkRead(c)>0.5;\n"
 LONG = "WHILE ClkRead(c)<600 DO\nENDWHILE\n"
+DELAYED = f"WaitTime 1;\nClkReset c;\nClkStart c;\n{LONG}".replace("600", "2")
+WITH_AN_INPUT = "WaitUntil ClkRead(c)>1 AND di_3=1;\n"
 COUNTING = "n:=0;\nWHILE ClkRead(c)<60 AND n<200 DO\n  n:=n+1;\nENDWHILE\n"
 
 
@@ -67,6 +69,8 @@ SAME = {
     "a wait until a timer": (UNTIL, "Wait M_Timer(1)>500\n"),
     "a wait, a loop": (UNTIL, "WHILE ClkRead(c)<=0.5 DO\nENDWHILE\n"),
     "ten minutes": (LONG, "While M_Timer(1)<600000\nWEnd\n"),
+    "a delay before": (DELAYED, DELAYED),
+    "an input that comes some time": (WITH_AN_INPUT, WITH_AN_INPUT),
     "a loop that ends by what it counts": (
         COUNTING,
         COUNTING.replace("  n:=n+1;\n", "  n:=n+2;\n  n:=n-2;\n  n:=n*1;\n  n:=n+1;\n"),
@@ -80,6 +84,7 @@ OTHER = {
     "a longer wait until a timer": (UNTIL, "Wait M_Timer(1)>1000\n"),
     "in one language": (UNTIL, UNTIL.replace("0.5", "0.9")),
     "no wait at all": (UNTIL, "M_Timer(2)=0\n"),
+    "a delay before": (DELAYED, DELAYED.replace("<2", "<5")),
     "twenty minutes": (LONG, LONG.replace("600", "1200")),
 }
 

@@ -262,9 +262,13 @@ class Driver(Mapping[str, float]):
             self.kernel.clock += HASTE * waited
 
     def _lasted(self, task: Task, since: float) -> None:
-        """Only what has passed since the event before can be compared."""
-        last = self.kernel.log[-1].time if self.kernel.log else 0.0
-        self.kernel.tell(task, Waited(self.kernel.clock - max(since, last), limit=True))
+        """Only what has passed since the event before can be compared; nothing where that is an
+        input, which the driver gives to either program at another time.
+        """
+        last = self.kernel.log[-1] if self.kernel.log else None
+        if last is None or not isinstance(last.what, Awaited):
+            began = since if last is None else max(since, last.time)
+            self.kernel.tell(task, Waited(self.kernel.clock - began, limit=True))
 
     def _met(self, task: Task, until: Callable[[], bool]) -> None:
         place = task.where()
