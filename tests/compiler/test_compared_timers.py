@@ -46,6 +46,7 @@ UNTIL = "WaitUntil ClkRead(c)>0.5;\n"
 LONG = "WHILE ClkRead(c)<600 DO\nENDWHILE\n"
 DELAYED = f"WaitTime 1;\nClkReset c;\nClkStart c;\n{LONG}".replace("600", "2")
 WITH_AN_INPUT = "WaitUntil ClkRead(c)>1 AND di_3=1;\n"
+OR_AN_INPUT = "WHILE ClkRead(c)<5 AND di_3=0 DO\nENDWHILE\n"
 COUNTING = "n:=0;\nWHILE ClkRead(c)<60 AND n<200 DO\n  n:=n+1;\nENDWHILE\n"
 
 
@@ -85,6 +86,7 @@ OTHER = {
     "in one language": (UNTIL, UNTIL.replace("0.5", "0.9")),
     "no wait at all": (UNTIL, "M_Timer(2)=0\n"),
     "a delay before": (DELAYED, DELAYED.replace("<2", "<5")),
+    "an input that never comes": (OR_AN_INPUT, OR_AN_INPUT.replace("<5", "<3.5")),
     "twenty minutes": (LONG, LONG.replace("600", "1200")),
 }
 

@@ -521,6 +521,17 @@ def test_a_fault_of_an_interrupt_is_found(tmp_path: Path, typed: str, instead: s
     assert done.answer == "different"
 
 
+def test_an_interrupt_alone_is_tried(tmp_path: Path) -> None:
+    """Neither program reads an input but by its interrupt."""
+    one = written(tmp_path, "one.mod", HEAD + WATCHING)
+    other = written(
+        tmp_path, "two.mod", HEAD + WATCHING.replace("SetDO doDone,1", "SetDO doGrip,1")
+    )
+    cell = written(tmp_path, "cell.process.toml", CELL)
+    assert compare(one, one, process=[cell, cell]).equal
+    assert compare(one, other, process=[cell, cell]).answer == "different"
+
+
 def test_a_loop_that_only_looks_does_less(tmp_path: Path) -> None:
     endless = WATCHED.replace("*CAME\n", "*CAME\nWhile M_In(4)=1\nWEnd\n")
     done = compared(tmp_path, WATCHING, endless)

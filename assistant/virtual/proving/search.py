@@ -277,7 +277,7 @@ class _Search:
             self.most = MORE_EVENTS + 2 * self.longest
         new = False
         for at, driver in enumerate((ours, theirs)):
-            self.reads |= bool(driver.reads)
+            self.reads |= bool(driver.reads or driver.watched)
             new |= any(w in self.known[at] and w not in self.taken[at] for w in driver.taken)
             self.taken[at].update(dict.fromkeys(driver.taken))
         for at, driver in enumerate((ours, theirs)):
@@ -287,7 +287,7 @@ class _Search:
         for place, moment in ours.ended.items():  # each of them once without an answer
             if place not in self.ended:
                 self.ended.add(place)
-                self.pending.append(ours.played.silent(moment))
+                self.later.append(ours.played.silent(moment))
         return new, ours.played
 
     def _not_judged(self, stop: Stop) -> None:
@@ -404,13 +404,13 @@ class _Search:
     def _follow(self, at: int, driver: Driver, played: Scenario) -> None:
         """Scenarios that may take the other ways of the statements that this one came by."""
         known, gone = self.known[at], self.taken[at]
-        self.pending.extend(self._interrupted(at, driver, played))
         for taken in driver.taken.values():
             others = [way for way in known if way[:2] == taken.way[:2] and way not in gone]
             if others and taken.read and self.followed[taken.way[:2]] < MOST_FOLLOWED:
                 self.followed[taken.way[:2]] += 1
                 numbers = self._near(at, known[others[0]].line)
                 self.pending.extend(self._varied(driver.wiring, taken.read, played, numbers))
+        self.later.extend(self._interrupted(at, driver, played))
         self.later.extend(self._weighed(at, driver, played))
         self.later.extend(self._early_exits(at, driver, played))
 
