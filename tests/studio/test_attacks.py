@@ -257,7 +257,8 @@ def test_no_route_is_led_out_of_the_project(
             answer = told(page, method, path, values)
             tried += 1
             where = (path, text, answer.value)
-            assert answer.status in (200, 422), where
+            none = path == "/run/compared" and answer.status == 404  # nothing was compared
+            assert none or answer.status in (200, 422), where
             assert SECRET not in json.dumps(answer.value), where
             assert "CL900" not in json.dumps(answer.value), where
     assert tried == 3 * len(paths) * len(routes) > 300

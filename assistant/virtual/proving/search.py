@@ -197,7 +197,7 @@ class _Search:
             vain = 0 if new else vain + (not aimed)
             if self.script is not None or not self.reads:
                 break
-            if not self._open():
+            if any(self.known) and not self._open():
                 self.pending.clear()
         if FEW * self.missed > self.found.runs:
             self.found.unknown = self.found.unjudged
@@ -404,13 +404,13 @@ class _Search:
     def _follow(self, at: int, driver: Driver, played: Scenario) -> None:
         """Scenarios that may take the other ways of the statements that this one came by."""
         known, gone = self.known[at], self.taken[at]
+        self.pending.extend(self._interrupted(at, driver, played))
         for taken in driver.taken.values():
             others = [way for way in known if way[:2] == taken.way[:2] and way not in gone]
             if others and taken.read and self.followed[taken.way[:2]] < MOST_FOLLOWED:
                 self.followed[taken.way[:2]] += 1
                 numbers = self._near(at, known[others[0]].line)
                 self.pending.extend(self._varied(driver.wiring, taken.read, played, numbers))
-        self.later.extend(self._interrupted(at, driver, played))
         self.later.extend(self._weighed(at, driver, played))
         self.later.extend(self._early_exits(at, driver, played))
 
