@@ -30,7 +30,7 @@ VIEW_POLICY: Final = (
     "default-src 'none'; script-src 'nonce-{nonce}'; style-src 'nonce-{nonce}'; img-src data:; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'self'"
 )
-"""Of a page of `view`: nothing is run but what was written for it, and it asks for nothing."""
+"""The content security policy of a page of `view`: only its own script runs, nothing is loaded."""
 LARGEST: Final = 1e300
 """Of a number that is asked with."""
 
@@ -113,7 +113,7 @@ def changes(path: str, does: Does, *, urgent: bool = False) -> Route:
 
 
 async def view_page(request: Request, make: Callable[[], dict[str, Any]] | None) -> Response:
-    """A page of `view`, of the record that is made for it; not found if there is none to make."""
+    """Answer with a page of `view` of the record that `make` returns, or 404 without one."""
     if make is None:
         return PlainTextResponse("not here", NOT_THERE)
     nonce = request.scope["state"]["nonce"]

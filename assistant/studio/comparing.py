@@ -1,4 +1,4 @@
-"""Two programs compared: whether they do the same, and how each moves when it runs by itself."""
+"""Two programs compared, and how the arm moves in each."""
 
 from __future__ import annotations
 

@@ -237,7 +237,7 @@ class Running:
         self.findings += not_visited(wanted.script, self.sources)
         if wanted.robot is None:
             self.findings.append(rules.RUN_WITHOUT_ARM())
-        self.given = follow(kernel, wanted.script, wanted.programs.sources())
+        self.given = follow(kernel, wanted.script, self.sources)
         kernel.watch, kernel.stuck = self._watch, self._stuck
         kernel.told.append(self._hear)
         kernel.person.console = self._asked

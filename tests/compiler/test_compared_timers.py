@@ -1,4 +1,4 @@
-"""Times that programs count with timers of their own, compared between two programs."""
+"""Times that programs count with their own timers, compared between two programs."""
 
 from __future__ import annotations
 

@@ -44,8 +44,8 @@ class Kernel:
     its time is over or the run ends; True if it has brought what is waited for. told: are told of
     each event. met: is told of each wait that ends as it begins, with its condition. kept: gives
     what shared data holds, by its name, which is told before the next event. timed: is told when a
-    program sets a timer, as a wait of its own begins. looked: is told each time that a wait for
-    what a timer reads is looked at, when it began and whether it is over. clock: simulated seconds,
+    program sets a timer, as a wait of its own begins. looked: is called at each check of a
+    wait for a timer, with the start of the wait and whether it is over. clock: simulated seconds,
     but behind `now` while a program runs ahead of its arm.
     person: answers what programs ask. peers: what the other end of each line says, text by text,
     in a run that reaches nothing outside; None where lines lead where they do. shared: whether

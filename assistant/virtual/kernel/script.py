@@ -198,7 +198,7 @@ class _Count:
     count: int = 0
 
     def meets(self, row: Logged) -> bool:
-        """Whether an event is such a motion; each has to be told once, in order."""
+        """Count an event, and return whether it is the motion; call it once for each, in order."""
         if not isinstance(row.what, Moved):
             return False
         if self.visit.place and self.visit.place not in self._names(row):

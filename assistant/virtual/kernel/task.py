@@ -145,7 +145,7 @@ class Task:
             self.kernel.met(self, until)
 
     def looked(self, since: float, *, over: bool) -> None:
-        """A wait for what a timer reads is looked at. since: when it began."""
+        """Report one check of a wait for a timer. since: when the wait began."""
         if self.kernel.looked is not None:
             self.kernel.looked(self, since, over)
 

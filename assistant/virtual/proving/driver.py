@@ -256,7 +256,7 @@ class Driver(Mapping[str, float]):
             self._hasten(since, self._looks)
 
     def _hasten(self, since: float, count: int) -> None:
-        """Time passes faster in a wait for a timer that was looked at so often."""
+        """Let time pass faster in a wait for a timer after many checks."""
         waited = self.kernel.clock - since
         if count >= MANY_EVALUATIONS and waited < LONG:
             self.kernel.clock += HASTE * waited

@@ -545,8 +545,8 @@ class _Search:
 
 
 def _by_timers(log: Sequence[Logged], slower: Sequence[Logged]) -> Iterator[Logged]:
-    """What was told, without the waits that grow with the time of a statement: a counter has ended
-    them, not a timer.
+    """Drop the timed waits whose length grows with the time of a statement: a counter ended them,
+    not a timer.
     """
     others: dict[Place | None, deque[float]] = defaultdict(deque)
     for row in slower:
