@@ -168,6 +168,7 @@ class _Search:
         self.watched: set[tuple[int, str]] = set()
         self.pending: deque[Scenario] = deque([Scenario()])
         self.later: deque[Scenario] = deque()
+        self.silences: set[Scenario] = set()
         self.weighed: set[object] = set()
         self.left_early: set[object] = set()
         lines = max(side.text().count("\n") for side in (self.first, self.second))
@@ -198,7 +199,7 @@ class _Search:
             if self.script is not None or not self.reads:
                 break
             if any(self.known) and not self._open():
-                self.pending.clear()
+                self.pending = deque(one for one in self.pending if one in self.silences)
         if FEW * self.missed > self.found.runs:
             self.found.unknown = self.found.unjudged
         self.found.total = len(self.known[0]), len(self.known[1])
@@ -287,7 +288,9 @@ class _Search:
         for place, moment in ours.ended.items():  # each of them once without an answer
             if place not in self.ended:
                 self.ended.add(place)
-                self.later.append(ours.played.silent(moment))
+                silent = ours.played.silent(moment)
+                self.silences.add(silent)
+                self.pending.append(silent)
         return new, ours.played
 
     def _not_judged(self, stop: Stop) -> None:
