@@ -6,10 +6,13 @@ import math
 import time
 from typing import TYPE_CHECKING, Final
 
+from assistant.virtual.events import Awaited, Waited
 from assistant.virtual.kernel.task import Ending
 
 if TYPE_CHECKING:
-    from assistant.virtual.events import Run
+    from collections.abc import Sequence
+
+    from assistant.virtual.events import Logged, Run
     from assistant.virtual.kernel import Kernel
     from assistant.virtual.kernel.task import Task
 
@@ -21,8 +24,14 @@ LOOKED: Final = 64
 """Statements between two looks at the clock."""
 MORE_EVENTS: Final = (1.25, 4)
 """Of the written program, times and beside what the source has told, when that has no end."""
+MORE_EFFECTS: Final = 2
+"""Times as many visits and changes as the source has told are far more."""
 OVER: Final = "time"
 """How such a run has ended."""
+QUIET: Final = 25_000
+"""Statements without an effect: twice those that clear and copy an array of 1,024 bytes."""
+RAN_ON: Final = "it runs on without any effect"
+"""What a run says that was broken off for this."""
 
 
 def first_run(seconds: float, source: bool) -> float:
@@ -31,24 +40,43 @@ def first_run(seconds: float, source: bool) -> float:
 
 
 def broken_off(
-    kernel: Kernel, seconds: float, after: Run | None = None, most: float = math.inf
+    kernel: Kernel,
+    seconds: float,
+    after: Run | None = None,
+    most: float = math.inf,
+    ample: float = math.inf,
 ) -> None:
     """Has the run of a kernel end after so many seconds of the real clock.
 
     after: the run that it is compared with. Where that was broken off by its statements, what it
-    has told is all that can be compared. most: events that the run may tell.
+    has told is all that can be compared. most: events that the run may tell. ample: statements
+    after which it ends where it has done far more, or nothing for a long time.
     """
     until = time.thread_time() + seconds
-    counted = 0
+    counted = told = effects = latest = 0
     endless = after is not None and after.ended == "steps"
     enough = MORE_EVENTS[0] * len(after.events) + MORE_EVENTS[1] if after and endless else most
+    far_more = MORE_EFFECTS * (_effects(after.log) + 1) if after else math.inf
 
     def look(task: Task) -> None:
-        nonlocal counted
+        nonlocal counted, told, effects, latest
         counted += 1
-        if counted % LOOKED == 0 and time.thread_time() > until:
+        if counted % LOOKED:
+            return
+        if new := _effects(kernel.log[told:]):
+            effects, latest = effects + new, counted
+        told = len(kernel.log)
+        if time.thread_time() > until:
             kernel.halt(task, Ending(OVER, f"it takes more than {seconds:.3g} s"))
-        elif counted % LOOKED == 0 and len(kernel.log) > enough:
+        elif told > enough:
             kernel.halt(task, Ending("steps", "it has told as much as the run before"))
+        elif counted > ample and effects > far_more:
+            kernel.halt(task, Ending("steps", "it has done far more than the run before"))
+        elif counted > ample and counted - latest > QUIET:
+            kernel.halt(task, Ending("steps", RAN_ON))
 
     kernel.watch = look
+
+
+def _effects(log: Sequence[Logged]) -> int:
+    return sum(not isinstance(row.what, Awaited | Waited) for row in log)

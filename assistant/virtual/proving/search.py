@@ -20,7 +20,7 @@ from assistant.virtual.kernel.panel import Panel
 from assistant.virtual.kernel.script import Script, by_numbers, follow
 from assistant.virtual.proving.answers import PLAIN, Answers, rows
 from assistant.virtual.proving.driver import POLLS, Driver, Moment, Readings, Scenario
-from assistant.virtual.proving.lasting import OVER, broken_off, first_run
+from assistant.virtual.proving.lasting import OVER, RAN_ON, broken_off, first_run
 from assistant.virtual.proving.messages import messages, said
 from assistant.virtual.proving.sides import STATEMENT_TIME, Side
 from assistant.virtual.proving.wires import Wiring
@@ -258,7 +258,7 @@ class _Search:
         if one.ended == "unknown":
             self._not_judged(Stop(0, one, ours.played))
             return False, ours.played
-        two, theirs = self._play(self.second, ours.played, self._enough(one), one)
+        two, theirs = self._play(self.second, ours.played, MORE_STEPS * self.steps, one)
         if two.ended == OVER:
             if self.found.runs:
                 self.late = True
@@ -301,16 +301,15 @@ class _Search:
         else:
             self.found.unknown = stop
 
-    def _enough(self, one: Run) -> int:
-        """Statements in which the written program does what a run of the source has done.
+    def _ample(self, one: Run) -> int:
+        """Statements in which most written programs do what a run of the source has done.
 
         One that looks again and again where the source waits takes as many as that time holds, and
         looks for an input until the driver sees that it waits.
         """
         waits = POLLS * sum(isinstance(event, Awaited) for event in one.events)
         looks = math.ceil(LOOKS * one.seconds / STATEMENT_TIME)
-        least = max(one.steps, LEAST_STEPS)
-        return min(MORE_STEPS * self.steps, MORE_STEPS * (least + waits) + looks)
+        return MORE_STEPS * (max(one.steps, LEAST_STEPS) + waits) + looks
 
     def _as_much(self, one: Run, two: Run) -> bool:
         """Whether a run that was broken off did all that the first one did."""
@@ -349,7 +348,8 @@ class _Search:
         left = self.until - time.thread_time()
         if not self.found.runs:
             left = first_run(self.budget.seconds, answered)
-        broken_off(kernel, left, after, self.most if answered else math.inf)
+        ample = math.inf if after is None else self._ample(after)
+        broken_off(kernel, left, after, self.most if answered else math.inf, ample)
         return kernel.run(), driver
 
     def _compare(self, one: Run, two: Run, ours: Driver, theirs: Driver) -> None:
@@ -365,8 +365,8 @@ class _Search:
                         f"the first program ended, the second went on for {two.steps:,} statements",
                     )
                 )
-        exhausted = two.ended == "steps" and two.steps >= self._enough(one)
-        if not differences and exhausted and not self._as_much(one, two):
+        ran_on = two.ended == "steps" and two.message == RAN_ON
+        if not differences and ran_on and not self._as_much(one, two):
             less = f"does less in {two.steps:,} statements"
             differences.append(Unlike(0, f"the first program continues, the second {less}"))
         found.runs += 1
