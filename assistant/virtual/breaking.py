@@ -21,7 +21,8 @@ def broken_off(
     """Makes a motion that ends where the arm is as soon as something holds; whether it did.
 
     It is not begun where that holds before it: the one before is made to its end. A motion that
-    takes no time is then made whole. timed: whether time alone may bring what ends it.
+    takes no time is made whole, and what has come to hold with it ends it all the same. timed:
+    whether time alone may bring what ends it.
     """
     motion = task.kernel.motion
     if holds():
@@ -29,7 +30,7 @@ def broken_off(
         return True
     if motion.where() is None:
         go()
-        return False
+        return holds()
 
     def look() -> None:
         if holds():

@@ -521,12 +521,18 @@ def test_a_fault_of_an_interrupt_is_found(tmp_path: Path, typed: str, instead: s
     assert done.answer == "different"
 
 
-def test_an_interrupt_alone_is_tried(tmp_path: Path) -> None:
-    """Neither program reads an input but by its interrupt."""
-    one = written(tmp_path, "one.mod", HEAD + WATCHING)
-    other = written(
-        tmp_path, "two.mod", HEAD + WATCHING.replace("SetDO doDone,1", "SetDO doGrip,1")
-    )
+LOOP = """FOR i FROM 1 TO 2 DO
+IF i=1 MoveL pHome,v100,fine,tGrip;
+ENDFOR
+"""
+
+
+@pytest.mark.parametrize("loop", ["", LOOP])
+def test_an_interrupt_alone_is_tried(tmp_path: Path, loop: str) -> None:
+    """Neither program reads an input but by its interrupt; the first run takes every branch."""
+    code = HEAD + WATCHING.replace("PROC main()\n", f"PROC main()\n{loop}")
+    one = written(tmp_path, "one.mod", code)
+    other = written(tmp_path, "two.mod", code.replace("SetDO doDone,1", "SetDO doGrip,1"))
     cell = written(tmp_path, "cell.process.toml", CELL)
     assert compare(one, one, process=[cell, cell]).equal
     assert compare(one, other, process=[cell, cell]).answer == "different"

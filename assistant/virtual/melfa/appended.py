@@ -94,6 +94,8 @@ def watch(m: Machine, append: s.Append, run: Callable[[], None]) -> None:
     interrupts.attend(m, condition)
     try:
         run()
+        if word == "SKIP" and not timed:  # a motion without time is whole as it is broken off
+            world.skipped = holds(expressions.value(m, condition))
     except _Skipped:
         pausing.cut(world)
         world.skipped = True

@@ -168,7 +168,7 @@ class _Search:
         self.watched: set[tuple[int, str]] = set()
         self.pending: deque[Scenario] = deque([Scenario()])
         self.later: deque[Scenario] = deque()
-        self.silences: set[Scenario] = set()
+        self.kept: set[Scenario] = set()  # those that no branch hangs on
         self.weighed: set[object] = set()
         self.left_early: set[object] = set()
         lines = max(side.text().count("\n") for side in (self.first, self.second))
@@ -199,7 +199,7 @@ class _Search:
             if self.script is not None or not self.reads:
                 break
             if any(self.known) and not self._open():
-                self.pending = deque(one for one in self.pending if one in self.silences)
+                self.pending = deque(one for one in self.pending if one in self.kept)
         if FEW * self.missed > self.found.runs:
             self.found.unknown = self.found.unjudged
         self.found.total = len(self.known[0]), len(self.known[1])
@@ -289,7 +289,7 @@ class _Search:
             if place not in self.ended:
                 self.ended.add(place)
                 silent = ours.played.silent(moment)
-                self.silences.add(silent)
+                self.kept.add(silent)
                 self.pending.append(silent)
         return new, ours.played
 
@@ -407,7 +407,9 @@ class _Search:
     def _follow(self, at: int, driver: Driver, played: Scenario) -> None:
         """Scenarios that may take the other ways of the statements that this one came by."""
         known, gone = self.known[at], self.taken[at]
-        self.pending.extend(self._interrupted(at, driver, played))
+        interrupted = [*self._interrupted(at, driver, played)]
+        self.kept.update(interrupted)
+        self.pending.extend(interrupted)
         for taken in driver.taken.values():
             others = [way for way in known if way[:2] == taken.way[:2] and way not in gone]
             if others and taken.read and self.followed[taken.way[:2]] < MOST_FOLLOWED:
