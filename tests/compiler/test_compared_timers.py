@@ -15,6 +15,7 @@ PERS tooldata tGrip:=[TRUE,[[0,0,100],[1,0,0,0]],[1,[0,0,50],[1,0,0,0],0,0,0]];
 CONST robtarget p1:=[[350,20,150],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
 VAR clock c;
 VAR num n;
+VAR bool late;
 PROC main()
   MoveL p1,v100,fine,tGrip;
   ClkReset c;
@@ -47,6 +48,30 @@ LONG = "WHILE ClkRead(c)<600 DO\nENDWHILE\n"
 DELAYED = f"WaitTime 1;\nClkReset c;\nClkStart c;\n{LONG}".replace("600", "2")
 WITH_AN_INPUT = "WaitUntil ClkRead(c)>1 AND di_3=1;\n"
 OR_AN_INPUT = "WHILE ClkRead(c)<5 AND di_3=0 DO\nENDWHILE\n"
+READ = "late:=FALSE;\nWHILE (NOT late) AND di_3=0 DO\n  late:=ClkRead(c)>2;\nENDWHILE\n"
+READ_IN_MELFA = """*LOOK
+M1=M_Timer(1)
+If M_In(3)=1 Then *COME
+If M1<2000 Then *LOOK
+*COME
+"""
+EITHER = "WaitUntil ClkRead(c)>2 OR di_3=1;\nIF di_3=1 n:=1;\n"
+RETRY = """FOR i FROM 1 TO 3 DO
+  WaitDI di_3,1\\MaxTime:=2\\TimeFlag:=late;
+  IF NOT late RETURN;
+ENDFOR
+"""
+RETRY_IN_MELFA = """For M1=1 To 3
+M_Timer(1)=0
+*LOOK
+If M_In(3)=1 Then *GOOD
+If M_Timer(1)<2000 Then *LOOK
+Next M1
+GoTo *FAIL
+*GOOD
+End
+*FAIL
+"""
 COUNTING = "n:=0;\nWHILE ClkRead(c)<60 AND n<200 DO\n  n:=n+1;\nENDWHILE\n"
 
 
@@ -72,6 +97,9 @@ SAME = {
     "ten minutes": (LONG, "While M_Timer(1)<600000\nWEnd\n"),
     "a delay before": (DELAYED, DELAYED),
     "an input that comes some time": (WITH_AN_INPUT, WITH_AN_INPUT),
+    "a timer in a variable": (READ, READ_IN_MELFA),
+    "a timer or an input": (EITHER, EITHER),
+    "a wait that is tried again": (RETRY, RETRY_IN_MELFA),
     "a loop that ends by what it counts": (
         COUNTING,
         COUNTING.replace("  n:=n+1;\n", "  n:=n+2;\n  n:=n-2;\n  n:=n*1;\n  n:=n+1;\n"),
@@ -87,6 +115,10 @@ OTHER = {
     "no wait at all": (UNTIL, "M_Timer(2)=0\n"),
     "a delay before": (DELAYED, DELAYED.replace("<2", "<5")),
     "an input that never comes": (OR_AN_INPUT, OR_AN_INPUT.replace("<5", "<3.5")),
+    "a timer in a variable": (READ, READ_IN_MELFA.replace("2000", "6000")),
+    "a timer or an input": (EITHER, EITHER.replace(">2", ">5")),
+    "a wait that is tried once more": (RETRY, RETRY_IN_MELFA.replace("To 3", "To 4")),
+    "a wait that is tried too often": (RETRY, RETRY.replace("TO 3", "TO 4")),
     "twenty minutes": (LONG, LONG.replace("600", "1200")),
 }
 

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 MOST_STEPS: Final = 100_000
 BUSY: Final = 1000
 """Statements that take no time before one takes `busy_time`."""
+NEVER: Final = "a wait for what never comes"
 SLICE: Final = 0.002
 """Seconds of real time after which a task that waits for the outside looks again."""
 
@@ -61,6 +62,7 @@ class Kernel:
     busy_time: float = 0.0
     pace: float | None = None
     watch: Callable[[Task], None] | None = None
+    limit: Callable[[], Ending | None] | None = None
     branch: Callable[[str, int, int], None] | None = None
     stuck: Callable[[Task], bool] | None = None
     told: list[Callable[[Logged], None]] = field(default_factory=list)
@@ -229,7 +231,7 @@ class Kernel:
         waiting = next(task for task in self.tasks if task.essential)
         if self.stuck is not None and self.stuck(waiting):
             return
-        what = waiting.waits_for or "a wait for what never comes"
+        what = waiting.waits_for or NEVER
         self.end(Ending("stopped", what), waiting)
 
     # ------------------------------------------------------------------------------ time
@@ -288,6 +290,9 @@ class Kernel:
         self.steps += 1
         if self.steps > self.most_steps:
             raise OutOfSteps
+        if self.limit is not None and (ending := self.limit()) is not None:
+            self.end(ending)
+            raise OutOfSteps
 
     def count(self, task: Task) -> None:
         """A statement of a task is about to run; it does not if there were too many."""
@@ -305,6 +310,8 @@ class Kernel:
                 self.hub.switch()
         if self.clock > self.most_time:
             self.halt(task, Ending("time", f"more than {self.most_time:g} s"))
+        if self.limit is not None and (ending := self.limit()) is not None:
+            self.halt(task, ending)
         if self.watch is not None:
             self.watch(task)
 

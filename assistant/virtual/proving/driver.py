@@ -16,6 +16,7 @@ from typing import Final, Protocol
 from assistant.virtual.branches import Way
 from assistant.virtual.events import Awaited, Logged, Moved, Stopped, Switched, Waited
 from assistant.virtual.kernel import Ending, Kernel, Signals, Task
+from assistant.virtual.kernel.kernel import NEVER
 from assistant.virtual.proving.wires import Wiring
 
 POLLS: Final = 50
@@ -28,12 +29,14 @@ MOST_ITERATIONS: Final = 5
 """Evaluations of one condition that are recorded; in a loop a counter may depend on them."""
 TIMED: Final = 10
 """Evaluations of a condition with a timer, all with one outcome, that are a wait for its time."""
+READ_BEFORE: Final = 3
+"""Statements before a condition in which what it compares may be read from a timer."""
 MANY_EVALUATIONS: Final = 1000
 """Evaluations of a wait for a timer after which its time passes faster, so that a long one ends."""
 HASTE: Final = 0.01
 """Part of the time of a wait by which each further evaluation lengthens it."""
 LONG: Final = 1e5
-"""Seconds after which a wait is no longer lengthened."""
+"""Seconds after which such a wait is one for ever."""
 RECENT: Final = 12
 """Readings before a branch that it may hang on."""
 
@@ -123,8 +126,9 @@ class Driver(Mapping[str, float]):
     input was looked at for an interrupt, by its name. met: what waits read that ended as they
     began, by their places. iterations: the inputs that a condition read each time, at different
     moments, by its place. last: the way that was gone last before so many events were told. timing:
-    conditions with a timer since the last event: when each was first evaluated, its outcome, and
-    how often it was that, by its place. ended_by_timer: whether such a condition has ended a loop.
+    conditions that may hang on a timer since the last event: when each was first evaluated, its
+    outcome, and how often it was that, by its place. ended_by_timer: whether such a condition has
+    ended a loop.
     """
 
     kernel: Kernel
@@ -203,15 +207,14 @@ class Driver(Mapping[str, float]):
     # --------------------------------------------------------------------- what is told of it
 
     def _told(self, row: Logged) -> None:
-        if not (isinstance(row.what, Waited) and row.what.limit):
-            self.timing.clear()
-            self._looks = 0
+        self.timing.clear()
+        self._looks = 0
         match row.what:
             case Moved() | Stopped():
                 self._next()
             case Waited(seconds=seconds, limit=False) if seconds > 0.0:
                 self._next()
-            case Switched():
+            case Switched() | Waited(limit=True):
                 self._still()
         for name in self.kernel.board.inputs.watched:
             self.watched.setdefault(name, {})[Moment(self.beat)] = None
@@ -234,7 +237,7 @@ class Driver(Mapping[str, float]):
             iterations.append(here)
         if (file, at, way) not in self.taken:
             self.taken[file, at, way] = Taken((file, at, way), self.recent, here)
-        if self.kernel.clocked == self.kernel.steps:
+        if self.kernel.steps - self.kernel.clocked <= READ_BEFORE:
             self._evaluated((file, at), way)
 
     def _evaluated(self, place: tuple[str, int], way: int) -> None:
@@ -243,7 +246,7 @@ class Driver(Mapping[str, float]):
         since, before, count = self.timing.pop(place, (kernel.clock, way, 0))
         if way == before:
             self.timing[place] = since, way, count + 1
-            self._hasten(since, count)
+            self._hasten(kernel.tasks[0], since, count)
         elif count >= TIMED:
             self.ended_by_timer = True
             self._lasted(kernel.tasks[0], since)
@@ -253,13 +256,16 @@ class Driver(Mapping[str, float]):
         if over:
             self._lasted(task, since)
         else:
-            self._hasten(since, self._looks)
+            self._hasten(task, since, self._looks)
 
-    def _hasten(self, since: float, count: int) -> None:
+    def _hasten(self, task: Task, since: float, count: int) -> None:
         """Let time pass faster in a wait for a timer after many checks."""
+        if count < MANY_EVALUATIONS:
+            return
         waited = self.kernel.clock - since
-        if count >= MANY_EVALUATIONS and waited < LONG:
-            self.kernel.clock += HASTE * waited
+        if waited > LONG:
+            self.kernel.halt(task, Ending("stopped", task.waits_for or NEVER))
+        self.kernel.clock += HASTE * waited
 
     def _lasted(self, task: Task, since: float) -> None:
         """Only what has passed since the event before can be compared; nothing where that is an
@@ -293,7 +299,11 @@ class Driver(Mapping[str, float]):
             return False
         self._seen.add(task.until)
         read = self._looked_at(task.until)
-        return bool(read) and self._idle(task, read, task.where() if ends else None)
+        silent = self.scenario.at(Moment(self.beat, self.idles + 1)) == ()
+        answered = bool(read) and self._idle(task, read, task.where() if ends else None)
+        if silent:  # its next checks are no loop that waits for an answer
+            self._polled |= {(self.kernel.tasks[0].where(), name): POLLS for name in read}
+        return answered
 
     def would(self, change: Mapping[str, float], until: Callable[[], bool]) -> bool:
         """Whether a condition would hold with other inputs."""

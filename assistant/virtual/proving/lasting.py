@@ -14,7 +14,6 @@ if TYPE_CHECKING:
 
     from assistant.virtual.events import Logged, Run
     from assistant.virtual.kernel import Kernel
-    from assistant.virtual.kernel.task import Task
 
 LATER: Final = 3
 """Times as long as the source the written program may take; it has to do as much by then."""
@@ -58,24 +57,25 @@ def broken_off(
     enough = MORE_EVENTS[0] * len(after.events) + MORE_EVENTS[1] if after and endless else most
     far_more = MORE_EFFECTS * (_effects(after.log) + 1) if after else math.inf
 
-    def look(task: Task) -> None:
+    def limit() -> Ending | None:
         nonlocal counted, told, effects, latest
         counted += 1
         if counted % LOOKED:
-            return
+            return None
         if new := _effects(kernel.log[told:]):
             effects, latest = effects + new, counted
         told = len(kernel.log)
         if time.thread_time() > until:
-            kernel.halt(task, Ending(OVER, f"it takes more than {seconds:.3g} s"))
-        elif told > enough:
-            kernel.halt(task, Ending("steps", "it has told as much as the run before"))
-        elif counted > ample and effects > far_more:
-            kernel.halt(task, Ending("steps", "it has done far more than the run before"))
-        elif counted > ample and counted - latest > QUIET:
-            kernel.halt(task, Ending("steps", RAN_ON))
+            return Ending(OVER, f"it takes more than {seconds:.3g} s")
+        if told > enough:
+            return Ending("steps", "it has told as much as the run before")
+        if counted > ample and effects > far_more:
+            return Ending("steps", "it has done far more than the run before")
+        if counted > ample and counted - latest > QUIET:
+            return Ending("steps", RAN_ON)
+        return None
 
-    kernel.watch = look
+    kernel.limit = limit
 
 
 def _effects(log: Sequence[Logged]) -> int:

@@ -44,6 +44,8 @@ IN_VAIN: Final = 10
 """Runs with inputs at random that take no new branch before the search gives up."""
 FEW: Final = 2
 """For so many runs one may be that nobody can judge, with inputs of which the manuals tell less."""
+MOST_SILENT: Final = 5
+"""Times that a wait which is tried again and again gets no answer."""
 MOST_FOLLOWED: Final = 5
 """Runs whose inputs are varied for the other ways of one statement."""
 TOGETHER: Final = 3
@@ -165,6 +167,7 @@ class _Search:
         self.aimed: set[Scenario] = set()
         self.followed: Counter[tuple[str, int]] = Counter()
         self.ended: set[object] = set()
+        self.silent: dict[Scenario, tuple[object, Moment, int]] = {}
         self.watched: set[tuple[int, str]] = set()
         self.pending: deque[Scenario] = deque([Scenario()])
         self.later: deque[Scenario] = deque()
@@ -285,13 +288,31 @@ class _Search:
             self._follow(at, driver, ours.played)
         if one.ended == "error" and self.found.failing == self.found.runs <= MOST_FOLLOWED:
             self.pending.extend(self._varied(ours.wiring, ours.recent, ours.played, [*SMALL]))
-        for place, moment in ours.ended.items():  # each of them once without an answer
-            if place not in self.ended:
-                self.ended.add(place)
-                silent = ours.played.silent(moment)
-                self.kept.add(silent)
-                self.pending.append(silent)
+        silent = dict(self._silent(scenario, ours))
+        self.silent |= silent
+        self.kept.update(silent)
+        self.pending.extend(silent)
         return new, ours.played
+
+    def _silent(
+        self, scenario: Scenario, driver: Driver
+    ) -> Iterator[tuple[Scenario, tuple[object, Moment, int]]]:
+        """Scenarios in which a wait that may end by itself gets no answer, once for each place.
+
+        One that is tried again gets none there either, up to `MOST_SILENT` times. With each: the
+        place, the moment, and how often there was none.
+        """
+        again, since, times = self.silent.get(scenario, (None, Moment(), 0))
+        after = (
+            when for when, state in driver.played.changes if when.order > since.order and state
+        )
+        answered = next(after, None)
+        for place, moment in driver.ended.items():
+            tried_again = place == again and moment == answered and times < MOST_SILENT
+            if place not in self.ended or tried_again:
+                self.ended.add(place)
+                now = times + 1 if tried_again else 1
+                yield driver.played.silent(moment), (place, moment, now)
 
     def _not_judged(self, stop: Stop) -> None:
         """What nobody knows ends the search in its first run; later it is one with other inputs."""
