@@ -73,10 +73,15 @@ COMPARED: Final[Mapping[str, str]] = {
     "a motion": "kind, tool, place, speed along a line; a corner may not be wider",
     "an output": "its value, where on a move it changes, and after which time: a pulse's length",
     "a wait for inputs": "where it is, and which inputs end it",
-    "a longest time of a wait, a condition with a timer": f"seconds, to {LIMIT:.0%} and {LATE:g} s",
+    "a longest time of a wait, a condition with a timer": (
+        f"seconds, to {LIMIT:.0%} and {LATE:g} s; a wait that is tried again runs out up to "
+        "five times"
+    ),
     "a delay": "seconds",
     "shared data": "a number, truth or text that outlives the program, before each other effect",
-    "an interrupt": "between which motions it may come (once in a run), and what its routine does",
+    "an interrupt": (
+        "where it may come (once in a run, at the first and last five moments), and what it does"
+    ),
     "a stop, an end, an error": "where it is",
 }
 """Effects by their kinds, and what of each has to be the same."""
@@ -243,18 +248,25 @@ def _over(row: Logged) -> float:
 class _Limits:
     """Compares how long waits with a limit take: one language states it, another counts a timer.
 
-    expired: of either run, see `_expired`. since: when the events before were over.
+    expired: of either run, see `_expired`. since: when the events before were over. within: whether
+    these were inputs, which may have come while such a wait lasted: nothing tells when in it.
     """
 
     expired: tuple[Mapping[float, float], Mapping[float, float]]
     since: tuple[float, float] = (0.0, 0.0)
+    within: bool = False
 
     def unlike(self, first: Logged, second: Logged) -> str | None:
         """What differs in how long both took from the events before, which are alike, to these."""
-        before, ends = self.since, (first.time, second.time)
+        before, ends, within = self.since, (first.time, second.time), self.within
         self.since = _over(first), _over(second)
+        self.within = isinstance(first.what, Awaited)
         stated = [
-            math.fsum(seconds for when, seconds in known.items() if start < when <= end)
+            math.fsum(
+                seconds
+                for when, seconds in known.items()
+                if start < when <= end and not (within and when - seconds < start + TIME)
+            )
             for known, start, end in zip(self.expired, before, ends, strict=True)
         ]
         longest = max(stated)

@@ -10,6 +10,7 @@ from assistant import compare
 
 HEAD = """MODULE Cell
 ! signal: di_3 digital input 3
+! signal: di_4 digital input 4
 ! signal: do_5 digital output 5
 PERS tooldata tGrip:=[TRUE,[[0,0,100],[1,0,0,0]],[1,[0,0,50],[1,0,0,0],0,0,0]];
 CONST robtarget p1:=[[350,20,150],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
@@ -72,6 +73,19 @@ GoTo *FAIL
 End
 *FAIL
 """
+HANDLED = """WaitDI di_3,1\\MaxTime:=2;
+  RETURN;
+ERROR
+  n:=n+1;
+  IF n<3 RETRY;
+"""
+TWO = "WaitUntil di_3=1 AND di_4=0\\MaxTime:=4\\TimeFlag:=late;\nIF NOT late RETURN;\n"
+TWO_IN_MELFA = """M9=0
+While M9=0 And M_Timer(1)<4000
+If M_In(3)=1 And M_In(4)=0 Then M9=1
+WEnd
+If M9=1 Then End
+"""
 COUNTING = "n:=0;\nWHILE ClkRead(c)<60 AND n<200 DO\n  n:=n+1;\nENDWHILE\n"
 
 
@@ -100,6 +114,8 @@ SAME = {
     "a timer in a variable": (READ, READ_IN_MELFA),
     "a timer or an input": (EITHER, EITHER),
     "a wait that is tried again": (RETRY, RETRY_IN_MELFA),
+    "an error handler that tries again": (HANDLED, HANDLED),
+    "a wait for two inputs": (TWO, TWO_IN_MELFA),
     "a loop that ends by what it counts": (
         COUNTING,
         COUNTING.replace("  n:=n+1;\n", "  n:=n+2;\n  n:=n-2;\n  n:=n*1;\n  n:=n+1;\n"),
@@ -119,6 +135,8 @@ OTHER = {
     "a timer or an input": (EITHER, EITHER.replace(">2", ">5")),
     "a wait that is tried once more": (RETRY, RETRY_IN_MELFA.replace("To 3", "To 4")),
     "a wait that is tried too often": (RETRY, RETRY.replace("TO 3", "TO 4")),
+    "an error handler that tries once more": (HANDLED, HANDLED.replace("<3", "<4")),
+    "a wait for two inputs": (TWO, TWO_IN_MELFA.replace("4000", "1000")),
     "twenty minutes": (LONG, LONG.replace("600", "1200")),
 }
 

@@ -40,7 +40,8 @@ class Kernel:
     statement_time: seconds that a statement takes. busy_time: of each behind many that took none,
     so that a program that looks for an input again and again comes to see it. pace: simulated
     seconds for each real one, None for as fast as possible. watch: is asked before each statement,
-    to trace it or to hold the run. branch: is told of each way that a statement goes on: its file,
+    to trace it or to hold the run. limit: is asked at each statement, and at each check of a wait,
+    whether the run is over. branch: is told of each way that a statement goes on: its file,
     where it stands there, and which way, counted from 0. stuck: is asked where a task waits, before
     its time is over or the run ends; True if it has brought what is waited for. told: are told of
     each event. met: is told of each wait that ends as it begins, with its condition. kept: gives

@@ -157,6 +157,7 @@ class Driver(Mapping[str, float]):
         self._looks = 0
         self._step, self._here = -1, dict[str, Moment]()
         self._seen: set[object] = set()
+        self._silent: set[object] = set()
         self._apply(dict(self.scenario.at(Moment()) or ()))
         self.kernel.board.inputs = _Inputs(self)
         self.kernel.told.append(self._told)
@@ -201,8 +202,10 @@ class Driver(Mapping[str, float]):
         place = self.kernel.tasks[0].where()
         self._polled[place, name] = count = self._polled.get((place, name), 0) + 1
         if count == POLLS:
-            again = {name: None for (_, name), c in self._polled.items() if 2 * c >= POLLS}
-            self._idle(self.kernel.tasks[0], tuple(again), place)
+            again = [key for key, c in self._polled.items() if 2 * c >= POLLS]
+            names = tuple(dict.fromkeys(name for _, name in again))
+            if not self._idle(self.kernel.tasks[0], names, place):
+                self._polled |= dict.fromkeys(again, POLLS)  # it has been asked for all of them
 
     # --------------------------------------------------------------------- what is told of it
 
@@ -223,6 +226,7 @@ class Driver(Mapping[str, float]):
         self.beat, self.idles = self.beat + 1, 0
         self._still()
         self._seen.clear()
+        self._silent.clear()
         self._apply(dict(self.scenario.at(Moment(self.beat)) or ()))
 
     def _still(self) -> None:
@@ -294,14 +298,20 @@ class Driver(Mapping[str, float]):
 
     def _stuck(self, task: Task) -> bool:
         ends = task.wakes < math.inf
-        more = self.scenario.at(Moment(self.beat, self.idles + 1)) is not None
-        if task.until is None or (ends and task.until in self._seen and not more):
+        moment = Moment(self.beat, self.idles + 1)
+        given = self.scenario.at(moment)
+        if task.until is None or task.until in self._silent:
             return False
+        if given is None and ends and task.until in self._seen:
+            given = ()  # whoever plays this again is to leave this wait alone from here on
+            self.scenario = self.scenario.changed(moment, {})
+            self.played = self.played.changed(moment, {})
         self._seen.add(task.until)
         read = self._looked_at(task.until)
-        silent = self.scenario.at(Moment(self.beat, self.idles + 1)) == ()
         answered = bool(read) and self._idle(task, read, task.where() if ends else None)
-        if silent:  # its next checks are no loop that waits for an answer
+        if given == ():
+            self._silent.add(task.until)
+            # its next checks are no loop that waits for an answer
             self._polled |= {(self.kernel.tasks[0].where(), name): POLLS for name in read}
         return answered
 

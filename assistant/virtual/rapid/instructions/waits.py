@@ -71,9 +71,9 @@ def _await(given: Given, is_met: Callable[[], bool], what: str) -> None:
     for node in (given.options[name] for name in ENDED if name in given.options):
         assert node is not None
         place(machine, node).set(machine.signals.read(given.signal(0)))
+    machine.task.tell(Waited(longest or 0.0, limit=True))
     if flag is None:
         raise Fault(f"{what}, and the longest time is over", "ERR_WAIT_MAXTIME")
-    machine.task.tell(Waited(longest or 0.0, limit=True))
 
 
 def _comes(given: Given, asked: Callable[[], bool], longest: float, what: str) -> bool:
