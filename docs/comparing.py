@@ -59,9 +59,8 @@ they did until then is compared. Both programs do the same in the same order:
 """
 MIDDLE = """
 A fault may need an input at a moment that is not tried, such as an interrupt in the middle of a long way
-or a sixth attempt: `--signals` plays such a case. The time of a timer that runs on while an input is waited
-for is not compared, nor is that of a timer in the routine of an interrupt. A loop that looks at a timer is
-no delay, and a loop with delays is no wait for inputs: programs that have one for the other differ.
+or a sixth attempt: `--signals` plays such a case. A loop that looks at a timer is no delay, and a loop
+with delays is no wait for inputs: programs that have one for the other differ.
 
 Places may be apart by what the decimals of either text leave open, with two decimals of a millimetre
 or degree at most. What a program has beside that is named in the answer:

@@ -64,6 +64,8 @@ Uncompared = Literal[
     "accelerations",
     "narrower corners",
     "stops for interrupts",
+    "other moments of interrupts",
+    "waits for timers behind inputs",
     "texts for people",
     "texts over lines",
 ]
@@ -80,7 +82,8 @@ COMPARED: Final[Mapping[str, str]] = {
     "a delay": "seconds",
     "shared data": "a number, truth or text that outlives the program, before each other effect",
     "an interrupt": (
-        "where it may come (once in a run, at the first and last five moments), and what it does"
+        "where it may come (once in a run, or as its input comes, goes and comes again), and "
+        "what it does"
     ),
     "a stop, an end, an error": "where it is",
 }
@@ -90,6 +93,8 @@ NOT_COMPARED: Final[Mapping[Uncompared, str]] = {
     "accelerations": "each arm has others",
     "narrower corners": "they stay nearer to the target",
     "stops for interrupts": "motions take no time here, so no arm is stopped on its way",
+    "other moments of interrupts": "each is tried at the first and the last five",
+    "waits for timers behind inputs": "the input comes to either at another time",
     "texts for people": "people read them, the cell does not",
     "texts over lines": "one language sends through a gateway what another sends itself",
 }
@@ -185,10 +190,10 @@ def likeness(
         # where a controller would stop with an error, another one may just stop
         if len(others) > len(ours):
             others, halted = others[: len(ours)], True
-    limits = _Limits((_expired(first), _expired(second)))
     told = (*first.events, *second.events)
     reach = reach_of([row.what for row in ours if isinstance(row.what, Moved)])
     comparing = _Comparing((first, second), rounding, reach)
+    limits = _Limits((_expired(first), _expired(second)), comparing.left)
     if any(isinstance(event, Said | Reported) for event in told):
         comparing.left.add("texts for people")
     if any(isinstance(event, Sent) for event in told):
@@ -248,11 +253,13 @@ def _over(row: Logged) -> float:
 class _Limits:
     """Compares how long waits with a limit take: one language states it, another counts a timer.
 
-    expired: of either run, see `_expired`. since: when the events before were over. within: whether
-    these were inputs, which may have come while such a wait lasted: nothing tells when in it.
+    expired: of either run, see `_expired`. left: gets what is not compared. since: when the events
+    before were over. within: whether these were inputs, which may have come while such a wait
+    lasted: nothing tells when in it.
     """
 
     expired: tuple[Mapping[float, float], Mapping[float, float]]
+    left: set[Uncompared]
     since: tuple[float, float] = (0.0, 0.0)
     within: bool = False
 
@@ -261,14 +268,14 @@ class _Limits:
         before, ends, within = self.since, (first.time, second.time), self.within
         self.since = _over(first), _over(second)
         self.within = isinstance(first.what, Awaited)
-        stated = [
-            math.fsum(
-                seconds
-                for when, seconds in known.items()
-                if start < when <= end and not (within and when - seconds < start + TIME)
-            )
-            for known, start, end in zip(self.expired, before, ends, strict=True)
-        ]
+        stated = [0.0, 0.0]
+        for side, (known, start, end) in enumerate(zip(self.expired, before, ends, strict=True)):
+            for when, seconds in known.items():
+                if start < when <= end:
+                    if within and when - seconds < start + TIME:
+                        self.left.add("waits for timers behind inputs")
+                    else:
+                        stated[side] += seconds
         longest = max(stated)
         if longest <= 0.0:
             return None

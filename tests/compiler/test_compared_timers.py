@@ -160,3 +160,11 @@ def test_a_timer_that_is_not_set_is_a_difference(tmp_path: Path) -> None:
     )
     assert compare(right, right).equal
     assert compare(right, wrong).answer == "different"
+
+
+def test_the_time_behind_an_input_is_named(tmp_path: Path) -> None:
+    program = tmp_path / "behind.mod"
+    for wait, named in ((f"WaitDI di_4,1;\n{UNTIL}", True), (f"{UNTIL}WaitDI di_4,1;\n", False)):
+        program.write_text(HEAD + wait + FOOT, encoding="utf-8")
+        line = compare(program, program).line()
+        assert ("waits for timers behind inputs" in line) == named, line

@@ -515,10 +515,29 @@ Return 0
 )
 def test_a_fault_of_an_interrupt_is_found(tmp_path: Path, typed: str, instead: str) -> None:
     equal = compared(tmp_path, WATCHING, WATCHED)
-    assert equal.answer == "equal" and "not compared: stops for interrupts" in equal.line()
+    assert equal.answer == "equal" and "other moments of interrupts, stops" in equal.line()
     assert WATCHED.count(typed) == 1
     done = compared(tmp_path, WATCHING, WATCHED.replace(typed, instead))
     assert done.answer == "different"
+
+
+@pytest.mark.parametrize(
+    ("edge", "handler", "instead"),
+    [
+        ("0", "SetDO doDone,1;", "SetDO doDone,0;"),
+        ("0", "SetDO doDone,1;", ""),
+        ("1", "Incr nCame;\nIF nCame=2 SetDO doDone,1;", "Incr nCame;"),
+    ],
+)
+def test_an_interrupt_of_an_input_that_goes_or_comes_again_is_tried(
+    tmp_path: Path, edge: str, handler: str, instead: str
+) -> None:
+    right = HEAD + "VAR num nCame:=0;\n" + WATCHING.replace("diPart,1,", f"diPart,{edge},")
+    right = right.replace("SetDO doDone,0;\n", "").replace("SetDO doDone,1;", handler)
+    one = written(tmp_path, "right.mod", right)
+    two = written(tmp_path, "wrong.mod", right.replace(handler, instead))
+    assert compare(one, one).answer == "equal"
+    assert compare(one, two).answer == "different"
 
 
 LOOP = """FOR i FROM 1 TO 2 DO

@@ -128,7 +128,7 @@ class Driver(Mapping[str, float]):
     moments, by its place. last: the way that was gone last before so many events were told. timing:
     conditions that may hang on a timer since the last event: when each was first evaluated, its
     outcome, and how often it was that, by its place. ended_by_timer: whether such a condition has
-    ended a loop.
+    ended a loop. behind_input: whether a timer has ended a wait that began with an input.
     """
 
     kernel: Kernel
@@ -146,6 +146,7 @@ class Driver(Mapping[str, float]):
     timing: dict[tuple[str, int], tuple[float, int, int]] = field(default_factory=dict)
     answers: int = 0
     ended_by_timer: bool = False
+    behind_input: bool = False
 
     def __post_init__(self) -> None:
         self.beat = self.idles = 0
@@ -253,12 +254,12 @@ class Driver(Mapping[str, float]):
             self._hasten(kernel.tasks[0], since, count)
         elif count >= TIMED:
             self.ended_by_timer = True
-            self._lasted(kernel.tasks[0], since)
+            self._lasted(kernel.tasks[0], since, count)
 
     def _looked(self, task: Task, since: float, over: bool) -> None:
-        self._looks = 0 if over else self._looks + 1
+        looks, self._looks = self._looks, 0 if over else self._looks + 1
         if over:
-            self._lasted(task, since)
+            self._lasted(task, since, looks)
         else:
             self._hasten(task, since, self._looks)
 
@@ -271,14 +272,18 @@ class Driver(Mapping[str, float]):
             self.kernel.halt(task, Ending("stopped", task.waits_for or NEVER))
         self.kernel.clock += HASTE * waited
 
-    def _lasted(self, task: Task, since: float) -> None:
+    def _lasted(self, task: Task, since: float, count: int) -> None:
         """Only what has passed since the event before can be compared; nothing where that is an
         input, which the driver gives to either program at another time.
+
+        count: evaluations since that event that did not end the wait.
         """
         last = self.kernel.log[-1] if self.kernel.log else None
         if last is None or not isinstance(last.what, Awaited):
             began = since if last is None else max(since, last.time)
             self.kernel.tell(task, Waited(self.kernel.clock - began, limit=True))
+        elif count:
+            self.behind_input = True
 
     def _met(self, task: Task, until: Callable[[], bool]) -> None:
         place = task.where()

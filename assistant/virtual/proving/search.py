@@ -397,7 +397,9 @@ class _Search:
         found.values += like.values
         found.left |= like.left
         if ours.watched or theirs.watched:
-            found.left |= {"stops for interrupts"}
+            found.left |= {"stops for interrupts", "other moments of interrupts"}
+        if ours.behind_input or theirs.behind_input:
+            found.left |= {"waits for timers behind inputs"}
         found.apart, found.turned = max(found.apart, like.apart), max(found.turned, like.turned)
         if one.ended == "error":
             found.failing += 1
@@ -505,8 +507,11 @@ class _Search:
                 continue
             self.watched.add((at, name))
             most = MOST_FOLLOWED
-            for moment in dict.fromkeys([*[*moments][:most], *[*moments][-most:]]):
+            tried = [*dict.fromkeys([*[*moments][:most], *[*moments][-most:]])]
+            for moment in tried:
                 yield from self._changed(driver.wiring, name, moment, played, [1])
+            if driver.wiring.bits(name) == 1:
+                self.later.extend(_comes_and_goes(driver.wiring, name, tried, played))
 
     def _near(self, at: int, line: int) -> list[int]:
         """Numbers that a statement compares with: of its line, else of those below it."""
@@ -583,6 +588,20 @@ def _by_timers(log: Sequence[Logged], slower: Sequence[Logged]) -> Iterator[Logg
             if seconds > (1.0 + SLOWER) / 2.0 * row.what.seconds:
                 continue
         yield row
+
+
+def _comes_and_goes(
+    wiring: Wiring, name: str, moments: Sequence[Moment], played: Scenario
+) -> Iterator[Scenario]:
+    """Scenarios in which an input of one bit changes at three moments, one after the other."""
+    starts = range(max(len(moments) - 2, 1))
+    for three in (moments[start : start + 3] for start in starts if len(moments) > 1):
+        made = played.until(three[0])
+        value = wiring.value(name, dict(_state(made)))
+        for moment in three:
+            value = 1.0 - value
+            made = made.changed(moment, wiring.spread(name, value))
+        yield made
 
 
 def _state(scenario: Scenario) -> Iterator[tuple[str, float]]:
