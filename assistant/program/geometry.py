@@ -142,7 +142,8 @@ def _unit(quaternion: Quaternion) -> Floats:
     length = math.hypot(*quaternion)
     if not (math.isfinite(length) and length > 0.0):
         raise ValueError(f"{quaternion} is not a quaternion of a rotation")
-    return rotations.canonical(quaternion)
+    _, exponent = math.frexp(length)  # a power of 2 changes no digit, and the squares are numbers
+    return rotations.canonical([math.ldexp(part, -exponent) for part in quaternion])
 
 
 # What `rotations` does with columns, to the bit, for one pose: programs that run compose millions,

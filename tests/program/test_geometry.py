@@ -109,6 +109,12 @@ def test_a_matrix_is_that_of_the_columns_and_comes_back(pose: Pose) -> None:
     assert Pose.of_matrix(pose.rotation.round(6).tolist()).position == (0.0, 0.0, 0.0)
 
 
+@pytest.mark.parametrize("length", [5e-324, 1e-310, 1e-200, 1e200])
+def test_a_quaternion_of_any_length_is_a_rotation(length: float) -> None:
+    pose = Pose((0.0, 0.0, 0.0), (0.0, 0.0, length, 0.0))
+    np.testing.assert_array_equal(pose.rotation, np.diag([-1.0, 1.0, -1.0]))
+
+
 SHEAR = [[1, 0.1, 0], [0, 1, 0], [0, 0, 1]]
 
 
