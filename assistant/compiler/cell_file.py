@@ -10,7 +10,7 @@ from typing import Any, Final, TypeVar
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.channels import Line
-from assistant.program.diagnostics import Diagnostic, info, warning
+from assistant.program.diagnostics import Diagnostic, Refused, error, info, warning
 from assistant.program.passes.asking import is_operators
 from assistant.program.program import Program, Signal
 from assistant.program.rewriting import records, rewrite
@@ -26,6 +26,11 @@ NOT_OF_PROGRAMS = info(
     "CO009",
     "what the process file says of {keys} changes nothing in a program that states its own moves",
     "name arms with --robot and --from-robot; the rest is for drawings and tables",
+)
+OTHER_SIGNAL = error(
+    "CO010",
+    "`{name}` is {used} in the program, and {stated} in the process file",
+    'write kind = "{kind}" and direction = "{direction}", or see which signal the program means',
 )
 OF_PROGRAMS: Final = (
     *("tools", "frames", "signals", "lines", "joint_speed", "joint_percent", "interface"),
@@ -69,6 +74,32 @@ def equipped(
         frames=_with(program.frames, stated.frames),
         interface=stated.interface or program.interface,
     ), tuple(findings)
+
+
+def check_signals(program: Program, stated: Process, path: str) -> None:
+    """Raises Refused for signals that the program uses as something else than is stated.
+
+    A wait for an input would become one for an output. program: as it was read, without signals of
+    which only the name tells what they may be.
+    """
+    others = []
+    given = {name.lower(): signal for name, signal in stated.signals.items()}
+    for name, used in program.signals.items():
+        one = given.get(name.lower(), used)
+        if (one.kind, one.direction) != (used.kind, used.direction):
+            others.append(
+                OTHER_SIGNAL(
+                    name=name,
+                    used=f"`{used.kind} {used.direction}`",
+                    stated=f"`{one.kind} {one.direction}`",
+                    kind=used.kind,
+                    direction=used.direction,
+                    place=f"signals.{name}",
+                    path=path,
+                )
+            )
+    if others:
+        raise Refused(*others)
 
 
 def with_signals(program: Program, stated: Mapping[str, Signal]) -> Program:

@@ -14,7 +14,7 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant import languages
-from assistant.compiler.cell_file import equipped, with_lines, with_signals
+from assistant.compiler.cell_file import check_signals, equipped, with_lines, with_signals
 from assistant.compiler.controller_files import STATED
 from assistant.compiler.crossing import has_joints
 from assistant.compiler.loading import Loaded, language_of
@@ -123,6 +123,7 @@ def in_cell(
     if files or given:
         anew = with_signals(language.lift(trees, origin.robot), loaded.signals)
         program = _as_stated(anew, program, origin.lifted)
+    check_signals(program, cell.process, str(path))
     program = _with_signals(program, wanted)
     told = _told(program, language)
     program = replace(program, signals=told.signals | program.signals)

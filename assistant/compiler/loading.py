@@ -134,10 +134,11 @@ def load_text(
 
 def with_process(loaded: Loaded, process: str | FilePath) -> Loaded:
     """A program in the cell that a process file states; raises Unreadable or Refused."""
-    from assistant.compiler.cell_file import equipped
+    from assistant.compiler.cell_file import check_signals, equipped
     from assistant.sources.process.file import read_process
 
     stated = read_process(process)
+    check_signals(loaded.program, stated, str(process))
     program, findings = equipped(loaded.program, stated, str(process))
     found = (*loaded.findings, *findings)
     return replace(

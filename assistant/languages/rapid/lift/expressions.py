@@ -8,6 +8,7 @@ from typing import Final
 from assistant.languages.patterns import Reading
 from assistant.languages.rapid.tables import functions
 from assistant.languages.rapid.tables.operators import BINARY
+from assistant.languages.rapid.tables.signal_types import READ_BY
 from assistant.languages.rapid.tables.words import COMPONENTS
 from assistant.languages.rapid.text import effects
 from assistant.languages.rapid.text.printer import expression as printed
@@ -21,6 +22,7 @@ from assistant.program.geometry import (
     BASE,
     FLANGE,
 )
+from assistant.program.program import Signal
 
 _OPERATORS: Final = {row[0]: name for name, row in BINARY.items()}
 _OF_ARM: Final = {word.lower(): name for name, word in functions.OF_ARM.items()}
@@ -38,10 +40,12 @@ class Expressions:
     """Lifts expressions.
 
     original: gives a shortened name back. timers: lower-case names of the clocks that are timers.
+    used: signals as functions read them, filled as expressions are lifted.
     """
 
     def __init__(self, original: Original = str, timers: Collection[str] = ()) -> None:
         self.original, self._timers = original, timers
+        self.used: list[tuple[str, Signal]] = []
         self.reading: Reading[s.Expression] = Reading(
             {
                 "value": lambda node, _: self.of(node),
@@ -110,7 +114,10 @@ class Expressions:
         if call.options or name in e.FUNCTIONS:
             return kept(node)
         if key in functions.READS and len(given) == 1:
-            return given[0] if isinstance(given[0], e.Name) else kept(node)
+            if not isinstance(given[0], e.Name):
+                return kept(node)
+            self.used.append((given[0].name, READ_BY[key]))
+            return given[0]
         if key in functions.ROWS and key not in functions.NO_OTHER:
             return kept(node)
         return e.Apply(name, given)

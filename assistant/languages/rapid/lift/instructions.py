@@ -53,8 +53,8 @@ class Meaning:
     ) -> None:
         self.original, self.timers = original, timers
         self.speeds, self.blends, self.numbers, self.alone = speeds, blends, numbers, alone
-        self.used: list[tuple[str, Signal]] = []
         expressions = Expressions(original, timers)
+        self.used = expressions.used
         self.expression, self.oriented = expressions.of, expressions.oriented
         kinds: dict[str, Read[s.Expression]] = {
             **expressions.reading.kinds,

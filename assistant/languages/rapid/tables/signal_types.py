@@ -18,3 +18,5 @@ VALUES: Final[Mapping[str, str]] = {
     "signalao": "AOutput", "signalai": "AInput",
 }  # fmt: skip
 """By the same, the function that gives its value."""
+READ_BY: Final[Mapping[str, Signal]] = {VALUES[type].lower(): SIGNALS[type] for type in VALUES}
+"""By the name of such a function, in lower case, what it reads."""

@@ -1,0 +1,77 @@
+"""What a process file says of a signal, and what the statements of the program say."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from assistant.compiler import load, translate
+from assistant.compiler.filling import with_cell
+from assistant.program.diagnostics import Refused
+
+RAPID = """MODULE M
+CONST robtarget p1:=[[400,0,500],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+PROC main()
+  MoveL p1,v100,fine,tool0;
+  {statement}
+ENDPROC
+ENDMODULE
+"""
+MELFA = """Mvs P1
+Wait M_In(3)=1
+M_Out(4)=1
+P1=(+400.00,+0.00,+500.00,+180.00,+0.00,+180.00)(7,0)
+"""
+
+
+def written(folder: Path, name: str, text: str) -> Path:
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("with_cell_file", [False, True])
+@pytest.mark.parametrize(
+    ("statement", "stated"),
+    [
+        ("WaitDI part,1;", "number = 5"),
+        ("IF DInput(part)=1 Stop;", "number = 5"),
+        ("SetDO part,1;", 'direction = "input"\nnumber = 5'),
+        ("SetGO part,3;", "number = 5"),
+        ("SetAO part,3;", "number = 6000"),
+        ("WaitGI part,3;", 'direction = "input"\nnumber = 5'),
+    ],
+)
+def test_a_signal_is_what_statements_use_it_as(
+    tmp_path: Path, statement: str, stated: str, with_cell_file: bool
+) -> None:
+    program = written(tmp_path, "m.mod", RAPID.format(statement=statement))
+    process = written(tmp_path, "m.process.toml", f"[signals.part]\n{stated}\n")
+    with pytest.raises(Refused, match="CO010") as refused:
+        if with_cell_file:
+            with_cell(load(program), process)
+        else:
+            load(program, process=process)
+    (finding,) = refused.value.findings
+    assert finding.place == "signals.part"
+    added = finding.cure.partition("write ")[2].partition(", or")[0].replace(" and ", "\n")
+    number = stated.splitlines()[-1]
+    process.write_text(f"[signals.part]\n{number}\n{added}\n", encoding="utf-8")
+    load(program, process=process)
+
+
+def test_so_is_one_that_a_program_addresses_by_its_number(tmp_path: Path) -> None:
+    program = written(tmp_path, "M.prg", MELFA)
+    process = written(tmp_path, "m.process.toml", "[signals.di_3]\nnumber = 3\n")
+    with pytest.raises(Refused, match="CO010"):
+        load(program, process=process, language="melfa-basic-5")
+
+
+def test_one_that_only_expressions_read_is_what_the_file_says(tmp_path: Path) -> None:
+    program = written(tmp_path, "m.mod", RAPID.format(statement="IF part=1 Stop;"))
+    for direction, word in (("input", "M_In"), ("output", "M_Out")):
+        stated = f'[signals.part]\ndirection = "{direction}"\nnumber = 5\n'
+        process = written(tmp_path, "m.process.toml", stated)
+        done = translate(load(program, process=process), to="melfa-basic-5")
+        assert done.ok and f"{word}(5)".encode() in b"".join(done.files.values())
