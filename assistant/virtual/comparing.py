@@ -66,6 +66,7 @@ Uncompared = Literal[
     "stops for interrupts",
     "other moments of interrupts",
     "waits for timers behind inputs",
+    "times in shared data",
     "texts for people",
     "texts over lines",
 ]
@@ -95,6 +96,7 @@ NOT_COMPARED: Final[Mapping[Uncompared, str]] = {
     "stops for interrupts": "motions take no time here, so no arm is stopped on its way",
     "other moments of interrupts": "each is tried at the first and the last five",
     "waits for timers behind inputs": "the input comes to either at another time",
+    "times in shared data": "statements of two languages take different times",
     "texts for people": "people read them, the cell does not",
     "texts over lines": "one language sends through a gateway what another sends itself",
 }
@@ -161,6 +163,7 @@ def likeness(
     signals: Bits | None = None,
     rounding: Rounding | None = None,
     most: int = 1,
+    measured: Set[str] = frozenset(),
 ) -> Likeness:
     """What two runs have in common, as far as they agree.
 
@@ -172,13 +175,16 @@ def likeness(
     arm's own. A run of the first that waits for ever, or ends for good, may be one without end in
     the second. Where the first ends with an error, the second may stop. Of a run that was broken
     off only what was told is compared, and the other one has to do as much. rounding: what one of
-    the texts prints; without it places may be apart by POSITION and ANGLE.
+    the texts prints; without it places may be apart by POSITION and ANGLE. measured: shared data
+    that hangs on how long statements take, which is not compared.
     """
-    ours = list(_doings(first, signals or {}))
-    others = list(_doings(second, signals or {}))
+    ours = list(_doings(first, signals or {}, measured))
+    others = list(_doings(second, signals or {}, measured))
     halted = bool(ours) and ours[-1].what == Stopped(end=True)
     if halted:  # a program that must not go on may stop again and again
         ours[-1] = _as(ours[-1], Stopped())
+        if others and others[-1].what == Stopped(end=True):
+            others[-1] = _as(others[-1], Stopped())
         while len(others) > len(ours) and others[-1].what == Stopped():
             others.pop()
     both = (first.ended, second.ended)
@@ -186,8 +192,11 @@ def likeness(
         others = others[: len(ours)]
     if both[1] in BROKEN_OFF and both != ("stopped", "steps"):
         ours = ours[: len(others)]
-    if first.ended == "error" and all(isinstance(x.what, Stopped) for x in others[len(ours) :]):
-        # where a controller would stop with an error, another one may just stop
+    if first.ended == "error" and all(
+        isinstance(x.what, Stopped | Kept) for x in others[len(ours) :]
+    ):
+        # where a controller would stop with an error, another one may just stop; what shared data
+        # holds then is told before the stop, and not told of the first
         if len(others) > len(ours):
             others, halted = others[: len(ours)], True
     told = (*first.events, *second.events)
@@ -198,6 +207,8 @@ def likeness(
         comparing.left.add("texts for people")
     if any(isinstance(event, Sent) for event in told):
         comparing.left.add("texts over lines")
+    if any(isinstance(event, Kept) and event.name in measured for event in told):
+        comparing.left.add("times in shared data")
     for number, (one, two) in enumerate(zip_longest(ours, others), 1):
         if one is None:
             comparing.note(number, f"{_end(first)}, and {said(two.what)}", one, two)
@@ -443,13 +454,17 @@ def _end(run: Run) -> str:
     return f"ended as `{run.ended}` {run.message}".rstrip()
 
 
-def _doings(run: Run, signals: Bits) -> Iterator[Logged]:
-    """Yield the events that count, with signals as changed bits, and new values of shared data."""
+def _doings(run: Run, signals: Bits, measured: Set[str]) -> Iterator[Logged]:
+    """Yield the events that count, with signals as changed bits, and new values of shared data.
+
+    measured: shared data without those of these names.
+    """
     kept: dict[str, Logged] = {}
     held: dict[str, Kept] = {}
     for row in _effects(run, signals):
         if isinstance(row.what, Kept):
-            kept[row.what.name] = row
+            if row.what.name not in measured:
+                kept[row.what.name] = row
             continue
         yield from _news(kept, held)
         yield row

@@ -76,8 +76,7 @@ class Task:
         kernel.count(self)
         if self.looks is not None:
             self.looks()
-        if self._posted and not self.closed:
-            self._run_posted()
+        self.interrupted()
         self._left -= 1
         if self._left <= 0:
             self._left = self.lines
@@ -121,13 +120,11 @@ class Task:
         self.kernel.stirred, self.wakes = True, -math.inf
         first = True
         while True:
-            if self._posted and not self.closed:
-                self._run_posted()
+            self.interrupted()
             if self.looks is not None:
                 self.looks()
             if until is not None and until():
-                if first:
-                    self.met(until)
+                self.met(until, at_once=first)
                 return True
             first = False
             if self.kernel.now >= end:
@@ -139,10 +136,10 @@ class Task:
             self._pause()
             self.waiting = self.outside = False
 
-    def met(self, until: Callable[[], bool]) -> None:
-        """What a program waits for is there when the wait begins."""
+    def met(self, until: Callable[[], bool], *, at_once: bool = True) -> None:
+        """What a program waits for is there. at_once: when the wait begins."""
         if self.kernel.met is not None:
-            self.kernel.met(self, until)
+            self.kernel.met(self, until, at_once)
 
     def looked(self, since: float, *, over: bool) -> None:
         """Report one check of a wait for a timer. since: when the wait began."""
@@ -162,7 +159,8 @@ class Task:
         """Runs an action in the task before its next statement, or while it waits."""
         self._posted.append(action)
 
-    def _run_posted(self) -> None:
+    def interrupted(self) -> None:
+        """Answers what has come between two statements, or with a motion."""
         while self._posted and not self.closed:
             self.kernel.stirred = True
             self._posted.popleft()()

@@ -19,7 +19,7 @@ from assistant.virtual.melfa.code import code_of
 from assistant.virtual.melfa.controller import Controller, Entry
 from assistant.virtual.melfa.looking import levels, place
 from assistant.virtual.melfa.machine import Machine
-from assistant.virtual.melfa.memory import Cell, is_external, kind_by_name
+from assistant.virtual.melfa.memory import Cell, is_external
 from assistant.virtual.melfa.options import Options
 from assistant.virtual.melfa.plugins import Command, Given, by_name
 from assistant.virtual.melfa.stops import Failed, Unknown
@@ -127,8 +127,9 @@ def _held(machine: Machine, names: Mapping[str, str]) -> dict[str, float | str]:
     for own, name in names.items():
         key = own.upper()
         places = machine.world.shared if is_external(key) else machine.main
-        cell = places.places.get(key)
-        value: Value = "" if kind_by_name(key) == "text" or key.endswith("$") else 0
+        cell = places.places.get(key, places.scope.cell(key))
+        kind = cell.kind if isinstance(cell, Cell) else "number"
+        value: Value = "" if kind == "text" or key.endswith("$") else 0
         if isinstance(cell, Cell) and not cell.size and cell.is_set():
             value = cell.get()
         if isinstance(value, int | float | str):

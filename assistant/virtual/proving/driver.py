@@ -124,11 +124,13 @@ class Driver(Mapping[str, float]):
     with these answers. taken: each way that was gone, by its first time. reads: names ever read.
     ended: when a wait was answered that ends by itself, by its place. watched: beats at which an
     input was looked at for an interrupt, by its name. met: what waits read that ended as they
-    began, by their places. iterations: the inputs that a condition read each time, at different
-    moments, by its place. last: the way that was gone last before so many events were told. timing:
-    conditions that may hang on a timer since the last event: when each was first evaluated, its
-    outcome, and how often it was that, by its place. ended_by_timer: whether such a condition has
-    ended a loop. behind_input: whether a timer has ended a wait that began with an input.
+    began, by their places. passed: places of waits that came to an end. unanswered: that of the
+    wait that the run ends at, as no input ends it. iterations: the inputs that a condition read
+    each time, at different moments, by its place. last: the way that was gone last before so many
+    events were told. timing: conditions that may hang on a timer since the last event: when each
+    was first evaluated, its outcome, and how often it was that, by its place. ended_by_timer:
+    whether such a condition has ended a loop. behind_input: whether a timer has ended a wait that
+    began with an input.
     """
 
     kernel: Kernel
@@ -141,6 +143,8 @@ class Driver(Mapping[str, float]):
     ended: dict[object, Moment] = field(default_factory=dict)
     watched: dict[str, dict[Moment, None]] = field(default_factory=dict)
     met: dict[object, Readings] = field(default_factory=dict)
+    passed: set[object] = field(default_factory=set)
+    unanswered: object = None
     iterations: dict[tuple[str, int], list[Readings]] = field(default_factory=dict)
     last: dict[int, Way] = field(default_factory=dict)
     timing: dict[tuple[str, int], tuple[float, int, int]] = field(default_factory=dict)
@@ -153,6 +157,7 @@ class Driver(Mapping[str, float]):
         self.played = self.scenario
         self._recent: deque[tuple[str, Moment]] = deque(maxlen=RECENT)
         self._polled: dict[tuple[object, str], int] = {}
+        self._since = 0.0
         self._polling: dict[str, None] = {}
         self._asking = False
         self._looks = 0
@@ -201,11 +206,13 @@ class Driver(Mapping[str, float]):
     def _poll(self, name: str) -> None:
         """A loop that only reads does what a wait does."""
         place = self.kernel.tasks[0].where()
+        if not self._polled:
+            self._since = self.kernel.clock
         self._polled[place, name] = count = self._polled.get((place, name), 0) + 1
         if count == POLLS:
             again = [key for key, c in self._polled.items() if 2 * c >= POLLS]
             names = tuple(dict.fromkeys(name for _, name in again))
-            if not self._idle(self.kernel.tasks[0], names, place):
+            if not self._idle(self.kernel.tasks[0], names, place, self._since):
                 self._polled |= dict.fromkeys(again, POLLS)  # it has been asked for all of them
 
     # --------------------------------------------------------------------- what is told of it
@@ -285,9 +292,10 @@ class Driver(Mapping[str, float]):
         elif count:
             self.behind_input = True
 
-    def _met(self, task: Task, until: Callable[[], bool]) -> None:
+    def _met(self, task: Task, until: Callable[[], bool], at_once: bool) -> None:
         place = task.where()
-        if place not in self.met:
+        self.passed.add(place)
+        if at_once and place not in self.met:
             before = self._recent.copy()
             moment = Moment(self.beat, self.idles)
             self.met[place] = tuple((name, moment) for name in self._looked_at(until))
@@ -313,11 +321,14 @@ class Driver(Mapping[str, float]):
             self.played = self.played.changed(moment, {})
         self._seen.add(task.until)
         read = self._looked_at(task.until)
-        answered = bool(read) and self._idle(task, read, task.where() if ends else None)
+        helps = read or self.kernel.board.inputs.watched
+        answered = bool(helps) and self._idle(task, read, task.where() if ends else None)
         if given == ():
             self._silent.add(task.until)
             # its next checks are no loop that waits for an answer
             self._polled |= {(self.kernel.tasks[0].where(), name): POLLS for name in read}
+        elif not answered and not ends:
+            self.unanswered = task.where()
         return answered
 
     def would(self, change: Mapping[str, float], until: Callable[[], bool]) -> bool:
@@ -331,20 +342,25 @@ class Driver(Mapping[str, float]):
             self._asking = False
             self.state = before
 
-    def _idle(self, task: Task, read: tuple[str, ...], ends: object) -> bool:
+    def _idle(
+        self, task: Task, read: tuple[str, ...], ends: object, since: float | None = None
+    ) -> bool:
         """The program waits; whether an input has changed for it.
 
         read: the names that it looks at. ends: the place of a wait that may have an end of its own,
-        None of another one.
+        None of another one. since: when a loop began to look; an input comes then, so that it takes
+        as little time as one that is waited for.
         """
         self.idles += 1
         moment = Moment(self.beat, self.idles)
         given = self.scenario.at(moment)
         change = dict(given or ())
+        for name in self.kernel.board.inputs.watched:
+            self.watched.setdefault(name, {})[moment] = None
         if given is None and self.answering is not None and self.answers >= MOST_ANSWERS:
             self.kernel.end(Ending("steps", f"more than {MOST_ANSWERS} waits"))
             return True
-        if given is None and self.answering is not None:
+        if given is None and self.answering is not None and read:
             change = dict(self.answering.answer(self, task, read))
             if change:
                 self.answers += 1
@@ -353,6 +369,7 @@ class Driver(Mapping[str, float]):
                     self.ended.setdefault(ends, moment)
         if change:
             self._still()
+            self.kernel.clock = self.kernel.clock if since is None else since
             self.kernel.tell(task, Awaited(tuple(sorted(change.items()))))
         self._apply(change)
         return bool(change)

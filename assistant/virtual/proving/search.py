@@ -6,7 +6,7 @@ import math
 import re
 import time
 from collections import Counter, defaultdict, deque
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from itertools import product
 from random import Random
@@ -14,7 +14,7 @@ from typing import Final
 
 from assistant.virtual.branches import Branch, Branches, Way
 from assistant.virtual.comparing import Bits, Uncompared, Unlike, likeness
-from assistant.virtual.events import Awaited, Logged, Place, Run, Stopped, Waited
+from assistant.virtual.events import Awaited, Kept, Logged, Place, Run, Stopped, Waited
 from assistant.virtual.kernel import Board, Kernel
 from assistant.virtual.kernel.panel import Panel
 from assistant.virtual.kernel.script import Script, by_numbers, follow
@@ -100,12 +100,13 @@ class Difference:
 class Found:
     """What all runs together have shown.
 
-    cut: runs of the source that were cut off because they did not end. failing: runs that
-    end with an error of the program itself. idling: runs that wait for ever before anything is
-    compared, idle the first of them. stalled: a run that a script leaves waiting behind what is
-    compared. differences: those of other places each. unknown: what an interpreter could not run,
-    unjudged: so after runs that were compared. unfinished: a first run that took all the time.
-    never: branches of either program that no run took. total: how many there are.
+    cut: runs of the source that were cut off because they did not end. failing: runs that end with
+    an error of the program itself. idling: runs that wait for ever before anything is compared,
+    idle the first of them. stalled: a run that waits for ever behind what is compared, where the
+    script or all runs end. stalling: how many do so without a script. differences: those of other
+    places each. unknown: what an interpreter could not run, unjudged: so after runs that were
+    compared. unfinished: a first run that took all the time. never: branches of either program that
+    no run took. total: how many there are.
     """
 
     runs: int = 0
@@ -126,6 +127,7 @@ class Found:
     idle: Stop | None = None
     idling: int = 0
     stalled: Stop | None = None
+    stalling: int = 0
     total: tuple[int, int] = (0, 0)
     never: tuple[tuple[Branch, ...], tuple[Branch, ...]] = ((), ())
 
@@ -179,8 +181,11 @@ class _Search:
         self.longest = 0
         self.steps = STEPS + 4 * lines
         self.differing: set[object] = set()
+        self.measured: Set[str] = frozenset()
         self.reads = False
         self.missed = 0
+        self.passed: set[object] = set()
+        self.unanswered: dict[object, list[Stop]] = {}
         self.late = False  # whether the time was over in the middle of a run
 
     def run(self) -> Found:
@@ -203,6 +208,10 @@ class _Search:
                 break
             if any(self.known) and not self._open():
                 self.pending = deque(one for one in self.pending if one in self.kept)
+        for place, stops in self.unanswered.items():
+            if place not in self.passed:
+                self.found.stalled = self.found.stalled or stops[0]
+                self.found.stalling += len(stops)
         if FEW * self.missed > self.found.runs:
             self.found.unknown = self.found.unjudged
         self.found.total = len(self.known[0]), len(self.known[1])
@@ -376,7 +385,12 @@ class _Search:
     def _compare(self, one: Run, two: Run, ours: Driver, theirs: Driver) -> None:
         found, scenario = self.found, ours.played
         left = self.budget.differences - len(found.differences)
-        like = likeness(one, two, self.signals, self.rounding, left)
+        like = likeness(one, two, self.signals, self.rounding, left, self.measured)
+        if like.differences and any(isinstance(event, Kept) for event in one.events):
+            measured = self.measured | self._measured(one, scenario)
+            if measured != self.measured:
+                self.measured = measured
+                like = likeness(one, two, self.signals, self.rounding, left, measured)
         differences = list(like.differences)
         if not differences and two.ended == "steps" and one.ended == "end":
             if Stopped(end=True) not in one.events:
@@ -409,11 +423,22 @@ class _Search:
             found.idle = found.idle or Stop(0, one, scenario)
         elif self.script is not None and one.ended == "stopped":
             found.stalled = Stop(0, one, scenario)
+        elif ours.unanswered is not None:
+            self.unanswered.setdefault(ours.unanswered, []).append(Stop(0, one, scenario))
+        self.passed |= ours.passed
         for unlike in differences:
             if unlike.places not in self.differing:
                 self.differing.add(unlike.places)
                 behind = self._behind(0, one, ours, unlike), self._behind(1, two, theirs, unlike)
                 found.differences.append(Difference(unlike, scenario, behind))
+
+    def _measured(self, one: Run, scenario: Scenario) -> set[str]:
+        """Shared data that the source gives other values where its statements take longer."""
+        slower, _ = self._run_through(
+            self.first, scenario, self.steps, None, SLOWER * STATEMENT_TIME
+        )
+        values = [_kept(run) for run in (one, slower)]
+        return {name for name in values[0] if values[0][name] != values[1].get(name)}
 
     def _behind(self, at: int, run: Run, driver: Driver, unlike: Unlike) -> Branch | None:
         """The branch that a run took last before what it does otherwise."""
@@ -602,6 +627,15 @@ def _comes_and_goes(
             value = 1.0 - value
             made = made.changed(moment, wiring.spread(name, value))
         yield made
+
+
+def _kept(run: Run) -> Mapping[str, list[float | str]]:
+    """The values that shared data had one after the other, by its name."""
+    found: dict[str, list[float | str]] = defaultdict(list)
+    for event in run.events:
+        if isinstance(event, Kept):
+            found[event.name].append(event.value)
+    return found
 
 
 def _state(scenario: Scenario) -> Iterator[tuple[str, float]]:

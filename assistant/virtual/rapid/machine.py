@@ -121,6 +121,7 @@ class Machine:
     def go(self, moved: Moved, before: Pose | None) -> None:
         """Commands a motion. before: the flange where it begins, None if that is not known."""
         self.task.kernel.motion.go(self.task, moved, told(moved, before, self.on_way))
+        self.task.interrupted()
 
     def settle(self) -> None:
         """The robot goes to the very target of the motion before, and the program waits there."""

@@ -89,6 +89,7 @@ NOT_WRITTEN: Final[Mapping[tuple[str, str], str]] = {
     ("CL283", "--key"): "one source of contacts is enough",
     ("CO073", "type"): "the type is written with the value that belongs to it",
     ("CO112", "--signals"): "the script that it names is what is changed",
+    ("CO114", "--signals"): "the script that it names is what is changed",
     ("DP204", "--pull"): _GIT,
     ("DP222", "--pull"): _GIT,
     ("MB201", "translate"): "the program is translated already; it is the option that is added",

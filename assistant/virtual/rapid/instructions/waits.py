@@ -58,15 +58,13 @@ def _await(given: Given, is_met: Callable[[], bool], what: str) -> None:
         machine.hangs_on.clear()
         return is_met()
 
-    met, longest = asked(), None
-    if not met:
-        longest = given.optional_number("maxtime")
-        met = _comes(given, asked, math.inf if longest is None else longest, what)
+    longest = given.optional_number("maxtime")
+    at_once = asked()
+    met = at_once or _comes(given, asked, math.inf if longest is None else longest, what)
     if flag is not None:
         place(machine, flag).set(not met)
     if met:
-        if longest is None:
-            machine.task.met(asked)
+        machine.task.met(asked, at_once=at_once)
         return
     for node in (given.options[name] for name in ENDED if name in given.options):
         assert node is not None
