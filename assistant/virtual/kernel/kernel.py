@@ -41,18 +41,18 @@ class Kernel:
     so that a program that looks for an input again and again comes to see it. pace: simulated
     seconds for each real one, None for as fast as possible. watch: is asked before each statement,
     to trace it or to hold the run. limit: is asked at each statement, and at each check of a wait,
-    whether the run is over. branch: is told of each way that a statement goes on: its file,
-    where it stands there, and which way, counted from 0. stuck: is asked where a task waits, before
-    its time is over or the run ends; True if it has brought what is waited for. told: are told of
-    each event. met: is told of each wait that its condition ends, with that and whether it ends as
-    it begins. kept: gives what shared data holds, by its name, which is told before the next event.
-    timed: is told when a program sets a timer, as a wait of its own begins. looked: is called at
-    each check of a wait for a timer, with the start of the wait and whether it is over. clock:
-    simulated seconds, but behind `now` while a program runs ahead of its arm.
-    person: answers what programs ask. peers: what the other end of each line says, text by text,
-    in a run that reaches nothing outside; None where lines lead where they do. shared: whether
-    several tasks run. reacts: whether a script reacts to motions, so that no program runs ahead of
-    its arm. live: what the run is part of that goes on when all tasks have ended.
+    whether the run is over. branch: is told of each way that a statement goes on: its file, where
+    it stands there, and which way, counted from 0. stuck: is asked where a task waits, before its
+    time is over or the run ends; True if it has brought what is waited for. told: are told of each
+    event. met: is told of each wait that its condition ends, with that. kept: gives what shared
+    data holds, by its name, which is told before the next event. timed: is told when a program sets
+    a timer, as a wait of its own begins. looked: is called at each check of a wait for a timer,
+    with the start of the wait and whether it is over. clock: simulated seconds, but behind `now`
+    while a program runs ahead of its arm. person: answers what programs ask. peers: what the other
+    end of each line says, text by text, in a run that reaches nothing outside; None where lines
+    lead where they do. shared: whether several tasks run. reacts: whether a script reacts to
+    motions, so that no program runs ahead of its arm. live: what the run is part of that goes on
+    when all tasks have ended.
     """
 
     board: Board = field(default_factory=Board)
@@ -69,7 +69,7 @@ class Kernel:
     told: list[Callable[[Logged], None]] = field(default_factory=list)
     timed: Callable[[], None] | None = None
     looked: Callable[[Task, float, bool], None] | None = None
-    met: Callable[[Task, Callable[[], bool], bool], None] | None = None
+    met: Callable[[Task, Callable[[], bool]], None] | None = None
     kept: Callable[[], Mapping[str, float | str]] | None = None
     clock: float = 0.0
     steps: int = 0

@@ -118,15 +118,13 @@ class Task:
         """
         end = math.inf if seconds is None else self.kernel.now + seconds
         self.kernel.stirred, self.wakes = True, -math.inf
-        first = True
         while True:
             self.interrupted()
             if self.looks is not None:
                 self.looks()
             if until is not None and until():
-                self.met(until, at_once=first)
+                self.met(until)
                 return True
-            first = False
             if self.kernel.now >= end:
                 return False
             self.waiting, self.waits_for = True, what
@@ -136,10 +134,10 @@ class Task:
             self._pause()
             self.waiting = self.outside = False
 
-    def met(self, until: Callable[[], bool], *, at_once: bool = True) -> None:
-        """What a program waits for is there. at_once: when the wait begins."""
+    def met(self, until: Callable[[], bool]) -> None:
+        """What a program waits for is there."""
         if self.kernel.met is not None:
-            self.kernel.met(self, until, at_once)
+            self.kernel.met(self, until)
 
     def looked(self, since: float, *, over: bool) -> None:
         """Report one check of a wait for a timer. since: when the wait began."""

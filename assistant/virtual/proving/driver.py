@@ -123,14 +123,13 @@ class Driver(Mapping[str, float]):
     answering: who ends waits that the scenario does not end; None for nobody. played: the scenario
     with these answers. taken: each way that was gone, by its first time. reads: names ever read.
     ended: when a wait was answered that ends by itself, by its place. watched: beats at which an
-    input was looked at for an interrupt, by its name. met: what waits read that ended as they
-    began, by their places. passed: places of waits that came to an end. unanswered: that of the
-    wait that the run ends at, as no input ends it. iterations: the inputs that a condition read
-    each time, at different moments, by its place. last: the way that was gone last before so many
-    events were told. timing: conditions that may hang on a timer since the last event: when each
-    was first evaluated, its outcome, and how often it was that, by its place. ended_by_timer:
-    whether such a condition has ended a loop. behind_input: whether a timer has ended a wait that
-    began with an input.
+    input was looked at for an interrupt, by its name. met: what waits read that came to their end,
+    by their places and whether these had to wait. unanswered: that of the wait that the run ends
+    at, as no input ends it. iterations: the inputs that a condition read each time, at different
+    moments, by its place. last: the way that was gone last before so many events were told. timing:
+    conditions that may hang on a timer since the last event: when each was first evaluated, its
+    outcome, and how often it was that, by its place. ended_by_timer: whether such a condition has
+    ended a loop. behind_input: whether a timer has ended a wait that began with an input.
     """
 
     kernel: Kernel
@@ -142,8 +141,7 @@ class Driver(Mapping[str, float]):
     reads: set[str] = field(default_factory=set)
     ended: dict[object, Moment] = field(default_factory=dict)
     watched: dict[str, dict[Moment, None]] = field(default_factory=dict)
-    met: dict[object, Readings] = field(default_factory=dict)
-    passed: set[object] = field(default_factory=set)
+    met: dict[tuple[object, bool], Readings] = field(default_factory=dict)
     unanswered: object = None
     iterations: dict[tuple[str, int], list[Readings]] = field(default_factory=dict)
     last: dict[int, Way] = field(default_factory=dict)
@@ -163,6 +161,7 @@ class Driver(Mapping[str, float]):
         self._looks = 0
         self._step, self._here = -1, dict[str, Moment]()
         self._seen: set[object] = set()
+        self._waiting: set[object] = set()
         self._silent: set[object] = set()
         self._apply(dict(self.scenario.at(Moment()) or ()))
         self.kernel.board.inputs = _Inputs(self)
@@ -234,6 +233,7 @@ class Driver(Mapping[str, float]):
         self.beat, self.idles = self.beat + 1, 0
         self._still()
         self._seen.clear()
+        self._waiting.clear()
         self._silent.clear()
         self._apply(dict(self.scenario.at(Moment(self.beat)) or ()))
 
@@ -292,10 +292,9 @@ class Driver(Mapping[str, float]):
         elif count:
             self.behind_input = True
 
-    def _met(self, task: Task, until: Callable[[], bool], at_once: bool) -> None:
-        place = task.where()
-        self.passed.add(place)
-        if at_once and place not in self.met:
+    def _met(self, task: Task, until: Callable[[], bool]) -> None:
+        place = task.where(), task.where() in self._waiting
+        if place not in self.met:
             before = self._recent.copy()
             moment = Moment(self.beat, self.idles)
             self.met[place] = tuple((name, moment) for name in self._looked_at(until))
@@ -320,6 +319,7 @@ class Driver(Mapping[str, float]):
             self.scenario = self.scenario.changed(moment, {})
             self.played = self.played.changed(moment, {})
         self._seen.add(task.until)
+        self._waiting.add(task.where())
         read = self._looked_at(task.until)
         helps = read or self.kernel.board.inputs.watched
         answered = bool(helps) and self._idle(task, read, task.where() if ends else None)

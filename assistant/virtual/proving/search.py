@@ -425,7 +425,7 @@ class _Search:
             found.stalled = Stop(0, one, scenario)
         elif ours.unanswered is not None:
             self.unanswered.setdefault(ours.unanswered, []).append(Stop(0, one, scenario))
-        self.passed |= ours.passed
+        self.passed.update(place for place, _ in ours.met)
         for unlike in differences:
             if unlike.places not in self.differing:
                 self.differing.add(unlike.places)

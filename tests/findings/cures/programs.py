@@ -232,6 +232,22 @@ CASES: Final = (
         change={"s.toml": '[[set]]\ninput = "ready"\nat = 1.5\n'},
     ),
     Case(
+        "CO010",
+        "translate a.mod --to melfa-basic-5 -o out -p p.toml",
+        {"a.mod": WAITING, "p.toml": "[signals.ready]\nnumber = 3\n"},
+        change={"p.toml": READY},
+    ),
+    Case(
+        "CO114",
+        "translate a.mod --to melfa-basic-5 -o out -p p.toml --prove --signals s.toml",
+        {
+            "a.mod": rapid(f"MoveL {POSE},v100,fine,tool0;", "WaitDI ready,1;"),
+            "p.toml": READY,
+            "s.toml": '[[set]]\ninput = "ready"\nvalue = 0\n',
+        },
+        change={"s.toml": AT_ONCE},
+    ),
+    Case(
         "CO119",
         "compare a.mb5 b.mb5",
         dict.fromkeys(("a.mb5", "b.mb5"), "M1=M_Run(2)\nM_Out(1)=1\nEnd\n"),

@@ -59,12 +59,11 @@ def _await(given: Given, is_met: Callable[[], bool], what: str) -> None:
         return is_met()
 
     longest = given.optional_number("maxtime")
-    at_once = asked()
-    met = at_once or _comes(given, asked, math.inf if longest is None else longest, what)
+    met = asked() or _comes(given, asked, math.inf if longest is None else longest, what)
     if flag is not None:
         place(machine, flag).set(not met)
     if met:
-        machine.task.met(asked, at_once=at_once)
+        machine.task.met(asked)
         return
     for node in (given.options[name] for name in ENDED if name in given.options):
         assert node is not None
