@@ -20,9 +20,11 @@ import assistant
 from assistant import sources
 from benchmarks.code import code
 from benchmarks.emission import adapted, csv, emit, emitted, poses, prove_all, python_rapid
+from benchmarks.growth.sources import curve, far_beside
 
 POINTS: Final = 50_000
 LINES: Final = 1_000
+CHORDS: Final = 20_000
 RUNS: Final = 3
 
 
@@ -49,6 +51,14 @@ def _program(language: str, suffix: str) -> Callable[[], Path]:
     return written
 
 
+def _drawing() -> Path:
+    """A curve of many chords with an offset, and its process file beside it."""
+    path = Path(_FOLDER.name, "curve.dxf")
+    path.write_text(curve(CHORDS), encoding="ascii")
+    path.with_suffix(".process.toml").write_text(far_beside(CHORDS), encoding="ascii")
+    return path
+
+
 def _translated(to: str) -> Callable[[Path], object]:
     return lambda path: assistant.translate(path, to=to)
 
@@ -57,6 +67,7 @@ _FOLDER: Final = TemporaryDirectory()
 
 TASKS: Final[dict[str, Task]] = {
     "read .csv": Task(lambda: csv(POINTS), sources.read, 0.55),
+    "read .dxf, an offset curve": Task(_drawing, sources.read, 0.03),
     "emit RAPID": Task(lambda: adapted("rapid")(POINTS), emit, 0.85),
     "prove RAPID": Task(lambda: emitted("rapid")(POINTS), prove_all, 0.2),
     "emit MELFA-BASIC VI": Task(lambda: adapted("melfa-basic-6")(POINTS), emit, 1.5),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Final
 
@@ -100,6 +101,17 @@ def _corners(n: int) -> str:
     return _drawing("0\nPOLYLINE\n8\nCUT\n66\n1\n70\n0\n", *rows, "0\nSEQEND\n8\nCUT\n")
 
 
+def curve(n: int) -> str:
+    """Chords of a closed curve of 8 m, as dense as there are many."""
+    turn = [math.tau * k / n for k in range(n + 1)]
+    size = [3800.0 + 500.0 * math.sin(9.0 * one) for one in turn]
+    rows = (
+        f"0\nVERTEX\n8\nCUT\n10\n{r * math.cos(t):.6f}\n20\n{r * math.sin(t):.6f}\n"
+        for r, t in zip(size, turn, strict=True)
+    )
+    return _drawing("0\nPOLYLINE\n8\nCUT\n66\n1\n70\n0\n", *rows, "0\nSEQEND\n8\nCUT\n")
+
+
 def _layers(n: int) -> str:
     return _drawing(*(_line(k, f"L{k}") for k in range(n)))
 
@@ -147,6 +159,11 @@ def _beside(_: int) -> str:
     return _PROCESS + _CUT + 'offset = 0.2\nside = "left"\n'
 
 
+def far_beside(_: int) -> str:
+    """A process file whose tool stays 2 mm off, within 0.01 mm: no chord of a curve is left out."""
+    return _beside(1).replace("0.2", "2.0").replace("0.05", "0.01")
+
+
 _ROWS: Final[tuple[tuple[str, str, Text, Text | None], ...]] = (
     ("CSV: rows", ".csv", _table, _tool),
     ("CSV: wrong rows", ".csv", _bad_table, _tool),
@@ -163,6 +180,7 @@ _ROWS: Final[tuple[tuple[str, str, Text, Text | None], ...]] = (
     ("DXF: circles", ".dxf", _circles, _cut),
     ("DXF: corners", ".dxf", _corners, _cut),
     ("DXF: corners with an offset", ".dxf", _corners, _beside),
+    ("DXF: chords of a curve with an offset", ".dxf", curve, far_beside),
     ("DXF: layers", ".dxf", _layers, _cut),
     ("DXF: layers of the process", ".dxf", _layers, _layers_of_process),
     ("DXF: inserts", ".dxf", _inserts, _cut),

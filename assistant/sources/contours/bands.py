@@ -13,6 +13,8 @@ from assistant.sources.contours.origins import Source, cross_of
 
 CHUNK: Final = 12
 """Most sides whose band is one polygon: bands of many that overlap take long."""
+GROUP: Final = 16
+"""Polygons that are united at once."""
 TURNS: Final = math.radians(4.0)
 """Least turn between two sides of one polygon: GEOS leaves out the rounds of smaller turns."""
 DEPTH: Final = 0.012
@@ -43,8 +45,22 @@ def bands(source: Source, offset: float, off: float, side: int = 0) -> Any:
         found += shapely.buffer(ends, offset, quad_segs=rounds).tolist()
         found += _wedges(source, wedged, offset, off, step, side)
         found += _sectors(source, offset, off)
-    # A buffer of 0 unites polygons in one sweep; `union_all` does it in pairs.
-    return shapely.buffer(shapely.multipolygons(shapely.get_parts(found)), 0.0)
+    return _united(shapely.get_parts(found))
+
+
+def _united(parts: NDArray[Any]) -> Any:
+    """The area of polygons (n,), of which neighbours are united first: a sweep over many that
+    overlap takes long.
+    """
+    import shapely
+
+    owner = np.arange(len(parts))
+    while owner.size and owner[-1] >= GROUP:
+        owner = np.unique(owner // GROUP, return_inverse=True)[1]
+        groups = shapely.multipolygons(parts, indices=owner)
+        # A buffer of 0 unites polygons in one sweep; `union_all` does it in pairs.
+        parts, owner = shapely.get_parts(shapely.buffer(groups, 0.0), return_index=True)
+    return shapely.buffer(shapely.multipolygons(parts), 0.0)
 
 
 def _wedged(source: Source) -> NDArray[np.bool_]:
