@@ -59,9 +59,9 @@ they did until then is compared. Both programs do the same in the same order:
 """
 MIDDLE = """
 A fault may need an input at a moment that is not tried, such as an interrupt in the middle of a long way
-or a sixth attempt: `--signals` plays such a case. Another task of the cell is not run: a wait for an
-output or for data that it sets ends the run, what follows is told (CO114), and where no run comes further
-the programs are not compared. A loop that looks at a timer is no delay, and a loop
+or a sixth attempt: `--signals` plays such a case. Another task of the cell is not run: a wait for
+an output or data that it sets ends the run. The answer names such a wait (CO114), and if no run gets past
+it, the programs are not compared (CO119). A loop that looks at a timer is no delay, and a loop
 with delays is no wait for inputs: programs that have one for the other differ.
 
 Places may be apart by what the decimals of either text leave open, with two decimals of a millimetre

@@ -29,7 +29,7 @@ NOT_OF_PROGRAMS = info(
 )
 OTHER_SIGNAL = error(
     "CO010",
-    "`{name}` is {used} in the program, and {stated} in the process file",
+    "the program uses `{name}` as {used}, but the process file states {stated}",
     'write kind = "{kind}" and direction = "{direction}", or see which signal the program means',
 )
 OF_PROGRAMS: Final = (

@@ -311,9 +311,9 @@ def _findings(
         inputs, reason = stop.scenario.said(wires), _message(stop.run)
         unjudged = UNJUDGED(name=names[stop.side], inputs=inputs, reason=reason)
         yield replace(unjudged, **_at(stop.run.place))
-    if found.stalled is not None and not _waiting(found):
-        where = "that was tried" if found.stalling else "in the script"
-        yield STALLED(name=names[0], where=where, **_at(found.stalled.run.place))
+    where = "that was tried" if found.stalling else "in the script"
+    for stop in [] if _waiting(found) else found.stalled:
+        yield STALLED(name=names[0], where=where, **_at(stop.run.place))
     for branches, name in zip(found.never, names, strict=True):
         for branch in branches:
             yield NO_BRANCH(said=branch.said, **_at((branch.file or name, branch.line)))
@@ -329,9 +329,9 @@ def _endings(
     elif found.idling == found.runs and found.idle is not None:
         reason = f"`{names[0]}` only waits, and nothing is compared ({_message(found.idle.run)})"
         yield terms.not_run(reason=reason, **_at(found.idle.run.place))
-    elif found.stalled is not None and _waiting(found):
+    elif _waiting(found):
         reason = f"nothing that was tried ends this wait of `{names[0]}`, and no run came further"
-        yield terms.not_run(reason=reason, **_at(found.stalled.run.place))
+        yield terms.not_run(reason=reason, **_at(found.stalled[0].run.place))
     elif found.failed is not None:
         run = found.failed.run
         yield STOPS_ITSELF(
@@ -344,7 +344,7 @@ def _endings(
 
 
 def _waiting(found: Found) -> bool:
-    """Whether all runs without an error wait for ever for what nothing brings."""
+    """True if every run that ends without an error ends at a wait that no run passed."""
     others = found.failing + found.idling
     return found.stalling > 0 and found.stalling + others == found.runs
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from assistant import compare
+from tests.compiler import between
 
 HEAD = """MODULE Cell
 ! signal: di_3 digital input 3
@@ -91,15 +92,8 @@ COUNTING = "n:=0;\nWHILE ClkRead(c)<60 AND n<200 DO\n  n:=n+1;\nENDWHILE\n"
 
 def compared(folder: Path, first: str, second: str) -> str:
     """Either is the part that waits, in RAPID or in MELFA-BASIC V."""
-    paths = []
-    for name, text in (("one", first), ("two", second)):
-        melfa = "M_" in text
-        path = folder / f"{name}.{'mb5' if melfa else 'mod'}"
-        path.write_text(
-            MELFA_HEAD + text + MELFA_FOOT if melfa else HEAD + text + FOOT, encoding="utf-8"
-        )
-        paths.append(path)
-    done = compare(*paths)
+    around = {"rapid": (HEAD, FOOT), "melfa": (MELFA_HEAD, MELFA_FOOT)}
+    done = between.compared(folder, first, second, **around)
     return done.answer + "".join(f" {one.what}" for one in done.differences)
 
 

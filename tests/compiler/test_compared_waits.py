@@ -1,4 +1,4 @@
-"""Waits that nothing ends, ends of programs, and time that is no difference, compared."""
+"""Comparing programs that wait for ever or end early, or that only take different times."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from assistant import compare
 from assistant.compiler import translate
 from assistant.compiler.comparing import Comparison
 from assistant.compiler.motion import Proving
+from tests.compiler import between
 
 HEAD = """MODULE Cell
 ! signal: di_3 digital input 3
@@ -43,15 +43,9 @@ DONE = "  SetDO do_5,1;\n"
 
 
 def compared(folder: Path, first: str, second: str) -> Comparison:
-    """Programs with such statements between two motions; in MELFA-BASIC where those are."""
-    files = []
-    for name, text in (("first", first), ("second", second)):
-        melfa = "M_" in text
-        path = folder / f"{name}.{'mb5' if melfa else 'mod'}"
-        whole = MELFA_HEAD + text + MELFA_FOOT if melfa else HEAD + text + FOOT
-        path.write_text(whole, encoding="utf-8")
-        files.append(path)
-    return compare(*files)
+    """Programs with such statements between two motions."""
+    around = {"rapid": (HEAD, FOOT), "melfa": (MELFA_HEAD, MELFA_FOOT)}
+    return between.compared(folder, first, second, **around)
 
 
 @pytest.mark.parametrize("wait", ["WaitUntil go;", "WaitDO do_6,1;", "WaitUntil do_6=1;"])
@@ -70,6 +64,8 @@ def test_such_a_wait_in_a_branch_is_named(tmp_path: Path) -> None:
     assert done.answer == "equal"
     (finding,) = [one for one in done.findings if one.code == "CO114"]
     assert finding.line == HEAD.count("\n") + 2 and "nothing that was tried" in finding.message
+    twice = wait + wait.replace("di_3", "di_4")
+    assert [one.code for one in compared(tmp_path, twice, twice).findings].count("CO114") == 2
     wait = wait.replace("WaitUntil go", "WaitDI di_4,1")
     assert "CO114" not in {one.code for one in compared(tmp_path, wait, wait).findings}
 

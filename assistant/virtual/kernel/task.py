@@ -135,7 +135,7 @@ class Task:
             self.waiting = self.outside = False
 
     def met(self, until: Callable[[], bool]) -> None:
-        """What a program waits for is there."""
+        """Report a wait that its condition has ended."""
         if self.kernel.met is not None:
             self.kernel.met(self, until)
 

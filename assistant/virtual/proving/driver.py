@@ -369,7 +369,8 @@ class Driver(Mapping[str, float]):
                     self.ended.setdefault(ends, moment)
         if change:
             self._still()
-            self.kernel.clock = self.kernel.clock if since is None else since
+            if since is not None:
+                self.kernel.clock = since
             self.kernel.tell(task, Awaited(tuple(sorted(change.items()))))
         self._apply(change)
         return bool(change)

@@ -28,7 +28,7 @@ MORE_EFFECTS: Final = 2
 OVER: Final = "time"
 """How such a run has ended."""
 QUIET: Final = 250_000
-"""Statements without an effect: to take a text of a line apart, letter by letter, takes 200,000."""
+"""Statements without an effect: taking a text apart, letter by letter, takes over 100,000."""
 RAN_ON: Final = "it runs on without any effect"
 """What a run says that was broken off for this."""
 

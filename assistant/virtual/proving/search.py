@@ -102,11 +102,11 @@ class Found:
 
     cut: runs of the source that were cut off because they did not end. failing: runs that end with
     an error of the program itself. idling: runs that wait for ever before anything is compared,
-    idle the first of them. stalled: a run that waits for ever behind what is compared, where the
-    script or all runs end. stalling: how many do so without a script. differences: those of other
-    places each. unknown: what an interpreter could not run, unjudged: so after runs that were
-    compared. unfinished: a first run that took all the time. never: branches of either program that
-    no run took. total: how many there are.
+    idle the first of them. stalled: runs that wait for ever behind what is compared, where the
+    script leaves them or no run comes further, one for each wait. stalling: how many do so without
+    a script. differences: those of other places each. unknown: what an interpreter could not run,
+    unjudged: so after runs that were compared. unfinished: a first run that took all the time.
+    never: branches of either program that no run took. total: how many there are.
     """
 
     runs: int = 0
@@ -126,7 +126,7 @@ class Found:
     failing: int = 0
     idle: Stop | None = None
     idling: int = 0
-    stalled: Stop | None = None
+    stalled: list[Stop] = field(default_factory=list)
     stalling: int = 0
     total: tuple[int, int] = (0, 0)
     never: tuple[tuple[Branch, ...], tuple[Branch, ...]] = ((), ())
@@ -210,7 +210,7 @@ class _Search:
                 self.pending = deque(one for one in self.pending if one in self.kept)
         for place, stops in self.unanswered.items():
             if place not in self.passed:
-                self.found.stalled = self.found.stalled or stops[0]
+                self.found.stalled.append(stops[0])
                 self.found.stalling += len(stops)
         if FEW * self.missed > self.found.runs:
             self.found.unknown = self.found.unjudged
@@ -422,7 +422,7 @@ class _Search:
             found.idling += 1
             found.idle = found.idle or Stop(0, one, scenario)
         elif self.script is not None and one.ended == "stopped":
-            found.stalled = Stop(0, one, scenario)
+            found.stalled.append(Stop(0, one, scenario))
         elif ours.unanswered is not None:
             self.unanswered.setdefault(ours.unanswered, []).append(Stop(0, one, scenario))
         self.passed.update(place for place, _ in ours.met)
@@ -437,8 +437,13 @@ class _Search:
         slower, _ = self._run_through(
             self.first, scenario, self.steps, None, SLOWER * STATEMENT_TIME
         )
-        values = [_kept(run) for run in (one, slower)]
-        return {name for name in values[0] if values[0][name] != values[1].get(name)}
+        before, after = _kept(one), _kept(slower)
+        # A run that was broken off sooner has fewer values: that makes them no other ones.
+        return {
+            name
+            for name, values in before.items()
+            if any(a != b for a, b in zip(values, after.get(name, ()), strict=False))
+        }
 
     def _behind(self, at: int, run: Run, driver: Driver, unlike: Unlike) -> Branch | None:
         """The branch that a run took last before what it does otherwise."""
@@ -619,8 +624,8 @@ def _comes_and_goes(
     wiring: Wiring, name: str, moments: Sequence[Moment], played: Scenario
 ) -> Iterator[Scenario]:
     """Scenarios in which an input of one bit changes at three moments, one after the other."""
-    starts = range(max(len(moments) - 2, 1))
-    for three in (moments[start : start + 3] for start in starts if len(moments) > 1):
+    for start in range(max(len(moments) - 2, 1)):
+        three = moments[start : start + 3]
         made = played.until(three[0])
         value = wiring.value(name, dict(_state(made)))
         for moment in three:
