@@ -102,7 +102,7 @@ def _corners(n: int) -> str:
 
 
 def curve(n: int) -> str:
-    """Chords of a closed curve of 8 m, as dense as there are many."""
+    """Chords of a closed curve of 8 m across, as dense as there are many."""
     turn = [math.tau * k / n for k in range(n + 1)]
     size = [3800.0 + 500.0 * math.sin(9.0 * one) for one in turn]
     rows = (
