@@ -82,7 +82,7 @@ class LockStep:
             try:
                 cell.advance(moment)
             except TimeoutError as error:
-                raise Refused(NOT_IN_STEP(reason=str(error))) from None
+                raise self._given_up(str(error)) from None
         self._settle()
 
     def _settle(self) -> None:
@@ -94,9 +94,14 @@ class LockStep:
                 continue
             while not one.settled(lambda one=one: self._executing(one)):
                 if time.monotonic() > end:
-                    reason = f"what `{connection.name}` was sent does not arrive"
-                    raise Refused(NOT_IN_STEP(reason=reason))
+                    raise self._given_up(f"what `{connection.name}` was sent does not arrive")
                 time.sleep(LOOK)
+
+    def _given_up(self, reason: str) -> Refused:
+        """The end of the run. Time passes again, or no stop that is sent now would be answered."""
+        for cell in self.cells:
+            cell.free()
+        return Refused(NOT_IN_STEP(reason=reason))
 
     def _executing(self, one: Any) -> bool:
         """Whether the controller that it leads to has a statement under way."""

@@ -130,6 +130,9 @@ def test_a_line_on_which_nothing_arrives_is_told():
         with pytest.raises(Refused, match="BL204"):
             run(diagram, 1.0, STEP, clock=clock, moving=["cell"], watch=slow)
         assert connection.users == 0
+        # Its time passes again, so that the stop that ends the run is answered.
+        assert not cell.executing
+        assert not cell.state.servo
 
 
 def test_bdsim_in_lock_step_gives_its_results_and_our_columns_alike():
