@@ -43,6 +43,7 @@ EXCEPTIONS: Final = {
     ("checks/arcs.py", "rapid"): "says whose limit it is",
     ("checks/clearances.py", "clear"): "apart",
     ("cli/app.py", "rapid"): "help: what the program is for",
+    ("cli/app.py", "reset"): "the name of a command",
     ("cli/app.py", "melfa"): "help: what the program is for",
     ("cli/demo_cells.py", "j_curr"): "what the second program on its virtual controller sends",
     ("cli/looking.py", "reset"): "the name of our own command",

@@ -2,57 +2,106 @@
 
 from __future__ import annotations
 
+import importlib
 import os
-from pathlib import Path
-from typing import Annotated, Final
+from collections.abc import Iterator, Mapping, MutableMapping
+from typing import Annotated, Any, Final
 
 import typer
+from typer.core import TyperGroup
 
 from assistant import __version__
-from assistant.cli import (
-    deployments,
-    on_arms,
-    on_blocks,
-    on_cells,
-    on_controllers,
-    on_programs,
-    projects,
-)
-from assistant.cli.answering_sights import answer
-from assistant.cli.calibrations import calibrate, poses
-from assistant.cli.camera_commands import camera
-from assistant.cli.editors import lsp
-from assistant.cli.exchanges import exchange
-from assistant.cli.explorations import explore
-from assistant.cli.gateways import gateway
-from assistant.cli.learning_commands import learn
-from assistant.cli.object_commands import objects, see
-from assistant.cli.options import FormatOption, complete_robot
-from assistant.cli.presentation import Format, LengthUnit, answer_as
-from assistant.cli.reaching import reach
-from assistant.cli.studios import studio
-from assistant.cli.virtual_commands import virtual
-from assistant.cli.virtual_runs import debug, run
+
+COMMANDS: Final[Mapping[str, str]] = {
+    **dict.fromkeys(
+        ("compile", "translate", "compare", "show", "check", "explain", "fmt", "coverage"),
+        "on_programs",
+    ),
+    **dict.fromkeys(("simulate", "view", "info", "scene"), "on_cells"),
+    **dict.fromkeys(("kinematics", "fmu"), "on_blocks"),
+    "see": "object_commands",
+    "learn": "learning_commands",
+    **dict.fromkeys(("run", "debug"), "virtual_runs"),
+    "lsp": "editors",
+    "gateway": "gateways",
+    "studio": "studios",
+    "answer": "answering_sights",
+    **dict.fromkeys(("init", "build"), "projects"),
+    **dict.fromkeys(("plan", "deploy", "rollback", "deployments", "verify"), "deployments"),
+    **dict.fromkeys(("ls", "get", "put", "rm", "backup", "restore"), "on_controllers"),
+    **dict.fromkeys(("monitor", "log", "inputs", "outputs", "parameters"), "on_controllers"),
+    **dict.fromkeys(("variables", "reset", "stop", "teach"), "on_controllers"),
+    **dict.fromkeys(("motors", "jog", "start", "hand", "follow", "servo"), "on_arms"),
+    "demo": "demo_command",
+    "virtual": "virtual_commands",
+    "robots": "robot_commands",
+    "exchange": "exchanges",
+    "reach": "reaching",
+    "explore": "explorations",
+    "camera": "camera_commands",
+    "objects": "object_commands",
+}
+"""Command, in the order of the help → the module of this folder that has it under its name: a
+function, or the `Typer` of a group.
+"""
+NUMBERS: Final = frozenset({"jog"})
+"""Commands with an argument that may begin with a minus."""
+
+
+class _Commands(MutableMapping[str, Any]):
+    """Commands by their names. Each is imported and built when it is asked for: all of them
+    together take a fifth of the time that `check` takes for a small program.
+    """
+
+    def __init__(self) -> None:
+        self._made: dict[str, Any] = dict.fromkeys(COMMANDS)
+
+    def __getitem__(self, name: str) -> Any:
+        if self._made[name] is None:
+            self._made[name] = _command(name)
+        return self._made[name]
+
+    def __setitem__(self, name: str, command: Any) -> None:
+        self._made[name] = command
+
+    def __delitem__(self, name: str) -> None:
+        del self._made[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._made)
+
+    def __len__(self) -> int:
+        return len(self._made)
+
+
+def _command(name: str) -> Any:
+    module = importlib.import_module(f"assistant.cli.{COMMANDS[name]}")
+    found = getattr(module, name)
+    if not isinstance(found, typer.Typer):
+        function, found = found, typer.Typer(add_completion=False, rich_markup_mode=None)
+        minus = {"ignore_unknown_options": True} if name in NUMBERS else None
+        found.command(name, context_settings=minus)(function)
+    command = typer.main.get_command(found)
+    command.name = name
+    return command
+
+
+class _Group(TyperGroup):
+    """All commands."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**settings)
+        self.commands = _Commands()
+
 
 app: Final = typer.Typer(
+    cls=_Group,
     help="Drawings, trajectories and robot programs to proven ABB RAPID and MELFA-BASIC.",
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-app.add_typer(virtual, name="virtual")
-robots: Final = typer.Typer(
-    help="List the robots there are; `show` tells all of one, `calibrate` corrects one.",
-    invoke_without_command=True,
-    rich_markup_mode=None,
-)
-app.add_typer(robots, name="robots")
-app.add_typer(exchange, name="exchange")
-app.add_typer(reach, name="reach")
-app.add_typer(explore, name="explore")
-app.add_typer(camera, name="camera")
-app.add_typer(objects, name="objects")
 
 
 def _budget(text: str | None) -> None:
@@ -88,78 +137,3 @@ def options(
 ) -> None:
     """Drawings, trajectories and robot programs to proven ABB RAPID and MELFA-BASIC."""
     _budget(budget)
-
-
-for command in (*on_programs.COMMANDS, *on_cells.COMMANDS, *on_blocks.COMMANDS):
-    app.command()(command)
-app.command("see")(see)
-app.command()(learn)
-app.command()(run)
-app.command()(debug)
-app.command()(lsp)
-app.command()(gateway)
-app.command()(studio)
-app.command()(answer)
-
-
-for command in (
-    *(*projects.COMMANDS, *deployments.COMMANDS),
-    *(*on_controllers.COMMANDS, *on_arms.COMMANDS),
-):
-    minus = {"ignore_unknown_options": True} if command.__name__ in on_arms.NUMBERS else None
-    app.command(context_settings=minus)(command)
-
-
-@robots.callback()
-def robots_list(context: typer.Context, format: FormatOption = Format.TEXT) -> None:
-    """List the robots of the catalogue; `robots show NAME` tells all of one."""
-    from assistant.cli.robots import run_list
-
-    if context.invoked_subcommand is None:
-        raise typer.Exit(run_list(format))
-
-
-robots.command("calibrate")(calibrate)
-robots.command("poses")(poses)
-
-
-@robots.command("show")
-def robots_show(
-    context: typer.Context,
-    robot: Annotated[
-        str,
-        typer.Argument(
-            metavar="NAME",
-            help="A robot of the catalogue, or a robot file.",
-            autocompletion=complete_robot,
-        ),
-    ],
-    draw: Annotated[
-        Path | None,
-        typer.Option(help="Draw the arm as well: FILE.png or FILE.svg.", metavar="FILE"),
-    ] = None,
-    format: Annotated[
-        Format | None, typer.Option("--format", help="For people or for programs.")
-    ] = None,
-) -> None:
-    """Print the data of a robot with their source, and draw it."""
-    from assistant.cli.robots import run_show
-
-    before = context.parent.params["format"] if context.parent else Format.TEXT
-    asked = answer_as(format or Format(before))
-    raise typer.Exit(run_show(robot, draw, Format(asked)))
-
-
-@app.command()
-def demo(
-    output: Annotated[
-        Path, typer.Option("--output", "-o", help="Folder for what it makes.")
-    ] = Path("out/demo"),
-    unit: Annotated[
-        LengthUnit, typer.Option(help="Unit of the positions that are drawn.")
-    ] = LengthUnit.MM,
-) -> None:
-    """A drawing and a trajectory to programs on two embedded virtual controllers, with a report."""
-    from assistant.cli.demo import run_demo
-
-    raise typer.Exit(run_demo(output, unit.value))

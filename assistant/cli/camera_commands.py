@@ -15,6 +15,7 @@ camera: Final = typer.Typer(
     help="Calibrate, look through and check cameras; draw what they would see of a cell.",
     no_args_is_help=True,
     rich_markup_mode=None,
+    add_completion=False,
 )
 CamerasArgument = Annotated[
     Path, typer.Argument(metavar="CAMERAS", help="File of the cameras, .toml.")

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Annotated
 
 import typer
 
@@ -172,6 +171,3 @@ def verify(
     from assistant.cli.deployed import run_verify
 
     raise typer.Exit(run_verify(files or (), to, target or (), history, format))
-
-
-COMMANDS: Final[tuple[Callable[..., None], ...]] = (plan, deploy, rollback, deployments, verify)

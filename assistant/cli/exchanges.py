@@ -15,6 +15,7 @@ exchange: Final = typer.Typer(
     help="Exchange poses with a running program, by files on the controller.",
     no_args_is_help=True,
     rich_markup_mode=None,
+    add_completion=False,
 )
 PrefixOption = Annotated[str, typer.Option(help="How the names of the files begin.")]
 TimeoutOption = Annotated[

@@ -29,6 +29,7 @@ explore: Final = typer.Typer(
     help="Chart the space about a robot by where it has been without contact.",
     no_args_is_help=True,
     rich_markup_mode=None,
+    add_completion=False,
 )
 CellOption = Annotated[Path, typer.Option("--cell", help="File of the cell, with the robot.")]
 ChartOption = Annotated[

@@ -14,6 +14,7 @@ objects: Final = typer.Typer(
     help="Learn objects by their drawings or by showing them; list those of a library.",
     no_args_is_help=True,
     rich_markup_mode=None,
+    add_completion=False,
 )
 LibraryArgument = Annotated[Path, typer.Argument(metavar="LIBRARY", help="Folder of the library.")]
 CamerasOption = Annotated[

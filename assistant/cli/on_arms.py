@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import enum
-from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Annotated
 
 import typer
 
@@ -185,8 +184,3 @@ def servo(
 
     wishes = Wishes(port, tuple(lines or ()), cycle, replace)
     raise typer.Exit(run_servo(cell, task, Options(cameras, by, log, wishes, yes, format)))
-
-
-COMMANDS: Final[tuple[Callable[..., None], ...]] = (motors, jog, start, hand, follow, servo)
-NUMBERS: Final = frozenset({"jog"})
-"""Commands with an argument that may begin with a minus."""

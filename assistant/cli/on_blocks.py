@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import enum
-from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Annotated
 
 import typer
 
@@ -107,7 +106,3 @@ def fmu(
     named = None if kind is None else kind.value
     wanted = Wanted(source, output, named, lag, cycle, all_platforms, Options(*given))
     raise typer.Exit(run_fmu(wanted, format))
-
-
-COMMANDS: Final[tuple[Callable[..., None], ...]] = (kinematics, fmu)
-"""In the order of the help."""

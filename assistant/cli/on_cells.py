@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Annotated
 
 import typer
 
@@ -153,7 +152,3 @@ def scene(
     from assistant.cli.scenes import run_scene
 
     raise typer.Exit(run_scene(file, unit, output, format))
-
-
-COMMANDS: Final[tuple[Callable[..., None], ...]] = (simulate, view, info, scene)
-"""In the order of the help."""

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Annotated
 
 import typer
 
@@ -314,10 +313,3 @@ def teach(
 
     options = Options(into, on, now, wanted, format)
     raise typer.Exit(run_teach(cell, names or (), options, {"--go": go, "--stroke": stroke}))
-
-
-COMMANDS: Final[tuple[Callable[..., None], ...]] = (
-    *(ls, get, put, rm, backup, restore, monitor, log),
-    *(inputs, outputs, parameters, variables, reset, stop, teach),
-)
-"""In the order of the help; those that move an arm are in `on_arms.py`."""

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Annotated
 
 import typer
 
@@ -385,16 +384,3 @@ def coverage(
     from assistant.cli.coverage import run_coverage
 
     raise typer.Exit(run_coverage(programs, from_language, format))
-
-
-COMMANDS: Final[tuple[Callable[..., None], ...]] = (
-    compile,
-    translate,
-    compare,
-    show,
-    check,
-    explain,
-    fmt,
-    coverage,
-)
-"""In the order of the help."""

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Annotated
 
 import typer
 
@@ -59,6 +58,3 @@ def init(
     from assistant.cli.building import run_init
 
     raise typer.Exit(run_init(paths or (), unit))
-
-
-COMMANDS: Final[tuple[Callable[..., None], ...]] = (init, build)

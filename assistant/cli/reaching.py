@@ -22,6 +22,7 @@ reach: Final = typer.Typer(
     help="What an arm reaches, where things stand best, which space a program sweeps.",
     no_args_is_help=True,
     rich_markup_mode=None,
+    add_completion=False,
 )
 RANGE: Final = "LOW:HIGH:STEP"
 TipOption = Annotated[

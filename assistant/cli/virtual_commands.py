@@ -11,7 +11,10 @@ import typer
 from assistant.cli.options import complete_robot
 
 virtual: Final = typer.Typer(
-    help="Run a virtual controller on this computer.", no_args_is_help=True, rich_markup_mode=None
+    help="Run a virtual controller on this computer.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    add_completion=False,
 )
 
 
